@@ -1,0 +1,55 @@
+#include "app/commands.h"
+#include "app/exit_codes.h"
+#include "app/find_scene.h"
+#include "souple/io/mesh_file.h"
+#include "souple/scene/scene.h"
+#include "souple/version.h"
+
+#include <cstdio>
+
+namespace souple::app {
+
+namespace {
+
+const char* compiler() {
+#if defined(__clang__)
+  return "clang " __clang_version__;
+#elif defined(__GNUC__)
+  return "g++ " __VERSION__;
+#else
+  return "unknown";
+#endif
+}
+
+void print_folders() {
+  std::printf("scenes are looked for in:\n");
+  for (const std::filesystem::path& folder : scene_folders()) {
+    std::error_code error;
+    const bool there = std::filesystem::is_directory(folder, error);
+    std::printf("  %s%s\n", folder.string().c_str(), there ? "" : " (not there)");
+  }
+}
+
+}  // namespace
+
+int info(InfoPart part) {
+  if (part == InfoPart::schema) {
+    std::fputs(scene_schema().c_str(), stdout);
+    return fine;
+  }
+  if (part == InfoPart::scene_format) {
+    std::fputs(scene_manual().c_str(), stdout);
+    return fine;
+  }
+  std::printf("souple %s\n", version);
+  std::printf("compiler: %s, %s\n", compiler(), SOUPLE_BUILD_TYPE);
+  std::printf("threads: 1 (the solver is sequential)\n");
+  std::printf("mesh files: OBJ, PLY, STL, Gmsh, TetGen, VTK\n");
+  std::printf("other mesh files, through assimp: %s\n",
+              mesh_import_has_assimp() ? "yes" : "no (not built in)");
+  std::printf("caches: PC2, MDD, OBJ, PLY\n");
+  print_folders();
+  return fine;
+}
+
+}  // namespace souple::app

@@ -1,0 +1,32 @@
+#include "app/interrupt.h"
+
+#include <csignal>
+
+namespace souple::app {
+
+namespace {
+
+// The only thing a signal handler may touch.
+volatile std::sig_atomic_t came = 0;
+
+extern "C" void remember(int) {
+  came = 1;
+}
+
+}  // namespace
+
+void watch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = remember;
+  // The second one finds the default action again. Writing to a file goes on after the first.
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupt_came() {
+  return came != 0;
+}
+
+}  // namespace souple::app

@@ -1,0 +1,185 @@
+#include "app/commands.h"
+#include "app/exit_codes.h"
+#include "souple/error.h"
+#include "souple/version.h"
+
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <new>
+
+// The only file that sees CLI11: it costs seconds.
+#include <CLI/CLI.hpp>
+
+namespace {
+
+using souple::app::bad_input;
+using souple::app::failed;
+using souple::app::fine;
+using souple::app::InfoPart;
+using souple::app::RunOptions;
+
+constexpr const char* scene_help = "a scene file, or the name of a shipped scene (see `souple list`)";
+
+constexpr const char* main_footer = R"(Examples:
+  souple list                                  the scenes that are shipped
+  souple run flag                              simulates one, writes out/flag
+  souple run my/scene.json --frames 100 --write pc2,obj --out renders/a
+  souple run --resume out/flag                 goes on with a run that was interrupted
+  souple check my/scene.json                   reads a scene and says what it holds
+
+Exit codes: 0 fine, 1 writing failed, 2 bad input, 3 the simulation went bad, 130 interrupted.)";
+
+constexpr const char* run_footer = R"(Examples:
+  souple run flag --set objects.flag.material.bending_stiffness=1e-5 --set substeps=20
+  souple run scene.json --frames 600 --checkpoint-every 100 --out renders/a
+  souple run --resume renders/a
+
+Writes DIR/run.json and, for each object, a mesh and its cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
+the frame, writes a checkpoint and says how to go on; a second Ctrl-C ends at once.)";
+
+constexpr const char* check_footer = R"(Example:
+  souple check flag --set objects.flag.mesh.grid.columns=100
+
+Prints what the scene holds and what its meshes made necessary to mend; exit code 2 if it cannot be used.)";
+
+constexpr const char* list_footer = R"(Example:
+  souple list --json)";
+
+constexpr const char* info_footer = R"(Examples:
+  souple info
+  souple info --schema > scene.schema.json     for editors that check JSON while it is written)";
+
+void add_settings(CLI::App& command, std::vector<std::string>& settings) {
+  command
+      .add_option("--set", settings,
+                  "change a value of the scene: PATH=VALUE, such as substeps=20; repeatable")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+}
+
+void add_run(CLI::App& app, std::function<int()>& action) {
+  auto options = std::make_shared<RunOptions>();
+  auto threads = std::make_shared<std::uint32_t>(1);
+  CLI::App& command = *app.add_subcommand("run", "simulate a scene and write its caches");
+  command.footer(run_footer);
+  command.add_option("SCENE", options->scene, scene_help);
+  command.add_option("--frames", options->frames, "how many frames to simulate, instead of the scene's")
+      ->type_name("N");
+  command.add_option("--out", options->out, "the folder to write to [out/NAME]")->type_name("DIR");
+  command.add_option("--write", options->formats, "caches to write: pc2, mdd, obj, ply [pc2]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}))
+      ->type_name("FORMATS");
+  command.add_option("--threads", *threads, "accepted and ignored: the solver is sequential today")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  command.add_option("--substeps", options->substeps, "the same as --set substeps=N")->type_name("N");
+  command.add_option("--iterations", options->iterations, "the same as --set iterations=N")->type_name("N");
+  add_settings(command, options->settings);
+  command.add_option("--resume", options->resume, "go on with the interrupted run of this folder")
+      ->type_name("DIR");
+  command.add_option("--checkpoint-every", options->checkpoint_every, "write a checkpoint every N frames")
+      ->type_name("N");
+  command.add_flag("--quiet", options->quiet, "print nothing but errors");
+  command.callback(
+      [options, threads, &action] { action = [options] { return souple::app::run(*options); }; });
+}
+
+void add_list(CLI::App& app, std::function<int()>& action) {
+  auto as_json = std::make_shared<bool>(false);
+  CLI::App& command = *app.add_subcommand("list", "list the shipped scenes");
+  command.footer(list_footer);
+  command.add_flag("--json", *as_json, "as JSON: name, file, description");
+  command.callback([as_json, &action] { action = [as_json] { return souple::app::list(*as_json); }; });
+}
+
+void add_check(CLI::App& app, std::function<int()>& action) {
+  auto scene = std::make_shared<std::string>();
+  auto settings = std::make_shared<std::vector<std::string>>();
+  CLI::App& command = *app.add_subcommand("check", "read a scene and its meshes and say what they hold");
+  command.footer(check_footer);
+  command.add_option("SCENE", *scene, scene_help)->required();
+  add_settings(command, *settings);
+  command.callback([scene, settings, &action] {
+    action = [scene, settings] { return souple::app::check(*scene, *settings); };
+  });
+}
+
+void add_info(CLI::App& app, std::function<int()>& action) {
+  auto part = std::make_shared<InfoPart>(InfoPart::all);
+  CLI::App& command =
+      *app.add_subcommand("info", "version, compiler, optional parts, where scenes are found");
+  command.footer(info_footer);
+  auto* schema = command.add_flag_callback(
+      "--schema", [part] { *part = InfoPart::schema; }, "print the JSON schema of scene files");
+  command
+      .add_flag_callback(
+          "--scene-format", [part] { *part = InfoPart::scene_format; },
+          "print the manual page of scene files")
+      ->excludes(schema);
+  command.callback([part, &action] { action = [part] { return souple::app::info(*part); }; });
+}
+
+int perform(const std::function<int()>& action) {
+  try {
+    return action();
+  } catch (const souple::Error& error) {
+    std::fprintf(stderr, "souple: %s\n", error.what());
+    return bad_input;
+  } catch (const std::bad_alloc&) {
+    std::fputs("souple: out of memory: the scene is too large for this machine\n", stderr);
+    return bad_input;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "souple: %s\n", error.what());
+    return failed;
+  }
+}
+
+/// What is wrong with the command line, on one line.
+std::string complaint(CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && app.get_subcommands().empty()) {
+    const std::string commands = "run, list, check or info";
+    if (argc < 2) return "expected a command: " + commands;
+    const bool option = argv[1][0] == '-';
+    return std::string(argv[1]) + ": there is no such " + (option ? "option" : "command") + "; expected " +
+           commands;
+  }
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    for (const std::string& argument : app.remaining(true)) {
+      if (argument.rfind('-', 0) == 0) return argument + ": there is no such option";
+    }
+    for (const std::string& argument : app.remaining(true)) return argument + ": one argument too many";
+  }
+  std::string what = error.what(), conversion = "Could not convert: ";
+  if (what.rfind(conversion, 0) == 0)
+    return what.substr(conversion.size()) + ": expected a whole number, 0 or more";
+  return what;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::function<int()> action;
+  CLI::App app(
+      "Souple simulates cloth, soft bodies, ropes and grains from scene files, and writes caches that "
+      "Blender and Houdini open.",
+      "souple");
+  app.footer(main_footer);
+  app.set_version_flag("--version", std::string("souple ") + souple::version, "print the version");
+  app.require_subcommand(1);
+  add_run(app, action);
+  add_list(app, action);
+  add_check(app, action);
+  add_info(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error) == 0 ? fine : bad_input;  // --help, --version
+    std::fprintf(stderr, "souple: %s; see `souple --help` and `souple run --help`\n",
+                 complaint(app, error, argc, argv).c_str());
+    return bad_input;
+  }
+  return perform(action);
+}

@@ -1,0 +1,248 @@
+#include "app/commands.h"
+#include "app/exit_codes.h"
+#include "app/find_scene.h"
+#include "app/interrupt.h"
+#include "app/progress.h"
+#include "souple/io/checkpoint_file.h"
+#include "souple/io/recorder.h"
+#include "souple/scene/nearest.h"
+#include "souple/scene/run_record.h"
+#include "souple/scene/scene.h"
+#include "souple/version.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+
+namespace souple::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* checkpoint_name = "checkpoint.souple";
+
+/// A run about to begin, or to go on.
+struct Job {
+  RunRecord record;
+  SceneDescription scene;
+  fs::path out;
+  std::uint64_t done = 0;        ///< frames simulated before
+  std::vector<std::byte> state;  ///< of the world after them
+};
+
+std::vector<CacheFormat> formats_of(const std::vector<std::string>& names) {
+  std::vector<CacheFormat> formats;
+  for (const std::string& name : names) {
+    for (const auto& [known, format] : cache_formats()) {
+      const bool again = std::find(formats.begin(), formats.end(), format) != formats.end();
+      if (name == known && !again) formats.push_back(format);
+    }
+  }
+  if (formats.empty()) formats.push_back(CacheFormat::pc2);
+  return formats;
+}
+
+/// The command's own flags are settings like any other, and checked like them.
+std::vector<std::string> settings_of(const RunOptions& options) {
+  std::vector<std::string> settings = options.settings;
+  if (options.frames) settings.push_back("frames=" + std::to_string(*options.frames));
+  if (options.substeps) settings.push_back("substeps=" + std::to_string(*options.substeps));
+  if (options.iterations) settings.push_back("iterations=" + std::to_string(*options.iterations));
+  return settings;
+}
+
+Job new_job(const RunOptions& options) {
+  const fs::path file = find_scene(options.scene);
+  Job job;
+  job.scene = load_scene(file, settings_of(options));
+  job.record.name = file.stem().string();
+  job.record.source = job.scene.source;
+  job.record.folder = fs::absolute(job.scene.folder / ".").lexically_normal().string();
+  job.record.scene = to_json(job.scene);
+  job.record.formats = formats_of(options.formats);
+  job.record.checkpoint_every = options.checkpoint_every.value_or(0);
+  job.out = options.out.empty() ? fs::path("out") / job.record.name : options.out;
+  return job;
+}
+
+void refuse_changes(const RunOptions& options) {
+  const bool changes = !options.settings.empty() || options.substeps || options.iterations ||
+                       !options.formats.empty() || !options.out.empty() || !options.scene.empty();
+  if (changes) {
+    throw Error(
+        "--resume goes on with the scene, the settings and the folder of the stopped run; leave out SCENE, "
+        "--set, --substeps, --iterations, --write and --out (--frames may be larger)");
+  }
+}
+
+Job stopped_job(const RunOptions& options) {
+  refuse_changes(options);
+  const fs::path file = options.resume / checkpoint_name;
+  if (std::error_code error; !fs::exists(options.resume, error))
+    throw Error(options.resume.string() + ": there is no such folder");
+  if (std::error_code error; !fs::exists(file, error)) {
+    throw Error(options.resume.string() + ": has no " + checkpoint_name +
+                ": no run was stopped here, or it was finished since");
+  }
+  Checkpoint checkpoint = read_checkpoint(file, version);
+  Job job;
+  job.record = parse_run_record(checkpoint.scene, file.string());
+  if (options.checkpoint_every) job.record.checkpoint_every = *options.checkpoint_every;
+  std::vector<std::string> settings;
+  if (options.frames) settings.push_back("frames=" + std::to_string(*options.frames));
+  job.scene = parse_scene(job.record.scene, job.record.folder, job.record.source, settings);
+  job.record.scene = to_json(job.scene);
+  job.out = options.resume;
+  job.done = checkpoint.frame;
+  job.state = std::move(checkpoint.state);
+  if (job.done > job.scene.frames) {
+    throw Error("--frames " + std::to_string(job.scene.frames) + ": the stopped run already has " +
+                std::to_string(job.done) + " frames; expected at least as many");
+  }
+  return job;
+}
+
+void save_checkpoint(const Job& job, const World& world, std::uint64_t frame) {
+  Checkpoint checkpoint;
+  checkpoint.version = version;
+  checkpoint.frame = frame;
+  checkpoint.scene = run_record_text(job.record);
+  checkpoint.state = world.snapshot().bytes;
+  write_checkpoint(job.out / checkpoint_name, checkpoint);
+}
+
+/// What is worth saying of a run when it is over.
+struct Tally {
+  std::array<std::uint64_t, 4> flagged{};  ///< frames with each flag
+  double largest_strain = 0;
+
+  static constexpr std::array<Flag, 4> flags{Flag::non_finite, Flag::large_strain, Flag::deep_contact,
+                                             Flag::callback_failed};
+  void add(const StepReport& report) {
+    for (std::size_t i = 0; i < flags.size(); ++i) flagged[i] += report.has(flags[i]) ? 1 : 0;
+    largest_strain = std::max(largest_strain, report.largest_strain);
+  }
+};
+
+void print_remarks(const Tally& tally, const Recorder& recorder) {
+  for (const std::string& note : recorder.notes()) std::fprintf(stderr, "souple: %s\n", note.c_str());
+  for (std::size_t i = 0; i < Tally::flags.size(); ++i) {
+    if (tally.flagged[i] == 0 || Tally::flags[i] == Flag::non_finite) continue;
+    std::fprintf(stderr, "souple: in %llu frames: %s\n", static_cast<unsigned long long>(tally.flagged[i]),
+                 std::string(advice(Tally::flags[i])).c_str());
+  }
+}
+
+std::string frames_text(std::uint64_t frames) {
+  return std::to_string(frames) + (frames == 1 ? " frame" : " frames");
+}
+
+void print_summary(const Job& job, const Tally& tally, double seconds) {
+  const std::uint64_t frames = job.scene.frames - job.done;
+  const double each = frames > 0 ? 1e3 * seconds / static_cast<double>(frames) : 0;
+  std::printf("%s: %s in %.2f s (%.2f ms/frame), largest strain %.2g %%, in %s\n", job.record.name.c_str(),
+              frames_text(frames).c_str(), seconds, each, 100 * tally.largest_strain,
+              job.out.string().c_str());
+}
+
+int say_bad(const Job& job, const StepReport& report, std::uint64_t frame) {
+  std::fprintf(
+      stderr,
+      "souple: %s: the simulation went bad in frame %llu: object \"%s\", particle %lu is no longer finite; "
+      "the frames before are in %s. %s\n",
+      job.record.source.c_str(), static_cast<unsigned long long>(frame), report.bad_object.c_str(),
+      static_cast<unsigned long>(report.bad_vertex), job.out.string().c_str(),
+      std::string(advice(Flag::non_finite)).c_str());
+  return went_bad;
+}
+
+int say_interrupted(const Job& job, std::uint64_t frame) {
+  std::fprintf(stderr, "souple: interrupted after frame %llu of %u; go on with: souple run --resume %s\n",
+               static_cast<unsigned long long>(frame), job.scene.frames, job.out.string().c_str());
+  return interrupted;
+}
+
+/// Simulates and records; every way out leaves whole files behind.
+int simulate(const Job& job, World& world, Recorder& recorder, bool quiet) {
+  const double dt = 1 / job.scene.frame_rate;
+  Tally tally;
+  double seconds = 0;
+  {
+    Progress progress(job.record.name, job.scene.frames, job.done, quiet);
+    for (std::uint64_t frame = job.done + 1; frame <= job.scene.frames; ++frame) {
+      const StepReport& report = world.step(dt);
+      tally.add(report);
+      if (!report.ok()) {
+        recorder.finish();
+        return say_bad(job, report, frame);
+      }
+      recorder.capture();
+      progress.frame_done(frame);
+      const bool last = frame == job.scene.frames;
+      if (!last && interrupt_came()) {
+        save_checkpoint(job, world, frame);
+        recorder.finish();
+        return say_interrupted(job, frame);
+      }
+      const std::uint32_t every = job.record.checkpoint_every;
+      if (!last && every > 0 && frame % every == 0) {
+        recorder.save_manifest();  // or a run killed later would be resumed without its reports
+        save_checkpoint(job, world, frame);
+      }
+    }
+    seconds = progress.seconds();
+  }
+  recorder.finish();
+  std::error_code error;
+  fs::remove(job.out / checkpoint_name, error);  // there is nothing left to go on with
+  if (!quiet) {
+    print_remarks(tally, recorder);
+    print_summary(job, tally, seconds);
+  }
+  return fine;
+}
+
+RecorderOptions recorder_options(const Job& job) {
+  RecorderOptions options;
+  options.formats = job.record.formats;
+  options.frame_rate = job.scene.frame_rate;
+  options.frames = job.scene.frames;
+  options.scene = job.record.scene;
+  options.resume_from = job.done;
+  return options;
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  if (options.resume.empty() && options.scene.empty()) {
+    throw Error("expected a scene: souple run SCENE (`souple list` shows those that are shipped)");
+  }
+  const Job job = options.resume.empty() ? new_job(options) : stopped_job(options);
+  World world = build_world(job.scene);
+  if (!job.state.empty()) {
+    try {
+      world.restore(Snapshot{job.state});
+    } catch (const Error& error) {
+      throw Error((job.out / checkpoint_name).string() +
+                  ": does not fit the scene any more (has a mesh changed?): " + error.what());
+    }
+  }
+  // From here on files appear; an interrupt ends the run in good order.
+  watch_interrupts();
+  if (job.done == 0) {
+    std::error_code error;
+    fs::remove(job.out / checkpoint_name, error);  // of an older run
+  }
+  Recorder recorder(world, job.out, recorder_options(job));
+  try {
+    return simulate(job, world, recorder, options.quiet);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "souple: %s\n", error.what());
+    return failed;
+  }
+}
+
+}  // namespace souple::app

@@ -1,0 +1,29 @@
+include(CMakePackageConfigHelpers)
+
+set(SOUPLE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/souple)
+
+install(TARGETS souple EXPORT souple-targets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/souple ${PROJECT_BINARY_DIR}/include/souple
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+if(EXISTS ${PROJECT_SOURCE_DIR}/scenes)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/souple/scenes)
+endif()
+if(TARGET souple_app)
+  install(TARGETS souple_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+if(SOUPLE_MAN_PAGE)
+  install(FILES ${SOUPLE_MAN_PAGE} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+endif()
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+install(EXPORT souple-targets NAMESPACE souple:: DESTINATION ${SOUPLE_PACKAGE_DIR})
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/souple-config.cmake.in
+                              ${PROJECT_BINARY_DIR}/souple-config.cmake
+                              INSTALL_DESTINATION ${SOUPLE_PACKAGE_DIR})
+# Before 1.0 a minor version may break what a user wrote.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/souple-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/souple-config.cmake ${PROJECT_BINARY_DIR}/souple-config-version.cmake
+        DESTINATION ${SOUPLE_PACKAGE_DIR})

@@ -1,0 +1,91 @@
+# What Souple needs and what it can use. Three functions:
+#
+#   souple_require(package debian purpose)                  found, or configuring ends with the line that installs it
+#   souple_part(OPTION default description package debian)  an option that is AUTO, ON or OFF
+#   souple_report_parts()                                   the table, and the error when something is missing
+#
+# A part's option is kept in the cache as AUTO, ON or OFF; below this file the variable of the same name is plainly
+# ON or OFF. AUTO means: on when its package is found. ON without the package is an error.
+
+set_property(GLOBAL PROPERTY SOUPLE_MISSING "")
+set_property(GLOBAL PROPERTY SOUPLE_PARTS "")
+
+macro(souple_require package debian purpose)
+  find_package(${package} QUIET)
+  if(NOT ${package}_FOUND)
+    set_property(GLOBAL APPEND PROPERTY SOUPLE_MISSING "${package}|${debian}|${purpose}")
+  endif()
+endmacro()
+
+macro(souple_part option default description package debian)
+  set(${option} ${default} CACHE STRING "${description}: AUTO (when its package is found), ON or OFF")
+  set_property(CACHE ${option} PROPERTY STRINGS AUTO ON OFF)
+  string(TOUPPER "${${option}}" souple_wish_)
+  if(souple_wish_ STREQUAL "AUTO" OR souple_wish_)
+    set(souple_found_ TRUE)
+    if(NOT "${package}" STREQUAL "")
+      find_package(${package} QUIET)
+      set(souple_found_ ${${package}_FOUND})
+    endif()
+    if(souple_found_)
+      set(${option} ON)
+      if(souple_wish_ STREQUAL "AUTO")
+        set(souple_why_ "${package} found")
+      else()
+        set(souple_why_ "asked for")
+      endif()
+    else()
+      set(${option} OFF)
+      set(souple_why_ "${package} not found")
+      if(NOT souple_wish_ STREQUAL "AUTO")
+        set_property(GLOBAL APPEND PROPERTY SOUPLE_MISSING "${package}|${debian}|${description}, asked for by ${option}=ON")
+      endif()
+    endif()
+  else()
+    set(${option} OFF)
+    set(souple_why_ "turned off")
+  endif()
+  set_property(GLOBAL APPEND PROPERTY SOUPLE_PARTS "${option}|${${option}}|${souple_why_}|${debian}|${description}")
+endmacro()
+
+function(souple_pad_ text width out)
+  string(LENGTH "${text}" length)
+  math(EXPR missing "${width} - ${length}")
+  if(missing GREATER 0)
+    string(REPEAT " " ${missing} spaces)
+  endif()
+  set(${out} "${text}${spaces}" PARENT_SCOPE)
+endfunction()
+
+function(souple_table_row_ option state why debian description)
+  souple_pad_("${option}" 22 option)
+  souple_pad_("${state}" 5 state)
+  souple_pad_("${why}" 17 why)
+  souple_pad_("${debian}" 27 debian)
+  message(STATUS "  ${option}${state}${why}${debian}${description}")
+endfunction()
+
+function(souple_report_parts)
+  message(STATUS "Souple ${PROJECT_VERSION}")
+  souple_table_row_("part" "is" "why" "Debian package" "what")
+  get_property(parts GLOBAL PROPERTY SOUPLE_PARTS)
+  foreach(part IN LISTS parts)
+    string(REPLACE "|" ";" row "${part}")
+    souple_table_row_(${row})
+  endforeach()
+
+  get_property(missing GLOBAL PROPERTY SOUPLE_MISSING)
+  if(missing)
+    foreach(entry IN LISTS missing)
+      string(REPLACE "|" ";" row "${entry}")
+      list(GET row 0 package)
+      list(GET row 1 debian)
+      list(GET row 2 purpose)
+      string(APPEND lines "  ${package} (${purpose})\n")
+      string(APPEND packages " ${debian}")
+    endforeach()
+    message(FATAL_ERROR "Souple needs packages that CMake does not find:\n${lines}"
+                        "On Debian or Ubuntu:\n  apt install${packages}\n"
+                        "or script/bootstrap, which installs all that is missing.")
+  endif()
+endfunction()

@@ -1,0 +1,144 @@
+#pragma once
+
+#include "souple/collision/collider.h"
+#include "souple/collision/contact.h"
+#include "souple/math/mat3.h"
+#include "souple/solver/projector.h"
+
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Particles against analytic colliders, static or moving.
+///
+///   C = n . (p - s) - r >= 0,   s the surface point, n the outward normal, r the particle's radius.
+///
+/// How a step uses it:
+///   begin_step(...)                              once: which particles may meet which collider
+///   for each substep, at time t:
+///     refresh(view, substep, t)                  after prediction: the contacts along x -> p, colliders t ->
+///     t + h project(colour, view, substep)             each iteration: push out, friction
+///     apply_restitution(view, velocities, substep)   after v = (p - x) / h
+///     report(), events()
+///
+/// n and s are read anew from the shape at each projection while the particle's centre is outside the shape
+/// (outside a convex shape the normal is continuous, so it cannot flip). Where the centre is inside, or the
+/// particle moves so fast that it may pass the shape within a substep, they are found once where the motion
+/// relative to the collider first touches the surface (sphere tracing), and that plane holds for the substep:
+/// a thin box lets nothing through and an edge does not throw a particle to its other side.
+///
+/// Friction is solved with the positions (Macklin et al. 2014, section 6.1): the tangential displacement
+/// since the substep began, relative to that of the collider's surface, is cancelled by corrections whose sum
+/// stays within mu times the sum of normal corrections, so any number of iterations gives the same law and
+/// nothing creeps. Particles of inverse mass 0 are ignored. No state outlives a step.
+class ColliderContacts final : public Projector {
+ public:
+  /// `particles` as the last substep left them; spans are read during the call only, but `colliders`,
+  /// `objects`, `surfaces` and `radius` must live until the step ends. surfaces.at(object, collider). What a
+  /// motion callback throws passes through; the contacts are then empty.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, std::span<const ContactObject> objects,
+                  std::span<const Collider> colliders, const SurfaceMatrix& surfaces,
+                  const ContactStep& step);
+
+  /// The contacts of the substep [time, time + h]: call after prediction and before the first project.
+  void refresh(const ParticleView& particles, const Substep& substep, double time);
+
+  /// Velocity of contacts that pushed, relative to the collider's surface: v_n becomes e times the approach
+  /// speed where that was above 2 |g| h, else 0. The approach speed is that of the predicted motion. What is
+  /// left of a push that only undid an overlap is taken out, never more than the contact itself put in.
+  /// Impulses added here bring their friction. `velocity` is m/s per particle.
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
+
+  ContactReport report() const { return report_; }
+  /// Appends the contacts that pushed during the last substep, in order of collider, then particle.
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+
+  std::string_view kind() const override { return "collider contact"; }
+  std::size_t size() const override { return contacts_.size(); }
+  void prepare(std::size_t) override {}
+  /// One colour per collider: a particle meets each collider once.
+  int colour_count() const override { return static_cast<int>(bodies_.size()); }
+  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  Residual residual(const ParticleView& particles) const override;
+  /// Contacts live for one step; erasing between steps forgets them all.
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+ private:
+  /// A rigid pose with its rotation as a matrix: point = rotation local + translation.
+  struct Pose {
+    Mat3d rotation;
+    Vec3d translation;
+
+    Vec3d to_world(const Vec3d& local) const { return rotation * local + translation; }
+    Vec3d to_local(const Vec3d& world) const {
+      const Vec3d d = world - translation;
+      return {dot(rotation.column[0], d), dot(rotation.column[1], d), dot(rotation.column[2], d)};
+    }
+  };
+  /// A collider during the step.
+  struct Body {
+    std::uint32_t collider = 0;
+    bool moves = false;
+    Pose before, after;  // at the substep's begin and end
+    BoundingBall ball;
+    std::size_t candidate_begin = 0, candidate_end = 0;
+    std::size_t contact_begin = 0, contact_end = 0;
+  };
+  /// A particle and the object it belongs to.
+  struct Member {
+    std::uint32_t particle, object;
+  };
+  /// Where a member was in the last broad phase, and how far it may go before the next.
+  struct Placed {
+    Vec3d at;
+    double margin;
+  };
+  struct Contact {
+    std::uint32_t particle;
+    float radius;
+    SurfacePair surface;
+    bool held;              // the plane below holds for the whole substep
+    SurfaceDistance start;  // at the substep's begin, or where the motion first touched
+    double plane_offset;    // of the plane with normal start.normal, in the collider's frame [m]
+    float allowed;          // C may stay this negative: an old overlap leaves slowly [m]
+    Vec3f predicted;        // motion relative to the surface before any projection [m]
+    float pushed = 0;       // sum of normal corrections [m]
+    Vec3f rubbed{};         // sum of tangential corrections [m]
+    Vec3f normal{};         // world, of the last projection
+    Vec3f carried{};        // what the surface moved in the substep at the contact [m]
+    float bounced = 0;      // normal velocity added by apply_restitution [m/s]
+  };
+  struct Gap {
+    double C;       // m
+    Vec3d normal;   // in the collider's frame
+    Vec3d surface;  // the surface point in the collider's frame
+  };
+
+  static Pose pose_at(const Collider& collider, double time);
+  static Gap gap(const Shape& shape, const Contact& contact, const Vec3d& local);
+  const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
+  void find_bodies();
+  void find_members();
+  void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h);
+  bool left_margins(const ParticleView& particles) const;
+  void meet_moving(const Body& body, const ParticleView& particles, float h);
+  void meet(const Body& body, const Member& member, const ParticleView& particles, float h);
+  void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
+
+  std::span<const Collider> colliders_;
+  std::span<const ContactObject> objects_;
+  std::span<const float> radius_;
+  const SurfaceMatrix* surfaces_ = nullptr;
+  ContactStep step_;
+  float last_h_ = 0;  // of the last refresh [s]
+  std::vector<Body> bodies_;
+  std::vector<Member> members_;
+  std::vector<Placed> placed_;      // of each member
+  std::vector<Member> candidates_;  // of static bodies, body by body
+  std::vector<Contact> contacts_;   // body by body
+  ContactReport report_;
+};
+
+}  // namespace souple

@@ -1,0 +1,98 @@
+#include "souple/collision/collider_motion.h"
+
+#include "souple/error.h"
+
+#include <string>
+#include <utility>
+
+namespace souple {
+namespace {
+
+bool is_finite(const Quatd& q) {
+  return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);
+}
+
+// slerp(a, b, s) = (sin((1 - s) angle) a + sin(s angle) b) / sin(angle)   (Shoemake 1985); for angles whose
+// sine vanishes the chord is the arc.
+Quatd slerp(const Quatd& a, Quatd b, double s) {
+  double cosine = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+  if (cosine < 0) {
+    b = {-b.x, -b.y, -b.z, -b.w};
+    cosine = -cosine;
+  }
+  double weight_a = 1 - s, weight_b = s;
+  const double angle = acos(min(cosine, 1.0));
+  if (angle > 1e-6) {
+    weight_a = sin((1 - s) * angle) / sin(angle);
+    weight_b = sin(s * angle) / sin(angle);
+  }
+  return normalized(Quatd{weight_a * a.x + weight_b * b.x, weight_a * a.y + weight_b * b.y,
+                          weight_a * a.z + weight_b * b.z, weight_a * a.w + weight_b * b.w});
+}
+
+}  // namespace
+
+ColliderMotion ColliderMotion::fixed(const Transform& pose) {
+  ColliderMotion motion;
+  motion.keys_.push_back({0, pose.translation, normalized(pose.rotation)});
+  return motion;
+}
+
+ColliderMotion ColliderMotion::keyframes(std::vector<PoseKey> keys, bool loop, std::string_view where) {
+  if (keys.empty()) throw Error(std::string(where) + ": no keyframes; expected at least one");
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const std::string key = std::string(where) + ": keyframe " + std::to_string(k);
+    if (!std::isfinite(keys[k].time) || !souple::is_finite(keys[k].translation) ||
+        !is_finite(keys[k].rotation))
+      throw Error(key + " holds a number that is not finite");
+    if (k > 0 && !(keys[k].time > keys[k - 1].time))
+      throw Error(key + " is not later than the one before it; expected times that increase");
+    keys[k].rotation = normalized(keys[k].rotation);
+  }
+  ColliderMotion motion;
+  motion.keys_ = std::move(keys);
+  motion.loop_ = loop;
+  return motion;
+}
+
+ColliderMotion ColliderMotion::callback(Callback callback) {
+  if (!callback) throw Error("collider motion: the callback is empty; expected a function of time");
+  ColliderMotion motion;
+  motion.callback_ = std::move(callback);
+  return motion;
+}
+
+bool ColliderMotion::jumps(double from, double to) const {
+  if (!loop_ || keys_.size() < 2) return false;
+  const PoseKey &first = keys_.front(), &last = keys_.back();
+  const auto same = [](const Quatd& a, const Quatd& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z && a.w == b.w;
+  };
+  if (first.translation == last.translation && same(first.rotation, last.rotation)) return false;
+  const double period = last.time - first.time;
+  return std::floor((from - first.time) / period) != std::floor((to - first.time) / period);
+}
+
+Transform ColliderMotion::at(double time) const {
+  if (callback_) {
+    const Transform pose = callback_(time);
+    if (!souple::is_finite(pose.translation) || !is_finite(pose.rotation))
+      throw Error("collider motion: the callback's pose at " + std::to_string(time) + " s is not finite");
+    return {pose.translation, normalized(pose.rotation), 1};
+  }
+  if (keys_.empty()) return {};
+  const double first = keys_.front().time, last = keys_.back().time;
+  if (loop_ && last > first) {
+    time = std::fmod(time - first, last - first);
+    time = first + (time < 0 ? time + (last - first) : time);
+  }
+  std::size_t next = 0;
+  while (next < keys_.size() && keys_[next].time <= time) ++next;
+  if (next == 0) return {keys_.front().translation, keys_.front().rotation, 1};
+  if (next == keys_.size()) return {keys_.back().translation, keys_.back().rotation, 1};
+  const PoseKey &a = keys_[next - 1], &b = keys_[next];
+  const double s = (time - a.time) / (b.time - a.time);
+  return {a.translation + (b.translation - a.translation) * s, slerp(a.rotation, b.rotation, s), 1};
+}
+
+}  // namespace souple

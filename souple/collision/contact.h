@@ -1,0 +1,44 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+#include <cstdint>
+
+// What the two contact projectors have in common.
+
+namespace souple {
+
+/// An object as contacts see it: a range of particles with one surface. An object's index in the span given
+/// to begin_step is its row (and column) in the SurfaceMatrix. Ranges are disjoint and ascending.
+struct ContactObject {
+  std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
+  bool hits_colliders = true;
+  bool hits_itself = false;       ///< its particles against each other
+  std::uint32_t layers = 1;       ///< particles of two objects meet when a.layers & b.hits_layers and
+  std::uint32_t hits_layers = 0;  ///<   b.layers & a.hits_layers are both non-zero
+};
+
+/// The whole step, known before its first substep.
+struct ContactStep {
+  double time = 0;        ///< at the step's begin [s]
+  float dt = 0;           ///< its length [s]
+  float gravity = 9.81f;  ///< |g| [m/s^2]: approach slower than 2 |g| h does not bounce
+  float depenetration_speed =
+      3.f;  ///< how fast an overlap that was there before the substep is pushed out [m/s]
+};
+
+/// One contact that pushed during the last substep.
+struct ContactPush {
+  std::uint32_t particle = 0;
+  std::uint32_t other = 0;  ///< collider index, or second particle
+  Vec3f point{};            ///< on the surface, world space [m]
+  Vec3f normal{};           ///< unit, towards `particle`
+  float impulse = 0;        ///< normal impulse on `particle` [N s]
+};
+
+struct ContactReport {
+  std::size_t count = 0;  ///< contacts that pushed during the last substep
+  float deepest = 0;      ///< largest penetration left after it [m]
+};
+
+}  // namespace souple

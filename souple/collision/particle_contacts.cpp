@@ -1,0 +1,393 @@
+#include "souple/collision/particle_contacts.h"
+
+#include "souple/collision/friction.h"
+#include "souple/error.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace souple {
+namespace {
+
+// The margin as a part of the largest diameter: less means many broad phases, more means many idle pairs.
+constexpr float least_margin = 0.1f;
+constexpr float largest_margin = 1.0f;
+constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::max();
+
+std::int32_t cell_index(float x, float cell_size) {
+  return static_cast<std::int32_t>(std::floor(min(double(x) / double(cell_size), 1e9)));
+}
+
+// The first moment in [0, 1] when |d + s motion| = reach, from outside; negative when there is none.
+float first_touch(const Vec3f& d, const Vec3f& motion, float reach) {
+  const Vec3d d0(d), m(motion);
+  const double a = dot(m, m), b = dot(d0, m), c = dot(d0, d0) - double(reach) * double(reach);
+  const double discriminant = b * b - a * c;
+  if (!(c > 0) || !(b < 0) || !(discriminant >= 0)) return -1;
+  const double s = c / (-b + sqrt(discriminant));
+  return s <= 1 ? float(s) : -1.0f;
+}
+
+}  // namespace
+
+bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) const {
+  const ContactObject &a = objects_[object_a], &b = objects_[object_b];
+  if (object_a == object_b) return a.hits_itself;
+  return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
+}
+
+void ParticleContacts::find_members() {
+  members_.clear();
+  largest_diameter_ = 0;
+  for (std::uint32_t a = 0; a < objects_.size(); ++a) {
+    bool meets_some = false;
+    for (std::uint32_t b = 0; b < objects_.size(); ++b) meets_some = meets_some || interact(a, b);
+    if (!meets_some) continue;
+    for (std::uint32_t i = objects_[a].begin; i < objects_[a].end; ++i) {
+      members_.push_back({i, a});
+      largest_diameter_ = max(largest_diameter_, 2 * radius_[i]);
+    }
+  }
+}
+
+void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                  std::span<const float> radius, std::span<const ContactObject> objects,
+                                  const SurfaceMatrix& surfaces, const ContactStep& step) {
+  if (surfaces.rows() < objects.size() || surfaces.columns() < objects.size())
+    throw Error("ParticleContacts: the surface matrix is smaller than objects x objects; build it anew");
+  objects_ = objects, radius_ = radius;
+  surfaces_ = &surfaces;
+  step_ = step;
+  report_ = {};
+  backwards_ = false;
+  contacts_.clear();
+  remember();
+  find_members();
+  const float speed = fastest([&](std::uint32_t i) { return velocity[i].xyz(); });
+  find_pairs(particles, 2.2f * speed * step.dt);
+}
+
+// The largest distance of any member's vector from their mean: a heap that falls as one needs no margin.
+template <class Speed>
+float ParticleContacts::fastest(Speed&& speed) const {
+  Vec3d sum;
+  for (const Member& member : members_) sum += Vec3d(speed(member.particle));
+  const Vec3f mean(sum / max(1.0, double(members_.size())));
+  float largest = 0;
+  for (const Member& member : members_) largest = max(largest, length_squared(speed(member.particle) - mean));
+  return sqrt(largest);
+}
+
+void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_margin) {
+  remember();
+  if (!(largest_diameter_ > 0)) return;
+  margin_ = max(least_margin * largest_diameter_, min(wanted_margin, largest_margin * largest_diameter_));
+  place_members(particles);
+  sort_into_cells(largest_diameter_ + margin_);
+  for (std::uint32_t m = 0; m < members_.size(); ++m) append_pairs_of(m);
+  recall();
+}
+
+// Pairs are in order of (i, j), as particles as well as members: each object's are one ascending range.
+void ParticleContacts::remember() {
+  if (pairs_.empty()) return;
+  memory_.clear();
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    if (drift_[p] == Vec3f{}) continue;
+    memory_.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, drift_[p]});
+  }
+  pairs_.clear();
+}
+
+void ParticleContacts::recall() {
+  drift_.assign(pairs_.size(), {});
+  std::size_t next = 0;
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    const std::uint32_t i = members_[pairs_[p].i].particle, j = members_[pairs_[p].j].particle;
+    while (next < memory_.size() && (memory_[next].i < i || (memory_[next].i == i && memory_[next].j < j)))
+      ++next;
+    if (next < memory_.size() && memory_[next].i == i && memory_[next].j == j)
+      drift_[p] = memory_[next].drift;
+  }
+  memory_.clear();
+}
+
+std::vector<FrictionMemory> ParticleContacts::memory() const {
+  if (pairs_.empty()) return memory_;
+  std::vector<FrictionMemory> result;
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    if (drift_[p] == Vec3f{}) continue;
+    result.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, drift_[p]});
+  }
+  return result;
+}
+
+void ParticleContacts::set_memory(std::span<const FrictionMemory> memory) {
+  pairs_.clear();
+  contacts_.clear();
+  memory_.clear();
+  for (const FrictionMemory& one : memory)
+    if (is_finite(one.drift)) memory_.push_back(one);
+}
+
+void ParticleContacts::place_members(const ParticleView& particles) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  corner_ = {infinity, infinity, infinity};
+  for (const Member& member : members_) {
+    const Vec3f x = particles.relative(member.particle, {});
+    if (!is_finite(x)) continue;
+    corner_ = {min(corner_.x, x.x), min(corner_.y, x.y), min(corner_.z, x.z)};
+  }
+  placed_.clear();
+  for (const Member& member : members_) placed_.push_back(particles.relative(member.particle, corner_));
+}
+
+// Buckets of cells that follow each other along x follow each other in memory, so that three neighbours are
+// one row.
+std::uint32_t ParticleContacts::bucket_of_row(std::int32_t y, std::int32_t z) const {
+  return static_cast<std::uint32_t>(y) * 2654435761u ^ static_cast<std::uint32_t>(z) * 2246822519u;
+}
+
+// Counting sort: bucket_begin_ counts, then ends, then begins of buckets; members keep their order in a
+// bucket.
+void ParticleContacts::sort_into_cells(float cell_size) {
+  std::size_t buckets = 64;
+  while (buckets < 2 * members_.size()) buckets *= 2;
+  bucket_begin_.assign(buckets + 1, 0);
+  const auto bucket_of = [&](const Cell& cell) {
+    return (bucket_of_row(cell.y, cell.z) + static_cast<std::uint32_t>(cell.x)) & (buckets - 1);
+  };
+  cells_.clear();
+  for (const Vec3f& at : placed_) {
+    const Cell cell = is_finite(at) ? Cell{cell_index(at.x, cell_size), cell_index(at.y, cell_size),
+                                           cell_index(at.z, cell_size)}
+                                    : Cell{nowhere, nowhere, nowhere};
+    cells_.push_back(cell);
+    ++bucket_begin_[bucket_of(cell)];
+  }
+  std::uint32_t end = 0;
+  for (std::uint32_t& count : bucket_begin_) count = end += count;
+  entries_.resize(members_.size());
+  for (std::size_t m = members_.size(); m-- > 0;)
+    entries_[--bucket_begin_[bucket_of(cells_[m])]] = {placed_[m], radius_[members_[m].particle],
+                                                       static_cast<std::uint32_t>(m), cells_[m]};
+}
+
+// Members after `member` within reach, in their order.
+void ParticleContacts::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
+  for (auto& pair : pairs)
+    if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
+  std::sort(pairs.begin(), pairs.end());
+  excluded_ = std::move(pairs);
+}
+
+bool ParticleContacts::is_excluded(std::uint32_t i, std::uint32_t j) const {
+  if (excluded_.empty()) return false;
+  return std::binary_search(excluded_.begin(), excluded_.end(),
+                            std::array<std::uint32_t, 2>{std::min(i, j), std::max(i, j)});
+}
+
+void ParticleContacts::append_pairs_of(std::uint32_t member) {
+  const Cell cell = cells_[member];
+  if (cell.x == nowhere) return;
+  const Vec3f at = placed_[member];
+  const float r = radius_[members_[member].particle] + margin_;
+  const std::size_t mask = bucket_begin_.size() - 2;
+  const std::size_t first = pairs_.size();
+  const auto scan = [&](std::size_t begin, std::size_t end, std::int32_t y, std::int32_t z) {
+    for (std::size_t e = bucket_begin_[begin]; e < bucket_begin_[end]; ++e) {
+      const Entry& other = entries_[e];
+      const float reach = r + other.radius;
+      // One branch, not four: which of them fails is a coin's toss.
+      const bool near = (other.member > member) & (other.cell.y == y) & (other.cell.z == z) &
+                        (length_squared(at - other.at) < reach * reach);
+      if (near && interact(members_[member].object, members_[other.member].object) &&
+          !is_excluded(members_[member].particle, members_[other.member].particle))
+        pairs_.push_back({member, other.member});
+    }
+  };
+  for (std::int32_t z = cell.z - 1; z <= cell.z + 1; ++z) {
+    for (std::int32_t y = cell.y - 1; y <= cell.y + 1; ++y) {
+      const std::size_t begin = (bucket_of_row(y, z) + static_cast<std::uint32_t>(cell.x) - 1u) & mask;
+      const std::size_t end = min(begin + 3, mask + 1);
+      scan(begin, end, y, z);
+      if (end - begin < 3) scan(0, 3 - (end - begin), y, z);  // the row goes on at the table's begin
+    }
+  }
+  std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(),
+            [](const Pair& a, const Pair& b) { return a.j < b.j; });
+}
+
+// How far members have moved against each other since the last broad phase, at most: twice the largest
+// distance from the mean motion.
+float ParticleContacts::travel(const ParticleView& particles) const {
+  Vec3d sum;
+  for (std::size_t m = 0; m < members_.size(); ++m)
+    sum += Vec3d(particles.relative(members_[m].particle, corner_) - placed_[m]);
+  const Vec3f mean(sum / max(1.0, double(members_.size())));
+  float largest = 0;
+  for (std::size_t m = 0; m < members_.size(); ++m)
+    largest =
+        max(largest, length_squared(particles.relative(members_[m].particle, corner_) - placed_[m] - mean));
+  return 2 * sqrt(largest);
+}
+
+void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep) {
+  last_h_ = substep.h;
+  contacts_.clear();
+  if (!(largest_diameter_ > 0)) return;
+  if (travel(particles) > margin_)
+    find_pairs(particles, 2.2f * fastest([&](std::uint32_t i) { return particles.moved(i); }));
+  for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair) meet(pair, particles, substep.h);
+}
+
+void ParticleContacts::meet(std::uint32_t pair, const ParticleView& particles, float h) {
+  const Member &a = members_[pairs_[pair].i], &b = members_[pairs_[pair].j];
+  const std::uint32_t i = a.particle, j = b.particle;
+  if (!(particles.inverse_mass(i) + particles.inverse_mass(j) > 0)) return;
+  const float reach = radius_[i] + radius_[j];
+  const Vec3f motion = particles.moved(i) - particles.moved(j);
+  const Vec3f to = particles.difference(i, j);
+  const float path = length(motion), apart = length(to);
+  // Neither touched on the way nor likely to be pushed together by other constraints.
+  if (!(apart < 1.1f * reach + path)) return;
+
+  const Vec3f from = to - motion;
+  const float apart_before = length(from);
+  Contact contact{i, j, pair, reach, surfaces_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
+  if (apart_before > 0) contact.normal = from * (1 / apart_before);
+  const float overlap = apart_before - reach;
+  if (overlap < 0) {
+    contact.allowed = min(0.0f, overlap + step_.depenetration_speed * h);
+    contact.held = dot(from, to) < 0;  // centres passed each other: part them the way they came
+  } else if (path > 0.25f * reach) {
+    const float s = first_touch(from, motion, reach);
+    contact.held = s >= 0;
+    if (contact.held) contact.normal = normalized(from + motion * s);
+  }
+  contacts_.push_back(contact);
+}
+
+// C and the normal at a difference x_i - x_j.
+float ParticleContacts::gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const {
+  normal = contact.normal;
+  if (contact.held) return dot(normal, difference) - contact.reach;
+  const float l = length(difference);
+  if (l > 0) normal = difference * (1 / l);
+  return l - contact.reach;
+}
+
+void ParticleContacts::project(int, const ParticleView& particles, const Substep&) {
+  const std::size_t count = contacts_.size();
+  for (std::size_t c = 0; c < count; ++c) project_one(contacts_[backwards_ ? count - 1 - c : c], particles);
+  backwards_ = !backwards_;
+}
+
+// As in collider_contacts.cpp, on the difference of two particles: its correction is shared out by inverse
+// mass. dx_i = w_i / (w_i + w_j) dx,   dx_j = -w_j / (w_i + w_j) dx
+void ParticleContacts::project_one(Contact& contact, const ParticleView& particles) const {
+  const std::uint32_t i = contact.i, j = contact.j;
+  Vec3f n;
+  const float C = gap(contact, particles.difference(i, j), n);
+  const float dn = max(contact.allowed - C, -contact.pushed);
+  if (!(dn > 0) && !(contact.pushed > 0)) return;
+  contact.pushed += dn;
+  Vec3f rubbed;
+  if (contact.pushed > 0) {
+    const Vec3f relative = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
+    const Vec3f tangential = relative - n * dot(n, relative);
+    const Vec3f wanted = contact.rubbed - n * dot(n, contact.rubbed) - tangential;
+    rubbed = within_friction(wanted, contact.surface, contact.pushed);
+  } else {
+    contact.pushed = 0;
+  }
+  const Vec3f dx = n * dn + (rubbed - contact.rubbed);
+  contact.rubbed = rubbed;
+  contact.normal = n;
+  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
+  particles.correct(i, dx * (w_i / (w_i + w_j)));
+  particles.correct(j, dx * (-w_j / (w_i + w_j)));
+}
+
+void ParticleContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
+                                         const Substep& substep) {
+  report_ = {};
+  const float h = substep.h;
+  for (Contact& contact : contacts_) {
+    const std::uint32_t i = contact.i, j = contact.j;
+    const Vec3f n = contact.normal;
+    const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
+    const float u_n = dot(n, u);
+    update_drift(contact, particles, (u - n * u_n) * h);
+    if (!(contact.pushed > 0)) continue;
+    const float approach = -dot(n, contact.predicted) / h;
+    const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
+    contact.bounced = max(target - u_n, -contact.pushed / h);
+    const Vec3f held_back = contact.rubbed * (1 / h);
+    const Vec3f wanted = held_back - (u - n * u_n);
+    const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
+    const Vec3f change =
+        n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
+    const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
+    velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
+    velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
+
+    ++report_.count;
+    Vec3f unused;
+    report_.deepest = max(report_.deepest, -gap(contact, particles.difference(i, j), unused));
+  }
+}
+
+// A pair that rubs with all its kinetic friction slides for good and owes nothing.
+void ParticleContacts::update_drift(const Contact& contact, const ParticleView& particles,
+                                    const Vec3f& slid) {
+  Vec3f n;
+  const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.reach;
+  const bool slides = contact.pushed > 0 &&
+                      length(contact.rubbed) > 0.999f * contact.surface.kinetic_friction * contact.pushed;
+  Vec3f& drift = drift_[contact.pair];
+  drift = near && !slides ? drift + slid : Vec3f{};
+}
+
+void ParticleContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+  const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
+  for (const Contact& contact : contacts_) {
+    if (!(contact.pushed > 0)) continue;
+    const std::uint32_t i = contact.i, j = contact.j;
+    const float mass = 1 / (particles.inverse_mass(i) + particles.inverse_mass(j));
+    const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
+    out.push_back({i, j, point, contact.normal, (contact.pushed * inverse_h + contact.bounced) * mass});
+  }
+}
+
+Residual ParticleContacts::residual(const ParticleView& particles) const {
+  Residual result;
+  result.count = contacts_.size();
+  for (const Contact& contact : contacts_) {
+    Vec3f unused;
+    const float C = gap(contact, particles.difference(contact.i, contact.j), unused);
+    const double violation = double(max(0.0f, -C));
+    result.largest = max(result.largest, violation);
+    result.sum += violation;
+  }
+  return result;
+}
+
+void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
+  remember();
+  std::size_t kept = 0;
+  for (FrictionMemory m : memory_) {
+    if ((m.i >= begin && m.i < end) || (m.j >= begin && m.j < end)) continue;
+    if (m.i >= end) m.i -= end - begin;
+    if (m.j >= end) m.j -= end - begin;
+    memory_[kept++] = m;
+  }
+  memory_.resize(kept);
+  members_.clear();
+  placed_.clear();
+  contacts_.clear();
+  largest_diameter_ = 0;
+  report_ = {};
+}
+
+}  // namespace souple

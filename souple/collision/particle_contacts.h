@@ -1,0 +1,136 @@
+#pragma once
+
+#include "souple/collision/contact.h"
+#include "souple/collision/surface.h"
+#include "souple/solver/projector.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// What a pair of particles has slid since friction last held it.
+struct FrictionMemory {
+  std::uint32_t i = 0, j = 0;  ///< particles
+  Vec3f drift{};               ///< of i relative to j [m]
+};
+
+/// Particles against particles: grains with grains, grains with the particles of other objects.
+///
+///   C = |x_i - x_j| - (r_i + r_j) >= 0
+///
+/// Used like ColliderContacts: begin_step once, then per substep refresh, project, apply_restitution. The
+/// broad phase is a uniform grid, sorted by counting; it runs once per step with a margin for motion relative
+/// to the mean, and again in the middle of a step when some particle has left its margin. Pairs are solved
+/// one after the other (Gauss-Seidel) in order of (i, j), every second sweep backwards; the order depends on
+/// positions and indices alone. Corrections are equal and opposite: momentum is kept to rounding. Friction
+/// and restitution follow the same rules as for colliders. A pair that is apart before and after a substep
+/// but met in between is caught where both particles are still in each other's margin (at most one largest
+/// diameter).
+class ParticleContacts final : public Projector {
+ public:
+  /// As for ColliderContacts; surfaces.at(object, object). `objects`, `surfaces` and `radius` must live until
+  /// the step ends.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, std::span<const ContactObject> objects,
+                  const SurfaceMatrix& surfaces, const ContactStep& step);
+  void refresh(const ParticleView& particles, const Substep& substep);
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
+
+  /// What must be kept of one step for the next, in order of (i, j), and its restoration: for checkpoints and
+  /// snapshots. Particles erased in between are dropped and the rest renumbered.
+  std::vector<FrictionMemory> memory() const;
+  void set_memory(std::span<const FrictionMemory> memory);
+
+  /// Pairs of particles that never touch each other, such as tied ones. Replaces the pairs of an earlier
+  /// call.
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+
+  ContactReport report() const { return report_; }
+  /// Appends the contacts that pushed during the last substep, in order of (i, j).
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+
+  std::string_view kind() const override { return "particle contact"; }
+  std::size_t size() const override { return contacts_.size(); }
+  void prepare(std::size_t) override {}
+  /// One, which must not be split: its pairs share particles.
+  int colour_count() const override { return 1; }
+  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  Residual residual(const ParticleView& particles) const override;
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+ private:
+  std::vector<std::array<std::uint32_t, 2>> excluded_;  // each ascending, sorted
+  bool is_excluded(std::uint32_t i, std::uint32_t j) const;
+
+  /// A particle that takes part.
+  struct Member {
+    std::uint32_t particle, object;
+  };
+  struct Cell {
+    std::int32_t x, y, z;
+  };
+  /// A member in the grid; copied there, so that neighbours are read in a row.
+  struct Entry {
+    Vec3f at;
+    float radius;
+    std::uint32_t member;
+    Cell cell;
+  };
+  /// Members i < j that may touch before the next broad phase.
+  struct Pair {
+    std::uint32_t i, j;
+  };
+  struct Contact {
+    std::uint32_t i, j, pair;
+    float reach;  // r_i + r_j [m]
+    SurfacePair surface;
+    bool held;          // the normal holds for the substep
+    float allowed;      // C may stay this negative: an old overlap leaves slowly [m]
+    Vec3f predicted;    // motion of i relative to j before any projection [m]
+    Vec3f normal;       // from j to i, of the last projection
+    float pushed = 0;   // sum of normal corrections of the distance [m]
+    Vec3f rubbed{};     // sum of tangential corrections of the distance [m]
+    float bounced = 0;  // relative normal velocity added by apply_restitution [m/s]
+  };
+
+  bool interact(std::uint32_t object_a, std::uint32_t object_b) const;
+  void find_members();
+  void find_pairs(const ParticleView& particles, float wanted_margin);
+  void remember();
+  void recall();
+  void place_members(const ParticleView& particles);
+  void sort_into_cells(float cell_size);
+  void append_pairs_of(std::uint32_t member);
+  std::uint32_t bucket_of_row(std::int32_t y, std::int32_t z) const;
+  float travel(const ParticleView& particles) const;
+  void meet(std::uint32_t pair, const ParticleView& particles, float h);
+  float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
+  void project_one(Contact& contact, const ParticleView& particles) const;
+  void update_drift(const Contact& contact, const ParticleView& particles, const Vec3f& slid);
+  template <class Speed>
+  float fastest(Speed&& speed) const;
+
+  std::span<const ContactObject> objects_;
+  std::span<const float> radius_;
+  const SurfaceMatrix* surfaces_ = nullptr;
+  ContactStep step_;
+  float last_h_ = 0;  // of the last refresh [s]
+  float largest_diameter_ = 0;
+  float margin_ = 0;  // of the last broad phase: two members may approach each other this much [m]
+  bool backwards_ = false;
+  Vec3f corner_{};  // of the grid; positions below are relative to it
+  std::vector<Member> members_;
+  std::vector<Vec3f> placed_;  // where each member was in the last broad phase
+  std::vector<Cell> cells_;    // of each member
+  std::vector<std::uint32_t> bucket_begin_;
+  std::vector<Entry> entries_;  // sorted by bucket, then member
+  std::vector<Pair> pairs_;
+  std::vector<Vec3f> drift_;            // of each pair: sliding that friction owes since it last held [m]
+  std::vector<FrictionMemory> memory_;  // taken over from the last broad phase by the next
+  std::vector<Contact> contacts_;
+  ContactReport report_;
+};
+
+}  // namespace souple

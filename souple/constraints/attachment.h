@@ -1,0 +1,34 @@
+#pragma once
+
+#include "souple/constraints/constraint.h"
+
+namespace souple {
+
+/// Holds a particle at a target that somebody else moves. C = |x - target|  [m], positions measured from the
+/// target. Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. On the target there is no direction:
+/// the gradient is zero.
+struct Attachment {
+  static constexpr const char* name = "attachment";
+  static constexpr int arity = 1;
+  static constexpr Sense sense = Sense::equality;
+
+  template <class T>
+  struct Params {
+    Vec3<T> target;  ///< m, in the world
+  };
+
+  template <class T>
+  static Vec3<T> origin(const Params<T>& p) {
+    return p.target;
+  }
+
+  /// x is relative to the target.
+  template <class T>
+  static T evaluate(const Vec3<T> (&x)[1], const Params<T>&, Vec3<T> (&gradient)[1]) {
+    const T l = sqrt(dot(x[0], x[0]));
+    gradient[0] = x[0] * select(l > T(0), T(1) / select(l > T(0), l, T(1)), T(0));
+    return l;
+  }
+};
+
+}  // namespace souple

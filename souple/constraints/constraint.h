@@ -1,0 +1,82 @@
+#pragma once
+
+#include "souple/math/mat3.h"
+
+#include <type_traits>
+
+// What a constraint is. A constraint file states C and its gradient on any scalar T, nothing more:
+//
+//   struct Distance {
+//     static constexpr const char* name = "distance";
+//     static constexpr int arity = 2;                       // particles
+//     static constexpr Sense sense = Sense::equality;
+//     template <class T> struct Params { T rest_length; };  // members of type T only: stored as plain
+//     numbers template <class T> static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T>
+//     (&gradient)[2]);
+//   };
+//
+// Several coupled strains declare `rows` > 1 and fill arrays; their compliance is a symmetric rows x rows
+// matrix:
+//
+//   static constexpr int rows = 3;
+//   template <class T>
+//   static void evaluate(const Vec3<T> (&x)[arity], const Params<T>& p, T (&C)[rows], Vec3<T>
+//   (&gradient)[rows][arity]);
+//
+// A constraint on absolute positions (an attachment) also declares the point its positions are measured from,
+// so that nothing is lost far from the origin; all others are invariant to translation and get positions
+// relative to a corner:
+//
+//   template <class T> static Vec3<T> origin(const Params<T>& p);
+//
+// A constraint whose linearisation holds only over a part of its size (a crushed tet, whose gradient all but
+// vanishes) may declare the longest correction [m] that one projection makes; longer ones are scaled down:
+//
+//   template <class T> static T reach(const Params<T>& p);
+//
+// Where the gradient is undefined (0/0) evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
+// are relative: a constraint must act alike on millimetres and on hundreds of metres.
+
+namespace souple {
+
+/// equality: C = 0. non_negative: satisfied while C >= 0.
+enum class Sense { equality, non_negative };
+
+namespace detail {
+template <class Kind, class = void>
+struct RowsOf : std::integral_constant<int, 1> {};
+template <class Kind>
+struct RowsOf<Kind, std::void_t<decltype(Kind::rows)>> : std::integral_constant<int, Kind::rows> {};
+
+template <class Kind, class = void>
+struct HasOrigin : std::false_type {};
+template <class Kind>
+struct HasOrigin<Kind,
+                 std::void_t<decltype(Kind::template origin<float>(typename Kind::template Params<float>{}))>>
+    : std::true_type {};
+}  // namespace detail
+
+/// How many scalars C a constraint of this kind couples.
+template <class Kind>
+inline constexpr int rows_of = detail::RowsOf<Kind>::value;
+
+/// Entries of the packed lower triangle of a rows x rows symmetric matrix, row by row: (0,0) (1,0) (1,1)
+/// (2,0) ...
+template <class Kind>
+inline constexpr int compliance_size = rows_of<Kind>*(rows_of<Kind> + 1) / 2;
+
+template <class Kind>
+inline constexpr bool has_origin = detail::HasOrigin<Kind>::value;
+
+/// One shape for both forms of evaluate: C[rows] and gradient[rows][arity].
+template <class Kind, class T>
+void evaluate_rows(const Vec3<T> (&x)[Kind::arity], const typename Kind::template Params<T>& params,
+                   T (&C)[rows_of<Kind>], Vec3<T> (&gradient)[rows_of<Kind>][Kind::arity]) {
+  if constexpr (rows_of<Kind> == 1) {
+    C[0] = Kind::evaluate(x, params, gradient[0]);
+  } else {
+    Kind::evaluate(x, params, C, gradient);
+  }
+}
+
+}  // namespace souple

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+namespace souple {
+
+/// The signed angle between two triangles that share the edge x0 x1, as a point (sine, cosine) of any length,
+/// and its gradient.
+template <class T>
+struct DihedralAngle {
+  T sine{}, cosine{};   ///< times the same positive factor; (0, 0) where the angle is undefined
+  Vec3<T> gradient[4];  ///< of the angle [1/m]; zero where it is undefined
+};
+
+/// The angle of triangle (x1, x0, x3) to triangle (x0, x1, x2): 0 when they lie flat on either side of the
+/// edge, positive when x3 rises on the side of the normal n2 = e x (x2 - x0), up to +-pi folded shut.
+///
+///   e = x1 - x0,  n2 = e x (x2 - x0),  n3 = (x3 - x0) x e
+///   theta = atan2(|e| n2 . (x3 - x0), n2 . n3)
+///   grad_2 = |e| n2 / |n2|^2,  grad_3 = |e| n3 / |n3|^2
+///
+/// and x0, x1 take what is left, shared where the feet of x2 and x3 lie on the edge. Bridson et al. 2003,
+/// section 4, and Müller et al. 2007, section 4.1 and appendix A; atan2 instead of their acos, whose gradient
+/// is 0/0 at flat and folded. Where a triangle's points are on one line (sine below 1e-6) there is no angle.
+template <class T>
+DihedralAngle<T> dihedral_angle(const Vec3<T> (&x)[4]) {
+  const Vec3<T> e = x[1] - x[0], d2 = x[2] - x[0], d3 = x[3] - x[0];
+  const Vec3<T> n2 = cross(e, d2), n3 = cross(d3, e);
+  const T ee = dot(e, e), nn2 = dot(n2, n2), nn3 = dot(n3, n3);
+  const T edge = sqrt(ee);
+  const T flat = T(1e-12f) * ee;
+  const T low2 = nn2 - flat * dot(d2, d2), low3 = nn3 - flat * dot(d3, d3);
+  const auto usable = min(low2, low3) > T(0);
+
+  DihedralAngle<T> angle;
+  angle.sine = select(usable, edge * dot(n2, d3), T(0));
+  angle.cosine = select(usable, dot(n2, n3), T(0));
+  angle.gradient[2] = n2 * select(usable, edge / select(usable, nn2, T(1)), T(0));
+  angle.gradient[3] = n3 * select(usable, edge / select(usable, nn3, T(1)), T(0));
+  const T inverse_ee = select(usable, T(1) / select(usable, ee, T(1)), T(0));
+  const T foot2 = dot(d2, e) * inverse_ee, foot3 = dot(d3, e) * inverse_ee;
+  angle.gradient[0] = angle.gradient[2] * (foot2 - T(1)) + angle.gradient[3] * (foot3 - T(1));
+  angle.gradient[1] = -(angle.gradient[2] * foot2 + angle.gradient[3] * foot3);
+  return angle;
+}
+
+}  // namespace souple

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "souple/constraints/constraint.h"
+
+namespace souple {
+
+/// Keeps two particles at rest length. C = |x0 - x1| - l  [m].  Müller et al. 2007, eq. 10.
+/// Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. Coincident points have no direction: the
+/// gradient is zero.
+struct Distance {
+  static constexpr const char* name = "distance";
+  static constexpr int arity = 2;
+  static constexpr Sense sense = Sense::equality;
+
+  template <class T>
+  struct Params {
+    T rest_length;  ///< m
+  };
+
+  template <class T>
+  static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]) {
+    const Vec3<T> d = x[0] - x[1];
+    const T l = sqrt(dot(d, d));
+    const Vec3<T> n = d * select(l > T(0), T(1) / select(l > T(0), l, T(1)), T(0));
+    gradient[0] = n;
+    gradient[1] = -n;
+    return l - p.rest_length;
+  }
+
+  /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
+  static float strain(const Params<float>& p, float C) { return p.rest_length > 0 ? C / p.rest_length : 0; }
+};
+
+}  // namespace souple

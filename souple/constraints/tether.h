@@ -1,0 +1,35 @@
+#pragma once
+
+#include "souple/constraints/constraint.h"
+
+namespace souple {
+
+/// Long-range attachment: particle 0 stays within reach of the anchor particle 1, however stretchy the cloth
+/// or rope between them. C = L - |x0 - x1| >= 0  [m].  Kim, Chentanez and Müller-Fischer 2012, section 3.
+/// Coincident points are far from the limit and have no direction: the gradient is zero.
+struct Tether {
+  static constexpr const char* name = "tether";
+  static constexpr int arity = 2;
+  static constexpr Sense sense = Sense::non_negative;
+
+  template <class T>
+  struct Params {
+    T longest;  ///< L, the rest distance along the material or in a straight line [m]
+  };
+
+  /// L as the straight rest distance times `slack` (1: none).
+  static Params<float> from_rest(const Vec3d (&x)[2], double slack = 1) {
+    return {static_cast<float>(slack * length(x[0] - x[1]))};
+  }
+
+  template <class T>
+  static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]) {
+    const Vec3<T> d = x[1] - x[0];
+    const T l = sqrt(dot(d, d));
+    gradient[0] = d * select(l > T(0), T(1) / select(l > T(0), l, T(1)), T(0));
+    gradient[1] = -gradient[0];
+    return p.longest - l;
+  }
+};
+
+}  // namespace souple

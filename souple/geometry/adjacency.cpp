@@ -1,0 +1,264 @@
+#include "souple/geometry/adjacency.h"
+
+#include "souple/error.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+namespace souple {
+namespace {
+
+constexpr int tet_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+// One use of an edge by an element; sorted, the uses of an edge stand together, the first one leading.
+struct EdgeUse {
+  std::uint32_t low, high;
+  std::uint64_t place;  // element * sides + side
+  friend bool operator<(const EdgeUse& a, const EdgeUse& b) {
+    if (a.low != b.low) return a.low < b.low;
+    if (a.high != b.high) return a.high < b.high;
+    return a.place < b.place;
+  }
+  bool same_edge(const EdgeUse& b) const { return low == b.low && high == b.high; }
+};
+
+EdgeUse edge_use(std::uint32_t a, std::uint32_t b, std::uint64_t place) {
+  return {std::min(a, b), std::max(a, b), place};
+}
+
+std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(triangles.size() * 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
+      if (a != b) uses.push_back(edge_use(a, b, t * 3 + i));
+    }
+  std::sort(uses.begin(), uses.end());
+  return uses;
+}
+
+// The end of the run of uses of one edge that starts at `first`.
+std::size_t run_end(const std::vector<EdgeUse>& uses, std::size_t first) {
+  std::size_t last = first + 1;
+  while (last < uses.size() && uses[last].same_edge(uses[first])) ++last;
+  return last;
+}
+
+Edge edge_at(std::span<const Triangle> triangles, std::uint64_t place) {
+  const Triangle& t = triangles[place / 3];
+  return {t[place % 3], t[(place + 1) % 3]};
+}
+
+std::uint32_t opposite_at(std::span<const Triangle> triangles, std::uint64_t place) {
+  return triangles[place / 3][(place + 2) % 3];
+}
+
+[[noreturn]] void throw_out_of_range(const std::string& name, const char* kind, std::size_t element,
+                                     std::uint32_t vertex, std::size_t vertex_count) {
+  throw Error(name + ": " + kind + " " + std::to_string(element) + " names vertex " + std::to_string(vertex) +
+              ", but there are " + std::to_string(vertex_count) + " vertices (numbered from 0)");
+}
+
+template <class Element>
+void check_range(std::span<const Element> elements, std::size_t vertex_count, const std::string& name,
+                 const char* kind) {
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    for (const std::uint32_t v : elements[e])
+      if (v >= vertex_count) throw_out_of_range(name, kind, e, v, vertex_count);
+}
+
+// Union by lowest root with path halving: the root of a piece is its lowest vertex.
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
+  while (parent[v] != v) {
+    parent[v] = parent[parent[v]];
+    v = parent[v];
+  }
+  return v;
+}
+
+template <class Element>
+Components components_of(std::span<const Element> elements, std::size_t vertex_count) {
+  std::vector<std::uint32_t> parent(vertex_count);
+  std::iota(parent.begin(), parent.end(), 0u);
+  for (const Element& element : elements)
+    for (std::size_t i = 1; i < element.size(); ++i) {
+      const std::uint32_t a = find_root(parent, element[0]), b = find_root(parent, element[i]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  Components result;
+  result.of_vertex.resize(vertex_count);
+  for (std::uint32_t v = 0; v < vertex_count; ++v) {
+    const std::uint32_t root = find_root(parent, v);
+    result.of_vertex[v] = root == v ? result.count++ : result.of_vertex[root];
+  }
+  return result;
+}
+
+}  // namespace
+
+TriangleEdges triangle_edges(std::span<const Triangle> triangles) {
+  const std::vector<EdgeUse> uses = sorted_uses(triangles);
+  // First write into each side the place where its edge first appears, then number those places in order.
+  std::vector<std::uint64_t> first_place(triangles.size() * 3, ~std::uint64_t(0));
+  for (std::size_t first = 0; first < uses.size();) {
+    const std::size_t last = run_end(uses, first);
+    for (std::size_t u = first; u < last; ++u) first_place[uses[u].place] = uses[first].place;
+    first = last;
+  }
+  TriangleEdges result;
+  result.of_triangle.resize(triangles.size());
+  for (std::uint64_t place = 0; place < first_place.size(); ++place) {
+    std::uint32_t& edge = result.of_triangle[place / 3][place % 3];
+    const std::uint64_t origin = first_place[place];
+    if (origin == ~std::uint64_t(0)) {
+      edge = TriangleEdges::no_edge;
+    } else if (origin == place) {
+      edge = static_cast<std::uint32_t>(result.edges.size());
+      result.edges.push_back(edge_at(triangles, place));
+    } else {
+      edge = result.of_triangle[origin / 3][origin % 3];
+    }
+  }
+  return result;
+}
+
+std::vector<Edge> unique_edges(std::span<const Triangle> triangles) {
+  return triangle_edges(triangles).edges;
+}
+
+std::vector<Edge> unique_edges(std::span<const Tet> tets) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(tets.size() * 6);
+  for (std::size_t t = 0; t < tets.size(); ++t)
+    for (std::size_t i = 0; i < 6; ++i) {
+      const std::uint32_t a = tets[t][std::size_t(tet_edge[i][0])], b = tets[t][std::size_t(tet_edge[i][1])];
+      if (a != b) uses.push_back(edge_use(a, b, t * 6 + i));
+    }
+  std::sort(uses.begin(), uses.end());
+  std::vector<std::uint64_t> places;
+  for (std::size_t first = 0; first < uses.size(); first = run_end(uses, first))
+    places.push_back(uses[first].place);
+  std::sort(places.begin(), places.end());
+  std::vector<Edge> edges;
+  edges.reserve(places.size());
+  for (const std::uint64_t place : places) {
+    const int(&pair)[2] = tet_edge[place % 6];
+    edges.push_back({tets[place / 6][std::size_t(pair[0])], tets[place / 6][std::size_t(pair[1])]});
+  }
+  return edges;
+}
+
+std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
+  const std::vector<EdgeUse> uses = sorted_uses(triangles);
+  std::vector<std::array<std::uint64_t, 2>> pairs;
+  for (std::size_t u = 0; u + 1 < uses.size(); ++u)
+    if (uses[u].same_edge(uses[u + 1])) pairs.push_back({uses[u].place, uses[u + 1].place});
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<Hinge> hinges;
+  hinges.reserve(pairs.size());
+  for (const auto& [first, second] : pairs) {
+    const Edge edge = edge_at(triangles, first);
+    const std::uint32_t c = opposite_at(triangles, first), d = opposite_at(triangles, second);
+    // A triangle laid twice on the same corners, or a needle (a, b, a), has no angle to keep.
+    const bool folded = c == d || c == edge[0] || c == edge[1] || d == edge[0] || d == edge[1];
+    if (!folded) hinges.push_back({edge[0], edge[1], c, d});
+  }
+  return hinges;
+}
+
+std::vector<Edge> boundary_edges(std::span<const Triangle> triangles) {
+  const std::vector<EdgeUse> uses = sorted_uses(triangles);
+  std::vector<std::uint64_t> places;
+  for (std::size_t first = 0; first < uses.size();) {
+    const std::size_t last = run_end(uses, first);
+    if (last - first == 1) places.push_back(uses[first].place);
+    first = last;
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<Edge> edges;
+  edges.reserve(places.size());
+  for (const std::uint64_t place : places) edges.push_back(edge_at(triangles, place));
+  return edges;
+}
+
+VertexTriangles vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count) {
+  check_range(triangles, vertex_count, "mesh", "triangle");
+  // A corner that repeats an earlier corner of its triangle is not counted twice.
+  const auto is_new = [](const Triangle& t, std::size_t i) {
+    return i == 0 || (t[i] != t[0] && (i == 1 || t[i] != t[1]));
+  };
+  VertexTriangles result;
+  result.begin.assign(vertex_count + 1, 0);
+  for (const Triangle& t : triangles)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (is_new(t, i)) ++result.begin[t[i] + std::size_t(1)];
+  std::partial_sum(result.begin.begin(), result.begin.end(), result.begin.begin());
+  result.items.resize(result.begin.back());
+  std::vector<std::uint32_t> next(result.begin.begin(), result.begin.end() - 1);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (is_new(triangles[t], i)) result.items[next[triangles[t][i]]++] = static_cast<std::uint32_t>(t);
+  return result;
+}
+
+Components connected_components(std::span<const Edge> edges, std::size_t vertex_count) {
+  check_range(edges, vertex_count, "mesh", "edge");
+  return components_of(edges, vertex_count);
+}
+
+Components connected_components(std::span<const Triangle> triangles, std::size_t vertex_count) {
+  check_range(triangles, vertex_count, "mesh", "triangle");
+  return components_of(triangles, vertex_count);
+}
+
+Components connected_components(std::span<const Tet> tets, std::size_t vertex_count) {
+  check_range(tets, vertex_count, "mesh", "tet");
+  return components_of(tets, vertex_count);
+}
+
+std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
+  // Outward faces of a positively oriented tet, each opposite to one corner.
+  constexpr std::size_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  struct Use {
+    Triangle key;
+    std::uint64_t place;
+    bool operator<(const Use& b) const { return key != b.key ? key < b.key : place < b.place; }
+  };
+  std::vector<Use> uses;
+  uses.reserve(tets.size() * 4);
+  for (std::size_t t = 0; t < tets.size(); ++t)
+    for (std::size_t i = 0; i < 4; ++i) {
+      Triangle key{tets[t][face[i][0]], tets[t][face[i][1]], tets[t][face[i][2]]};
+      std::sort(key.begin(), key.end());
+      uses.push_back({key, t * 4 + i});
+    }
+  std::sort(uses.begin(), uses.end());
+  std::vector<std::uint64_t> places;
+  for (std::size_t first = 0; first < uses.size();) {
+    std::size_t last = first + 1;
+    while (last < uses.size() && uses[last].key == uses[first].key) ++last;
+    if (last - first == 1) places.push_back(uses[first].place);
+    first = last;
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<Triangle> triangles;
+  triangles.reserve(places.size());
+  for (const std::uint64_t place : places) {
+    const Tet& tet = tets[place / 4];
+    const std::size_t(&f)[3] = face[place % 4];
+    triangles.push_back({tet[f[0]], tet[f[1]], tet[f[2]]});
+  }
+  return triangles;
+}
+
+void check_indices(const TriangleMesh& mesh, const char* name) {
+  check_range(std::span<const Triangle>(mesh.triangles), mesh.positions.size(), name, "triangle");
+}
+
+void check_indices(const TetMesh& mesh, const char* name) {
+  check_range(std::span<const Tet>(mesh.tets), mesh.positions.size(), name, "tet");
+}
+
+}  // namespace souple

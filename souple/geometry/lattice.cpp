@@ -1,0 +1,494 @@
+#include "souple/geometry/lattice.h"
+
+#include "souple/error.h"
+#include "souple/geometry/adjacency.h"
+#include "souple/geometry/measures.h"
+#include "souple/geometry/mesh_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <utility>
+#include <vector>
+
+// How the lattice is cut. Space is filled with unit cubes; the lattice's points are their corners and their
+// centres. Two cubes that share a face give four tets: the segment between the two centres, with each of the
+// four edges of the face. Seen along axis d, the face of corners p0 p1 p2 p3 and its tets (quadrants) 0..3:
+//
+//      p3 --2-- p2      v
+//      |  \  /  |       ^
+//      3   cc   1       |        cc: the two centres, one below the face, one above
+//      |  /  \  |       +--> u   u = d + 1, v = d + 2 (mod 3)
+//      p0 --0-- p1
+//
+// The tets fill space, so every point of the surface is in one; the surface's neighbourhood is found by
+// testing its triangles against tets, and the rest of space is then either wholly inside or wholly outside: a
+// flood from the lattice's rim finds the outside without any ray that could graze an edge. Only regions that
+// the flood cannot reach (the inside, and cavities) are asked for their winding number, each once.
+
+namespace souple {
+namespace {
+
+using Cube = std::array<int, 3>;
+using Points3 = std::array<Vec3d, 3>;
+using Points4 = std::array<Vec3d, 4>;
+
+constexpr double max_cubes = 4e6;
+constexpr int margin = 2;         // cubes around the surface, for the flood to pass
+constexpr double contact = 1e-9;  // cubes; closer than this is touching, deeper is crossing
+
+enum Mark : std::uint8_t { clear, touched, crossed, inside, outside };
+
+struct TetId {
+  Cube cube;  // the cube above the face
+  int axis, quadrant;
+};
+
+/// The numbering of cubes, tets and points.
+struct LatticeIndex {
+  Cube count;
+
+  std::size_t cubes() const { return std::size_t(count[0]) * std::size_t(count[1]) * std::size_t(count[2]); }
+  std::size_t tets() const { return cubes() * 12; }
+  bool has(const Cube& c) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (c[i] < 0 || c[i] >= count[i]) return false;
+    return true;
+  }
+  // A tet is there when the cubes on both sides of its face are.
+  bool has(const TetId& t) const { return has(t.cube) && t.cube[std::size_t(t.axis)] >= 1; }
+  std::size_t cube_number(const Cube& c) const {
+    return (std::size_t(c[2]) * std::size_t(count[1]) + std::size_t(c[1])) * std::size_t(count[0]) +
+           std::size_t(c[0]);
+  }
+  std::size_t number(const TetId& t) const {
+    return (cube_number(t.cube) * 3 + std::size_t(t.axis)) * 4 + std::size_t(t.quadrant);
+  }
+  TetId tet(std::size_t number) const {
+    std::size_t cube = number / 12;
+    const std::size_t x = cube % std::size_t(count[0]);
+    cube /= std::size_t(count[0]);
+    const std::size_t y = cube % std::size_t(count[1]), z = cube / std::size_t(count[1]);
+    return {{int(x), int(y), int(z)}, int(number / 4 % 3), int(number % 4)};
+  }
+  // Points, corners and centres interleaved so that their order is one of space.
+  std::size_t point_count() const {
+    return 2 * std::size_t(count[0] + 1) * std::size_t(count[1] + 1) * std::size_t(count[2] + 1);
+  }
+  std::size_t point_number(const Cube& c, bool centre) const {
+    const std::size_t corner =
+        (std::size_t(c[2]) * std::size_t(count[1] + 1) + std::size_t(c[1])) * std::size_t(count[0] + 1) +
+        std::size_t(c[0]);
+    return 2 * corner + (centre ? 1 : 0);
+  }
+};
+
+struct LatticePoint {
+  Cube cube;
+  bool centre;
+  Vec3d position() const {
+    const double half = centre ? 0.5 : 0.0;
+    return {cube[0] + half, cube[1] + half, cube[2] + half};
+  }
+};
+
+Cube moved(Cube c, int axis, int by) {
+  c[std::size_t(axis)] += by;
+  return c;
+}
+
+// Positively oriented: centre below, two corners counter-clockwise about the axis, centre above.
+std::array<LatticePoint, 4> points_of(const TetId& t) {
+  const int u = (t.axis + 1) % 3, v = (t.axis + 2) % 3;
+  const Cube face[4] = {t.cube, moved(t.cube, u, 1), moved(moved(t.cube, u, 1), v, 1), moved(t.cube, v, 1)};
+  return {{{moved(t.cube, t.axis, -1), true},
+           {face[t.quadrant], false},
+           {face[(t.quadrant + 1) % 4], false},
+           {t.cube, true}}};
+}
+
+Points4 corners_of(const TetId& t) {
+  const auto p = points_of(t);
+  return {p[0].position(), p[1].position(), p[2].position(), p[3].position()};
+}
+
+// The quadrant of the face across `axis` that lies towards the low (-1) or high (+1) side of `towards`.
+int quadrant_towards(int axis, int towards, int side) {
+  if (towards == (axis + 1) % 3) return side > 0 ? 1 : 3;
+  return side > 0 ? 2 : 0;
+}
+
+// The tet that contains q (in cubes): offset from the cube's centre, by its largest and second largest
+// component.
+TetId locate(const Vec3d& q) {
+  Cube cube{};
+  Vec3d offset;
+  for (int i = 0; i < 3; ++i) {
+    cube[std::size_t(i)] = int(std::floor(q[i]));
+    offset[i] = q[i] - std::floor(q[i]) - 0.5;
+  }
+  int axis = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(offset[i]) > std::abs(offset[axis])) axis = i;
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const int second = std::abs(offset[u]) >= std::abs(offset[v]) ? u : v;
+  const int quadrant = quadrant_towards(axis, second, offset[second] > 0 ? 1 : -1);
+  return {offset[axis] > 0 ? moved(cube, axis, 1) : cube, axis, quadrant};
+}
+
+// The tets across the four faces of t.
+std::array<TetId, 4> neighbours_of(const TetId& t) {
+  constexpr int side_of_quadrant[4] = {-1, 1, 1, -1};  // low v, high u, high v, low u
+  const int e = (t.axis + (t.quadrant % 2 == 1 ? 1 : 2)) % 3, side = side_of_quadrant[t.quadrant];
+  // Within each of the two cubes, the neighbour stands on the face towards (e, side), at the same cube edge.
+  const auto beside = [&](const Cube& cube, int end) {
+    return TetId{side > 0 ? moved(cube, e, 1) : cube, e, quadrant_towards(e, t.axis, end)};
+  };
+  return {{{t.cube, t.axis, (t.quadrant + 1) % 4},
+           {t.cube, t.axis, (t.quadrant + 3) % 4},
+           beside(t.cube, -1),
+           beside(moved(t.cube, t.axis, -1), 1)}};
+}
+
+// How deep two convex bodies overlap along `axis` (negative: the gap). No bound where the axis has no length.
+double depth_along(const Vec3d& axis, const Points4& tet, const Points3& triangle) {
+  const double l = length(axis);
+  if (!(l > 1e-12)) return std::numeric_limits<double>::infinity();
+  double lo_a = dot(axis, tet[0]), hi_a = lo_a, lo_b = dot(axis, triangle[0]), hi_b = lo_b;
+  for (std::size_t i = 1; i < 4; ++i) {
+    lo_a = std::min(lo_a, dot(axis, tet[i]));
+    hi_a = std::max(hi_a, dot(axis, tet[i]));
+  }
+  for (std::size_t i = 1; i < 3; ++i) {
+    lo_b = std::min(lo_b, dot(axis, triangle[i]));
+    hi_b = std::max(hi_b, dot(axis, triangle[i]));
+  }
+  return std::min(hi_a - lo_b, hi_b - lo_a) / l;
+}
+
+// Separating axes: the tet's face normals, the triangle's, and the products of their edges.
+Mark overlap(Points4 tet, Points3 triangle) {
+  const Vec3d origin = tet[0];  // small numbers: the lattice may be long
+  for (Vec3d& p : tet) p = p - origin;
+  for (Vec3d& p : triangle) p = p - origin;
+  double depth = std::numeric_limits<double>::infinity();
+  const auto separated = [&](const Vec3d& axis) {
+    depth = std::min(depth, depth_along(axis, tet, triangle));
+    return depth < -contact;
+  };
+  const Vec3d tet_edges[6] = {tet[1] - tet[0], tet[2] - tet[0], tet[3] - tet[0],
+                              tet[2] - tet[1], tet[3] - tet[1], tet[3] - tet[2]};
+  constexpr int face[4][2] = {{0, 1}, {0, 2}, {1, 2}, {3, 4}};
+  for (const auto& f : face)
+    if (separated(cross(tet_edges[f[0]], tet_edges[f[1]]))) return clear;
+  const Vec3d sides[3] = {triangle[1] - triangle[0], triangle[2] - triangle[1], triangle[0] - triangle[2]};
+  if (separated(normalized(cross(sides[0], sides[1])))) return clear;
+  for (const Vec3d& side : sides) {
+    const Vec3d direction = normalized(side);
+    for (const Vec3d& edge : tet_edges)
+      if (separated(cross(edge, direction))) return clear;
+  }
+  return depth > contact ? crossed : touched;
+}
+
+/// A surface in units of cubes, with the origin at the lattice's low corner.
+struct Scaled {
+  std::vector<Vec3d> positions;
+  const std::vector<Triangle>* triangles;
+  LatticeIndex index;
+  Vec3d origin;  // metres
+  double cell_size;
+};
+
+class Marker {
+ public:
+  explicit Marker(const Scaled& surface) : surface_(surface), index_(surface.index) {}
+
+  std::vector<std::uint8_t> run() {
+    marks_.assign(index_.tets(), clear);
+    for (const Triangle& t : *surface_.triangles) mark_triangle(t);
+    flood();
+    settle_touched();
+    // Rounding in the overlap test must not leave a vertex uncovered.
+    for (const Triangle& t : *surface_.triangles)
+      for (const std::uint32_t v : t) {
+        std::uint8_t& mark = marks_[index_.number(locate(surface_.positions[v]))];
+        if (mark == outside) mark = crossed;
+      }
+    return std::move(marks_);
+  }
+
+ private:
+  void mark_triangle(const Triangle& t) {
+    const Points3 p{surface_.positions[t[0]], surface_.positions[t[1]], surface_.positions[t[2]]};
+    Vec3d lo, hi;
+    for (int i = 0; i < 3; ++i) {
+      lo[i] = std::min({p[0][i], p[1][i], p[2][i]}) - contact;
+      hi[i] = std::max({p[0][i], p[1][i], p[2][i]}) + contact;
+    }
+    for (int axis = 0; axis < 3; ++axis) mark_along(axis, lo, hi, p);
+  }
+
+  // The tets of faces across `axis` whose boxes meet the box lo..hi: they reach half a cube to both sides of
+  // the face, and the face itself lies within its cube.
+  void mark_along(int axis, const Vec3d& lo, const Vec3d& hi, const Points3& p) {
+    Cube first{}, last{};
+    for (int i = 0; i < 3; ++i) {
+      first[std::size_t(i)] = int(i == axis ? std::ceil(lo[i] - 0.5) : std::floor(lo[i]));
+      last[std::size_t(i)] = int(i == axis ? std::floor(hi[i] + 0.5) : std::floor(hi[i]));
+    }
+    for (int z = first[2]; z <= last[2]; ++z)
+      for (int y = first[1]; y <= last[1]; ++y)
+        for (int x = first[0]; x <= last[0]; ++x)
+          for (int quadrant = 0; quadrant < 4; ++quadrant) mark_tet({{x, y, z}, axis, quadrant}, lo, hi, p);
+  }
+
+  void mark_tet(const TetId& id, const Vec3d& lo, const Vec3d& hi, const Points3& p) {
+    std::uint8_t& mark = marks_[index_.number(id)];
+    if (mark == crossed) return;
+    const Points4 tet = corners_of(id);
+    for (int i = 0; i < 3; ++i) {
+      const auto [low, high] = std::minmax({tet[0][i], tet[1][i], tet[2][i], tet[3][i]});
+      if (low > hi[i] || high < lo[i]) return;
+    }
+    mark = std::max(mark, std::uint8_t(overlap(tet, p)));
+  }
+
+  // Gives each region of clear tets, joined by faces, one answer.
+  void flood() {
+    std::vector<std::size_t> region;
+    for (std::size_t seed = 0; seed < marks_.size(); ++seed) {
+      if (marks_[seed] != clear || !index_.has(index_.tet(seed))) continue;
+      bool at_rim = false;
+      region.assign(1, seed);
+      marks_[seed] = outside;
+      for (std::size_t next = 0; next < region.size(); ++next)
+        for (const TetId& n : neighbours_of(index_.tet(region[next]))) {
+          if (!index_.has(n)) {
+            at_rim = true;
+          } else if (marks_[index_.number(n)] == clear) {
+            marks_[index_.number(n)] = outside;
+            region.push_back(index_.number(n));
+          }
+        }
+      if (at_rim || !is_inside(seed)) continue;
+      for (const std::size_t t : region) marks_[t] = inside;
+    }
+  }
+
+  // Tets that the surface only touches lie on one side of it: that of a neighbour it does not touch at all,
+  // if there is one.
+  void settle_touched() {
+    std::vector<std::pair<std::size_t, Mark>> answers;
+    for (std::size_t t = 0; t < marks_.size(); ++t)
+      if (marks_[t] == touched) answers.push_back({t, side_of(t)});
+    // Written only now: every side that side_of saw was the flood's.
+    for (const auto& [t, answer] : answers) marks_[t] = answer;
+  }
+
+  Mark side_of(std::size_t tet) {
+    for (const TetId& n : neighbours_of(index_.tet(tet))) {
+      const std::uint8_t mark = marks_[index_.number(n)];
+      if (mark == inside || mark == outside) return Mark(mark);
+    }
+    return is_inside(tet) ? inside : outside;
+  }
+
+  // By the winding number about the tet's middle (Jacobson et al. 2013, eq. 5, with van Oosterom's solid
+  // angle): 0 outside, 1 inside. After `budget_` triangles the answer is yes: a body too full rather than one
+  // with holes.
+  bool is_inside(std::size_t tet) {
+    if (budget_ < surface_.triangles->size()) return true;
+    budget_ -= surface_.triangles->size();
+    const Points4 corners = corners_of(index_.tet(tet));
+    const Vec3d middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
+    double sum = 0;
+    for (const Triangle& t : *surface_.triangles) {
+      const Vec3d a = surface_.positions[t[0]] - middle, b = surface_.positions[t[1]] - middle,
+                  c = surface_.positions[t[2]] - middle;
+      const double la = length(a), lb = length(b), lc = length(c);
+      sum += 2 *
+             std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+    }
+    return std::abs(sum) > 2 * pi;
+  }
+
+  const Scaled& surface_;
+  const LatticeIndex& index_;
+  std::vector<std::uint8_t> marks_;
+  std::size_t budget_ = 100'000'000;
+};
+
+struct Solid {
+  std::vector<Vec3d> positions;
+  std::vector<Triangle> triangles;
+  double volume, area;
+  BoundingBox box;
+};
+
+double cubes_needed(const Solid& solid, double cell_size) {
+  double product = 1;
+  for (int i = 0; i < 3; ++i) product *= std::ceil(solid.box.size()[i] / cell_size) + 2 * margin;
+  return product;
+}
+
+Scaled scaled(const Solid& solid, double cell_size) {
+  Scaled s{{}, &solid.triangles, {}, {}, cell_size};
+  for (int i = 0; i < 3; ++i) {
+    const int cubes = int(std::ceil(solid.box.size()[i] / cell_size)) + 2 * margin;
+    s.index.count[std::size_t(i)] = cubes;
+    s.origin[i] = solid.box.centre()[i] - cell_size * (double(cubes) / 2);
+  }
+  s.positions.reserve(solid.positions.size());
+  for (const Vec3d& p : solid.positions) s.positions.push_back((p - s.origin) / cell_size);
+  return s;
+}
+
+bool is_kept(std::uint8_t mark) {
+  return mark == crossed || mark == inside;
+}
+
+Lattice assemble(const Scaled& surface, const std::vector<std::uint8_t>& marks) {
+  const LatticeIndex& index = surface.index;
+  constexpr std::uint32_t unused = ~std::uint32_t(0);
+  std::vector<std::uint32_t> vertex(index.point_count(), unused);
+  std::vector<std::size_t> kept;
+  for (std::size_t t = 0; t < marks.size(); ++t) {
+    if (!is_kept(marks[t])) continue;
+    kept.push_back(t);
+    for (const LatticePoint& p : points_of(index.tet(t))) vertex[index.point_number(p.cube, p.centre)] = 0;
+  }
+  Lattice lattice;
+  lattice.cell_size = surface.cell_size;
+  const std::size_t row = std::size_t(index.count[0] + 1), layer = row * std::size_t(index.count[1] + 1);
+  for (std::size_t n = 0; n < vertex.size(); ++n) {
+    if (vertex[n] == unused) continue;
+    vertex[n] = static_cast<std::uint32_t>(lattice.mesh.positions.size());
+    const std::size_t corner = n / 2;
+    const LatticePoint p{{int(corner % row), int(corner % layer / row), int(corner / layer)}, n % 2 == 1};
+    lattice.mesh.positions.push_back(surface.origin + p.position() * surface.cell_size);
+  }
+  for (const std::size_t t : kept) {
+    Tet tet{};
+    const auto points = points_of(index.tet(t));
+    for (std::size_t i = 0; i < 4; ++i) tet[i] = vertex[index.point_number(points[i].cube, points[i].centre)];
+    lattice.mesh.tets.push_back(tet);
+    ++(marks[t] == crossed ? lattice.crossed : lattice.inner);
+  }
+  return lattice;
+}
+
+// The cell size at which a solid of this volume and area takes about `target` tets: 12 per cube of the
+// inside, and half a cube's layer of tets about the surface (they stick out by about 0.3 cubes on the whole).
+double guess_cell_size(const Solid& solid, double target) {
+  double lo = solid.box.diagonal() * 1e-6, hi = solid.box.diagonal() * 4;
+  for (int i = 0; i < 60; ++i) {
+    const double a = std::sqrt(lo * hi),
+                 count = 12 * (solid.volume / (a * a * a) + 0.3 * solid.area / (a * a));
+    (count > target ? lo : hi) = a;
+  }
+  return hi;
+}
+
+Lattice lattice_of_size(const Solid& solid, double cell_size) {
+  const Scaled surface = scaled(solid, cell_size);
+  return assemble(surface, Marker(surface).run());
+}
+
+// Tries sizes until the count is within 5 % of the target, at most eight; the nearest count wins.
+Lattice lattice_of_count(const Solid& solid, int target) {
+  double cell_size = guess_cell_size(solid, target), too_fine = 0, too_coarse = 0, best_miss = 0;
+  Lattice best;
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    double ratio = 4;  // of the count to the target
+    if (cubes_needed(solid, cell_size) <= max_cubes) {
+      Lattice lattice = lattice_of_size(solid, cell_size);
+      ratio = double(lattice.mesh.tets.size()) / double(target);
+      const double miss = std::abs(std::log(ratio));
+      if (best.mesh.tets.empty() || miss < best_miss) {
+        best = std::move(lattice);
+        best_miss = miss;
+      }
+      if (miss < 0.05) break;
+    }
+    (ratio > 1 ? too_fine : too_coarse) = cell_size;
+    // The count goes with the power -2 (thin) to -3 (thick) of the size; kept between the sizes tried.
+    // Rounded to a float, because the last bit of pow differs between C libraries.
+    cell_size *= double(float(std::pow(ratio, 0.4)));
+    if (too_fine > 0 && too_coarse > 0 && !(cell_size > too_fine && cell_size < too_coarse))
+      cell_size = (too_fine + too_coarse) / 2;
+  }
+  return best;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+Solid solid_of(const TriangleMesh& mesh, const std::string& name) {
+  check_indices(mesh, name.c_str());
+  RepairedSurface surface = repair(mesh);
+  Solid solid{gather<Vec3d>(surface.weld, mesh.positions), std::move(surface.triangles), 0, 0, {}};
+  const MeshReport original = inspect(mesh);
+  TriangleMesh repaired;
+  repaired.positions = solid.positions;
+  repaired.triangles = solid.triangles;
+  const MeshReport mended = inspect(repaired, 0);
+  if (!mended.is_closed) {
+    require_closed(original, name);
+    require_closed(mended, name);
+  }
+  solid.volume = std::abs(enclosed_volume(solid.positions, solid.triangles));
+  solid.area = surface_area(solid.positions, solid.triangles);
+  std::vector<Vec3d> corners;  // not all positions: a stray vertex must not stretch the lattice
+  for (const Triangle& t : solid.triangles)
+    for (const std::uint32_t v : t) corners.push_back(solid.positions[v]);
+  solid.box = bounding_box(corners);
+  const double diagonal = solid.box.diagonal();
+  if (!(solid.volume > 1e-15 * diagonal * diagonal * diagonal) || !std::isfinite(solid.volume))
+    throw Error(name + ": the surface encloses no volume (" + number(solid.volume) +
+                " m^3); a soft body needs a solid shape");
+  return solid;
+}
+
+void check_options(const LatticeOptions& options, const std::string& name) {
+  const bool size = options.cell_size != 0, count = options.cells != 0;
+  if (size == count)
+    throw Error(name + ": a lattice needs either a cell size or a number of tets, " +
+                (size ? "and has both" : "and has neither"));
+  if (size && !(std::isfinite(options.cell_size) && options.cell_size > 0))
+    throw Error(name + ": the lattice's cell size is " + number(options.cell_size) +
+                ", expected a positive length in metres");
+  if (count && options.cells > 10'000'000)
+    throw Error(name + ": the lattice's number of tets is " + std::to_string(options.cells) +
+                ", expected 1 to 10000000");
+}
+
+}  // namespace
+
+Lattice build_lattice(const TriangleMesh& mesh, const LatticeOptions& options, const std::string& name) {
+  check_options(options, name);
+  const Solid solid = solid_of(mesh, name);
+  const double cubes = options.cell_size > 0 ? cubes_needed(solid, options.cell_size) : 0;
+  if (cubes > max_cubes)
+    throw Error(name + ": a lattice of " + number(options.cell_size) + " m cells needs " + number(cubes) +
+                " cubes, more than 4 million; the surface is " + number(solid.box.diagonal()) +
+                " m across: take larger cells, or check the unit of its file");
+  Lattice lattice = options.cell_size > 0 ? lattice_of_size(solid, options.cell_size)
+                                          : lattice_of_count(solid, static_cast<int>(options.cells));
+  if (lattice.mesh.tets.empty())
+    throw Error(name + ": a lattice of " + std::to_string(options.cells) +
+                " tets is too fine for this surface; ask for fewer");
+  lattice.surface_volume = solid.volume;
+  lattice.lattice_volume = tet_volume(lattice.mesh);
+  lattice.pieces =
+      connected_components(std::span<const Tet>(lattice.mesh.tets), lattice.mesh.positions.size()).count;
+  return lattice;
+}
+
+}  // namespace souple

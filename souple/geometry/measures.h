@@ -1,0 +1,62 @@
+#pragma once
+
+#include "souple/geometry/tet_mesh.h"
+#include "souple/geometry/triangle_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+// Lengths, areas, volumes and masses of meshes. Indices must be in range (check_indices in adjacency.h).
+
+/// An axis-aligned box.
+struct BoundingBox {
+  Vec3d lo, hi;
+  Vec3d size() const { return hi - lo; }
+  Vec3d centre() const { return lo / 2 + hi / 2; }
+  double diagonal() const { return length(hi - lo); }
+};
+/// The box of all finite positions; a point at the origin where there are none.
+BoundingBox bounding_box(std::span<const Vec3d> positions);
+
+/// Area of each triangle [m^2], and their sum.
+std::vector<double> triangle_areas(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
+double surface_area(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
+
+/// Volume enclosed by a closed surface [m^3], positive when it is wound outward. Without meaning on an open
+/// one.
+double enclosed_volume(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
+
+/// Signed volume of each tet [m^3] (positive by the convention of Tet), and their sum.
+std::vector<double> tet_volumes(const TetMesh& mesh);
+double tet_volume(const TetMesh& mesh);
+
+/// Mass of each vertex [kg]: a third of each triangle's mass, areal density in kg/m^2; a quarter of each
+/// tet's, density in kg/m^3. A vertex that nothing uses has mass 0.
+std::vector<double> lumped_masses(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
+                                  double areal_density);
+std::vector<double> lumped_masses(const TetMesh& mesh, double density);
+
+/// Unit vertex normals, weighted by triangle area, into `normals` (one per position); zero where there is
+/// none. Allocates nothing.
+template <class T>
+void vertex_normals(std::span<const Vec3<T>> positions, std::span<const Triangle> triangles,
+                    std::span<Vec3<T>> normals) {
+  for (Vec3<T>& n : normals) n = {};
+  for (const Triangle& t : triangles) {
+    const Vec3<T>& a = positions[t[0]];
+    const Vec3<T> n = cross(positions[t[1]] - a, positions[t[2]] - a);  // twice the area long
+    for (const std::uint32_t v : t) normals[v] += n;
+  }
+  for (Vec3<T>& n : normals) {
+    // Brought to size 1 first: the square of a millimetre triangle's normal is lost in a float.
+    const T largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+    n = largest > T(0) ? normalized(n / largest) : Vec3<T>{};
+  }
+}
+std::vector<Vec3d> vertex_normals(const TriangleMesh& mesh);
+
+}  // namespace souple

@@ -1,0 +1,400 @@
+#include "souple/geometry/mesh_report.h"
+
+#include "souple/error.h"
+#include "souple/geometry/measures.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace souple {
+namespace {
+
+using Indices = std::vector<std::uint32_t>;
+
+// One side of a triangle; `place` = triangle * 3 + side.
+struct Side {
+  std::uint32_t low, high;
+  std::uint64_t place;
+  bool forward;  // runs from low to high
+  friend bool operator<(const Side& a, const Side& b) {
+    if (a.low != b.low) return a.low < b.low;
+    if (a.high != b.high) return a.high < b.high;
+    return a.place < b.place;
+  }
+};
+
+// Sides sorted by edge, and where each edge's run starts (one more entry at the end).
+struct SideRuns {
+  std::vector<Side> sides;
+  std::vector<std::size_t> begin;
+
+  explicit SideRuns(std::span<const Triangle> triangles) {
+    sides.reserve(triangles.size() * 3);
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
+        sides.push_back({std::min(a, b), std::max(a, b), t * 3 + i, a < b});
+      }
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t s = 0; s < sides.size(); ++s)
+      if (s == 0 || sides[s].low != sides[s - 1].low || sides[s].high != sides[s - 1].high)
+        begin.push_back(s);
+    begin.push_back(sides.size());
+  }
+};
+
+bool has_zero_area(std::span<const Vec3d> positions, const Triangle& t) {
+  const Vec3d a = positions[t[0]], ab = positions[t[1]] - a, ac = positions[t[2]] - a;
+  const double longest =
+      std::max({length_squared(ab), length_squared(ac), length_squared(positions[t[2]] - positions[t[1]])});
+  return !(length(cross(ab, ac)) > 1e-10 * longest);
+}
+
+bool all_finite(std::span<const Vec3d> positions, const Triangle& t) {
+  return is_finite(positions[t[0]]) && is_finite(positions[t[1]]) && is_finite(positions[t[2]]);
+}
+
+void find_edges(MeshReport& report, const Weld& weld, std::span<const Triangle> triangles) {
+  const SideRuns runs(triangles);
+  bool even = true;
+  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r) {
+    const std::size_t first = runs.begin[r], uses = runs.begin[r + 1] - first;
+    const Side& side = runs.sides[first];
+    const Edge edge{weld.to_vertex[side.low], weld.to_vertex[side.high]};
+    even = even && uses % 2 == 0;
+    if (uses == 1) report.open_edges.push_back(edge);
+    if (uses > 2) report.non_manifold_edges.push_back(edge);
+    if (uses == 2 && side.forward == runs.sides[first + 1].forward) report.inconsistent_edges.push_back(edge);
+  }
+  report.is_closed = even && !triangles.empty() && report.non_finite_vertices.empty();
+}
+
+std::string plural(std::size_t count, const std::string& singular, const std::string& many) {
+  return std::to_string(count) + " " + (count == 1 ? singular : many);
+}
+
+std::string at_vertex(const Indices& list) {
+  return std::string(list.size() == 1 ? "" : "the first is ") + "number " + std::to_string(list[0]);
+}
+
+std::string at_edge(const std::vector<Edge>& list) {
+  return std::string(list.size() == 1 ? "" : "the first is ") + "between vertices " +
+         std::to_string(list[0][0]) + " and " + std::to_string(list[0][1]);
+}
+
+}  // namespace
+
+bool MeshReport::is_clean() const {
+  return describe(*this).empty();
+}
+
+MeshReport inspect(const TriangleMesh& mesh, double tolerance) {
+  check_indices(mesh);
+  MeshReport report;
+  report.vertex_count = mesh.positions.size();
+  report.triangle_count = mesh.triangles.size();
+  const Weld weld = weld_vertices(mesh.positions, tolerance);
+  std::vector<bool> used(mesh.positions.size(), false), part_used(weld.size(), false);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) {
+      used[v] = true;
+      part_used[weld.to_welded[v]] = true;
+    }
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    if (!is_finite(mesh.positions[v])) report.non_finite_vertices.push_back(v);
+    if (!used[v]) report.unreferenced_vertices.push_back(v);
+    if (weld.to_vertex[weld.to_welded[v]] != v) report.duplicate_vertices.push_back(v);
+  }
+  const WeldedTriangles welded = weld_triangles(weld, mesh.triangles);
+  std::vector<bool> survives(mesh.triangles.size(), false);
+  for (const std::uint32_t t : welded.source) survives[t] = true;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!survives[t])
+      report.collapsed_triangles.push_back(t);
+    else if (all_finite(mesh.positions, mesh.triangles[t]) &&
+             has_zero_area(mesh.positions, mesh.triangles[t]))
+      report.zero_area_triangles.push_back(t);
+  }
+  find_edges(report, weld, welded.triangles);
+  const Components parts = connected_components(welded.triangles, weld.size());
+  std::vector<bool> seen(parts.count, false);
+  for (std::size_t v = 0; v < weld.size(); ++v)
+    if (part_used[v] && !seen[parts.of_vertex[v]]) {
+      seen[parts.of_vertex[v]] = true;
+      ++report.pieces;
+    }
+  if (report.is_closed) report.signed_volume = enclosed_volume(mesh.positions, mesh.triangles);
+  return report;
+}
+
+MeshReport inspect(const TriangleMesh& mesh) {
+  return inspect(mesh, rounding_tolerance(mesh.positions));
+}
+
+std::vector<std::string> describe(const MeshReport& r) {
+  std::vector<std::string> lines;
+  const auto add = [&](const auto& list, const char* one, const char* many, const std::string& where) {
+    if (!list.empty()) lines.push_back(plural(list.size(), one, many) + " (" + where + ")");
+  };
+  const auto vertex = [](const Indices& list) { return list.empty() ? std::string() : at_vertex(list); };
+  const auto edge = [](const std::vector<Edge>& list) {
+    return list.empty() ? std::string() : at_edge(list);
+  };
+  add(r.non_finite_vertices, "vertex is not a finite number", "vertices are not finite numbers",
+      vertex(r.non_finite_vertices));
+  add(r.unreferenced_vertices, "vertex is in no triangle", "vertices are in no triangle",
+      vertex(r.unreferenced_vertices));
+  add(r.duplicate_vertices, "vertex coincides with an earlier one", "vertices coincide with earlier ones",
+      vertex(r.duplicate_vertices));
+  add(r.collapsed_triangles, "triangle has two corners in one place",
+      "triangles have two corners in one place", vertex(r.collapsed_triangles));
+  add(r.zero_area_triangles, "triangle has no area", "triangles have no area", vertex(r.zero_area_triangles));
+  add(r.open_edges, "edge is open", "edges are open", edge(r.open_edges));
+  add(r.non_manifold_edges, "edge is shared by more than two triangles",
+      "edges are shared by more than two triangles", edge(r.non_manifold_edges));
+  add(r.inconsistent_edges, "edge joins triangles that wind against each other",
+      "edges join triangles that wind against each other", edge(r.inconsistent_edges));
+  return lines;
+}
+
+void require_closed(const MeshReport& r, const std::string& name) {
+  if (r.is_closed) return;
+  std::string why;
+  const auto add = [&](const std::string& reason) { why += (why.empty() ? "" : ", ") + reason; };
+  if (r.triangle_count == 0) add("it has no triangles");
+  if (!r.non_finite_vertices.empty())
+    add(plural(r.non_finite_vertices.size(), "vertex is", "vertices are") + " not finite (" +
+        at_vertex(r.non_finite_vertices) + ")");
+  if (!r.open_edges.empty())
+    add(plural(r.open_edges.size(), "edge is", "edges are") + " open (" + at_edge(r.open_edges) + ")");
+  else if (!r.non_manifold_edges.empty())
+    add(plural(r.non_manifold_edges.size(), "edge is", "edges are") +
+        " shared by more than two triangles, some by an odd number (" + at_edge(r.non_manifold_edges) + ")");
+  if (why.empty()) add("all its triangles are collapsed");
+  throw Error(name + ": a closed surface is needed here, but " + why +
+              "; close it in a modelling program, or simulate it as a cloth");
+}
+
+namespace {
+
+// Which triangles meet across edges of exactly two, and whether they wind alike.
+struct Neighbour {
+  std::uint32_t triangle;
+  bool agrees;
+};
+
+std::vector<std::array<Neighbour, 3>> neighbours_of(const SideRuns& runs, std::size_t triangle_count) {
+  constexpr std::uint32_t nobody = ~std::uint32_t(0);
+  const Neighbour alone{nobody, true};
+  std::vector<std::array<Neighbour, 3>> result(triangle_count, {alone, alone, alone});
+  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r) {
+    if (runs.begin[r + 1] - runs.begin[r] != 2) continue;
+    const Side &a = runs.sides[runs.begin[r]], &b = runs.sides[runs.begin[r] + 1];
+    const bool agrees = a.forward != b.forward;
+    result[a.place / 3][a.place % 3] = {static_cast<std::uint32_t>(b.place / 3), agrees};
+    result[b.place / 3][b.place % 3] = {static_cast<std::uint32_t>(a.place / 3), agrees};
+  }
+  return result;
+}
+
+// Triangles joined through edges of two, and which of them to turn over so that all agree.
+struct Patch {
+  Indices triangles;
+  bool orientable = true;
+};
+
+std::vector<Patch> find_patches(const SideRuns& runs, std::size_t triangle_count,
+                                std::vector<char>& flipped) {
+  const auto neighbours = neighbours_of(runs, triangle_count);
+  std::vector<char> seen(triangle_count, 0);
+  std::vector<Patch> patches;
+  for (std::uint32_t seed = 0; seed < triangle_count; ++seed) {
+    if (seen[seed]) continue;
+    Patch patch;
+    patch.triangles.push_back(seed);
+    seen[seed] = 1;
+    for (std::size_t next = 0; next < patch.triangles.size(); ++next) {
+      const std::uint32_t t = patch.triangles[next];
+      for (const auto& [other, agrees] : neighbours[t]) {
+        if (other >= triangle_count) continue;
+        const char turned = agrees ? flipped[t] : char(!flipped[t]);
+        if (!seen[other]) {
+          seen[other] = 1;
+          flipped[other] = turned;
+          patch.triangles.push_back(other);
+        } else if (flipped[other] != turned) {
+          patch.orientable = false;
+        }
+      }
+    }
+    patches.push_back(std::move(patch));
+  }
+  return patches;
+}
+
+// Turns the smaller part of a patch, rather than the larger; a patch that has no consistent winding is left
+// alone.
+void keep_majority(const Patch& patch, std::vector<char>& flipped) {
+  std::size_t turned = 0;
+  for (const std::uint32_t t : patch.triangles) turned += flipped[t] ? 1u : 0u;
+  const bool invert = turned * 2 > patch.triangles.size();
+  for (const std::uint32_t t : patch.triangles)
+    flipped[t] = patch.orientable ? char(invert ? !flipped[t] : flipped[t]) : char(0);
+}
+
+void turn_over(std::vector<Triangle>& triangles, const Indices& which) {
+  for (const std::uint32_t t : which) std::swap(triangles[t][1], triangles[t][2]);
+}
+
+struct ClosedPiece {
+  const Indices* triangles;
+  double volume;
+  BoundingBox box;
+};
+
+bool lies_within(const BoundingBox& inner, const BoundingBox& outer) {
+  for (int i = 0; i < 3; ++i)
+    if (!(inner.lo[i] > outer.lo[i] && inner.hi[i] < outer.hi[i])) return false;
+  return true;
+}
+
+// A patch none of whose edges is open or shared with another patch.
+bool is_closed_patch(const Patch& patch, const std::vector<char>& on_rim) {
+  return patch.orientable && std::none_of(patch.triangles.begin(), patch.triangles.end(),
+                                          [&](std::uint32_t t) { return on_rim[t] != 0; });
+}
+
+std::vector<ClosedPiece> closed_pieces(const std::vector<Patch>& patches, const std::vector<char>& on_rim,
+                                       std::span<const Vec3d> positions,
+                                       std::span<const Triangle> triangles) {
+  std::vector<ClosedPiece> pieces;
+  for (const Patch& patch : patches) {
+    if (!is_closed_patch(patch, on_rim)) continue;
+    std::vector<Triangle> own;
+    std::vector<Vec3d> corners;
+    for (const std::uint32_t t : patch.triangles) {
+      own.push_back(triangles[t]);
+      for (const std::uint32_t v : triangles[t]) corners.push_back(positions[v]);
+    }
+    pieces.push_back({&patch.triangles, enclosed_volume(positions, own), bounding_box(corners)});
+  }
+  return pieces;
+}
+
+// Closed pieces that are inside out, except where they may be the wall of a cavity.
+std::size_t turn_outward(const std::vector<ClosedPiece>& pieces, std::vector<Triangle>& triangles) {
+  std::size_t turned = 0;
+  for (const ClosedPiece& piece : pieces) {
+    if (!(piece.volume < 0)) continue;
+    const bool cavity = std::any_of(pieces.begin(), pieces.end(), [&](const ClosedPiece& other) {
+      return &other != &piece && lies_within(piece.box, other.box);
+    });
+    if (cavity) continue;
+    turn_over(triangles, *piece.triangles);
+    ++turned;
+  }
+  return turned;
+}
+
+void wind_consistently(RepairedSurface& surface, std::span<const Vec3d> positions) {
+  const SideRuns runs(surface.triangles);
+  std::vector<char> flipped(surface.triangles.size(), 0), on_rim(surface.triangles.size(), 0);
+  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r)
+    if (runs.begin[r + 1] - runs.begin[r] != 2)
+      for (std::size_t s = runs.begin[r]; s < runs.begin[r + 1]; ++s) on_rim[runs.sides[s].place / 3] = 1;
+  const std::vector<Patch> patches = find_patches(runs, surface.triangles.size(), flipped);
+  std::size_t one_sided = 0;
+  for (const Patch& patch : patches) {
+    keep_majority(patch, flipped);
+    one_sided += patch.orientable ? 0u : 1u;
+  }
+  Indices turned;
+  for (std::uint32_t t = 0; t < flipped.size(); ++t)
+    if (flipped[t]) turned.push_back(t);
+  turn_over(surface.triangles, turned);
+  const std::size_t outward =
+      turn_outward(closed_pieces(patches, on_rim, positions, surface.triangles), surface.triangles);
+  if (!turned.empty())
+    surface.sentences.push_back("Turned over " + plural(turned.size(), "triangle", "triangles") +
+                                " to wind like the others.");
+  if (outward > 0)
+    surface.sentences.push_back("Turned " + plural(outward, "closed piece", "closed pieces") + " outward.");
+  if (one_sided > 0)
+    surface.sentences.push_back("Left " + plural(one_sided, "piece", "pieces") +
+                                " with mixed winding: such a surface has only one side (a Moebius strip).");
+}
+
+// Marks all but the first of triangles with the same three corners.
+std::vector<char> find_copies(std::span<const Triangle> triangles) {
+  std::vector<Triangle> keys(triangles.begin(), triangles.end());
+  for (Triangle& key : keys) std::sort(key.begin(), key.end());
+  Indices order(triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+  std::vector<char> copy(triangles.size(), 0);
+  for (std::size_t k = 1; k < order.size(); ++k) copy[order[k]] = keys[order[k]] == keys[order[k - 1]];
+  return copy;
+}
+
+// Keeps the triangles that `keep` says, and tells how many went and why.
+template <class Keep>
+void filter(RepairedSurface& surface, const Keep& keep, const char* why) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (!keep(t)) continue;
+    surface.triangles[kept] = surface.triangles[t];
+    surface.source[kept] = surface.source[t];
+    ++kept;
+  }
+  const std::size_t dropped = surface.triangles.size() - kept;
+  surface.triangles.resize(kept);
+  surface.source.resize(kept);
+  if (dropped > 0)
+    surface.sentences.push_back("Dropped " + plural(dropped, "triangle", "triangles") + " " + why + ".");
+}
+
+bool every_edge_is_even(std::span<const Triangle> triangles) {
+  const SideRuns runs(triangles);
+  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r)
+    if ((runs.begin[r + 1] - runs.begin[r]) % 2 != 0) return false;
+  return true;
+}
+
+}  // namespace
+
+RepairedSurface repair(const TriangleMesh& mesh, double tolerance) {
+  check_indices(mesh);
+  RepairedSurface surface;
+  surface.weld = weld_vertices(mesh.positions, tolerance);
+  const std::size_t joined = mesh.positions.size() - surface.weld.size();
+  if (joined > 0)
+    surface.sentences.push_back("Joined " + plural(joined, "vertex", "vertices") + " with coincident ones.");
+  WeldedTriangles welded = weld_triangles(surface.weld, mesh.triangles);
+  const std::size_t collapsed = mesh.triangles.size() - welded.triangles.size();
+  if (collapsed > 0)
+    surface.sentences.push_back("Dropped " + plural(collapsed, "triangle", "triangles") +
+                                " with two corners in one place.");
+  surface.triangles = std::move(welded.triangles);
+  surface.source = std::move(welded.source);
+  const std::vector<Vec3d> positions = gather<Vec3d>(surface.weld, mesh.positions);
+  filter(
+      surface, [&](std::size_t t) { return all_finite(positions, surface.triangles[t]); },
+      "with a vertex that is not finite");
+  const std::vector<char> copy = find_copies(surface.triangles);
+  filter(
+      surface, [&](std::size_t t) { return !copy[t]; }, "laid twice on the same corners");
+  if (!every_edge_is_even(surface.triangles))
+    filter(
+        surface, [&](std::size_t t) { return !has_zero_area(positions, surface.triangles[t]); },
+        "without area");
+  wind_consistently(surface, positions);
+  return surface;
+}
+
+RepairedSurface repair(const TriangleMesh& mesh) {
+  return repair(mesh, rounding_tolerance(mesh.positions));
+}
+
+}  // namespace souple

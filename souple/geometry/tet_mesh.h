@@ -1,0 +1,24 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace souple {
+
+/// Vertices (a, b, c, d) with (b - a) x (c - a) . (d - a) > 0.
+using Tet = std::array<std::uint32_t, 4>;
+
+/// A volume cut into tetrahedra.
+struct TetMesh {
+  std::vector<Vec3d> positions;  ///< metres, user order
+  std::vector<Tet> tets;         ///< positively oriented
+  std::map<std::string, std::vector<std::uint32_t>>
+      groups;  ///< vertex indices of each named group, ascending
+};
+
+}  // namespace souple

@@ -1,0 +1,59 @@
+#include "souple/geometry/vertex_maps.h"
+
+#include "souple/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+namespace {
+
+void fill_group(std::vector<float>& map, const TriangleMesh& mesh, const std::string& group, float value) {
+  const auto found = mesh.groups.find(group);
+  if (found == mesh.groups.end()) {
+    std::string known;
+    for (const auto& [name, vertices] : mesh.groups) known += (known.empty() ? "" : ", ") + name;
+    throw Error("the mesh has no group '" + group + "'" +
+                (known.empty() ? "; it has no groups at all" : "; its groups are: " + known));
+  }
+  for (const std::uint32_t v : found->second) {
+    if (v >= map.size())
+      throw Error("group '" + group + "' names vertex " + std::to_string(v) + ", but there are " +
+                  std::to_string(map.size()) + " vertices (numbered from 0)");
+    map[v] = value;
+  }
+}
+
+}  // namespace
+
+std::vector<float> map_from_group(const TriangleMesh& mesh, const std::string& group, float inside,
+                                  float outside) {
+  return map_from_groups(mesh, {{group, inside}}, outside);
+}
+
+std::vector<float> map_from_groups(const TriangleMesh& mesh, const std::map<std::string, float>& values,
+                                   float otherwise) {
+  std::vector<float> map(mesh.positions.size(), otherwise);
+  for (const auto& [group, value] : values) fill_group(map, mesh, group, value);
+  return map;
+}
+
+std::vector<float> map_from_colours(const TriangleMesh& mesh, ColourChannel channel, float low, float high) {
+  if (mesh.colours.empty() || mesh.colours.size() != mesh.positions.size())
+    throw Error(
+        "the mesh has " + std::to_string(mesh.colours.size()) + " vertex colours for " +
+        std::to_string(mesh.positions.size()) +
+        " vertices; a map from colours needs one each: paint them, or save the mesh in a format that keeps "
+        "them (PLY)");
+  std::vector<float> map;
+  map.reserve(mesh.colours.size());
+  for (std::size_t v = 0; v < mesh.colours.size(); ++v) {
+    const float value = mesh.colours[v][static_cast<int>(channel)];
+    if (!std::isfinite(value))
+      throw Error("the colour of vertex " + std::to_string(v) + " is not a finite number");
+    map.push_back(low + (high - low) * std::clamp(value, 0.0f, 1.0f));
+  }
+  return map;
+}
+
+}  // namespace souple

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "souple/geometry/triangle_mesh.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace souple {
+
+// One number per vertex, painted by the user: a pin's weight, a factor of the stiffness, a thickness [m].
+// Values are in the user's vertex order.
+
+enum class ColourChannel { red, green, blue };
+
+/// `inside` on the vertices of the named group, `outside` elsewhere. Throws Error, listing the groups there
+/// are, if the mesh has none of that name.
+std::vector<float> map_from_group(const TriangleMesh& mesh, const std::string& group, float inside = 1,
+                                  float outside = 0);
+
+/// A value for each of several groups, `otherwise` elsewhere. Where groups overlap, the alphabetically last
+/// one wins.
+std::vector<float> map_from_groups(const TriangleMesh& mesh, const std::map<std::string, float>& values,
+                                   float otherwise);
+
+/// low + (high - low) * channel, for a channel from 0 (black) to 1; values outside [0, 1] are clamped. Throws
+/// Error if the mesh has no vertex colours or one is not finite.
+std::vector<float> map_from_colours(const TriangleMesh& mesh, ColourChannel channel, float low = 0,
+                                    float high = 1);
+
+}  // namespace souple

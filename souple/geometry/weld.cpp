@@ -1,0 +1,160 @@
+#include "souple/geometry/weld.h"
+
+#include "souple/error.h"
+#include "souple/geometry/measures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace souple {
+namespace {
+
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+using Cell = std::array<std::int64_t, 3>;
+
+// Representatives sorted into cubes no smaller than the tolerance: a partner lies in one of 27 cubes, and a
+// cube holds few representatives, since those are more than a tolerance apart.
+class CellGrid {
+ public:
+  CellGrid(std::span<const Vec3d> positions, double tolerance) : positions_(positions) {
+    const BoundingBox bounds = bounding_box(positions);
+    lo_ = bounds.lo;
+    // Half sizes, because the full extent of extreme coordinates is not a finite number. Cubes are two
+    // tolerances wide, so that rounding cannot put partners two cubes apart; at most 2^40 of them a side are
+    // exact numbers.
+    double half_extent = 0;
+    for (int i = 0; i < 3; ++i) half_extent = std::max(half_extent, bounds.hi[i] / 2 - bounds.lo[i] / 2);
+    half_cell_ = std::max(
+        {tolerance, half_extent / double(std::int64_t(1) << 40), std::numeric_limits<double>::min()});
+    for (const Vec3d& p : positions)
+      if (is_finite(p)) cells_.push_back(cell_of(p));
+    std::sort(cells_.begin(), cells_.end());
+    cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
+    head_.assign(cells_.size(), none);
+    next_.assign(positions.size(), none);
+  }
+
+  void insert(std::uint32_t vertex) {
+    const Cell cell = cell_of(positions_[vertex]);
+    const auto at = std::lower_bound(cells_.begin(), cells_.end(), cell) - cells_.begin();
+    next_[vertex] = head_[std::size_t(at)];
+    head_[std::size_t(at)] = vertex;
+  }
+
+  // The lowest inserted vertex within the tolerance of position p, or none.
+  std::uint32_t find(const Vec3d& p, double tolerance) const {
+    const Cell centre = cell_of(p);
+    std::uint32_t best = none;
+    for (std::int64_t dx = -1; dx <= 1; ++dx)
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        const Cell from{centre[0] + dx, centre[1] + dy, centre[2] - 1};
+        const Cell to{centre[0] + dx, centre[1] + dy, centre[2] + 1};
+        auto it = std::lower_bound(cells_.begin(), cells_.end(), from);
+        for (; it != cells_.end() && !(to < *it); ++it)
+          for (std::uint32_t v = head_[std::size_t(it - cells_.begin())]; v != none; v = next_[v])
+            if (v < best && length(positions_[v] - p) <= tolerance) best = v;
+      }
+    return best;
+  }
+
+ private:
+  Cell cell_of(const Vec3d& p) const {
+    Cell cell{};
+    for (int i = 0; i < 3; ++i)
+      cell[std::size_t(i)] = std::int64_t(std::floor((p[i] / 2 - lo_[i] / 2) / half_cell_));
+    return cell;
+  }
+
+  std::span<const Vec3d> positions_;
+  Vec3d lo_;
+  double half_cell_{};
+  std::vector<Cell> cells_;          // occupied, sorted
+  std::vector<std::uint32_t> head_;  // per cell: its last representative
+  std::vector<std::uint32_t> next_;  // per vertex: the representative before it in its cell
+};
+
+// For each vertex the lowest one with the same coordinates.
+std::vector<std::uint32_t> exact_representatives(std::span<const Vec3d> positions) {
+  std::vector<std::uint32_t> order, representative(positions.size());
+  for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    representative[v] = v;
+    if (is_finite(positions[v])) order.push_back(v);
+  }
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Vec3d &p = positions[a], &q = positions[b];
+    if (p.x != q.x) return p.x < q.x;
+    if (p.y != q.y) return p.y < q.y;
+    if (p.z != q.z) return p.z < q.z;
+    return a < b;
+  });
+  for (std::size_t k = 1; k < order.size(); ++k)
+    if (positions[order[k]] == positions[order[k - 1]])
+      representative[order[k]] = representative[order[k - 1]];
+  return representative;
+}
+
+std::vector<std::uint32_t> near_representatives(std::span<const Vec3d> positions, double tolerance) {
+  CellGrid grid(positions, tolerance);
+  std::vector<std::uint32_t> representative(positions.size());
+  for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    representative[v] = v;
+    if (!is_finite(positions[v])) continue;
+    const std::uint32_t found = grid.find(positions[v], tolerance);
+    if (found != none)
+      representative[v] = found;
+    else
+      grid.insert(v);
+  }
+  return representative;
+}
+
+}  // namespace
+
+double rounding_tolerance(std::span<const Vec3d> positions) {
+  const BoundingBox bounds = bounding_box(positions);
+  const double diagonal = bounds.diagonal();
+  return std::isfinite(diagonal) ? 1e-9 * diagonal : 0;
+}
+
+Weld weld_vertices(std::span<const Vec3d> positions, double tolerance) {
+  if (!(tolerance >= 0) || !std::isfinite(tolerance))
+    throw Error("weld: the tolerance must be 0 (equal coordinates) or a positive length in metres");
+  const std::vector<std::uint32_t> representative =
+      tolerance > 0 ? near_representatives(positions, tolerance) : exact_representatives(positions);
+  Weld weld;
+  weld.to_welded.resize(positions.size());
+  for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    if (representative[v] == v) {
+      weld.to_welded[v] = static_cast<std::uint32_t>(weld.to_vertex.size());
+      weld.to_vertex.push_back(v);
+    } else {
+      weld.to_welded[v] = weld.to_welded[representative[v]];
+    }
+  }
+  return weld;
+}
+
+WeldedTriangles weld_triangles(const Weld& weld, std::span<const Triangle> triangles) {
+  WeldedTriangles result;
+  result.triangles.reserve(triangles.size());
+  result.source.reserve(triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    Triangle welded{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (triangles[t][i] >= weld.to_welded.size())
+        throw Error("weld: triangle " + std::to_string(t) + " names vertex " +
+                    std::to_string(triangles[t][i]) + ", but the weld has " +
+                    std::to_string(weld.to_welded.size()) + " vertices");
+      welded[i] = weld.to_welded[triangles[t][i]];
+    }
+    if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
+    result.triangles.push_back(welded);
+    result.source.push_back(t);
+  }
+  return result;
+}
+
+}  // namespace souple

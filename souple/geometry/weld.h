@@ -1,0 +1,47 @@
+#pragma once
+
+#include "souple/geometry/triangle_mesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// A map between the vertices a user sees and the particles that move: files double vertices at UV seams and
+/// creases, and those must move as one. The user's mesh itself is never changed.
+struct Weld {
+  std::vector<std::uint32_t> to_welded;  ///< per user vertex: its welded vertex
+  std::vector<std::uint32_t>
+      to_vertex;  ///< per welded vertex: the lowest user vertex among those it stands for
+  std::size_t size() const { return to_vertex.size(); }
+  bool is_identity() const { return to_vertex.size() == to_welded.size(); }
+};
+
+/// Joins coincident vertices. In index order, each vertex joins the lowest earlier representative within
+/// `tolerance` metres of it (0: equal coordinates), or becomes one itself; so welded vertices keep the user's
+/// order, chains do not creep, and nothing moves further than the tolerance. Vertices that are not finite
+/// stay alone. Throws Error if the tolerance is negative or not finite.
+Weld weld_vertices(std::span<const Vec3d> positions, double tolerance = 0);
+
+/// 1e-9 of the bounding box's diagonal: joins what a file's rounding set apart, and no detail.
+double rounding_tolerance(std::span<const Vec3d> positions);
+
+/// One value per welded vertex, taken from its representative.
+template <class T>
+std::vector<T> gather(const Weld& weld, std::span<const T> per_vertex) {
+  std::vector<T> result;
+  result.reserve(weld.size());
+  for (const std::uint32_t vertex : weld.to_vertex) result.push_back(per_vertex[vertex]);
+  return result;
+}
+
+/// Triangles over welded vertices; those that lost an edge (two corners became one) are left out.
+struct WeldedTriangles {
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> source;  ///< per triangle: its index among the user's
+};
+WeldedTriangles weld_triangles(const Weld& weld, std::span<const Triangle> triangles);
+
+}  // namespace souple

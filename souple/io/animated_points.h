@@ -1,0 +1,68 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace souple {
+
+/// Points whose positions are known frame by frame; what AnimatedPoints reads.
+class PointFrames {
+ public:
+  virtual ~PointFrames() = default;
+  virtual std::uint64_t points() const = 0;
+  virtual std::uint64_t frames() const = 0;
+  virtual double time(std::uint64_t frame) const = 0;  ///< seconds since the first frame
+  virtual void read(std::uint64_t frame, std::span<Vec3f> positions) = 0;
+};
+
+/// The positions of an animated mesh at any time: between frames linear, before the first and after the last
+/// they stand still. Drives pinned vertices. Keeps two frames in memory.
+class AnimatedPoints {
+ public:
+  /// Reads the vertices of a mesh file in the file's order, e.g. by read_triangle_mesh.
+  using ReadMesh = std::function<std::vector<Vec3f>(const std::filesystem::path&)>;
+
+  struct Options {
+    double frame_rate =
+        60;                 ///< frames a second of a .pc2 or a sequence of meshes; a .mdd holds its own times
+    double start_time = 0;  ///< when the first frame plays [s]
+  };
+
+  /// `path` is a .pc2, a .mdd, or one file of a sequence of meshes (NAME_0001.obj), which `read_mesh` reads.
+  /// Throws Error for a bad file, no frames, times that go back, or a mesh whose number of vertices changes.
+  AnimatedPoints(const std::filesystem::path& path, const Options& options, const ReadMesh& read_mesh = {});
+  AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time);
+  AnimatedPoints(AnimatedPoints&&) noexcept;
+  AnimatedPoints& operator=(AnimatedPoints&&) noexcept;
+  ~AnimatedPoints();
+
+  std::uint64_t points() const;
+  double start_time() const;  ///< of the first frame [s]
+  double end_time() const;    ///< of the last frame [s]
+  /// The positions at `time` [s]; `positions` has points() entries. Throws Error when the file gives a number
+  /// that is not finite, or can no longer be read.
+  void evaluate(double time, std::span<Vec3f> positions);
+
+ private:
+  struct Loaded {
+    std::uint64_t frame;
+    std::vector<Vec3f> positions;
+  };
+  const std::vector<Vec3f>& load(std::uint64_t frame);
+
+  std::unique_ptr<PointFrames> frames_;
+  std::string name_;
+  double start_time_;
+  std::vector<double> times_;     ///< of each frame, since the first [s]
+  std::array<Loaded, 2> loaded_;  ///< frame f lies in loaded_[f % 2]: neighbours are there together
+};
+
+}  // namespace souple

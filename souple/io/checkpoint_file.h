@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Checkpoints: what a stopped run needs to go on.
+namespace souple {
+
+/// A cache file and how much of it belongs to the run so far.
+struct CheckpointCache {
+  std::string path;  ///< relative to the output folder
+  std::uint64_t frames = 0;
+  bool operator==(const CheckpointCache&) const = default;
+};
+
+struct Checkpoint {
+  std::string version;      ///< of the library that wrote it: "0.1.0", at most 15 characters
+  std::uint64_t frame = 0;  ///< frames simulated
+  std::string scene;        ///< JSON text, as it was run
+  std::vector<CheckpointCache> caches;
+  std::vector<std::byte> state;  ///< of the world; opaque here
+  bool operator==(const Checkpoint&) const = default;
+};
+
+/// The bytes of a checkpoint file: a header of 64 bytes that never changes its layout (magic, format, the
+/// version that wrote it, size and checksum of the rest, its own checksum), then the rest. Little endian,
+/// FNV-1a 64.
+std::string checkpoint_bytes(const Checkpoint& checkpoint);
+
+/// Checks all of it. Throws Error: not a checkpoint, cut short, damaged, or written by a version newer than
+/// `this_version` ("was written by Souple 0.2.0, this is 0.1.0").
+Checkpoint parse_checkpoint(std::string_view bytes, const std::string& name, const std::string& this_version);
+
+/// Writes it whole or not at all, and waits for the disk.
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+Checkpoint read_checkpoint(const std::filesystem::path& path, const std::string& this_version);
+
+}  // namespace souple

@@ -1,0 +1,295 @@
+#include "souple/io/manifest.h"
+
+#include "souple/error.h"
+#include "souple/io/atomic_file.h"
+#include "souple/io/relative_path.h"
+
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+namespace souple {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int largest_depth = 64;
+
+/// Drops the "[json.exception.parse_error.101] " that nlohmann puts in front.
+std::string reason(const nlohmann::json::exception& error) {
+  const std::string text = error.what();
+  const auto end = text.find("] ");
+  return end == std::string::npos ? text : text.substr(end + 2);
+}
+
+/// Throws Error for what is not JSON, and for nesting that would exhaust the stack of those who walk it.
+Json parse_json(std::string_view text, const std::string& name) {
+  const auto limit_depth = [&name](int depth, Json::parse_event_t, Json&) {
+    if (depth > largest_depth)
+      throw Error(name + ": is nested deeper than " + std::to_string(largest_depth) + " levels");
+    return true;
+  };
+  try {
+    return Json::parse(text.begin(), text.end(), limit_depth);
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(name + ": is not JSON: " + reason(error));
+  }
+}
+
+// Writing.
+
+Json embedded(const std::string& text, const char* what) {
+  return text.empty() ? Json(nullptr) : parse_json(text, what);
+}
+
+Json to_json(const NamedNumbers& numbers) {
+  Json object = Json::object();
+  for (const auto& [name, value] : numbers) object[name] = value;
+  return object;
+}
+
+Json to_json(const ManifestObject& object) {
+  Json files = Json::array();
+  for (const ManifestFile& file : object.files)
+    files.push_back({{"format", file.format}, {"path", file.path}, {"frames", file.frames}});
+  return {{"name", object.name},
+          {"kind", object.kind},
+          {"files", files},
+          {"topology", {{"points", object.points}, {"triangles", object.triangles}}}};
+}
+
+Json to_json(const FrameReport& report) {
+  return {{"frame", report.frame},
+          {"time", report.time},
+          {"values", to_json(report.values)},
+          {"flags", report.flags}};
+}
+
+Json timings(const std::vector<FrameReport>& reports) {
+  Json lines = Json::array();
+  for (const FrameReport& report : reports) {
+    if (report.milliseconds.empty()) continue;
+    lines.push_back({{"frame", report.frame}, {"milliseconds", to_json(report.milliseconds)}});
+  }
+  return lines;
+}
+
+/// [, one item a line, ]: what people look at with less and diff.
+template <class T>
+std::string lines_of(const std::vector<T>& items) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < items.size(); ++i) text += (i ? ",\n  " : "\n  ") + to_json(items[i]).dump();
+  return text + (items.empty() ? "]" : "\n]");
+}
+
+// Reading.
+
+/// A value and where it stands, for errors.
+struct Place {
+  const Json& value;
+  std::string path;
+
+  [[noreturn]] void fail(const std::string& what) const { throw Error(path + ": " + what); }
+};
+
+Place item(const Place& array, std::size_t index) {
+  return {array.value[index], array.path + "[" + std::to_string(index) + "]"};
+}
+
+/// The value of a key that must be there.
+Place member(const Place& object, const std::string& key) {
+  const auto found = object.value.find(key);
+  if (found == object.value.end()) object.fail("has no \"" + key + "\"");
+  return {*found, object.path + "." + key};
+}
+
+void require_object(const Place& place) {
+  if (!place.value.is_object())
+    place.fail(std::string("expected an object, found ") + place.value.type_name());
+}
+
+/// An object that has no other keys than these.
+void require_keys(const Place& place, std::initializer_list<std::string_view> keys) {
+  require_object(place);
+  for (const auto& [key, value] : place.value.items()) {
+    bool known = false;
+    for (const std::string_view k : keys) known = known || k == key;
+    if (!known) place.fail("has a key \"" + key + "\", which is not known");
+  }
+}
+
+std::string text(const Place& place) {
+  if (!place.value.is_string()) place.fail(std::string("expected a text, found ") + place.value.type_name());
+  return place.value.get<std::string>();
+}
+
+std::uint64_t count(const Place& place) {
+  if (!place.value.is_number_unsigned())
+    place.fail("expected a whole number from 0 up, found " +
+               (place.value.is_number() ? place.value.dump() : std::string(place.value.type_name())));
+  return place.value.get<std::uint64_t>();
+}
+
+double finite_number(const Place& place) {
+  if (!place.value.is_number())
+    place.fail(std::string("expected a number, found ") + place.value.type_name());
+  const double number = place.value.get<double>();
+  if (!std::isfinite(number)) place.fail("expected a finite number");
+  return number;
+}
+
+bool truth(const Place& place) {
+  if (!place.value.is_boolean())
+    place.fail(std::string("expected true or false, found ") + place.value.type_name());
+  return place.value.get<bool>();
+}
+
+template <class Read>
+auto list(const Place& place, Read read) {
+  if (!place.value.is_array()) place.fail(std::string("expected an array, found ") + place.value.type_name());
+  std::vector<decltype(read(place))> items;
+  items.reserve(place.value.size());
+  for (std::size_t i = 0; i < place.value.size(); ++i) items.push_back(read(item(place, i)));
+  return items;
+}
+
+NamedNumbers named_numbers(const Place& place) {
+  require_object(place);
+  NamedNumbers numbers;
+  for (const auto& [key, value] : place.value.items()) {
+    const Place number{value, place.path + "." + key};
+    // JSON knows no NaN; null stands for all that is not finite.
+    numbers.emplace_back(key,
+                         value.is_null() ? std::numeric_limits<double>::quiet_NaN() : finite_number(number));
+  }
+  return numbers;
+}
+
+std::string embedded_text(const Place& place) {
+  return place.value.is_null() ? std::string() : place.value.dump();
+}
+
+ManifestFile read_file(const Place& place) {
+  require_keys(place, {"format", "path", "frames"});
+  ManifestFile file{text(member(place, "format")), text(member(place, "path")),
+                    count(member(place, "frames"))};
+  if (!stays_inside_folder(file.path))
+    member(place, "path").fail("\"" + file.path + "\" leads out of the folder; expected a relative path");
+  return file;
+}
+
+ManifestObject read_object(const Place& place) {
+  require_keys(place, {"name", "kind", "files", "topology"});
+  const Place topology = member(place, "topology");
+  require_keys(topology, {"points", "triangles"});
+  ManifestObject object;
+  object.name = text(member(place, "name"));
+  object.kind = text(member(place, "kind"));
+  object.files = list(member(place, "files"), read_file);
+  object.points = count(member(topology, "points"));
+  object.triangles = count(member(topology, "triangles"));
+  return object;
+}
+
+FrameReport read_report(const Place& place) {
+  require_keys(place, {"frame", "time", "values", "flags"});
+  FrameReport report;
+  report.frame = count(member(place, "frame"));
+  report.time = finite_number(member(place, "time"));
+  report.values = named_numbers(member(place, "values"));
+  report.flags = list(member(place, "flags"), text);
+  return report;
+}
+
+void check_reports(const Place& place, const std::vector<FrameReport>& reports, std::uint64_t frames) {
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    const Place frame = member(item(place, i), "frame");
+    if (reports[i].frame < 1 || reports[i].frame > frames)
+      frame.fail(std::to_string(reports[i].frame) + " is not one of the " + std::to_string(frames) +
+                 " frames");
+    if (i > 0 && reports[i].frame <= reports[i - 1].frame) frame.fail("is not later than the one before");
+  }
+}
+
+void read_timings(const Place& place, std::vector<FrameReport>& reports) {
+  std::map<std::uint64_t, FrameReport*> by_frame;
+  for (FrameReport& report : reports) by_frame[report.frame] = &report;
+  list(place, [&by_frame](const Place& line) {
+    require_keys(line, {"frame", "milliseconds"});
+    const auto found = by_frame.find(count(member(line, "frame")));
+    if (found == by_frame.end()) member(line, "frame").fail("has no report");
+    found->second->milliseconds = named_numbers(member(line, "milliseconds"));
+    return true;
+  });
+}
+
+void check_format(const Place& root) {
+  require_object(root);
+  if (root.value.find("souple_run") == root.value.end())
+    root.fail("is not the manifest of a run: it has no \"souple_run\"");
+  const std::uint64_t format = count(member(root, "souple_run"));
+  if (format == 1) return;
+  const auto version = root.value.find("version");
+  const std::string writer =
+      version != root.value.end() && version->is_string() ? version->get<std::string>() : "?";
+  root.fail("was written by Souple " + writer + " in format " + std::to_string(format) +
+            "; this version reads format 1");
+}
+
+RunManifest read_root(const Place& root) {
+  check_format(root);
+  require_keys(root, {"souple_run", "version", "complete", "frame_rate", "frames", "scene", "settings",
+                      "objects", "notes", "reports", "timings"});
+  RunManifest manifest;
+  manifest.version = text(member(root, "version"));
+  manifest.complete = truth(member(root, "complete"));
+  manifest.frame_rate = finite_number(member(root, "frame_rate"));
+  if (!(manifest.frame_rate > 0)) member(root, "frame_rate").fail("expected a number > 0");
+  manifest.frames = count(member(root, "frames"));
+  manifest.scene = embedded_text(member(root, "scene"));
+  manifest.settings = embedded_text(member(root, "settings"));
+  manifest.objects = list(member(root, "objects"), read_object);
+  manifest.notes = list(member(root, "notes"), text);
+  manifest.reports = list(member(root, "reports"), read_report);
+  check_reports(member(root, "reports"), manifest.reports, manifest.frames);
+  read_timings(member(root, "timings"), manifest.reports);
+  return manifest;
+}
+
+}  // namespace
+
+std::string manifest_text(const RunManifest& manifest) {
+  try {
+    return "{\n\"souple_run\": 1,\n\"version\": " + Json(manifest.version).dump() +
+           ",\n\"complete\": " + (manifest.complete ? "true" : "false") +
+           ",\n\"frame_rate\": " + Json(manifest.frame_rate).dump() +
+           ",\n\"frames\": " + std::to_string(manifest.frames) +
+           ",\n\"scene\": " + embedded(manifest.scene, "the scene of a run").dump() +
+           ",\n\"settings\": " + embedded(manifest.settings, "the settings of a run").dump() +
+           ",\n\"objects\": " + lines_of(manifest.objects) + ",\n\"notes\": " + Json(manifest.notes).dump() +
+           ",\n\"reports\": " + lines_of(manifest.reports) +
+           ",\n\"timings\": " + timings(manifest.reports).dump() + "\n}\n";
+  } catch (const nlohmann::json::exception& error) {  // a name that is not UTF-8
+    throw Error("run.json cannot be written: " + reason(error));
+  }
+}
+
+RunManifest parse_manifest(std::string_view text, const std::string& name) {
+  return read_root({parse_json(text, name), name});
+}
+
+void write_manifest(const std::filesystem::path& folder, const RunManifest& manifest) {
+  write_file_atomically(folder / "run.json", manifest_text(manifest));
+}
+
+RunManifest read_manifest(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto file = std::filesystem::is_directory(path, ignored) ? path / "run.json" : path;
+  return parse_manifest(read_whole_file(file), file.string());
+}
+
+}  // namespace souple

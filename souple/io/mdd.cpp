@@ -1,0 +1,174 @@
+#include "souple/io/mdd.h"
+
+#include "souple/error.h"
+#include "souple/io/atomic_file.h"
+#include "souple/io/endian.h"
+#include "souple/io/point_cache_checks.h"
+
+#include <algorithm>
+#include <array>
+
+namespace souple {
+
+namespace {
+
+constexpr ByteOrder order = ByteOrder::big;
+constexpr std::uint64_t header_size = 8;
+constexpr std::uint64_t copy_size = 1u << 20;
+
+struct Header {
+  std::uint64_t frames;
+  std::uint64_t points;
+};
+
+std::array<std::byte, header_size> encode(const Header& header) {
+  std::array<std::byte, header_size> bytes{};
+  store<order>(&bytes[0], static_cast<std::uint32_t>(header.frames));
+  store<order>(&bytes[4], static_cast<std::uint32_t>(header.points));
+  return bytes;
+}
+
+/// Rejects what no MDD can say, and a table of times longer than the file.
+Header read_header(ByteSource& source) {
+  if (source.size() < header_size)
+    throw Error(source.name() + ": is not an MDD file: it has less than 8 bytes");
+  std::array<std::byte, header_size> bytes{};
+  source.read(0, bytes);
+  const Header header{load<order, std::uint32_t>(&bytes[0]), load<order, std::uint32_t>(&bytes[4])};
+  point_cache::check_header(source.name(), {header.points, header.frames});
+  if (4 * header.frames > source.size() - header_size)
+    throw Error(source.name() + ": its header says " + std::to_string(header.frames) +
+                " frames, more than its size of " + std::to_string(source.size()) +
+                " bytes allows; it is cut short or damaged");
+  return header;
+}
+
+std::vector<float> read_times(ByteSource& source, std::uint64_t count) {
+  std::vector<std::byte> bytes(4 * count);
+  source.read(header_size, bytes);
+  std::vector<float> times(count);
+  for (std::uint64_t i = 0; i < count; ++i) times[i] = load_float<order>(&bytes[4 * i]);
+  return times;
+}
+
+/// Room in the table of times. A plan of a million frames may be a way to say "until stopped".
+std::uint64_t room_for(std::uint64_t planned_frames) {
+  return planned_frames == 0 ? 256 : std::min<std::uint64_t>(planned_frames, 1u << 20);
+}
+
+}  // namespace
+
+MddWriter::MddWriter(std::filesystem::path path, std::uint64_t points, std::uint64_t planned_frames)
+    : points_(point_cache::check_points(path.string(), points)),
+      path_(std::move(path)),
+      file_(part_path(path_), File::Mode::create),
+      capacity_(room_for(planned_frames)) {
+  file_.write(0, encode({capacity_, points_}));
+  file_.write(header_size, std::vector<std::byte>(4 * capacity_));
+  file_.flush();
+}
+
+MddWriter::MddWriter(std::filesystem::path path, File file, std::uint64_t points, std::uint64_t capacity,
+                     std::vector<float> times)
+    : points_(points),
+      path_(std::move(path)),
+      file_(std::move(file)),
+      capacity_(capacity),
+      times_(std::move(times)) {}
+
+MddWriter MddWriter::resume(const std::filesystem::path& path, std::uint64_t points,
+                            std::uint64_t keep_frames, std::uint64_t planned_frames) {
+  const auto part = part_path(path);
+  const auto& existing = std::filesystem::exists(part) ? part : path;
+  Header header{};
+  std::vector<float> times;
+  {
+    ByteSource source(existing);
+    header = read_header(source);
+    const std::uint64_t data = source.size() - header_size - 4 * header.frames;
+    const std::uint64_t frames = std::min(header.frames, data / (12 * header.points));
+    point_cache::check_resume(source.name(), {header.points, frames}, points, keep_frames);
+    times = read_times(source, keep_frames);
+  }
+  if (existing == path) rename_file(path, part);
+  MddWriter writer(path, File(part, File::Mode::update), points, header.frames, std::move(times));
+  writer.file_.truncate(writer.frame_offset(keep_frames));
+  const std::uint64_t wanted = std::max(keep_frames, room_for(planned_frames));
+  if (wanted != writer.capacity_) writer.change_capacity(wanted);
+  return writer;
+}
+
+std::uint64_t MddWriter::frame_offset(std::uint64_t frame) const {
+  return header_size + 4 * capacity_ + 12 * points_ * frame;
+}
+
+/// Rewrites NAME.part with a table of another length, beside the old one, which stays until the new is whole.
+void MddWriter::change_capacity(std::uint64_t capacity) {
+  AtomicFile copy(file_.path());
+  copy.write(encode({capacity, points_}));
+  std::vector<std::byte> bytes(4 * capacity);
+  for (std::size_t i = 0; i < times_.size(); ++i) store_float<order>(&bytes[4 * i], times_[i]);
+  copy.write(bytes);
+  bytes.resize(copy_size);
+  const std::uint64_t end = frame_offset(frames());
+  for (std::uint64_t at = frame_offset(0); at < end; at += copy_size) {
+    const auto piece = std::span(bytes).first(std::min(copy_size, end - at));
+    file_.read(at, piece);
+    copy.write(piece);
+  }
+  copy.commit();
+  const auto part = file_.path();
+  file_ = File(part, File::Mode::update);
+  capacity_ = capacity;
+}
+
+void MddWriter::append(double time, std::span<const Vec3f> positions) {
+  point_cache::check_append(path_.string(), {points_, frames()}, open_, positions.size());
+  if (frames() == capacity_)
+    change_capacity(std::min(point_cache::largest_count, std::max<std::uint64_t>(16, 2 * capacity_)));
+  std::array<std::byte, 4> time_bytes;
+  store_float<order>(time_bytes.data(), static_cast<float>(time));
+  file_.write(header_size + 4 * frames(), time_bytes);
+  buffer_.resize(12 * positions.size());
+  const auto bytes = std::as_writable_bytes(std::span(buffer_));
+  store_points<order>(bytes.data(), positions);
+  // The frame follows its time: how many frames a .part holds is read from its length.
+  file_.write(frame_offset(frames()), bytes);
+  file_.flush();
+  times_.push_back(static_cast<float>(time));
+}
+
+void MddWriter::finish() {
+  if (!open_) return;
+  file_.truncate(frame_offset(frames()));  // a frame that failed may have left a piece
+  if (capacity_ != frames()) change_capacity(frames());
+  file_.close();
+  rename_file(file_.path(), path_);
+  open_ = false;
+}
+
+void MddWriter::discard() {
+  if (!open_) return;
+  open_ = false;
+  file_.abandon();
+  std::error_code ignored;
+  std::filesystem::remove(file_.path(), ignored);
+}
+
+MddReader::MddReader(ByteSource source) : source_(std::move(source)) {
+  const Header header = read_header(source_);
+  point_cache::check_size(source_.name(), {header.points, header.frames},
+                          source_.size() - header_size - 4 * header.frames);
+  points_ = header.points;
+  times_ = read_times(source_, header.frames);
+}
+
+void MddReader::read(std::uint64_t frame, std::span<Vec3f> positions) {
+  point_cache::check_read(source_.name(), {points_, frames()}, frame, positions.size());
+  buffer_.resize(12 * positions.size());
+  const auto bytes = std::as_writable_bytes(std::span(buffer_));
+  source_.read(header_size + 4 * frames() + frame * bytes.size(), bytes);
+  load_points<order>(bytes.data(), positions);
+}
+
+}  // namespace souple

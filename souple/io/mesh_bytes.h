@@ -1,0 +1,90 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace souple::mesh_detail {
+
+static_assert(sizeof(float) == 4 && sizeof(double) == 8);
+
+/// True where this machine stores the low byte first.
+inline bool is_little_endian() {
+  const std::uint16_t one = 1;
+  unsigned char first = 0;
+  std::memcpy(&first, &one, 1);
+  return first == 1;
+}
+
+/// The number whose bytes begin at `bytes`, in the given order.
+template <class T>
+T number_from_bytes(const char* bytes, bool big_endian) {
+  static_assert(std::is_arithmetic_v<T>);
+  char ordered[sizeof(T)];
+  std::memcpy(ordered, bytes, sizeof(T));
+  if (big_endian == is_little_endian()) std::reverse(ordered, ordered + sizeof(T));
+  T value;
+  std::memcpy(&value, ordered, sizeof(T));
+  return value;
+}
+
+/// Appends the bytes of a number, low byte first.
+template <class T>
+void append_little_endian(std::string& out, T value) {
+  static_assert(std::is_arithmetic_v<T>);
+  char bytes[sizeof(T)];
+  std::memcpy(bytes, &value, sizeof(T));
+  if (!is_little_endian()) std::reverse(bytes, bytes + sizeof(T));
+  out.append(bytes, sizeof(T));
+}
+
+/// Reads numbers from bytes in memory, one behind the other.
+class ByteScanner {
+ public:
+  /// `first` is where `bytes` begin in the file, for errors.
+  ByteScanner(std::string_view bytes, const std::string& name, bool big_endian, std::size_t first = 0)
+      : bytes_(bytes), name_(name), big_endian_(big_endian), first_(first) {}
+
+  std::size_t remaining() const { return bytes_.size() - at_; }
+
+  /// Throws Error where the file ends first; `what` says what the number stands for.
+  template <class T>
+  T read(const char* what) {
+    require(sizeof(T), what);
+    const T value = number_from_bytes<T>(bytes_.data() + at_, big_endian_);
+    at_ += sizeof(T);
+    return value;
+  }
+  float real32(const char* what);   ///< a finite float within largest_coordinate
+  double real64(const char* what);  ///< the same for a double
+
+  void skip(std::size_t bytes, const char* what) {
+    require(bytes, what);
+    at_ += bytes;
+  }
+
+  /// Throws Error unless the rest of the file can hold `count` things of at least `bytes_each` bytes.
+  void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const;
+
+  /// Throws Error "NAME: byte N: found FOUND, expected EXPECTED"; N is where the last number ended.
+  [[noreturn]] void fail(std::string_view found, std::string_view expected) const;
+
+ private:
+  void require(std::size_t bytes, const char* what) const {
+    if (bytes > remaining()) fail_end(what);
+  }
+  void require_coordinate(double value, const char* what) const;
+  [[noreturn]] void fail_end(const char* what) const;
+
+  std::string_view bytes_;
+  std::string name_;
+  bool big_endian_;
+  std::size_t first_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace souple::mesh_detail

@@ -1,0 +1,130 @@
+#include "souple/io/mesh_file.h"
+
+#include "souple/error.h"
+#include "souple/io/assimp_reader.h"
+#include "souple/io/mesh_parse.h"
+#include "souple/io/mesh_text.h"
+
+#include <cmath>
+#include <fstream>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+
+namespace souple {
+
+namespace {
+
+// Formats that assimp reads; named where it is absent, so that the user learns what would help.
+constexpr const char* assimp_examples = ".gltf, .glb, .fbx, .dae, .3ds, .blend, .off, .x3d";
+
+std::string extension_of(const std::filesystem::path& path) {
+  return mesh_detail::lower_case(path.extension().string());
+}
+
+std::string read_bytes(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw Error(path.string() + ": no such file, expected a mesh file");
+  if (std::filesystem::is_directory(status))
+    throw Error(path.string() + ": is a folder, expected a mesh file");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error(path.string() + ": is no regular file, expected a mesh file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file)
+    throw Error(path.string() + ": cannot be opened, expected a file that this user may read");
+  std::string bytes(std::size_t(size), '\0');
+  file.read(bytes.data(), std::streamsize(size));
+  if (file.bad() || std::uintmax_t(file.gcount()) != size)
+    throw Error(path.string() + ": cannot be read to its end");
+  return bytes;
+}
+
+void import_positions(std::vector<Vec3d>& positions, const MeshImport& options) {
+  for (Vec3d& p : positions) {
+    p *= options.scale;
+    if (options.up == UpAxis::z) p = {p.x, p.z, -p.y};
+    if (options.up == UpAxis::x) p = {-p.y, p.x, p.z};
+  }
+}
+
+void check_scale(const std::filesystem::path& path, const MeshImport& options) {
+  // Up to 1e18 units of 1e9 m still fit a float.
+  constexpr double largest_scale = 1e9;
+  if (options.scale > 0.0 && options.scale <= largest_scale) return;
+  throw Error(path.string() + ": found the scale " + std::to_string(options.scale) +
+              ", expected metres per unit of the file, greater than 0 and at most 1e9");
+}
+
+TriangleMesh read_surface(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path), name = path.string();
+  if (extension == ".obj") return parse_obj(read_bytes(path), name);
+  if (extension == ".ply") return parse_ply(read_bytes(path), name);
+  if (extension == ".stl") return parse_stl(read_bytes(path), name);
+  if (extension == ".msh" || extension == ".node" || extension == ".ele" || extension == ".vtk") {
+    throw Error(name + ": found a tet mesh by its extension " + extension +
+                ", expected a surface (.obj, .ply, .stl)");
+  }
+  if (mesh_detail::assimp_knows(extension)) {
+    read_bytes(path);  // for its errors: assimp's say less
+    return mesh_detail::read_with_assimp(path);
+  }
+  const std::string known =
+      std::string("expected .obj, .ply, .stl or, through assimp, another such as ") + assimp_examples;
+  if (mesh_import_has_assimp())
+    throw Error(name + ": found the unknown extension \"" + extension + "\", " + known);
+  throw Error(name + ": found the extension \"" + extension + "\", which this build does not read, " + known +
+              "; assimp was not there when Souple was built: install the Debian package libassimp-dev and "
+              "build again");
+}
+
+TetMesh read_tetgen(const std::filesystem::path& path) {
+  std::filesystem::path node_path = path, ele_path = path;
+  // The other file's extension follows the case of the one given.
+  const bool capitals = path.extension() == ".NODE" || path.extension() == ".ELE";
+  if (extension_of(path) == ".node")
+    ele_path.replace_extension(capitals ? ".ELE" : ".ele");
+  else
+    node_path.replace_extension(capitals ? ".NODE" : ".node");
+  const std::string nodes = read_bytes(node_path), tets = read_bytes(ele_path);
+  return parse_tetgen(nodes, node_path.string(), tets, ele_path.string());
+}
+
+TetMesh read_volume(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  if (extension == ".msh") return parse_msh(read_bytes(path), path.string());
+  if (extension == ".vtk") return parse_vtk(read_bytes(path), path.string());
+  if (extension == ".node" || extension == ".ele") return read_tetgen(path);
+  throw Error(path.string() + ": found the unknown extension \"" + extension +
+              "\", expected a tet mesh: .msh (Gmsh), .node or .ele (TetGen) or .vtk");
+}
+
+/// A file too big for the machine is bad input like any other.
+template <class Read>
+auto within_memory(const std::filesystem::path& path, Read read) {
+  try {
+    return read(path);
+  } catch (const std::bad_alloc&) {
+  } catch (const std::length_error&) {
+  }
+  throw Error(path.string() + ": is too large for the memory of this machine");
+}
+
+}  // namespace
+
+TriangleMesh read_triangle_mesh(const std::filesystem::path& path, const MeshImport& options) {
+  check_scale(path, options);
+  TriangleMesh mesh = within_memory(path, read_surface);
+  import_positions(mesh.positions, options);
+  return mesh;
+}
+
+TetMesh read_tet_mesh(const std::filesystem::path& path, const MeshImport& options) {
+  check_scale(path, options);
+  TetMesh mesh = within_memory(path, read_volume);
+  import_positions(mesh.positions, options);
+  return mesh;
+}
+
+}  // namespace souple

@@ -1,0 +1,281 @@
+#include "souple/io/mesh_write.h"
+
+#include "souple/error.h"
+#include "souple/io/mesh_bytes.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace souple {
+
+namespace {
+
+// The longest of to_chars for a float, and for an index.
+constexpr std::size_t longest_number = 32;
+
+template <class T>
+void append_number(std::string& out, T value) {
+  char digits[longest_number];
+  const auto result = std::to_chars(digits, digits + longest_number, value);
+  out.append(digits, result.ptr);
+}
+
+void append_vector(std::string& out, const Vec3f& v) {
+  for (float component : {v.x, v.y, v.z}) {
+    out += ' ';
+    append_number(out, component);
+  }
+}
+
+void require_positions(const TriangleMesh& mesh, std::span<const Vec3f> positions) {
+  if (positions.size() == mesh.positions.size()) return;
+  throw Error("writing a mesh: found " + std::to_string(positions.size()) + " positions, expected " +
+              std::to_string(mesh.positions.size()) + ", one for each of its vertices");
+}
+
+std::size_t face_count(const TriangleMesh& mesh) {
+  return mesh.faces.empty() ? mesh.triangles.size() : mesh.faces.size();
+}
+
+std::span<const std::uint32_t> face_corners(const TriangleMesh& mesh, std::size_t face) {
+  if (mesh.faces.empty()) return mesh.triangles[face];
+  return mesh.faces[face];
+}
+
+/// A group's name as a word of OBJ.
+std::string word_from(const std::string& name) {
+  std::string word = name;
+  for (char& c : word) {
+    const bool blank = c == ' ' || (c >= '\t' && c <= '\r');
+    if (blank || c == '\\' || c == '#') c = '_';
+  }
+  return word;
+}
+
+/// The groups of each vertex as a sorted list of their numbers, in two flat arrays.
+struct VertexGroups {
+  std::vector<std::string> names;
+  std::vector<std::size_t> begins;
+  std::vector<std::uint32_t> groups;
+
+  std::span<const std::uint32_t> of(std::uint32_t vertex) const {
+    return std::span(groups).subspan(begins[vertex], begins[vertex + 1] - begins[vertex]);
+  }
+};
+
+VertexGroups groups_by_vertex(const TriangleMesh& mesh) {
+  VertexGroups result;
+  result.begins.assign(mesh.positions.size() + 1, 0);
+  for (const auto& [name, vertices] : mesh.groups) {
+    result.names.push_back(word_from(name));
+    for (std::uint32_t vertex : vertices) ++result.begins[vertex + 1];
+  }
+  for (std::size_t i = 1; i < result.begins.size(); ++i) result.begins[i] += result.begins[i - 1];
+  result.groups.resize(result.begins.back());
+  std::vector<std::size_t> next(result.begins.begin(), result.begins.end() - 1);
+  std::uint32_t group = 0;
+  for (const auto& entry : mesh.groups) {
+    for (std::uint32_t vertex : entry.second) result.groups[next[vertex]++] = group;
+    ++group;
+  }
+  return result;
+}
+
+/// The groups that hold every corner of a face.
+std::vector<std::uint32_t> groups_of_face(const VertexGroups& groups,
+                                          std::span<const std::uint32_t> corners) {
+  const auto first = groups.of(corners[0]);
+  std::vector<std::uint32_t> common(first.begin(), first.end()), next;
+  for (std::uint32_t corner : corners.subspan(1)) {
+    if (common.empty()) break;
+    const auto other = groups.of(corner);
+    next.clear();
+    std::set_intersection(common.begin(), common.end(), other.begin(), other.end(), std::back_inserter(next));
+    common.swap(next);
+  }
+  return common;
+}
+
+class TopologyWriter {
+ public:
+  explicit TopologyWriter(const TriangleMesh& mesh) : mesh_(mesh), groups_(groups_by_vertex(mesh)) {}
+
+  std::string write() {
+    for (const auto& uv : mesh_.uvs) {
+      out_ += "vt ";
+      append_number(out_, uv[0]);
+      out_ += ' ';
+      append_number(out_, uv[1]);
+      out_ += '\n';
+    }
+    // For each place in groups_.groups, whether a face has told it.
+    told_.assign(groups_.groups.size(), false);
+    for (std::size_t face = 0; face < face_count(mesh_); ++face) write_face(face);
+    write_loose();
+    return std::move(out_);
+  }
+
+ private:
+  void write_face(std::size_t face) {
+    const auto corners = face_corners(mesh_, face);
+    if (!groups_.names.empty()) write_groups(groups_of_face(groups_, corners));
+    for (std::uint32_t corner : corners) tell(corner);
+    const bool has_uvs = !mesh_.face_uvs.empty() && !mesh_.face_uvs[face].empty();
+    out_ += 'f';
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      out_ += ' ';
+      append_number(out_, std::uint64_t(corners[i]) + 1);
+      if (!has_uvs) continue;
+      out_ += '/';
+      append_number(out_, std::uint64_t(mesh_.face_uvs[face][i]) + 1);
+    }
+    out_ += '\n';
+  }
+
+  void write_groups(const std::vector<std::uint32_t>& groups) {
+    if (groups == current_) return;
+    current_ = groups;
+    out_ += 'g';
+    for (std::uint32_t group : groups) out_ += ' ' + groups_.names[group];
+    if (groups.empty()) out_ += " default";
+    out_ += '\n';
+  }
+
+  void tell(std::uint32_t vertex) {
+    for (std::size_t i = groups_.begins[vertex]; i < groups_.begins[vertex + 1]; ++i) {
+      if (std::binary_search(current_.begin(), current_.end(), groups_.groups[i])) told_[i] = true;
+    }
+  }
+
+  /// Vertices that no face has put in their groups, as points.
+  void write_loose() {
+    for (std::uint32_t group = 0; group < groups_.names.size(); ++group) {
+      const auto& vertices = std::next(mesh_.groups.begin(), std::ptrdiff_t(group))->second;
+      for (std::uint32_t vertex : vertices) {
+        const auto of_vertex = groups_.of(vertex);
+        const auto place = std::lower_bound(of_vertex.begin(), of_vertex.end(), group) - of_vertex.begin();
+        if (told_[groups_.begins[vertex] + std::size_t(place)]) continue;
+        write_groups({group});
+        out_ += "p ";
+        append_number(out_, std::uint64_t(vertex) + 1);
+        out_ += '\n';
+      }
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  VertexGroups groups_;
+  std::vector<bool> told_;
+  std::vector<std::uint32_t> current_;
+  std::string out_;
+};
+
+std::string ply_header(std::size_t vertices) {
+  return "ply\nformat binary_little_endian 1.0\ncomment written by Souple\nelement vertex " +
+         std::to_string(vertices) + "\nproperty float x\nproperty float y\nproperty float z\n";
+}
+
+void append_bytes(std::string& out, const Vec3f& v) {
+  for (float component : {v.x, v.y, v.z}) mesh_detail::append_little_endian(out, component);
+}
+
+std::uint8_t colour_byte(float channel) {
+  return std::uint8_t(std::lround(std::clamp(channel, 0.0f, 1.0f) * 255.0f));
+}
+
+/// Whether the UV of each corner is that of its vertex, as PLY wants them.
+bool has_uv_per_vertex(const TriangleMesh& mesh) {
+  if (mesh.uvs.size() != mesh.positions.size() || mesh.face_uvs.size() != face_count(mesh)) return false;
+  for (std::size_t face = 0; face < face_count(mesh); ++face) {
+    const auto corners = face_corners(mesh, face);
+    const auto& uvs = mesh.face_uvs[face];
+    if (!std::equal(corners.begin(), corners.end(), uvs.begin(), uvs.end())) return false;
+  }
+  return true;
+}
+
+void append_ply_faces(std::string& out, const TriangleMesh& mesh, bool long_lists) {
+  for (std::size_t face = 0; face < face_count(mesh); ++face) {
+    const auto corners = face_corners(mesh, face);
+    if (long_lists)
+      mesh_detail::append_little_endian(out, std::uint32_t(corners.size()));
+    else
+      mesh_detail::append_little_endian(out, std::uint8_t(corners.size()));
+    for (std::uint32_t corner : corners) mesh_detail::append_little_endian(out, corner);
+  }
+}
+
+}  // namespace
+
+std::string obj_text(const TriangleMesh& mesh, std::span<const Vec3f> positions) {
+  return obj_vertices_text(mesh, positions) + obj_topology_text(mesh);
+}
+
+std::string obj_text(std::span<const Vec3f> points) {
+  std::string out;
+  for (const Vec3f& point : points) {
+    out += 'v';
+    append_vector(out, point);
+    out += '\n';
+  }
+  return out;
+}
+
+std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> positions) {
+  require_positions(mesh, positions);
+  if (mesh.colours.empty()) return obj_text(positions);
+  std::string out;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    out += 'v';
+    append_vector(out, positions[i]);
+    append_vector(out, mesh.colours[i]);
+    out += '\n';
+  }
+  return out;
+}
+
+std::string obj_topology_text(const TriangleMesh& mesh) {
+  return TopologyWriter(mesh).write();
+}
+
+std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions) {
+  require_positions(mesh, positions);
+  const bool has_uvs = has_uv_per_vertex(mesh) && !mesh.uvs.empty();
+  const bool long_lists =
+      std::any_of(mesh.faces.begin(), mesh.faces.end(), [](const auto& f) { return f.size() > 255; });
+  std::string out = ply_header(positions.size());
+  if (!mesh.colours.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (has_uvs) out += "property float u\nproperty float v\n";
+  out += "element face " + std::to_string(face_count(mesh)) + "\nproperty list " +
+         (long_lists ? "uint" : "uchar") + " uint vertex_indices\nend_header\n";
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    append_bytes(out, positions[i]);
+    if (!mesh.colours.empty()) {
+      const Vec3f& c = mesh.colours[i];
+      for (float channel : {c.x, c.y, c.z}) mesh_detail::append_little_endian(out, colour_byte(channel));
+    }
+    if (has_uvs) {
+      for (float coordinate : mesh.uvs[i]) mesh_detail::append_little_endian(out, coordinate);
+    }
+  }
+  append_ply_faces(out, mesh, long_lists);
+  return out;
+}
+
+std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
+  if (!velocities.empty() && velocities.size() != points.size()) {
+    throw Error("writing particles: found " + std::to_string(velocities.size()) + " velocities, expected " +
+                std::to_string(points.size()) + ", one for each point, or none");
+  }
+  std::string out = ply_header(points.size());
+  if (!velocities.empty()) out += "property float vx\nproperty float vy\nproperty float vz\n";
+  out += "end_header\n";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    append_bytes(out, points[i]);
+    if (!velocities.empty()) append_bytes(out, velocities[i]);
+  }
+  return out;
+}
+
+}  // namespace souple

@@ -1,0 +1,242 @@
+#include "souple/io/mesh_faces.h"
+#include "souple/io/mesh_groups.h"
+#include "souple/io/mesh_parse.h"
+#include "souple/io/mesh_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace souple {
+
+namespace {
+
+using mesh_detail::FaceList;
+using mesh_detail::quoted;
+using mesh_detail::TextScanner;
+
+// A `g` line may name many groups at once, and every face below goes into each: without a limit, a short file
+// could ask for any amount of memory.
+constexpr std::size_t most_groups_at_once = 16;
+
+/// What the OBJ specification defines and a surface does not need.
+constexpr std::array<std::string_view, 36> skipped_words = {
+    "vn",     "vp",    "mtllib", "usemap",   "maplib",   "s",          "mg",        "lod",  "bevel",
+    "cstype", "deg",   "bmat",   "step",     "curv",     "curv2",      "surf",      "parm", "trim",
+    "hole",   "scrv",  "sp",     "end",      "con",      "shadow_obj", "trace_obj", "call", "csh",
+    "ctech",  "stech", "res",    "c_interp", "d_interp", "bsp",        "bzp",       "cdc",  "cdp"};
+
+/// An index beyond what the file has listed so far. It is legal as long as the file lists it later.
+struct LargestIndex {
+  std::uint64_t count_needed = 0;
+  std::size_t line = 0;
+};
+
+class ObjReader {
+ public:
+  ObjReader(std::string_view text, const std::string& name)
+      : scanner_(text, name, {.comments = true, .continuations = true}) {}
+
+  TriangleMesh read() {
+    do {
+      read_line(scanner_.word());
+    } while (scanner_.next_line());
+    end_run();
+    return finish();
+  }
+
+ private:
+  void read_line(std::string_view keyword) {
+    if (keyword.empty()) return;
+    if (keyword == "v") return read_vertex();
+    if (keyword == "f" || keyword == "fo") return read_face();
+    if (keyword == "vt") return read_uv();
+    if (keyword == "g") return read_group();
+    if (keyword == "o") return read_name(object_, "");
+    if (keyword == "usemtl") return read_name(material_, "material:");
+    if (keyword == "p" || keyword == "l") return read_loose();
+    if (std::find(skipped_words.begin(), skipped_words.end(), keyword) == skipped_words.end()) {
+      scanner_.fail(quoted(keyword), "a keyword of OBJ, such as v, vt, vn, f, g or o");
+    }
+  }
+
+  // v x y z, v x y z w (the weight of a rational curve, not ours), or v x y z r g b.
+  void read_vertex() {
+    std::array<double, 6> values{};
+    std::size_t count = 0;
+    for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) {
+      if (count == values.size())
+        scanner_.fail(quoted(word) + " as a seventh number", "3, 4 or 6 numbers after v");
+      values[count++] = scanner_.coordinate_from(word, "coordinate or colour of a vertex");
+    }
+    if (count != 3 && count != 4 && count != 6) {
+      scanner_.fail(std::to_string(count) + " numbers",
+                    "3, 4 or 6 numbers after v (x y z, x y z w or x y z r g b)");
+    }
+    const Vec3f white{1.0f, 1.0f, 1.0f};
+    if (count == 6) {
+      colours_.resize(positions_.size(), white);
+      colours_.emplace_back(colour(values[3]), colour(values[4]), colour(values[5]));
+    } else if (!colours_.empty()) {
+      colours_.push_back(white);
+    }
+    positions_.emplace_back(values[0], values[1], values[2]);
+  }
+
+  float colour(double value) const {
+    constexpr double rounding = 1e-3;
+    if (value < -rounding || value > 1.0 + rounding) {
+      scanner_.fail("the colour " + std::to_string(value), "a vertex colour from 0 to 1");
+    }
+    return float(std::clamp(value, 0.0, 1.0));
+  }
+
+  void read_uv() {
+    const double u = scanner_.coordinate_from(scanner_.word(), "u of vt");
+    const std::string_view second = scanner_.word();
+    const double v = second.empty() ? 0.0 : scanner_.coordinate_from(second, "v of vt");
+    uvs_.push_back({float(u), float(v)});
+  }
+
+  void read_face() {
+    const std::size_t begin = faces_.corners.size();
+    for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) read_corner(word);
+    const std::size_t count = faces_.corners.size() - begin;
+    if (count < 3) scanner_.fail(std::to_string(count) + " corners", "at least 3 corners in a face");
+    const auto has_no_uv = [](std::uint32_t uv) { return uv == FaceList::no_uv; };
+    const auto without = std::size_t(
+        std::count_if(faces_.corner_uvs.begin() + std::ptrdiff_t(begin), faces_.corner_uvs.end(), has_no_uv));
+    if (without != 0 && without != count) {
+      scanner_.fail("a face with UVs at some corners only", "a UV at each corner of a face or at none");
+    }
+    faces_.end_face();
+  }
+
+  // v, v/vt, v//vn or v/vt/vn
+  void read_corner(std::string_view word) {
+    const std::size_t first = word.find('/');
+    faces_.corners.push_back(index(word, word.substr(0, first), positions_.size(), largest_vertex_));
+    std::uint32_t uv = FaceList::no_uv;
+    if (first != std::string_view::npos) {
+      const std::string_view rest = word.substr(first + 1);
+      const std::size_t second = rest.find('/');
+      const std::string_view uv_text = rest.substr(0, second);
+      if (!uv_text.empty()) uv = index(word, uv_text, uvs_.size(), largest_uv_);
+      if (second == std::string_view::npos ? uv_text.empty() : !is_normal(rest.substr(second + 1)))
+        fail_corner(word);
+    }
+    faces_.corner_uvs.push_back(uv);
+  }
+
+  static bool is_normal(std::string_view text) {
+    std::int64_t value = 0;
+    return mesh_detail::parse_integer(text, value) && value != 0;
+  }
+
+  [[noreturn]] void fail_corner(std::string_view word) const {
+    scanner_.fail(quoted(word), "a face corner such as 1, 1/2, 1//3 or 1/2/3");
+  }
+
+  /// From 1 upwards, or from -1 (the last listed so far) downwards, to an index from 0.
+  std::uint32_t index(std::string_view corner, std::string_view text, std::size_t listed,
+                      LargestIndex& largest) const {
+    std::int64_t value = 0;
+    if (!mesh_detail::parse_integer(text, value)) fail_corner(corner);
+    if (value == 0) scanner_.fail("index 0 in " + quoted(corner), "indices from 1, or negative ones");
+    if (value < 0) {
+      if (std::uint64_t(-(value + 1)) >= listed) fail_range(scanner_.line(), text, listed);
+      return std::uint32_t(std::int64_t(listed) + value);
+    }
+    constexpr std::int64_t largest_storable = 0xfffffffe;
+    if (value > largest_storable) fail_range(scanner_.line(), text, listed);
+    if (std::uint64_t(value) > listed && std::uint64_t(value) > largest.count_needed) {
+      largest = {std::uint64_t(value), scanner_.line()};
+    }
+    return std::uint32_t(value - 1);
+  }
+
+  [[noreturn]] void fail_range(std::size_t line, std::string_view index, std::size_t listed) const {
+    scanner_.fail_at(line, "index " + std::string(index.substr(0, 24)),
+                     "at most " + std::to_string(listed) + ", the number that the file lists");
+  }
+
+  void read_group() {
+    std::vector<std::string> names;
+    for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) {
+      if (names.size() == most_groups_at_once) scanner_.fail("more than 16 groups on a line", "at most 16");
+      // The specification's name for "no group".
+      if (word != "default") names.emplace_back(word);
+    }
+    end_run();
+    groups_ = std::move(names);
+  }
+
+  void read_name(std::string& current, const char* prefix) {
+    const std::string_view name = scanner_.rest_of_line();
+    end_run();
+    current = name.empty() ? std::string() : prefix + std::string(name);
+  }
+
+  // Points and lines make no surface, but their vertices belong to the groups.
+  void read_loose() {
+    for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) {
+      loose_.push_back(index(word, word.substr(0, word.find('/')), positions_.size(), largest_vertex_));
+    }
+  }
+
+  /// Gives the vertices met since the groups last changed to the groups that held until now.
+  void end_run() {
+    std::vector<std::uint32_t> vertices = std::move(loose_);
+    loose_.clear();
+    vertices.insert(vertices.end(), faces_.corners.begin() + std::ptrdiff_t(run_begin_),
+                    faces_.corners.end());
+    run_begin_ = faces_.corners.size();
+    if (vertices.empty()) return;
+    mesh_detail::GroupBuilder::sort_unique(vertices);
+    const auto add = [&](const std::string& name) {
+      std::vector<std::uint32_t>& group = built_groups_[name];
+      group.insert(group.end(), vertices.begin(), vertices.end());
+    };
+    for (const std::string& name : groups_) add(name);
+    if (!object_.empty()) add(object_);
+    if (!material_.empty()) add(material_);
+  }
+
+  TriangleMesh finish() {
+    if (positions_.empty()) scanner_.fail("no vertex in the whole file", "at least one line \"v x y z\"");
+    check(largest_vertex_, positions_.size());
+    check(largest_uv_, uvs_.size());
+    TriangleMesh mesh;
+    faces_.store(mesh);
+    mesh.positions = std::move(positions_);
+    mesh.colours = std::move(colours_);
+    mesh.uvs = std::move(uvs_);
+    mesh.groups = built_groups_.finish();
+    return mesh;
+  }
+
+  void check(const LargestIndex& largest, std::size_t listed) const {
+    if (largest.count_needed > listed) fail_range(largest.line, std::to_string(largest.count_needed), listed);
+  }
+
+  TextScanner scanner_;
+  std::vector<Vec3d> positions_;
+  std::vector<Vec3f> colours_;
+  std::vector<std::array<float, 2>> uvs_;
+  FaceList faces_;
+  LargestIndex largest_vertex_, largest_uv_;
+
+  std::string object_, material_;
+  std::vector<std::string> groups_;
+  std::vector<std::uint32_t> loose_;
+  std::size_t run_begin_ = 0;
+  mesh_detail::GroupBuilder built_groups_;
+};
+
+}  // namespace
+
+TriangleMesh parse_obj(std::string_view text, const std::string& name) {
+  return ObjReader(text, name).read();
+}
+
+}  // namespace souple

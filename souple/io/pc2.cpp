@@ -1,0 +1,145 @@
+#include "souple/io/pc2.h"
+
+#include "souple/error.h"
+#include "souple/io/atomic_file.h"
+#include "souple/io/endian.h"
+#include "souple/io/point_cache_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace souple {
+
+namespace {
+
+constexpr ByteOrder order = ByteOrder::little;
+constexpr std::uint64_t header_size = 32;
+constexpr std::uint64_t frame_count_offset = 28;
+constexpr char magic[12] = "POINTCACHE2";
+
+struct Header {
+  std::uint64_t points;
+  float start_frame;
+  float sample_rate;
+  std::uint64_t frames;
+};
+
+std::array<std::byte, header_size> encode(const Header& header) {
+  std::array<std::byte, header_size> bytes{};
+  std::memcpy(bytes.data(), magic, sizeof magic);
+  store<order>(&bytes[12], std::uint32_t{1});
+  store<order>(&bytes[16], static_cast<std::uint32_t>(header.points));
+  store_float<order>(&bytes[20], header.start_frame);
+  store_float<order>(&bytes[24], header.sample_rate);
+  store<order>(&bytes[28], static_cast<std::uint32_t>(header.frames));
+  return bytes;
+}
+
+/// Reads what stands at the front and rejects what no PC2 can say; the file's size is the caller's affair.
+Header read_header(ByteSource& source) {
+  std::array<std::byte, header_size> bytes{};
+  if (source.size() >= header_size) source.read(0, bytes);
+  if (std::memcmp(bytes.data(), magic, sizeof magic) != 0)
+    throw Error(source.name() +
+                ": is not a PC2 file: it does not begin with POINTCACHE2 and a header of 32 bytes");
+  const auto version = load<order, std::uint32_t>(&bytes[12]);
+  if (version != 1)
+    throw Error(source.name() + ": is PC2 version " + std::to_string(version) + ", only version 1 is known");
+  const Header header{load<order, std::uint32_t>(&bytes[16]), load_float<order>(&bytes[20]),
+                      load_float<order>(&bytes[24]), load<order, std::uint32_t>(&bytes[28])};
+  point_cache::check_header(source.name(), {header.points, header.frames});
+  if (!std::isfinite(header.start_frame) || !std::isfinite(header.sample_rate) || !(header.sample_rate > 0))
+    throw Error(source.name() +
+                ": its start frame or sample rate is not a usable number; expected a rate > 0");
+  return header;
+}
+
+std::uint64_t frames_that_fit(std::uint64_t size, std::uint64_t points) {
+  return (size - header_size) / (12 * points);
+}
+
+}  // namespace
+
+Pc2Writer::Pc2Writer(std::filesystem::path path, std::uint64_t points, const Options& options)
+    : points_(point_cache::check_points(path.string(), points)),
+      path_(std::move(path)),
+      file_(part_path(path_), File::Mode::create) {
+  file_.write(0, encode({points, options.start_frame, options.sample_rate, 0}));
+  file_.flush();
+}
+
+Pc2Writer::Pc2Writer(std::filesystem::path path, File file, std::uint64_t points, std::uint64_t frames)
+    : points_(points), path_(std::move(path)), file_(std::move(file)), frames_(frames) {}
+
+Pc2Writer Pc2Writer::resume(const std::filesystem::path& path, std::uint64_t points,
+                            std::uint64_t keep_frames) {
+  const auto part = part_path(path);
+  const auto& existing = std::filesystem::exists(part) ? part : path;
+  {
+    ByteSource source(existing);
+    const Header header = read_header(source);
+    const std::uint64_t frames = std::min(header.frames, frames_that_fit(source.size(), header.points));
+    point_cache::check_resume(source.name(), {header.points, frames}, points, keep_frames);
+  }
+  if (existing == path) rename_file(path, part);
+  Pc2Writer writer(path, File(part, File::Mode::update), points, keep_frames);
+  writer.write_frame_count();
+  writer.file_.truncate(header_size + 12 * points * keep_frames);
+  return writer;
+}
+
+void Pc2Writer::write_frame_count() {
+  std::array<std::byte, 4> count;
+  store<order>(count.data(), static_cast<std::uint32_t>(frames_));
+  file_.write(frame_count_offset, count);
+  file_.flush();
+}
+
+void Pc2Writer::append(std::span<const Vec3f> positions) {
+  point_cache::check_append(path_.string(), {points_, frames_}, open_, positions.size());
+  buffer_.resize(12 * positions.size());
+  const auto bytes = std::as_writable_bytes(std::span(buffer_));
+  store_points<order>(bytes.data(), positions);
+  file_.write(header_size + 12 * points_ * frames_, bytes);
+  // The count follows its frame, never the other way round: a killed run leaves no frame that is half there.
+  file_.flush();
+  ++frames_;
+  write_frame_count();
+}
+
+void Pc2Writer::finish() {
+  if (!open_) return;
+  file_.truncate(header_size + 12 * points_ * frames_);  // a frame that failed may have left a piece
+  file_.close();
+  rename_file(file_.path(), path_);
+  open_ = false;
+}
+
+void Pc2Writer::discard() {
+  if (!open_) return;
+  open_ = false;
+  file_.abandon();
+  std::error_code ignored;
+  std::filesystem::remove(file_.path(), ignored);
+}
+
+Pc2Reader::Pc2Reader(ByteSource source) : source_(std::move(source)) {
+  const Header header = read_header(source_);
+  point_cache::check_size(source_.name(), {header.points, header.frames}, source_.size() - header_size);
+  points_ = header.points;
+  frames_ = header.frames;
+  start_frame_ = header.start_frame;
+  sample_rate_ = header.sample_rate;
+}
+
+void Pc2Reader::read(std::uint64_t frame, std::span<Vec3f> positions) {
+  point_cache::check_read(source_.name(), {points_, frames_}, frame, positions.size());
+  buffer_.resize(12 * positions.size());
+  const auto bytes = std::as_writable_bytes(std::span(buffer_));
+  source_.read(header_size + frame * bytes.size(), bytes);
+  load_points<order>(bytes.data(), positions);
+}
+
+}  // namespace souple

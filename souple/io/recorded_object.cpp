@@ -1,0 +1,224 @@
+#include "souple/io/recorded_object.h"
+
+#include "souple/io/atomic_file.h"
+#include "souple/io/mesh_write.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace souple {
+
+namespace {
+
+bool is_points(ObjectKind kind) {
+  return kind == ObjectKind::rope || kind == ObjectKind::grains;
+}
+
+/// OBJ counts vertices from 1.
+std::string line_text(std::uint64_t points) {
+  std::string text = "l";
+  for (std::uint64_t i = 1; i <= points; ++i) text += " " + std::to_string(i);
+  return text + "\n";
+}
+
+RecordedShape shape_of(const World& world, ObjectId object) {
+  RecordedShape shape;
+  shape.kind = world.kind(object);
+  shape.points = world.positions(object).size();
+  if (is_points(shape.kind)) {
+    if (shape.kind == ObjectKind::rope) shape.topology = line_text(shape.points);
+  } else {
+    shape.mesh = world.mesh(object);
+    shape.topology = obj_topology_text(shape.mesh);
+  }
+  return shape;
+}
+
+bool same(const RecordedShape& a, const RecordedShape& b) {
+  return a.kind == b.kind && a.points == b.points && a.topology == b.topology;
+}
+
+std::string obj_bytes(const RecordedShape& shape, std::span<const Vec3f> positions) {
+  const std::string vertices =
+      is_points(shape.kind) ? obj_text(positions) : obj_vertices_text(shape.mesh, positions);
+  return vertices + shape.topology;
+}
+
+std::string ply_bytes_of(const RecordedShape& shape, std::span<const Vec3f> positions,
+                         std::span<const Vec3f> velocities) {
+  return is_points(shape.kind) ? ply_bytes(positions, velocities) : ply_bytes(shape.mesh, positions);
+}
+
+}  // namespace
+
+bool same_topology(const World& world, ObjectId object, const ManifestObject& known) {
+  return known.kind == kind_name(world.kind(object)) && known.points == world.positions(object).size() &&
+         known.triangles == world.triangles(object).size();
+}
+
+RecordedObject::RecordedObject(const RecordingPlan& plan, std::string name, ObjectId object,
+                               std::string file_name, std::shared_ptr<RecordedShape> shape)
+    : plan_(plan),
+      name_(std::move(name)),
+      file_name_(std::move(file_name)),
+      object_(object),
+      shape_(std::move(shape)) {
+  first_shape_.points = shape_->points;
+  first_shape_.triangles = shape_->mesh.triangles.size();
+}
+
+RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
+                               std::string file_name)
+    : RecordedObject(plan, world.name(object), object, std::move(file_name),
+                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+  has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
+  if (has_rest_mesh_) write_rest_mesh(world);
+  if (wants(CacheFormat::pc2)) pc2_.emplace(path("pc2"), shape_->points);
+  if (wants(CacheFormat::mdd)) mdd_.emplace(path("mdd"), shape_->points, plan_.frames);
+  if (wants(CacheFormat::obj)) add_sequence("obj", 0);
+  if (wants(CacheFormat::ply)) add_sequence("ply", 0);
+}
+
+RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
+                               std::string file_name, const Resume& resume)
+    : RecordedObject(plan, world.name(object), object, std::move(file_name),
+                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+  // The rest mesh is there: of a rope or grains that have moved it could not be written again.
+  has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
+  if (wants(CacheFormat::pc2)) pc2_.emplace(Pc2Writer::resume(path("pc2"), shape_->points, resume.frames));
+  if (wants(CacheFormat::mdd))
+    mdd_.emplace(MddWriter::resume(path("mdd"), shape_->points, resume.frames, plan_.frames));
+  if (wants(CacheFormat::obj)) add_sequence("obj", resume.frames);
+  if (wants(CacheFormat::ply)) add_sequence("ply", resume.frames);
+}
+
+RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
+                               std::string file_name, const Late& late)
+    : RecordedObject(plan, world.name(object), object, std::move(file_name),
+                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+  begin_late(late.frames);
+}
+
+bool RecordedObject::wants(CacheFormat format) const {
+  return std::find(plan_.formats.begin(), plan_.formats.end(), format) != plan_.formats.end();
+}
+
+std::filesystem::path RecordedObject::path(const char* extension) const {
+  return plan_.folder / (file_name_ + "." + extension);
+}
+
+void RecordedObject::write_rest_mesh(const World& world) const {
+  std::vector<Vec3f> rest;
+  if (is_points(shape_->kind)) {
+    const auto now = world.positions(object_);
+    rest.assign(now.begin(), now.end());
+  } else {
+    for (const Vec3d& x : shape_->mesh.positions) rest.push_back(Vec3f(x));
+  }
+  write_file_atomically(path("obj"), obj_bytes(*shape_, rest));
+}
+
+void RecordedObject::add_sequence(const char* extension, std::uint64_t kept) {
+  const bool obj = std::string_view(extension) == "obj";
+  const auto bytes = [shape = shape_, obj](std::span<const Vec3f> positions,
+                                           std::span<const Vec3f> velocities) {
+    return obj ? obj_bytes(*shape, positions) : ply_bytes_of(*shape, positions, velocities);
+  };
+  const std::uint64_t first = kept > 0 ? 1 : 0;
+  sequences_.push_back(
+      {extension, first, 0, SequenceWriter(plan_.folder, file_name_, extension, bytes, kept)});
+}
+
+/// From frame number frames + 1 on, one file a frame: those of the formats that can, else OBJ.
+void RecordedObject::begin_late(std::uint64_t frames) {
+  if (sequences_.empty()) {
+    if (wants(CacheFormat::ply)) add_sequence("ply", 0);
+    if (wants(CacheFormat::obj) || !wants(CacheFormat::ply)) add_sequence("obj", 0);
+  }
+  for (Sequence& sequence : sequences_) {
+    const std::uint64_t before = sequence.writer.frames();
+    sequence.writer.skip_to(frames + 1);
+    sequence.skipped += sequence.writer.frames() - before;
+  }
+}
+
+bool RecordedObject::take_over(const World& world, ObjectId object, std::uint64_t frames) {
+  RecordedShape shape = shape_of(world, object);
+  const bool goes_on = present_ && same(shape, *shape_);
+  if (!goes_on) {
+    close_caches();
+    *shape_ = std::move(shape);
+    begin_late(frames);
+  }
+  object_ = object;
+  present_ = true;
+  return goes_on;
+}
+
+void RecordedObject::append(const World& world, std::uint64_t frame) {
+  const auto positions = world.positions(object_);
+  if (pc2_ && caches_open_) pc2_->append(positions);
+  if (mdd_ && caches_open_) mdd_->append(static_cast<double>(frame - 1) / plan_.frame_rate, positions);
+  for (Sequence& sequence : sequences_) {
+    sequence.writer.append(positions, world.velocities(object_));
+    if (sequence.first == 0) sequence.first = frame;
+  }
+}
+
+void RecordedObject::drop_after(std::uint64_t frames) {
+  // Reopened: what a failed write left in a buffer must not come back later.
+  if (pc2_ && caches_open_) {
+    pc2_.reset();
+    pc2_.emplace(Pc2Writer::resume(path("pc2"), first_shape_.points, frames));
+  }
+  if (mdd_ && caches_open_) {
+    mdd_.reset();
+    mdd_.emplace(MddWriter::resume(path("mdd"), first_shape_.points, frames, plan_.frames));
+  }
+  for (Sequence& sequence : sequences_) {
+    sequence.writer.drop_after(frames);
+    if (sequence.first > frames) sequence.first = 0;
+  }
+}
+
+void RecordedObject::close_caches() {
+  if (!caches_open_) return;
+  // Blender refuses a cache of no frames.
+  if (pc2_) pc2_->frames() > 0 ? pc2_->finish() : pc2_->discard();
+  if (mdd_) mdd_->frames() > 0 ? mdd_->finish() : mdd_->discard();
+  caches_open_ = false;
+}
+
+void RecordedObject::leave() {
+  close_caches();
+  present_ = false;
+}
+
+void RecordedObject::finish() {
+  close_caches();
+  for (Sequence& sequence : sequences_) sequence.writer.finish();
+}
+
+std::string RecordedObject::next_file() const {
+  if (sequences_.empty()) return {};
+  return frame_file_name(file_name_, sequences_.back().writer.frames() + 1, sequences_.back().extension);
+}
+
+ManifestObject RecordedObject::manifest() const {
+  ManifestObject object = first_shape_;
+  object.name = name_;
+  object.kind = std::string(kind_name(shape_->kind));
+  if (has_rest_mesh_) object.files.push_back({"obj", file_name_ + ".obj", 0});
+  if (pc2_ && pc2_->frames() > 0) object.files.push_back({"pc2", file_name_ + ".pc2", pc2_->frames()});
+  if (mdd_ && mdd_->frames() > 0) object.files.push_back({"mdd", file_name_ + ".mdd", mdd_->frames()});
+  for (const Sequence& sequence : sequences_) {
+    const std::uint64_t held = sequence.writer.frames() - sequence.skipped;
+    if (sequence.first == 0) continue;
+    object.files.push_back(
+        {sequence.extension, frame_file_name(file_name_, sequence.first, sequence.extension), held});
+  }
+  return object;
+}
+
+}  // namespace souple

@@ -1,0 +1,248 @@
+#include "souple/io/recorder.h"
+
+#include "souple/error.h"
+#include "souple/io/manifest.h"
+#include "souple/io/recorded_object.h"
+#include "souple/io/recorder_names.h"
+#include "souple/io/recorder_report.h"
+#include "souple/version.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+namespace souple {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+RecordingPlan checked_plan(fs::path folder, const RecorderOptions& options) {
+  if (options.formats.empty())
+    throw Error("the recorder for " + folder.string() +
+                " has no format; give at least one, e.g. CacheFormat::pc2");
+  if (!std::isfinite(options.frame_rate) || !(options.frame_rate > 0))
+    throw Error("the recorder for " + folder.string() + " has a frame rate of " +
+                std::to_string(options.frame_rate) + "; expected a number > 0");
+  return {std::move(folder), options.formats, options.frame_rate, options.frames};
+}
+
+void create_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder))
+    throw Error(folder.string() + ": cannot be an output folder: " +
+                (error ? error.message() : "there is a file of that name") + "; choose another");
+}
+
+}  // namespace
+
+struct Recorder::Impl {
+  Impl(const World& recorded, fs::path folder, const RecorderOptions& options)
+      : world(recorded), plan(checked_plan(std::move(folder), options)), scene(options.scene) {
+    if (options.resume_from > 0) {
+      resume(options.resume_from);
+    } else {
+      create_folder(plan.folder);
+      for (const ObjectId object : world.objects())
+        objects.push_back(
+            std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object))));
+    }
+    save_manifest();
+  }
+
+  void resume(std::uint64_t from);
+  RecordedObject* find(const std::string& name);
+  void look_for_changes();
+  void join(ObjectId object);
+  void capture();
+  void save_manifest();
+  void finish();
+
+  const World& world;
+  RecordingPlan plan;
+  std::string scene;
+  FileNames names;
+  std::vector<std::unique_ptr<RecordedObject>> objects;  ///< all that ever were
+  std::vector<ManifestObject> earlier;                   ///< gone before the run was resumed
+  std::vector<FrameReport> reports;
+  std::vector<std::string> notes;
+  std::uint64_t frames = 0;
+  std::uint64_t next_save = 16;  ///< frame at which capture writes run.json again
+  bool finished = false;
+  bool broken = false;  ///< files could not be put back to what they were before a failure
+};
+
+void Recorder::Impl::resume(std::uint64_t from) {
+  RunManifest before = read_manifest(plan.folder / "run.json");
+  const auto known = [&](const std::string& name) {
+    return std::find_if(before.objects.begin(), before.objects.end(),
+                        [&](const ManifestObject& object) { return object.name == name; });
+  };
+  // All is looked at before anything is touched.
+  const std::vector<ObjectId> present = world.objects();
+  for (const ObjectId object : present) {
+    const auto found = known(world.name(object));
+    if (found == before.objects.end())
+      throw Error(plan.folder.string() + ": the stopped run has no object \"" + world.name(object) +
+                  "\"; resume with the world that was recorded");
+    if (!same_topology(world, object, *found))
+      throw Error(plan.folder.string() + ": \"" + world.name(object) + "\" is not what was recorded: a " +
+                  found->kind + " of " + std::to_string(found->points) + " points and " +
+                  std::to_string(found->triangles) + " triangles; resume with the world that was recorded");
+  }
+  for (const ObjectId object : present)
+    objects.push_back(std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object)),
+                                                       RecordedObject::Resume{from}));
+  for (const ManifestObject& object : before.objects) {
+    if (!find(object.name)) earlier.push_back(object), names.add(object.name);
+  }
+  for (FrameReport& report : before.reports) {
+    if (report.frame <= from) reports.push_back(std::move(report));
+  }
+  notes = std::move(before.notes);
+  frames = from;
+  next_save = frames + frames / 2 + 16;
+}
+
+RecordedObject* Recorder::Impl::find(const std::string& name) {
+  for (const auto& object : objects) {
+    if (object->name() == name) return object.get();
+  }
+  return nullptr;
+}
+
+void Recorder::Impl::join(ObjectId object) {
+  const std::string& name = world.name(object);
+  RecordedObject* known = find(name);
+  if (known) {
+    if (known->take_over(world, object, frames)) return;
+    notes.push_back(name + ": is another after frame " + std::to_string(frames) +
+                    ", which PC2 and MDD cannot hold; from then on it is written as " + known->next_file() +
+                    ", ...");
+    return;
+  }
+  const std::string file_name = names.add(name);
+  if (frames == 0) {
+    objects.push_back(std::make_unique<RecordedObject>(plan, world, object, file_name));
+    return;
+  }
+  objects.push_back(
+      std::make_unique<RecordedObject>(plan, world, object, file_name, RecordedObject::Late{frames}));
+  notes.push_back(name + ": was added after frame " + std::to_string(frames) + "; it is written as " +
+                  objects.back()->next_file() + ", ...");
+}
+
+void Recorder::Impl::look_for_changes() {
+  const std::vector<ObjectId> present = world.objects();
+  for (const ObjectId object : present) {
+    const RecordedObject* known = find(world.name(object));
+    if (!known || !known->present() || !(known->object() == object)) join(object);
+  }
+  for (const auto& object : objects) {
+    if (!object->present() || world.contains(object->object())) continue;
+    object->leave();
+    notes.push_back(object->name() + ": was removed after frame " + std::to_string(frames) +
+                    "; its files end there");
+  }
+}
+
+void Recorder::Impl::capture() {
+  if (finished)
+    throw Error(plan.folder.string() + ": the recorder is finished; nothing can be captured any more");
+  if (broken)
+    throw Error(plan.folder.string() +
+                ": an earlier frame could not be written; resume the run from a checkpoint");
+  try {
+    look_for_changes();
+    for (const auto& object : objects) {
+      if (object->present()) object->append(world, frames + 1);
+    }
+  } catch (...) {
+    try {
+      for (const auto& object : objects) object->drop_after(frames);
+    } catch (...) {
+      broken = true;
+    }
+    throw;
+  }
+  ++frames;
+  reports.push_back(frame_report(frames, world.time(), world.report()));
+  if (frames < next_save) return;
+  next_save = frames + frames / 2;  // all writing together costs as much as three times the last
+  try {
+    save_manifest();
+  } catch (const Error&) {
+    // The frame is written. A disk that is full will say so at the next one, or at the end.
+  }
+}
+
+void Recorder::Impl::save_manifest() {
+  RunManifest manifest;
+  manifest.version = version;
+  manifest.complete = finished && frames >= plan.frames;
+  manifest.scene = scene;
+  manifest.settings = settings_text(world.settings());
+  manifest.frame_rate = plan.frame_rate;
+  manifest.frames = frames;
+  manifest.objects = earlier;
+  for (const auto& object : objects) manifest.objects.push_back(object->manifest());
+  manifest.notes = notes;
+  manifest.reports = reports;
+  write_manifest(plan.folder, manifest);
+}
+
+void Recorder::Impl::finish() {
+  if (finished) return;
+  std::exception_ptr first;
+  for (const auto& object : objects) {
+    try {
+      object->finish();
+    } catch (...) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
+  finished = true;
+  try {
+    save_manifest();
+  } catch (...) {
+    finished = false;
+    throw;
+  }
+}
+
+Recorder::Recorder(const World& world, std::filesystem::path folder, const RecorderOptions& options)
+    : impl_(std::make_unique<Impl>(world, std::move(folder), options)) {}
+
+Recorder::~Recorder() {
+  try {
+    impl_->finish();
+  } catch (...) {
+    // What is not finished is still there as .part; finish() says why.
+  }
+}
+
+void Recorder::capture() {
+  impl_->capture();
+}
+
+void Recorder::save_manifest() {
+  impl_->save_manifest();
+}
+
+void Recorder::finish() {
+  impl_->finish();
+}
+
+std::uint64_t Recorder::frames() const {
+  return impl_->frames;
+}
+
+const std::vector<std::string>& Recorder::notes() const {
+  return impl_->notes;
+}
+
+}  // namespace souple

@@ -1,0 +1,117 @@
+#include "souple/io/recorder_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace souple {
+
+namespace {
+
+/// The shortest text that reads back to the same number.
+template <class T>
+std::string number(T value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : "null";
+}
+
+std::string vector(const Vec3f& v) {
+  return "[" + number(v.x) + ", " + number(v.y) + ", " + number(v.z) + "]";
+}
+
+const char* word(Mode mode) {
+  switch (mode) {
+    case Mode::small_steps:
+      return "small_steps";
+    case Mode::pbd:
+      return "pbd";
+    case Mode::xpbd:
+      return "xpbd";
+  }
+  return "unknown";
+}
+
+const char* word(Form form) {
+  return form == Form::plain ? "plain" : "displacement";
+}
+
+const char* word(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::semi_implicit:
+      return "semi_implicit";
+    case Integrator::explicit_euler:
+      return "explicit_euler";
+    case Integrator::implicit_euler:
+      return "implicit_euler";
+  }
+  return "unknown";
+}
+
+constexpr std::array<std::pair<Flag, const char*>, 4> flag_names{
+    {{Flag::non_finite, "non_finite"},
+     {Flag::large_strain, "large_strain"},
+     {Flag::deep_contact, "deep_contact"},
+     {Flag::callback_failed, "callback_failed"}}};
+
+}  // namespace
+
+namespace {
+
+/// Several projectors may be of one kind: largest of the largest, mean over all constraints.
+std::vector<KindReport> by_kind(const std::vector<KindReport>& reports) {
+  std::vector<KindReport> kinds;
+  for (const KindReport& report : reports) {
+    const auto same =
+        std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.kind == report.kind; });
+    if (same == kinds.end()) {
+      kinds.push_back(report);
+      continue;
+    }
+    const double a = static_cast<double>(same->count), b = static_cast<double>(report.count);
+    if (a + b > 0) same->mean = (a * same->mean + b * report.mean) / (a + b);
+    same->count += report.count;
+    same->largest = std::max(same->largest, report.largest);
+  }
+  return kinds;
+}
+
+}  // namespace
+
+std::string settings_text(const Settings& s) {
+  std::string text = fmt::format(R"({{"substeps": {}, "iterations": {}, "mode": "{}", "form": "{}", )",
+                                 s.substeps, s.iterations, word(s.mode), word(s.form));
+  text += fmt::format(R"("integrator": "{}", "gravity": {}, )", word(s.integrator), vector(s.gravity));
+  text += fmt::format(R"("wind": {{"velocity": {}, "gust": {}, "gust_period": {}, "air_density": {}}}, )",
+                      vector(s.wind.velocity), number(s.wind.gust), number(s.wind.gust_period),
+                      number(s.wind.air_density));
+  text += fmt::format(R"("drag": {}, "seed": {}}})", number(s.drag), s.seed);
+  return text;
+}
+
+FrameReport frame_report(std::uint64_t frame, double time, const StepReport& report) {
+  FrameReport kept;
+  kept.frame = frame;
+  kept.time = time;
+  if (report.step == 0) return kept;
+  kept.values = {{"particles", static_cast<double>(report.particles)},
+                 {"constraints", static_cast<double>(report.constraints)},
+                 {"contacts", static_cast<double>(report.contacts)},
+                 {"deepest_contact", report.deepest_contact},
+                 {"largest_strain", report.largest_strain}};
+  for (const KindReport& kind : by_kind(report.kinds)) {
+    kept.values.emplace_back("residual." + std::string(kind.kind), kind.largest);
+    kept.values.emplace_back("mean_residual." + std::string(kind.kind), kind.mean);
+  }
+  for (const auto& [flag, name] : flag_names) {
+    if (report.has(flag)) kept.flags.emplace_back(name);
+  }
+  for (std::size_t stage = 0; stage < stage_count; ++stage)
+    kept.milliseconds.emplace_back(stage_name(static_cast<Stage>(stage)), report.milliseconds[stage]);
+  return kept;
+}
+
+}  // namespace souple

@@ -1,0 +1,129 @@
+#include "souple/io/sequence.h"
+
+#include "souple/error.h"
+#include "souple/io/atomic_file.h"
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace souple {
+
+namespace {
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// A file name cut into NAME_, 0012 and .obj.
+struct NumberedName {
+  std::string prefix;
+  std::string digits;
+  std::string extension;
+};
+
+NumberedName cut(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  std::size_t at = stem.size();
+  while (at > 0 && is_digit(stem[at - 1])) --at;
+  return {stem.substr(0, at), stem.substr(at), file.extension().string()};
+}
+
+/// The number of a file of the same sequence as `model`; nothing for any other file, and for numbers beyond
+/// 18 digits.
+std::optional<std::uint64_t> number_like(const NumberedName& model, const std::filesystem::path& file) {
+  const NumberedName name = cut(file);
+  if (name.prefix != model.prefix || name.extension != model.extension) return std::nullopt;
+  if (name.digits.empty() || name.digits.size() > 18) return std::nullopt;
+  return std::stoull(name.digits);
+}
+
+std::vector<SequenceFrame> list_frames(const std::filesystem::path& folder, const NumberedName& model) {
+  std::vector<SequenceFrame> frames;
+  std::error_code error;
+  std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const auto file = entry->path().filename();
+    if (const auto number = number_like(model, file)) frames.push_back({*number, folder / file});
+  }
+  if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
+  // By path too: the order of a folder's entries is the system's affair.
+  std::sort(frames.begin(), frames.end(), [](const SequenceFrame& a, const SequenceFrame& b) {
+    return a.number != b.number ? a.number < b.number : a.path < b.path;
+  });
+  return frames;
+}
+
+}  // namespace
+
+std::string frame_file_name(const std::string& name, std::uint64_t frame, const std::string& extension) {
+  std::string digits = std::to_string(frame);
+  if (digits.size() < 4) digits.insert(0, 4 - digits.size(), '0');
+  return name + "_" + digits + "." + extension;
+}
+
+std::vector<SequenceFrame> find_sequence(const std::filesystem::path& any_frame) {
+  const NumberedName model = cut(any_frame);
+  if (model.digits.empty())
+    throw Error(
+        any_frame.string() +
+        ": is not a file of a sequence; expected a number at the end of its name, as in " +
+        frame_file_name(model.prefix, 1, model.extension.empty() ? "obj" : model.extension.substr(1)));
+  auto frames = list_frames(any_frame.parent_path(), model);
+  if (frames.empty()) throw Error(any_frame.string() + ": there is no file of this sequence");
+  const auto twin = std::adjacent_find(frames.begin(), frames.end(),
+                                       [](const auto& a, const auto& b) { return a.number == b.number; });
+  if (twin != frames.end())
+    throw Error(twin->path.string() + ": has the same number as " + (twin + 1)->path.string() +
+                "; remove one of them");
+  return frames;
+}
+
+SequenceWriter::SequenceWriter(std::filesystem::path folder, std::string name, std::string extension,
+                               Bytes bytes, std::uint64_t keep_frames)
+    : folder_(std::move(folder)),
+      name_(std::move(name)),
+      extension_(std::move(extension)),
+      bytes_(std::move(bytes)),
+      frames_(keep_frames) {
+  for (std::uint64_t frame = 1; frame <= keep_frames; ++frame) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file(frame), ignored))
+      throw Error(file(frame).string() + ": is missing, and the checkpoint needs " +
+                  std::to_string(keep_frames) + " frames; start the run anew");
+  }
+}
+
+std::filesystem::path SequenceWriter::file(std::uint64_t frame) const {
+  return folder_ / frame_file_name(name_, frame, extension_);
+}
+
+void SequenceWriter::append(std::span<const Vec3f> positions, std::span<const Vec3f> velocities) {
+  write_file_atomically(file(frames_ + 1), bytes_(positions, velocities));
+  ++frames_;
+}
+
+void SequenceWriter::skip_to(std::uint64_t frame) {
+  for (; frames_ + 1 < frame; ++frames_) {
+    std::error_code ignored;
+    std::filesystem::remove(file(frames_ + 1), ignored);
+  }
+}
+
+void SequenceWriter::drop_after(std::uint64_t frame) {
+  if (frame >= frames_) return;
+  frames_ = frame;
+  finish();
+}
+
+void SequenceWriter::finish() {
+  for (const SequenceFrame& frame : list_frames(folder_, cut(frame_file_name(name_, 1, extension_)))) {
+    // Only names that we give ourselves: NAME_7.obj is somebody else's.
+    if (frame.number <= frames_ || frame.path != file(frame.number)) continue;
+    std::error_code ignored;
+    std::filesystem::remove(frame.path, ignored);
+  }
+}
+
+}  // namespace souple

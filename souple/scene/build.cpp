@@ -1,0 +1,472 @@
+#include "souple/io/animated_points.h"
+#include "souple/scene/scene.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+
+namespace souple {
+
+namespace {
+
+constexpr double most_grains = 4e6;
+
+// --- small converters --------------------------------------------------------------------------------------
+
+Quatd rotation_of(const Vec3d& degrees) {
+  constexpr double radian = 0.017453292519943295;  // pi / 180
+  return Quatd::from_euler_xyz(degrees * radian);
+}
+
+Transform transform_of(const TransformDescription& description) {
+  return {description.translate, rotation_of(description.rotate), description.scale};
+}
+
+ColliderMotion motion_of(const std::vector<KeyframeDescription>& keyframes, bool loop) {
+  std::vector<PoseKey> keys;
+  keys.reserve(keyframes.size());
+  for (const KeyframeDescription& keyframe : keyframes) {
+    keys.push_back({keyframe.time, keyframe.translate, rotation_of(keyframe.rotate)});
+  }
+  return ColliderMotion::keyframes(std::move(keys), loop);
+}
+
+/// What reading a mesh file does to its points; here for files that hold points only.
+Vec3d imported(const Vec3d& x, const MeshImport& import) {
+  const Vec3d up =
+      import.up == UpAxis::z ? Vec3d{x.x, x.z, -x.y} : (import.up == UpAxis::x ? Vec3d{-x.y, x.x, x.z} : x);
+  return up * import.scale;
+}
+
+bool holds_tets(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".msh" || extension == ".node" || extension == ".ele" || extension == ".vtk";
+}
+
+bool is_tet_mesh(const MeshDescription& mesh) {
+  const FileMesh* file = std::get_if<FileMesh>(&mesh.source);
+  return std::holds_alternative<TetBarMesh>(mesh.source) || (file != nullptr && holds_tets(file->file));
+}
+
+// --- meshes ------------------------------------------------------------------------------------------------
+
+/// One overload for each way to make a surface.
+struct SurfaceMaker {
+  const std::filesystem::path& folder;
+  const MeshImport& import;
+
+  TriangleMesh operator()(const GridMesh& m) const { return grid(m.columns, m.rows, m.size, m.diagonals); }
+  TriangleMesh operator()(const DiskMesh& m) const { return disk(m.rings, m.segments, m.radius); }
+  TriangleMesh operator()(const SphereMesh& m) const { return sphere(m.subdivisions, m.radius); }
+  TriangleMesh operator()(const BoxMesh& m) const { return box(m.size, m.divisions); }
+  TriangleMesh operator()(const TorusMesh& m) const {
+    return torus(m.major_radius, m.minor_radius, m.major_segments, m.minor_segments);
+  }
+  TriangleMesh operator()(const CapsuleMesh& m) const {
+    return capsule(m.radius, m.length, m.segments, m.rings, m.divisions);
+  }
+  TriangleMesh operator()(const CylinderMesh& m) const {
+    return cylinder(m.radius, m.height, m.segments, m.divisions, m.cap_rings);
+  }
+  TriangleMesh operator()(const TetBarMesh&) const { throw Error("expected a surface, found tets"); }
+  TriangleMesh operator()(const FileMesh& m) const {
+    if (holds_tets(m.file)) throw Error("expected a surface, found a file of tets: " + m.file);
+    return read_triangle_mesh(folder / m.file, import);
+  }
+};
+
+TriangleMesh surface_of(const MeshDescription& mesh, const std::filesystem::path& folder) {
+  return std::visit(SurfaceMaker{folder, mesh.import}, mesh.source);
+}
+
+TetMesh tets_of(const MeshDescription& mesh, const std::filesystem::path& folder) {
+  if (const TetBarMesh* bar = std::get_if<TetBarMesh>(&mesh.source)) {
+    return tet_bar(bar->cells[0], bar->cells[1], bar->cells[2], bar->size);
+  }
+  return read_tet_mesh(folder / std::get<FileMesh>(mesh.source).file, mesh.import);
+}
+
+// --- maps --------------------------------------------------------------------------------------------------
+
+/// A tet mesh as far as maps are concerned.
+TriangleMesh only_groups(const TetMesh& mesh) {
+  TriangleMesh result;
+  result.positions = mesh.positions;
+  result.groups = mesh.groups;
+  return result;
+}
+
+std::vector<float> map_values(const MapDescription& map, const TriangleMesh& mesh) {
+  if (const std::string* name = std::get_if<std::string>(&map.source)) {
+    return map_from_group(mesh, *name, map.value, map.fallback);
+  }
+  return map_from_colours(mesh, std::get<ColourChannel>(map.source), map.fallback, map.value);
+}
+
+// --- grains ------------------------------------------------------------------------------------------------
+
+/// SplitMix64 (Steele et al. 2014): the same numbers everywhere.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  /// In [-1, 1).
+  double symmetric() {
+    state_ += 0x9E3779B97F4A7C15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    z ^= z >> 31;
+    return static_cast<double>(z >> 11) * 0x1p-52 - 1;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Centres origin + (i, j, k) spacing, each moved by up to `reach` along each axis.
+std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3d& origin, double spacing,
+                                 double reach, std::uint64_t seed) {
+  if (counts[0] * counts[1] * counts[2] > most_grains) {
+    throw Error("would have " + std::to_string(counts[0] * counts[1] * counts[2]) +
+                " grains; at most 4000000 are allowed: enlarge the grains or the spacing");
+  }
+  Random random(seed);
+  std::vector<Vec3d> centres;
+  for (double k = 0; k < counts[2]; ++k) {
+    for (double j = 0; j < counts[1]; ++j) {
+      for (double i = 0; i < counts[0]; ++i) {
+        Vec3d centre = origin + Vec3d{i, j, k} * spacing;
+        for (int axis = 0; axis < 3; ++axis) centre[axis] += reach * random.symmetric();
+        centres.push_back(centre);
+      }
+    }
+  }
+  return centres;
+}
+
+struct GrainMaker {
+  const std::filesystem::path& folder;
+  double radius;
+  std::uint64_t seed;
+
+  double spacing(const std::optional<double>& given, double jitter) const {
+    return given ? *given : 2 * radius * (1 + jitter);
+  }
+  std::vector<Vec3d> operator()(const std::vector<Vec3d>& points) const { return points; }
+  std::vector<Vec3d> operator()(const MeshDescription& mesh) const {
+    return surface_of(mesh, folder).positions;
+  }
+  std::vector<Vec3d> operator()(const GrainsGrid& g) const {
+    const double step = spacing(g.spacing, g.jitter);
+    std::array<double, 3> counts{};
+    Vec3d origin;
+    for (int i = 0; i < 3; ++i) {
+      counts[static_cast<std::size_t>(i)] = g.counts[static_cast<std::size_t>(i)];
+      origin[i] = -0.5 * step * (counts[static_cast<std::size_t>(i)] - 1);
+    }
+    return cubic_lattice(counts, origin, step, g.jitter * radius, seed);
+  }
+  /// Whole grains fit into the box, as many as can; the lattice is centred in it.
+  std::vector<Vec3d> operator()(const GrainsBox& b) const {
+    const double step = spacing(b.spacing, b.jitter), margin = radius * (1 + b.jitter);
+    std::array<double, 3> counts{};
+    Vec3d origin;
+    for (int i = 0; i < 3; ++i) {
+      const double room = b.hi[i] - b.lo[i] - 2 * margin;
+      if (room < 0)
+        throw Error("the box is too small for one grain of radius " + std::to_string(radius) + " m");
+      const double count = std::floor(room / step + 1e-9) + 1;
+      counts[static_cast<std::size_t>(i)] = count;
+      origin[i] = 0.5 * (b.lo[i] + b.hi[i]) - 0.5 * step * (count - 1);
+    }
+    return cubic_lattice(counts, origin, step, b.jitter * radius, seed);
+  }
+};
+
+// --- targets -----------------------------------------------------------------------------------------------
+
+/// x(t) = c + R(t) (x(0) - c) + T(t)
+Target keyframed(const World& world, ObjectId object, const std::vector<std::uint32_t>& vertices,
+                 const PinDescription& pin) {
+  const std::span<const Vec3f> positions = world.positions(object);
+  Vec3d middle{};
+  for (const std::uint32_t vertex : vertices) middle += Vec3d(positions[vertex]);
+  middle = pin.about ? *pin.about : middle / static_cast<double>(vertices.size());
+  std::vector<Vec3d> start;
+  for (const Vec3f& x : positions) start.push_back(Vec3d(x));
+  return [motion = motion_of(pin.keyframes, pin.loop), start = std::move(start), middle](std::uint32_t vertex,
+                                                                                         double time) {
+    const Transform pose = motion.at(time);
+    return middle + rotate(pose.rotation, start[vertex] - middle) + pose.translation;
+  };
+}
+
+/// Positions of all vertices from files, evaluated once for each moment asked.
+class FollowedSequence {
+ public:
+  FollowedSequence(AnimatedPoints points, const MeshImport& import, const Transform& transform)
+      : points_(std::move(points)), import_(import), transform_(transform), now_(points_.points()) {}
+
+  std::uint64_t points() const { return points_.points(); }
+  Vec3d at(std::uint32_t vertex, double time) {
+    if (time != time_) points_.evaluate(time, now_);
+    time_ = time;
+    return transform_.point(imported(Vec3d(now_[vertex]), import_));
+  }
+
+ private:
+  AnimatedPoints points_;
+  MeshImport import_;
+  Transform transform_;
+  std::vector<Vec3f> now_;
+  double time_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+std::vector<Vec3f> read_points(const std::filesystem::path& path) {
+  std::vector<Vec3f> points;
+  for (const Vec3d& x : read_triangle_mesh(path).positions) points.push_back(Vec3f(x));
+  return points;
+}
+
+// --- the builder -------------------------------------------------------------------------------------------
+
+class Builder {
+ public:
+  Builder(const SceneDescription& scene, const SceneLog& log)
+      : scene_(scene), log_(log), world_(scene.settings) {}
+
+  World build() {
+    if (log_) world_.set_log(log_);
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) add_object(i);
+    for (std::size_t i = 0; i < scene_.colliders.size(); ++i) {
+      inside("colliders[" + std::to_string(i) + "]", [&] { add_collider(scene_.colliders[i]); });
+    }
+    for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
+      const PairDescription& pair = scene_.pairs[i];
+      inside("pairs[" + std::to_string(i) + "]",
+             [&] { world_.set_pair(pair.between[0], pair.between[1], pair.friction, pair.restitution); });
+    }
+    for (std::size_t i = 0; i < scene_.connections.size(); ++i) {
+      inside("connections[" + std::to_string(i) + "]", [&] { connect(scene_.connections[i]); });
+    }
+    if (log_) world_.set_log({});
+    return std::move(world_);
+  }
+
+ private:
+  /// Says where in the scene an error comes from.
+  template <class F>
+  void inside(const std::string& place, F f) {
+    try {
+      f();
+    } catch (const Error& error) {
+      throw Error(scene_.source + ": " + place + ": " + error.what());
+    }
+  }
+
+  void add_object(std::size_t index) {
+    const std::string place = "objects[" + std::to_string(index) + "]";
+    const ObjectDescription& shared = common(scene_.objects[index]);
+    ObjectId object{};
+    inside(place, [&] {
+      seed_ = scene_.settings.seed * 1000003u + index;
+      object = std::visit([&](const auto& kind) { return add(kind); }, scene_.objects[index]);
+    });
+    for (std::size_t i = 0; i < shared.pins.size(); ++i) {
+      inside(place + ".pins[" + std::to_string(i) + "]", [&] {
+        const PinDescription& pin = shared.pins[i];
+        world_.pin(object, pin.where, target(object, pin, scene_.objects[index]));
+      });
+    }
+    for (std::size_t i = 0; i < shared.attachments.size(); ++i) {
+      inside(place + ".attachments[" + std::to_string(i) + "]", [&] {
+        const AttachmentDescription& attachment = shared.attachments[i];
+        world_.attach(object, attachment.where, target(object, attachment, scene_.objects[index]),
+                      attachment.compliance);
+      });
+    }
+    // After the pins: tethers start at them.
+    inside(place,
+           [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
+  }
+
+  // --- objects
+
+  ObjectOptions options_of(const ObjectDescription& object) const {
+    ObjectOptions options;
+    options.name = object.name;
+    options.transform = transform_of(object.transform);
+    options.velocity = object.velocity;
+    options.angular_velocity = object.angular_velocity;
+    return options;
+  }
+
+  void take_maps(const MapsDescription& maps, const TriangleMesh& mesh, ObjectOptions& options) {
+    if (maps.stiffness) options.stiffness_map = map_values(*maps.stiffness, mesh);
+    if (maps.thickness) options.thickness_map = map_values(*maps.thickness, mesh);
+    pin_weights_.clear();
+    if (maps.pin_weight) pin_weights_ = map_values(*maps.pin_weight, mesh);
+  }
+
+  ObjectId add(const ClothDescription& cloth) {
+    const TriangleMesh mesh = surface_of(cloth.mesh, scene_.folder);
+    ObjectOptions options = options_of(cloth);
+    take_maps(cloth.maps, mesh, options);
+    return world_.add_cloth(mesh, cloth.material, options);
+  }
+
+  ObjectId add(const SoftBodyDescription& body) {
+    ObjectOptions options = options_of(body);
+    if (is_tet_mesh(body.mesh)) {
+      if (body.lattice) throw Error("lattice: makes sense only for a surface; this mesh already has tets");
+      const TetMesh mesh = tets_of(body.mesh, scene_.folder);
+      take_maps(body.maps, only_groups(mesh), options);
+      return world_.add_soft_body(mesh, body.material, options);
+    }
+    const TriangleMesh mesh = surface_of(body.mesh, scene_.folder);
+    take_maps(body.maps, mesh, options);
+    return world_.add_soft_body(mesh, body.material, body.lattice.value_or(LatticeOptions{}), options);
+  }
+
+  ObjectId add(const RopeDescription& rope) {
+    return world_.add_rope(rope.points, rope.segments, rope.material, options_of(rope));
+  }
+
+  ObjectId add(const GrainsDescription& grains) {
+    const GrainMaker maker{scene_.folder, static_cast<double>(grains.material.radius), seed_};
+    return world_.add_grains(std::visit(maker, grains.centres), grains.material, options_of(grains));
+  }
+
+  void finish(ObjectId object, const ClothDescription& cloth) {
+    pin_by_weight(object, cloth.maps);
+    if (cloth.tethers) world_.add_tethers(object, cloth.tethers->slack);
+    if (cloth.pressure) world_.set_pressure(object, *cloth.pressure);
+    if (cloth.enclosed_volume) {
+      world_.set_enclosed_volume(object, cloth.enclosed_volume->factor, cloth.enclosed_volume->compliance);
+    }
+  }
+  void finish(ObjectId object, const SoftBodyDescription& body) { pin_by_weight(object, body.maps); }
+  void finish(ObjectId object, const RopeDescription& rope) {
+    if (rope.tethers) world_.add_tethers(object, rope.tethers->slack);
+  }
+  void finish(ObjectId, const GrainsDescription&) {}
+
+  /// Weight 1 is a pin; w < 1 a spring of compliance (1 - w) / w times that of one half. Weights are cut to
+  /// 255 steps, as colours have them, and vertices of one step share a projector.
+  void pin_by_weight(ObjectId object, const MapsDescription& maps) {
+    if (!maps.pin_weight) return;
+    constexpr std::size_t steps = 255;
+    std::vector<std::vector<std::uint32_t>> of_step(steps + 1);
+    for (std::size_t vertex = 0; vertex < pin_weights_.size(); ++vertex) {
+      const float weight = std::clamp(pin_weights_[vertex], 0.0f, 1.0f);
+      const auto step = static_cast<std::size_t>(std::lround(weight * static_cast<float>(steps)));
+      of_step[step].push_back(static_cast<std::uint32_t>(vertex));
+    }
+    if (!of_step[steps].empty()) world_.pin(object, vertices(of_step[steps]));
+    for (std::size_t step = 1; step < steps; ++step) {
+      if (of_step[step].empty()) continue;
+      const float w = static_cast<float>(step) / static_cast<float>(steps);
+      world_.attach(object, vertices(of_step[step]), {}, maps.pin_weight->compliance * (1 - w) / w);
+    }
+  }
+
+  // --- pins
+
+  /// Empty: the vertices stay where they are.
+  Target target(ObjectId object, const PinDescription& pin, const AnyObjectDescription& description) const {
+    if (pin.sequence) return sequence_target(object, *pin.sequence, description);
+    if (pin.keyframes.empty()) return {};
+    return keyframed(world_, object, world_.select(object, pin.where), pin);
+  }
+
+  Target sequence_target(ObjectId object, const SequenceDescription& sequence,
+                         const AnyObjectDescription& description) const {
+    const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
+    auto followed = std::make_shared<FollowedSequence>(
+        AnimatedPoints(scene_.folder / sequence.file, options, read_points), import_of(description),
+        transform_of(common(description).transform));
+    const std::size_t vertices = world_.positions(object).size();
+    if (followed->points() != vertices) {
+      throw Error("sequence: " + sequence.file + " has " + std::to_string(followed->points()) +
+                  " vertices, but the object has " + std::to_string(vertices));
+    }
+    return [followed](std::uint32_t vertex, double time) { return followed->at(vertex, time); };
+  }
+
+  static MeshImport import_of(const AnyObjectDescription& object) {
+    if (const auto* cloth = std::get_if<ClothDescription>(&object)) return cloth->mesh.import;
+    if (const auto* body = std::get_if<SoftBodyDescription>(&object)) return body->mesh.import;
+    return {};
+  }
+
+  // --- the rest
+
+  void add_collider(const ColliderDescription& collider) {
+    ColliderOptions options;
+    options.friction = collider.friction;
+    options.restitution = collider.restitution;
+    options.name = collider.name;
+    options.motion = collider.keyframes.empty() ? ColliderMotion::fixed(transform_of(collider.transform))
+                                                : motion_of(collider.keyframes, collider.loop);
+    world_.add_collider(collider.shape, options);
+  }
+
+  /// The vertices of one end; those that are listed keep the order of the list.
+  std::vector<VertexRef> end(const EndDescription& description) const {
+    const ObjectId object = world_.find_object(description.object);
+    std::vector<std::uint32_t> chosen = world_.select(object, description.where);
+    if (const auto* listed = std::get_if<Selector::Vertices>(&description.where.choice))
+      chosen = listed->indices;
+    std::vector<VertexRef> ends;
+    ends.reserve(chosen.size());
+    for (const std::uint32_t vertex : chosen) ends.push_back({object, vertex});
+    return ends;
+  }
+
+  VertexRef nearest_of(const std::vector<VertexRef>& candidates, const VertexRef& to) const {
+    const Vec3d x(world_.positions(to.object)[to.vertex]);
+    VertexRef best = candidates.front();
+    double least = std::numeric_limits<double>::infinity();
+    for (const VertexRef& candidate : candidates) {
+      const double d = length_squared(Vec3d(world_.positions(candidate.object)[candidate.vertex]) - x);
+      const bool same = candidate.object == to.object && candidate.vertex == to.vertex;
+      if (!same && d < least) least = d, best = candidate;
+    }
+    return best;
+  }
+
+  void connect(const ConnectionDescription& connection) {
+    const std::vector<VertexRef> from = end(connection.from), to = end(connection.to);
+    const bool in_order = connection.pairing == Pairing::in_order;
+    if (in_order && from.size() != to.size() && from.size() != 1 && to.size() != 1) {
+      throw Error("\"from\" means " + std::to_string(from.size()) + " vertices and \"to\" " +
+                  std::to_string(to.size()) +
+                  "; in_order needs as many on both sides, or one on one side (or use pairing nearest)");
+    }
+    std::vector<std::pair<VertexRef, VertexRef>> pairs;
+    const std::size_t count = in_order ? std::max(from.size(), to.size()) : from.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const VertexRef& a = from[from.size() == 1 ? 0 : i];
+      pairs.emplace_back(a, in_order ? to[to.size() == 1 ? 0 : i] : nearest_of(to, a));
+    }
+    world_.connect(pairs, connection.rest_length.value_or(-1), connection.compliance);
+  }
+
+  const SceneDescription& scene_;
+  const SceneLog& log_;
+  World world_;
+  std::uint64_t seed_ = 0;
+  std::vector<float> pin_weights_;  ///< of the object that is being added
+};
+
+}  // namespace
+
+World build_world(const SceneDescription& scene, const SceneLog& log) {
+  return Builder(scene, log).build();
+}
+
+}  // namespace souple

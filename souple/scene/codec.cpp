@@ -1,0 +1,188 @@
+#include "souple/scene/codec.h"
+
+#include <algorithm>
+
+namespace souple::scene_format {
+
+namespace {
+
+/// A key may be anything; a message is one line.
+std::string printable(std::string_view key) {
+  constexpr std::size_t longest = 60;
+  std::string out(key.substr(0, longest));
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return key.size() > longest ? out + "..." : out;
+}
+
+}  // namespace
+
+std::string Place::path() const {
+  std::string path;
+  std::vector<const Place*> chain;
+  for (const Place* place = this; place->parent_ != nullptr; place = place->parent_) chain.push_back(place);
+  for (auto place = chain.rbegin(); place != chain.rend(); ++place) {
+    if ((*place)->name_.empty()) {
+      path += "[" + std::to_string((*place)->index_) + "]";
+    } else {
+      path += (path.empty() ? "" : ".") + printable((*place)->name_);
+    }
+  }
+  return path;
+}
+
+void Place::fail(const std::string& message) const {
+  const std::string where = path();
+  throw Error(reading_->source + ": " + (where.empty() ? "" : where + ": ") + message);
+}
+
+std::string Range::text(const std::string& noun) const {
+  const std::string low = number_text(lowest), high = number_text(highest);
+  if (lowest == 0 && open_low) return noun + " > 0 and " + (open_high ? "< " : "<= ") + high;
+  return noun + (open_low ? " > " : " from ") + low + (open_high ? " to below " : " to ") + high;
+}
+
+Json Range::schema(const char* type) const {
+  Json schema = Json::object();
+  schema.set("type", Json::of(type));
+  schema.set(open_low ? "exclusiveMinimum" : "minimum", Json::of(lowest));
+  schema.set(open_high ? "exclusiveMaximum" : "maximum", Json::of(highest));
+  return schema;
+}
+
+namespace {
+
+Json string_schema(std::int64_t longest) {
+  Json schema = Json::object();
+  schema.set("type", Json::of("string"));
+  schema.set("maxLength", Json::whole(longest));
+  return schema;
+}
+
+class Boolean : public Codec<bool> {
+ public:
+  void read(const Json& json, const Place& place, bool& value) const override {
+    if (!json.is(Json::Kind::boolean)) place.unexpected("true or false", json);
+    value = json.boolean;
+  }
+  Json write(const bool& value) const override { return Json::of(value); }
+  TypeInfo describe(Format&) const override {
+    Json schema = Json::object();
+    schema.set("type", Json::of("boolean"));
+    return {"true or false", schema};
+  }
+};
+
+class Text : public Codec<std::string> {
+ public:
+  void read(const Json& json, const Place& place, std::string& value) const override {
+    if (!json.is(Json::Kind::text)) place.unexpected("text in quotes", json);
+    if (json.text.size() > longest) place.fail("expected at most 1000 bytes of text, found " + brief(json));
+    value = json.text;
+  }
+  Json write(const std::string& value) const override { return Json::of(value); }
+  TypeInfo describe(Format&) const override { return {"text", string_schema(longest)}; }
+
+ private:
+  static constexpr int longest = 1000;
+};
+
+class Name : public Codec<std::string> {
+ public:
+  void read(const Json& json, const Place& place, std::string& value) const override {
+    if (!json.is(Json::Kind::text) || !valid(json.text)) place.unexpected(expected, json);
+    value = json.text;
+  }
+  Json write(const std::string& value) const override { return Json::of(value); }
+  TypeInfo describe(Format&) const override {
+    Json schema = string_schema(64);
+    schema.set("minLength", Json::whole(1));
+    schema.set("pattern", Json::of("^[A-Za-z0-9_\\-\\u0080-\\uffff]+$"));
+    return {"name", schema};
+  }
+
+ private:
+  static constexpr const char* expected = "a name of letters, digits, _ and -, 1 to 64 bytes";
+  static bool valid(const std::string& name) {
+    return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+      const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+      return letter || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+             static_cast<unsigned char>(c) >= 0x80;
+    });
+  }
+};
+
+class File : public Codec<std::string> {
+ public:
+  void read(const Json& json, const Place& place, std::string& value) const override {
+    const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= longest &&
+                        json.text.find('\0') == std::string::npos;
+    if (!usable) place.unexpected("a file's name", json);
+    const std::filesystem::path path = place.reading().base / json.text;
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) {
+      place.fail("expected a file, but " + brief(json) + " is a folder: " + path.string());
+    }
+    if (!std::filesystem::exists(path, error)) {
+      place.fail("there is no file " + brief(json) + "; looked for " + path.string());
+    }
+    value = json.text;
+  }
+  Json write(const std::string& value) const override { return Json::of(value); }
+  TypeInfo describe(Format&) const override {
+    return {"file, relative to the scene's folder", string_schema(longest)};
+  }
+
+ private:
+  static constexpr int longest = 1000;
+};
+
+class Word : public Codec<std::string> {
+ public:
+  Word(std::string noun, std::vector<std::string> known) : noun_(std::move(noun)), known_(std::move(known)) {}
+
+  void read(const Json& json, const Place& place, std::string& value) const override {
+    if (!json.is(Json::Kind::text)) place.unexpected("the name of a " + noun_, json);
+    if (std::find(known_.begin(), known_.end(), json.text) == known_.end()) {
+      place.fail("no " + noun_ + " is called " + brief(json) + suggestion(json.text, known_));
+    }
+    value = json.text;
+  }
+  Json write(const std::string& value) const override { return Json::of(value); }
+  TypeInfo describe(Format&) const override {
+    Json words = Json::array();
+    std::string listed;
+    for (const std::string& word : known_) {
+      words.items.push_back(Json::of(word));
+      listed += (listed.empty() ? "\"" : ", \"") + word + "\"";
+    }
+    Json schema = Json::object();
+    schema.set("enum", std::move(words));
+    return {noun_ + ": " + listed, schema};
+  }
+
+ private:
+  std::string noun_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace
+
+CodecPtr<bool> boolean() {
+  return std::make_shared<Boolean>();
+}
+CodecPtr<std::string> text() {
+  return std::make_shared<Text>();
+}
+CodecPtr<std::string> name() {
+  return std::make_shared<Name>();
+}
+CodecPtr<std::string> file() {
+  return std::make_shared<File>();
+}
+CodecPtr<std::string> word(std::string noun, std::vector<std::string> known) {
+  return std::make_shared<Word>(std::move(noun), std::move(known));
+}
+
+}  // namespace souple::scene_format

@@ -1,0 +1,331 @@
+#pragma once
+
+#include "souple/error.h"
+#include "souple/math/vec3.h"
+#include "souple/scene/json.h"
+#include "souple/scene/nearest.h"
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+// A codec knows everything about one kind of JSON value: how it is read into C++, written back, and described
+// in the schema and in the manual. Reader, writer, schema and manual therefore cannot disagree.
+
+namespace souple::scene_format {
+
+/// The scene being read.
+struct Reading {
+  std::string source;          ///< how messages call it
+  std::filesystem::path base;  ///< where its relative files are looked for
+};
+
+/// Where in a scene a value stands. Lives on the stack of the reader; the path is spelt out only for a
+/// message.
+class Place {
+ public:
+  explicit Place(const Reading& reading) : reading_(&reading) {}
+  Place key(std::string_view name) const { return Place(*this, name, 0); }
+  Place item(std::size_t index) const { return Place(*this, {}, index); }
+
+  const Reading& reading() const { return *reading_; }
+  /// `objects[2].material.density`
+  std::string path() const;
+  /// Throws Error: `file: path: message`.
+  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void unexpected(const std::string& expected, const Json& found) const {
+    fail("expected " + expected + ", found " + brief(found));
+  }
+
+ private:
+  Place(const Place& parent, std::string_view name, std::size_t index)
+      : reading_(parent.reading_), parent_(&parent), name_(name), index_(index) {}
+
+  const Reading* reading_;
+  const Place* parent_ = nullptr;
+  std::string_view name_;
+  std::size_t index_ = 0;
+};
+
+/// What the manual and the schema say of one key.
+struct KeyInfo {
+  std::string name, type, doc;
+  bool required = false;
+  std::optional<Json> fallback;  ///< its default
+  Json schema;
+};
+
+/// ... and of one JSON object.
+struct TableInfo {
+  std::string name, doc;
+  std::vector<KeyInfo> keys;
+  std::vector<std::vector<std::string>> exactly_one, at_most_one;  ///< of each of these lists of keys
+  std::vector<std::pair<std::string, std::string>> needs;          ///< the first key only beside the second
+};
+
+struct Format {
+  std::vector<std::unique_ptr<TableInfo>> tables;
+};
+
+struct TypeInfo {
+  std::string text;  ///< for the manual, Markdown
+  Json schema;
+};
+
+/// A codec whose type tables do not need to know: templates per key would cost half a minute of compilation.
+class AnyCodec {
+ public:
+  virtual ~AnyCodec() = default;
+  virtual void read_any(const Json& json, const Place& place, void* value) const = 0;
+  virtual Json write_any(const void* value) const = 0;
+  /// Adds the tables it refers to.
+  virtual TypeInfo describe(Format& format) const = 0;
+};
+using AnyCodecPtr = std::shared_ptr<const AnyCodec>;
+
+template <class T>
+class Codec : public AnyCodec {
+ public:
+  virtual void read(const Json& json, const Place& place, T& value) const = 0;
+  virtual Json write(const T& value) const = 0;
+  void read_any(const Json& json, const Place& place, void* value) const final {
+    read(json, place, *static_cast<T*>(value));
+  }
+  Json write_any(const void* value) const final { return write(*static_cast<const T*>(value)); }
+};
+template <class T>
+using CodecPtr = std::shared_ptr<const Codec<T>>;
+
+// --- numbers ---------------------------------------------------------------------------------------------
+
+/// Which numbers are allowed. Every range has an end: a huge number is a slip.
+struct Range {
+  double lowest, highest;
+  bool open_low = false;   ///< lowest itself is not allowed
+  bool open_high = false;  ///< highest itself is not allowed
+
+  bool contains(double x) const {
+    return (open_low ? x > lowest : x >= lowest) && (open_high ? x < highest : x <= highest);
+  }
+  /// `number > 0 and <= 1000`
+  std::string text(const std::string& noun) const;
+  Json schema(const char* type) const;
+};
+inline Range positive(double highest) {
+  return {0, highest, true, false};
+}
+inline Range from_zero(double highest) {
+  return {0, highest};
+}
+inline Range within(double lowest, double highest) {
+  return {lowest, highest};
+}
+/// Zero allowed, one not.
+inline Range below(double highest) {
+  return {0, highest, false, true};
+}
+/// A coordinate, a speed: either sign.
+inline Range signed_range(double highest) {
+  return {-highest, highest};
+}
+
+template <class T>
+class Number : public Codec<T> {
+ public:
+  explicit Number(const Range& range) : range_(range) {}
+
+  void read(const Json& json, const Place& place, T& value) const override {
+    const std::string noun = std::is_integral_v<T> ? "a whole number" : "a number";
+    if (!json.is(Json::Kind::number)) place.unexpected(range_.text(noun), json);
+    const bool whole = !std::is_integral_v<T> || std::floor(json.number) == json.number;
+    if (!whole || !range_.contains(json.number)) place.unexpected(range_.text(noun), json);
+    const T converted = static_cast<T>(json.number);
+    // A float may round onto the forbidden end.
+    if (!range_.contains(static_cast<double>(converted))) place.unexpected(range_.text(noun), json);
+    value = converted;
+  }
+  Json write(const T& value) const override {
+    if constexpr (std::is_integral_v<T>) {
+      return Json::whole(static_cast<std::int64_t>(value));
+    } else {
+      return Json::of(value);
+    }
+  }
+  TypeInfo describe(Format&) const override {
+    return {range_.text(std::is_integral_v<T> ? "whole number" : "number"),
+            range_.schema(std::is_integral_v<T> ? "integer" : "number")};
+  }
+
+ private:
+  Range range_;
+};
+template <class T>
+CodecPtr<T> number(const Range& range) {
+  return std::make_shared<Number<T>>(range);
+}
+
+template <class T>
+class Vector3 : public Codec<Vec3<T>> {
+ public:
+  explicit Vector3(const Range& range) : number_(range), range_(range) {}
+
+  void read(const Json& json, const Place& place, Vec3<T>& value) const override {
+    if (!json.is(Json::Kind::array) || json.items.size() != 3) place.unexpected("[x, y, z]", json);
+    Vec3<T> read{};
+    for (std::size_t i = 0; i < 3; ++i) number_.read(json.items[i], place.item(i), read[static_cast<int>(i)]);
+    value = read;
+  }
+  Json write(const Vec3<T>& value) const override {
+    return Json::array({Json::of(value.x), Json::of(value.y), Json::of(value.z)});
+  }
+  TypeInfo describe(Format&) const override {
+    Json schema = Json::object();
+    schema.set("type", Json::of("array"));
+    schema.set("items", range_.schema("number"));
+    schema.set("minItems", Json::whole(3));
+    schema.set("maxItems", Json::whole(3));
+    const bool plain = range_.lowest < 0;
+    return {plain ? "[x, y, z]" : "[x, y, z], each a " + range_.text("number"), schema};
+  }
+
+ private:
+  Number<T> number_;
+  Range range_;
+};
+template <class T>
+CodecPtr<Vec3<T>> vector3(const Range& range) {
+  return std::make_shared<Vector3<T>>(range);
+}
+
+// --- words -----------------------------------------------------------------------------------------------
+
+CodecPtr<bool> boolean();
+/// Any text, at most 1000 bytes.
+CodecPtr<std::string> text();
+/// The name of an object or collider: it becomes a file's name. Letters, digits, _ and -, at most 64 bytes.
+CodecPtr<std::string> name();
+/// A file that exists, looked for beside the scene.
+CodecPtr<std::string> file();
+/// One word of a list known by `known`; `noun` says of what, e.g. "preset".
+CodecPtr<std::string> word(std::string noun, std::vector<std::string> known);
+
+template <class E>
+class Enumeration : public Codec<E> {
+ public:
+  explicit Enumeration(std::vector<std::pair<std::string, E>> words) : words_(std::move(words)) {}
+
+  void read(const Json& json, const Place& place, E& value) const override {
+    for (const auto& [text, meaning] : words_) {
+      if (json.is(Json::Kind::text) && json.text == text) {
+        value = meaning;
+        return;
+      }
+    }
+    std::vector<std::string> known;
+    for (const auto& entry : words_) known.push_back(entry.first);
+    const std::string best = json.is(Json::Kind::text) ? nearest_word(json.text, known) : "";
+    place.fail("expected " + list() + ", found " + brief(json) +
+               (best.empty() ? "" : "; did you mean \"" + best + "\"?"));
+  }
+  Json write(const E& value) const override {
+    for (const auto& [text, meaning] : words_) {
+      if (meaning == value) return Json::of(text);
+    }
+    return {};
+  }
+  TypeInfo describe(Format&) const override {
+    Json words = Json::array();
+    for (const auto& entry : words_) words.items.push_back(Json::of(entry.first));
+    Json schema = Json::object();
+    schema.set("enum", std::move(words));
+    return {list(), schema};
+  }
+
+ private:
+  std::string list() const {
+    std::string out;
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      if (i > 0) out += i + 1 == words_.size() ? " or " : ", ";
+      out += "\"" + words_[i].first + "\"";
+    }
+    return out;
+  }
+  std::vector<std::pair<std::string, E>> words_;
+};
+template <class E>
+CodecPtr<E> enumeration(std::vector<std::pair<std::string, E>> words) {
+  return std::make_shared<Enumeration<E>>(std::move(words));
+}
+
+// --- lists -----------------------------------------------------------------------------------------------
+
+template <class T>
+class List : public Codec<std::vector<T>> {
+ public:
+  List(CodecPtr<T> item, std::size_t least, std::size_t most)
+      : item_(std::move(item)), least_(least), most_(most) {}
+
+  void read(const Json& json, const Place& place, std::vector<T>& value) const override {
+    if (!json.is(Json::Kind::array)) place.unexpected("a list: [ ... ]", json);
+    if (json.items.size() < least_ || json.items.size() > most_) {
+      place.fail("expected a list of " + std::to_string(least_) + " to " + std::to_string(most_) +
+                 " entries, found " + std::to_string(json.items.size()));
+    }
+    std::vector<T> read(json.items.size());
+    for (std::size_t i = 0; i < read.size(); ++i) item_->read(json.items[i], place.item(i), read[i]);
+    value = std::move(read);
+  }
+  Json write(const std::vector<T>& value) const override {
+    Json json = Json::array();
+    for (const T& item : value) json.items.push_back(item_->write(item));
+    return json;
+  }
+  TypeInfo describe(Format& format) const override {
+    const TypeInfo item = item_->describe(format);
+    Json schema = Json::object();
+    schema.set("type", Json::of("array"));
+    schema.set("items", item.schema);
+    if (least_ > 0) schema.set("minItems", Json::whole(static_cast<std::int64_t>(least_)));
+    schema.set("maxItems", Json::whole(static_cast<std::int64_t>(most_)));
+    return {"list of " + item.text, schema};
+  }
+
+ private:
+  CodecPtr<T> item_;
+  std::size_t least_, most_;
+};
+template <class T>
+CodecPtr<std::vector<T>> list(CodecPtr<T> item, std::size_t least = 0, std::size_t most = 1000000) {
+  return std::make_shared<List<T>>(std::move(item), least, most);
+}
+
+/// A key that may be absent: std::optional says whether it was there.
+template <class T>
+class Optional : public Codec<std::optional<T>> {
+ public:
+  explicit Optional(CodecPtr<T> inner) : inner_(std::move(inner)) {}
+  void read(const Json& json, const Place& place, std::optional<T>& value) const override {
+    T read{};
+    inner_->read(json, place, read);
+    value = std::move(read);
+  }
+  Json write(const std::optional<T>& value) const override { return value ? inner_->write(*value) : Json{}; }
+  TypeInfo describe(Format& format) const override { return inner_->describe(format); }
+
+ private:
+  CodecPtr<T> inner_;
+};
+template <class T>
+CodecPtr<std::optional<T>> maybe(CodecPtr<T> inner) {
+  return std::make_shared<Optional<T>>(std::move(inner));
+}
+
+}  // namespace souple::scene_format

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace souple::scene_format {
+
+struct Member;
+
+/// A JSON value. Members keep the order of their file; a parsed object has no key twice.
+struct Json {
+  enum class Kind { null, boolean, number, text, array, object };
+
+  Kind kind = Kind::null;
+  bool boolean = false;
+  double number = 0;
+  bool integral = false;  ///< the number was written without a fraction or exponent
+  std::string text;
+  std::vector<Json> items;
+  std::vector<Member> members;
+
+  static Json of(bool value);
+  static Json of(double value);
+  /// The shortest decimal that reads back as this float.
+  static Json of(float value);
+  static Json whole(std::int64_t value);
+  static Json of(std::string value);
+  static Json of(const char* value);
+  static Json array();
+  static Json array(std::vector<Json> items);
+  static Json object();
+
+  bool is(Kind wanted) const { return kind == wanted; }
+  /// The member of that name, or nullptr.
+  const Json* find(std::string_view key) const;
+  Json* find(std::string_view key);
+  /// Appends, or replaces the member of that name.
+  Json& set(std::string key, Json value);
+};
+
+struct Member {
+  std::string key;
+  Json value;
+};
+
+/// Values are equal when they are written the same.
+bool operator==(const Json& a, const Json& b);
+
+/// Reads one JSON text, strictly: no comments, no trailing commas or garbage, UTF-8, no duplicate keys, at
+/// most 64 levels deep, numbers a double can hold. Throws Error: `source:line:column: ...`.
+Json parse_json(std::string_view text, std::string_view source);
+
+/// Writes JSON on several lines, arrays of numbers on one. Ends with a line feed.
+std::string dump_json(const Json& value);
+/// Writes JSON on one line.
+std::string dump_line(const Json& value);
+/// `dump_line` cut to a length fit for a message.
+std::string brief(const Json& value);
+std::string number_text(double value);
+
+}  // namespace souple::scene_format

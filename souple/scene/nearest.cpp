@@ -1,0 +1,62 @@
+#include "souple/scene/nearest.h"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+namespace souple::scene_format {
+
+namespace {
+
+bool same_letter(char a, char b) {
+  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
+
+/// Optimal string alignment distance, three rows at a time.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (same_letter(a[i - 1], b[j - 1]) ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      const bool swapped =
+          i > 1 && j > 1 && same_letter(a[i - 1], b[j - 2]) && same_letter(a[i - 2], b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string nearest_word(std::string_view word, std::span<const std::string> known) {
+  constexpr std::size_t longest = 100;
+  if (word.size() > longest) return {};
+  std::string best;
+  std::size_t least = 1 + word.size() / 2;  // more changes than that, and it is another word
+  for (const std::string& candidate : known) {
+    std::size_t distance = edit_distance(word, candidate);
+    // "densty" for "areal_density": the last words of a name may stand for it.
+    for (std::size_t i = candidate.find('_'); i != std::string::npos; i = candidate.find('_', i + 1)) {
+      distance = std::min(distance, 1 + edit_distance(word, std::string_view(candidate).substr(i + 1)));
+    }
+    if (distance < least) least = distance, best = candidate;
+  }
+  return best;
+}
+
+std::string suggestion(std::string_view word, std::span<const std::string> known) {
+  const std::string best = nearest_word(word, known);
+  if (!best.empty()) return "; did you mean \"" + best + "\"?";
+  if (known.empty()) return {};
+  std::string list = "; known: ";
+  const char* between = "";
+  for (const std::string& name : known) list += between + name, between = ", ";
+  return list;
+}
+
+}  // namespace souple::scene_format

@@ -1,0 +1,217 @@
+#include "souple/scene/table.h"
+
+#include <algorithm>
+
+namespace souple::scene_format {
+
+namespace {
+
+/// Access functions only compute addresses; what is behind them is not written to.
+const void* look(Access access, const void* object) {
+  return access(const_cast<void*>(object));
+}
+
+std::string quoted_list(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "\"" : ", \"") + word + "\"";
+  return out;
+}
+
+/// Empty things say nothing as a default.
+bool says_something(const Json& json) {
+  switch (json.kind) {
+    case Json::Kind::null:
+    case Json::Kind::object:
+      return false;
+    case Json::Kind::text:
+      return !json.text.empty();
+    case Json::Kind::array:
+      return !json.items.empty();
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+// --- Key ---------------------------------------------------------------------------------------------------
+
+Key::Key(std::string name, Access access, AnyCodecPtr codec, std::string doc, bool required)
+    : name_(std::move(name)),
+      access_(access),
+      codec_(std::move(codec)),
+      doc_(std::move(doc)),
+      required_(required) {}
+
+Json Key::written(const void* object) const {
+  return codec_->write_any(look(access_, object));
+}
+
+void Key::read(const Json& json, const Place& place, void* object) const {
+  if (const Json* value = json.find(name_)) {
+    codec_->read_any(*value, place.key(name_), access_(object));
+  } else if (required_) {
+    place.fail("the key \"" + name_ + "\" is missing: " + doc_);
+  }
+}
+
+void Key::write(const void* object, const void* fallback, Json& json) const {
+  Json value = written(object);
+  const bool absent = value.is(Json::Kind::null) || (!required_ && value == written(fallback));
+  if (!absent) json.set(name_, std::move(value));
+}
+
+void Key::describe(Format& format, const void* fallback, TableInfo& info) const {
+  TypeInfo type = codec_->describe(format);
+  KeyInfo key{name_, type.text, doc_, required_, std::nullopt, std::move(type.schema)};
+  Json value = written(fallback);
+  if (!required_ && says_something(value)) key.fallback = std::move(value);
+  info.keys.push_back(std::move(key));
+}
+
+// --- Choice ------------------------------------------------------------------------------------------------
+
+std::vector<std::string> Choice::keys() const {
+  std::vector<std::string> names;
+  for (const Alternative& option : options_) names.push_back(option.name);
+  return names;
+}
+
+void Choice::read(const Json& json, const Place& place, void* object) const {
+  const Alternative* chosen = nullptr;
+  for (const Alternative& option : options_) {
+    if (json.find(option.name) == nullptr) continue;
+    if (chosen != nullptr) {
+      place.fail("\"" + chosen->name + "\" and \"" + option.name + "\" exclude each other; keep one");
+    }
+    chosen = &option;
+  }
+  if (chosen == nullptr) place.fail("expected one of the keys " + quoted_list(keys()));
+  chosen->codec->read_any(*json.find(chosen->name), place.key(chosen->name),
+                          chosen->emplace(access_(object)));
+}
+
+void Choice::write(const void* object, const void*, Json& json) const {
+  for (const Alternative& option : options_) {
+    const void* held = option.get(look(access_, object));
+    if (held != nullptr) json.set(option.name, option.codec->write_any(held));
+  }
+}
+
+void Choice::describe(Format& format, const void*, TableInfo& info) const {
+  for (const Alternative& option : options_) {
+    TypeInfo type = option.codec->describe(format);
+    info.keys.push_back({option.name, type.text, option.doc, false, std::nullopt, std::move(type.schema)});
+  }
+  info.exactly_one.push_back(keys());
+}
+
+// --- Table -------------------------------------------------------------------------------------------------
+
+std::vector<std::string> TableCore::keys() const {
+  std::vector<std::string> names;
+  for (const auto& entry : entries_) {
+    for (std::string& name : entry->keys()) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+void TableCore::add_key(const char* name, Access access, AnyCodecPtr codec, const char* doc, bool required) {
+  entries_.push_back(std::make_unique<Key>(name, access, std::move(codec), doc, required));
+}
+
+void TableCore::add_choice(Access access, std::vector<Alternative> options) {
+  entries_.push_back(std::make_unique<Choice>(access, std::move(options)));
+}
+
+void TableCore::read_object(const Json& json, const Place& place, void* object) const {
+  if (!json.is(Json::Kind::object)) place.unexpected("an object: { ... }", json);
+  refuse_strangers(json, place);
+  if (before_) before_(json, place, object);
+  for (const auto& entry : entries_) entry->read(json, place, object);
+  for (const auto& [key, other] : needs_) {
+    if (json.find(key) != nullptr && json.find(other) == nullptr) {
+      place.key(key).fail("makes sense only together with \"" + other + "\"");
+    }
+  }
+  for (const auto& [key, other] : excludes_) {
+    if (json.find(key) != nullptr && json.find(other) != nullptr) {
+      place.fail("\"" + key + "\" and \"" + other + "\" exclude each other; keep one");
+    }
+  }
+  for (const auto& rule : rules_) rule(object, place);
+}
+
+Json TableCore::write_object(const void* object, const void* fallback) const {
+  Json json = Json::object();
+  for (const auto& entry : entries_) entry->write(object, fallback, json);
+  return json;
+}
+
+TypeInfo TableCore::describe_object(Format& format, const void* fallback) const {
+  Json reference = Json::object();
+  reference.set("$ref", Json::of("#/$defs/" + name_));
+  TypeInfo type{"[" + name_ + "](#" + name_ + ")", std::move(reference)};
+  for (const auto& table : format.tables) {
+    if (table->name == name_) return type;
+  }
+  TableInfo& info = *format.tables.emplace_back(std::make_unique<TableInfo>());
+  info.name = name_;
+  info.doc = doc_;
+  for (const auto& entry : entries_) entry->describe(format, fallback, info);
+  for (const auto& [key, other] : excludes_) info.at_most_one.push_back({key, other});
+  info.needs = needs_;
+  return type;
+}
+
+void TableCore::refuse_strangers(const Json& json, const Place& place) const {
+  const std::vector<std::string> known = keys();
+  for (const Member& member : json.members) {
+    if (std::find(known.begin(), known.end(), member.key) != known.end()) continue;
+    std::string hint;
+    for (const auto& [key, owner] : foreign_) {
+      if (key == member.key && hint.empty()) hint = "; it belongs to " + owner;
+    }
+    if (hint.empty()) hint = suggestion(member.key, known);
+    place.key(member.key).fail("there is no such key here (its value is " + brief(member.value) + ")" + hint);
+  }
+}
+
+// --- Kinds -------------------------------------------------------------------------------------------------
+
+void KindsCore::read_kind(const Json& json, const Place& place, void* variant) const {
+  if (!json.is(Json::Kind::object)) place.unexpected("an object: { ... }", json);
+  std::vector<std::string> known;
+  for (const Alternative& option : kinds_) known.push_back(option.name);
+  const Json* kind = json.find("kind");
+  if (kind == nullptr) place.fail("the key \"kind\" is missing; expected one of " + quoted_list(known));
+  for (const Alternative& option : kinds_) {
+    if (kind->is(Json::Kind::text) && kind->text == option.name) {
+      option.codec->read_any(json, place, option.emplace(variant));
+      return;
+    }
+  }
+  const std::string word = kind->is(Json::Kind::text) ? kind->text : "";
+  place.key("kind").fail("no kind of object is called " + brief(*kind) + suggestion(word, known));
+}
+
+Json KindsCore::write_kind(const void* variant) const {
+  for (const Alternative& option : kinds_) {
+    if (const void* held = option.get(variant)) return option.codec->write_any(held);
+  }
+  return {};
+}
+
+TypeInfo KindsCore::describe_kinds(Format& format) const {
+  TypeInfo all{"", Json::object()};
+  Json any = Json::array();
+  for (const Alternative& option : kinds_) {
+    TypeInfo one = option.codec->describe(format);
+    all.text += (all.text.empty() ? "" : " or ") + one.text;
+    any.items.push_back(std::move(one.schema));
+  }
+  all.schema.set("oneOf", std::move(any));
+  return all;
+}
+
+}  // namespace souple::scene_format

@@ -1,0 +1,127 @@
+#include "souple/solver/custom_constraint.h"
+
+#include "souple/error.h"
+
+#include <exception>
+
+namespace souple {
+namespace {
+
+std::string label(const CustomConstraint& constraint) {
+  return "custom constraint '" + constraint.name + "'";
+}
+
+Hold hold_of(const CustomConstraint& c) {
+  return {c.sense, static_cast<double>(c.compliance), static_cast<double>(c.damping_time),
+          static_cast<double>(c.stiffness)};
+}
+
+bool valid(const Hold& hold) {
+  return hold.compliance >= 0 && std::isfinite(hold.compliance) && hold.damping_time >= 0 &&
+         std::isfinite(hold.damping_time) && hold.stiffness >= 0 && hold.stiffness <= 1;
+}
+
+constexpr const char* expected_settings =
+    ": expected compliance and damping_time finite and 0 or more, stiffness from 0 to 1";
+
+}  // namespace
+
+void CustomProjector::add(std::shared_ptr<CustomConstraint> constraint) {
+  if (!constraint) throw Error("custom constraint is null, expected an object");
+  const std::string what = label(*constraint);
+  if (!valid(hold_of(*constraint))) throw Error(what + expected_settings);
+  const auto particles = constraint->particles();
+  Item item;
+  item.position.resize(particles.size());
+  item.gradient.resize(particles.size());
+  groups_.add(particles, what);
+  item.constraint = std::move(constraint);
+  items_.push_back(std::move(item));
+}
+
+std::string CustomProjector::take_error() {
+  std::string first;
+  for (Item& item : items_) {
+    if (first.empty()) first = item.error;
+    item.error.clear();
+  }
+  return first;
+}
+
+// Returns whether C and gradient can be used.
+bool CustomProjector::evaluate(Item& item, std::span<const std::uint32_t> group,
+                               const ParticleView& particles, float& C) {
+  std::string reason;
+  try {
+    if (!valid(hold_of(*item.constraint))) throw Error(std::string("bad settings") + expected_settings);
+    const Vec3f origin = item.constraint->origin();
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      item.position[k] = particles.relative(group[k], origin);
+      item.gradient[k] = {};
+    }
+    C = item.constraint->evaluate(item.position, item.gradient);
+    bool finite = std::isfinite(C);
+    for (const Vec3f& g : item.gradient) finite = finite && is_finite(g);
+    if (finite) return true;
+    reason = "C or its gradient is not finite";
+  } catch (const std::exception& e) {
+    reason = e.what();
+  } catch (...) {
+    reason = "threw something that is not a std::exception";
+  }
+  if (item.error.empty()) item.error = label(*item.constraint) + ": " + reason;
+  return false;
+}
+
+void CustomProjector::begin_substep(const ParticleView&, const Substep&) {
+  for (Item& item : items_) item.multiplier = 0;
+}
+
+void CustomProjector::project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
+  Item& item = items_[i];
+  const auto group = groups_[i];
+  float C = 0;
+  if (!evaluate(item, group, particles, C)) return;
+  const Hold hold = hold_of(*item.constraint);
+  ScalarState state;
+  state.C = static_cast<double>(C);
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const Vec3d gradient(item.gradient[k]);
+    state.weighted_square += static_cast<double>(particles.inverse_mass(group[k])) * length_squared(gradient);
+    if (hold.damping_time > 0) state.rate += dot(gradient, Vec3d(particles.moved(group[k])));
+  }
+  const ScalarStep step = project_scalar(state, hold, item.multiplier, substep);
+  bool finite = true;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const auto w = static_cast<double>(particles.inverse_mass(group[k]));
+    item.gradient[k] = Vec3f(Vec3d(item.gradient[k]) * (w * step.factor));  // now the correction
+    finite = finite && is_finite(item.gradient[k]);
+  }
+  if (!finite) {
+    if (item.error.empty()) item.error = label(*item.constraint) + ": its correction is not finite";
+    return;
+  }
+  if (substep.stores_multipliers()) item.multiplier += step.dlambda;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    if (particles.inverse_mass(group[k]) > 0) particles.correct(group[k], item.gradient[k]);
+}
+
+void CustomProjector::project(int colour, const ParticleView& particles, const Substep& substep) {
+  for (const std::uint32_t i : groups_.colour(colour)) project_one(i, particles, substep);
+}
+
+Residual CustomProjector::residual(const ParticleView& particles) const {
+  Residual result;
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    float C = 0;
+    if (!evaluate(items_[i], groups_[i], particles, C)) continue;
+    add_to_residual(result, hold_of(*items_[i].constraint), static_cast<double>(C));
+  }
+  return result;
+}
+
+void CustomProjector::erase_particles(std::uint32_t begin, std::uint32_t end) {
+  keep_only(items_, groups_.erase_particles(begin, end));
+}
+
+}  // namespace souple

@@ -1,0 +1,91 @@
+#pragma once
+
+#include "souple/constraints/constraint.h"
+#include "souple/solver/particle_groups.h"
+#include "souple/solver/scalar_projection.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace souple {
+
+/// A constraint written at run time on any number of particles: one scalar C(x) and its gradient. For one
+/// whose number of particles is known when it is compiled, a struct (constraints/constraint.h) is faster.
+class CustomConstraint {
+ public:
+  virtual ~CustomConstraint() = default;
+
+  /// The particles it acts on; read once, when it is added.
+  virtual std::span<const std::uint32_t> particles() const = 0;
+  /// C at positions x [m], measured from `origin`; x[k] belongs to particles()[k]. Fills `gradient` (zero at
+  /// entry) with dC/dx[k]. May throw, or return what is not finite: it is then left out and the reason
+  /// recorded.
+  virtual float evaluate(std::span<const Vec3f> x, std::span<Vec3f> gradient) = 0;
+  /// Where positions are measured from [m, world]: a point near the particles keeps digits.
+  virtual Vec3f origin() const { return {}; }
+
+  std::string name = "custom";    ///< for messages
+  Sense sense = Sense::equality;  ///< or non_negative: satisfied while C >= 0
+  float compliance = 0;           ///< alpha [(unit of C)^2 / J]
+  float damping_time = 0;         ///< s
+  float stiffness = 1;            ///< PBD mode only: k in [0, 1]
+};
+
+/// A custom constraint from a function.
+class CallbackConstraint final : public CustomConstraint {
+ public:
+  using Function = std::function<float(std::span<const Vec3f> x, std::span<Vec3f> gradient)>;
+
+  CallbackConstraint(std::vector<std::uint32_t> particles, Function function)
+      : particles_(std::move(particles)), function_(std::move(function)) {}
+
+  std::span<const std::uint32_t> particles() const override { return particles_; }
+  float evaluate(std::span<const Vec3f> x, std::span<Vec3f> gradient) override {
+    return function_(x, gradient);
+  }
+
+ private:
+  std::vector<std::uint32_t> particles_;
+  Function function_;
+};
+
+/// Custom constraints behind the Projector interface, by the formulas of projection.h. Nothing that a user's
+/// code does gets out of a step: an evaluation that throws, or whose C, gradient or correction is not finite,
+/// moves nothing and leaves a message. The next one is tried again.
+class CustomProjector final : public Projector {
+ public:
+  /// Throws Error when the constraint is null, names no particle or one twice, or a number is out of range.
+  /// `prepare` must follow before the next substep. Its settings may change between steps, its particles may
+  /// not.
+  void add(std::shared_ptr<CustomConstraint> constraint);
+
+  /// What went wrong first since the last call, empty if nothing: "custom constraint 'name': ...".
+  std::string take_error();
+
+  std::string_view kind() const override { return "custom"; }
+  std::size_t size() const override { return items_.size(); }
+  void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
+  int colour_count() const override { return groups_.colour_count(); }
+  void begin_substep(const ParticleView& particles, const Substep& substep) override;
+  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  Residual residual(const ParticleView& particles) const override;
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+ private:
+  struct Item {
+    std::shared_ptr<CustomConstraint> constraint;
+    double multiplier = 0;
+    std::vector<Vec3f> position, gradient;  // scratch
+    std::string error;                      // of its own, so that colours may run in parallel
+  };
+
+  static bool evaluate(Item& item, std::span<const std::uint32_t> group, const ParticleView& particles,
+                       float& C);
+  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+
+  ParticleGroups groups_;
+  mutable std::vector<Item> items_;  // `residual` uses the scratch and may meet an error
+};
+
+}  // namespace souple

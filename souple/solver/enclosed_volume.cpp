@@ -1,0 +1,177 @@
+#include "souple/solver/enclosed_volume.h"
+
+#include "souple/error.h"
+#include "souple/math/scalar.h"
+
+#include <algorithm>
+#include <string>
+
+namespace souple {
+namespace {
+
+using Triangle = EnclosedVolume::Triangle;
+
+void require(bool good, const char* name, double value, const char* expected) {
+  if (!good)
+    throw Error(std::string("enclosed_volume: ") + name + " is " + std::to_string(value) + ", expected " +
+                expected);
+}
+
+void check(double rest_volume, const EnclosedVolumeOptions& o) {
+  const auto positive = [](float v) { return v >= 0 && std::isfinite(v); };
+  require(std::isfinite(rest_volume), "rest_volume", rest_volume, "a finite number of m^3");
+  require(std::isfinite(o.pressure), "pressure", static_cast<double>(o.pressure), "a finite number of Pa");
+  require(positive(o.volume_factor), "volume_factor", static_cast<double>(o.volume_factor),
+          "a finite number, 0 or more");
+  require(positive(o.compliance), "compliance", static_cast<double>(o.compliance),
+          "a finite number of m^3/Pa, 0 or more");
+  require(positive(o.damping_time), "damping_time", static_cast<double>(o.damping_time),
+          "a finite number of seconds, 0 or more");
+  require(o.stiffness >= 0 && o.stiffness <= 1, "stiffness", static_cast<double>(o.stiffness), "0 to 1");
+}
+
+// Every edge is walked as often one way as the other: only then is the volume independent of the origin.
+void require_closed(std::span<const Triangle> triangles) {
+  struct Walk {
+    std::uint32_t a, b;  // a < b
+    int way;
+  };
+  std::vector<Walk> walks;
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (a != b) walks.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+    }
+  std::sort(walks.begin(), walks.end(), [](const Walk& l, const Walk& r) {
+    return l.a != r.a ? l.a < r.a : (l.b != r.b ? l.b < r.b : l.way < r.way);
+  });
+  for (std::size_t i = 0; i < walks.size();) {
+    const Walk& first = walks[i];
+    int sum = 0;
+    for (; i < walks.size() && walks[i].a == first.a && walks[i].b == first.b; ++i) sum += walks[i].way;
+    if (sum != 0)
+      throw Error("enclosed_volume: the edge between particles " + std::to_string(first.a) + " and " +
+                  std::to_string(first.b) +
+                  " has no triangle on its other side, or one wound the other way; expected a closed "
+                  "surface: fill its "
+                  "holes, weld its seams and wind its triangles alike");
+  }
+}
+
+std::vector<std::uint32_t> vertices_of(std::span<const Triangle> triangles) {
+  std::vector<std::uint32_t> vertices;
+  for (const Triangle& t : triangles) vertices.insert(vertices.end(), t.begin(), t.end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+}  // namespace
+
+void EnclosedVolume::add(std::span<const Triangle> triangles, double rest_volume,
+                         const EnclosedVolumeOptions& options) {
+  check(rest_volume, options);
+  require_closed(triangles);
+  const std::vector<std::uint32_t> vertices = vertices_of(triangles);
+  groups_.add(vertices, kind());
+  Surface surface;
+  for (const Triangle& t : triangles) {
+    Triangle local;
+    for (std::size_t k = 0; k < 3; ++k)
+      local[k] = static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), t[k]) -
+                                            vertices.begin());
+    if (rest_volume < 0) std::swap(local[1], local[2]);
+    surface.triangles.push_back(local);
+  }
+  surface.wanted_volume = std::fabs(rest_volume) * static_cast<double>(options.volume_factor);
+  surface.pressure = static_cast<double>(options.pressure);
+  surface.holds_volume = options.holds_volume;
+  surface.hold = {Sense::equality, static_cast<double>(options.compliance),
+                  static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
+  surface.position.resize(vertices.size());
+  surface.gradient.resize(vertices.size());
+  surfaces_.push_back(std::move(surface));
+}
+
+// Fills `gradient` and returns V. Positions are relative to the surface's first particle.
+double EnclosedVolume::measure(Surface& surface, std::span<const std::uint32_t> group,
+                               const ParticleView& particles) {
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    surface.position[k] = Vec3d(particles.difference(group[k], group[0]));
+    surface.gradient[k] = {};
+  }
+  double six_volumes = 0;
+  for (const Triangle& t : surface.triangles) {
+    const Vec3d &x0 = surface.position[t[0]], &x1 = surface.position[t[1]], &x2 = surface.position[t[2]];
+    const Vec3d normal = cross(x1 - x0, x2 - x0);
+    six_volumes += dot(x0, normal);
+    for (const std::uint32_t k : t) surface.gradient[k] += normal / 6.0;
+  }
+  return six_volumes / 6;
+}
+
+void EnclosedVolume::begin_substep(const ParticleView& particles, const Substep& substep) {
+  const auto h = static_cast<double>(substep.h);
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    Surface& surface = surfaces_[i];
+    surface.multiplier = 0;
+    if (surface.pressure == 0) continue;
+    const auto group = groups_[i];
+    measure(surface, group, particles);
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      const auto w = static_cast<double>(particles.inverse_mass(group[k]));
+      if (w > 0) particles.correct(group[k], Vec3f(surface.gradient[k] * (w * h * h * surface.pressure)));
+    }
+  }
+}
+
+void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
+  Surface& surface = surfaces_[i];
+  if (!surface.holds_volume) return;
+  const auto group = groups_[i];
+  ScalarState state;
+  state.C = measure(surface, group, particles) - surface.wanted_volume;
+  double farthest = 0;  // w |grad C|
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const auto w = static_cast<double>(particles.inverse_mass(group[k]));
+    const double square = length_squared(surface.gradient[k]);
+    state.weighted_square += w * square;
+    farthest = std::fmax(farthest, w * std::sqrt(square));
+    if (surface.hold.damping_time > 0)
+      state.rate += dot(surface.gradient[k], Vec3d(particles.moved(group[k])));
+  }
+  ScalarStep step = project_scalar(state, surface.hold, surface.multiplier, substep);
+  const double reach = 0.25 * std::cbrt(surface.wanted_volume * 3 / (4 * pi));
+  const double move = farthest * std::fabs(step.factor);
+  if (reach > 0 && move > reach) {
+    step.dlambda *= reach / move;
+    step.factor *= reach / move;
+  }
+  if (substep.stores_multipliers()) surface.multiplier += step.dlambda;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const auto w = static_cast<double>(particles.inverse_mass(group[k]));
+    if (w > 0) particles.correct(group[k], Vec3f(surface.gradient[k] * (w * step.factor)));
+  }
+}
+
+void EnclosedVolume::project(int colour, const ParticleView& particles, const Substep& substep) {
+  for (const std::uint32_t i : groups_.colour(colour)) project_one(i, particles, substep);
+}
+
+Residual EnclosedVolume::residual(const ParticleView& particles) const {
+  Residual result;
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    if (surfaces_[i].holds_volume)
+      add_to_residual(result, surfaces_[i].hold, volume(i, particles) - surfaces_[i].wanted_volume);
+  return result;
+}
+
+double EnclosedVolume::volume(std::size_t i, const ParticleView& particles) const {
+  return measure(surfaces_[i], groups_[i], particles);
+}
+
+void EnclosedVolume::erase_particles(std::uint32_t begin, std::uint32_t end) {
+  keep_only(surfaces_, groups_.erase_particles(begin, end));
+}
+
+}  // namespace souple

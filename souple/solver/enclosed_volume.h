@@ -1,0 +1,78 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+#include "souple/solver/particle_groups.h"
+#include "souple/solver/scalar_projection.h"
+
+#include <array>
+
+namespace souple {
+
+struct EnclosedVolumeOptions {
+  float pressure = 0;         ///< above the surroundings' [Pa]; negative sucks
+  bool holds_volume = false;  ///< whether the volume constraint acts as well
+  float volume_factor =
+      1;  ///< the "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume
+  float compliance = 0;  ///< alpha = dV / dP [m^3/Pa = m^6/J]; for a gas or liquid of bulk modulus K, V0 / K
+  float damping_time = 0;  ///< s
+  float stiffness = 1;     ///< PBD mode only: k in [0, 1]
+};
+
+/// Closed triangle surfaces that hold a volume, or a pressure, or both.
+///
+/// The volume, Müller et al. 2007, section 4.4, with the 1/6 that makes V a volume:
+///   C = V - p V0  [m^3],   V = 1/6 sum x0 . (x1 x x2) over the triangles,   grad_i V = 1/6 sum (x1 - x0) x
+///   (x2 - x0) over
+/// the triangles at i. Energy C^2 / (2 alpha). One projection moves no particle further than a quarter of the
+/// radius of the ball of volume p V0: a collapsed surface has hardly a gradient, and would be thrown apart.
+///
+/// The pressure is the linear energy -P V, that is C = V with the multiplier known beforehand, lambda = P
+/// h^2:
+///   dx_i = w_i h^2 P grad_i V
+/// the force P times a third of the area on each corner of each triangle. It is applied once per substep, in
+/// `begin_substep`, to the predicted positions: iterations do not multiply it, and mode, compliance and
+/// stiffness have no say.
+class EnclosedVolume final : public Projector {
+ public:
+  using Triangle = std::array<std::uint32_t, 3>;
+
+  /// Adds a surface over particles; `rest_volume` in m^3 by its winding: a negative one turns all triangles.
+  /// Throws Error when the surface is not closed or not consistently wound, or a number is out of range.
+  /// `prepare` must follow before the next substep.
+  void add(std::span<const Triangle> triangles, double rest_volume,
+           const EnclosedVolumeOptions& options = {});
+
+  std::string_view kind() const override { return "enclosed_volume"; }
+  std::size_t size() const override { return surfaces_.size(); }
+  void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
+  int colour_count() const override { return groups_.colour_count(); }
+  /// Applies the pressure. Must run after positions were predicted.
+  void begin_substep(const ParticleView& particles, const Substep& substep) override;
+  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  /// Of the surfaces that hold their volume [m^3].
+  Residual residual(const ParticleView& particles) const override;
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+  /// The volume of surface i, in the order they were added [m^3].
+  double volume(std::size_t i, const ParticleView& particles) const;
+
+ private:
+  struct Surface {
+    std::vector<Triangle> triangles;  // of indices into the group, counter-clockwise from outside
+    double wanted_volume = 0;
+    double pressure = 0;
+    bool holds_volume = false;
+    Hold hold;
+    double multiplier = 0;
+    std::vector<Vec3d> position, gradient;  // scratch, per vertex
+  };
+
+  static double measure(Surface& surface, std::span<const std::uint32_t> group,
+                        const ParticleView& particles);
+  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+
+  ParticleGroups groups_;
+  mutable std::vector<Surface> surfaces_;  // `residual` and `volume` use the scratch
+};
+
+}  // namespace souple

@@ -1,0 +1,78 @@
+#include "souple/solver/particle_groups.h"
+
+#include "souple/error.h"
+
+#include <algorithm>
+#include <string>
+
+namespace souple {
+
+void ParticleGroups::add(std::span<const std::uint32_t> particles, std::string_view what) {
+  if (particles.empty())
+    throw Error(std::string(what) + " has no particles, expected one or more: name those it acts on");
+  std::vector<std::uint32_t> sorted(particles.begin(), particles.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end())
+    throw Error(std::string(what) + " names particle " + std::to_string(*twice) +
+                " twice, expected every particle once: remove the repetition");
+  particles_.insert(particles_.end(), particles.begin(), particles.end());
+  begin_.push_back(static_cast<std::uint32_t>(particles_.size()));
+  dirty_ = true;
+}
+
+void ParticleGroups::prepare(std::size_t particle_count, std::string_view what) {
+  if (!dirty_) return;
+  for (const std::uint32_t particle : particles_)
+    if (particle >= particle_count)
+      throw Error(std::string(what) + " names particle " + std::to_string(particle) +
+                  ", expected one below " + std::to_string(particle_count) + ": add the particles first");
+  // The groups already placed on each particle have taken colours; a group takes the first colour free on all
+  // of its own.
+  std::vector<std::vector<bool>> taken(particle_count);
+  std::vector<std::vector<std::uint32_t>> groups_of;
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    std::size_t c = 0;
+    const auto is_taken = [&](std::uint32_t particle) {
+      return c < taken[particle].size() && taken[particle][c];
+    };
+    const auto group = (*this)[i];
+    while (std::any_of(group.begin(), group.end(), is_taken)) ++c;
+    for (const std::uint32_t particle : group) {
+      if (taken[particle].size() <= c) taken[particle].resize(c + 1);
+      taken[particle][c] = true;
+    }
+    if (groups_of.size() <= c) groups_of.resize(c + 1);
+    groups_of[c].push_back(i);
+  }
+  colours_ = {{}, {0}};
+  for (const auto& groups : groups_of) {
+    colours_.order.insert(colours_.order.end(), groups.begin(), groups.end());
+    colours_.colour_begin.push_back(static_cast<std::uint32_t>(colours_.order.size()));
+  }
+  dirty_ = false;
+}
+
+std::span<const std::uint32_t> ParticleGroups::colour(int c) const {
+  const auto k = static_cast<std::size_t>(c);
+  return std::span(colours_.order)
+      .subspan(colours_.colour_begin[k], colours_.colour_begin[k + 1] - colours_.colour_begin[k]);
+}
+
+std::vector<std::uint32_t> ParticleGroups::erase_particles(std::uint32_t begin, std::uint32_t end) {
+  std::vector<std::uint32_t> kept, particles, starts{0};
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    const auto group = (*this)[i];
+    if (std::any_of(group.begin(), group.end(), [&](std::uint32_t p) { return p >= begin && p < end; }))
+      continue;
+    for (const std::uint32_t p : group) particles.push_back(p >= end ? p - (end - begin) : p);
+    starts.push_back(static_cast<std::uint32_t>(particles.size()));
+    kept.push_back(i);
+  }
+  particles_ = std::move(particles);
+  begin_ = std::move(starts);
+  dirty_ = true;
+  return kept;
+}
+
+}  // namespace souple

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "souple/solver/colouring.h"
+
+#include <string_view>
+#include <utility>
+
+namespace souple {
+
+/// The particles of constraints whose number of particles is known at run time only, in the order they were
+/// added, and their colours: what shape matching, enclosed volume and custom constraints share.
+class ParticleGroups {
+ public:
+  /// Adds a group. Throws Error when it is empty or names a particle twice; `what` begins the message.
+  void add(std::span<const std::uint32_t> particles, std::string_view what);
+
+  std::size_t size() const { return begin_.size() - 1; }
+  /// Particles of group i.
+  std::span<const std::uint32_t> operator[](std::size_t i) const {
+    return std::span(particles_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
+  }
+
+  /// Colours the groups if any was added or erased: those of one colour share no particle, each group takes
+  /// the first colour it can. Throws Error when a particle is not below particle_count.
+  void prepare(std::size_t particle_count, std::string_view what);
+  int colour_count() const { return static_cast<int>(colours_.colour_begin.size()) - 1; }
+  /// The groups of colour c, ascending.
+  std::span<const std::uint32_t> colour(int c) const;
+
+  /// Drops groups that name a particle of [begin, end), renumbers the rest; returns which were kept,
+  /// ascending.
+  std::vector<std::uint32_t> erase_particles(std::uint32_t begin, std::uint32_t end);
+
+ private:
+  std::vector<std::uint32_t> particles_;
+  std::vector<std::uint32_t> begin_{0};
+  Colouring colours_{{}, {0}};
+  bool dirty_ = false;
+};
+
+/// Keeps the items whose indices are listed, in order.
+template <class Item>
+void keep_only(std::vector<Item>& items, std::span<const std::uint32_t> kept) {
+  std::vector<Item> result;
+  result.reserve(kept.size());
+  for (const std::uint32_t i : kept) result.push_back(std::move(items[i]));
+  items = std::move(result);
+}
+
+}  // namespace souple

@@ -1,0 +1,123 @@
+#pragma once
+
+#include "souple/constraints/constraint.h"
+
+// How a constraint moves its particles, written once for all of them.
+//
+//   PBD   (Müller et al. 2007, eq. 8 and section 3.3):  dlambda = -k' C / sum_i w_i |grad_i C|^2,   k' = 1 -
+//   (1 - k)^(1/n) XPBD  (Macklin et al. 2016, eqs. 18 and 26):
+//          dlambda = (-C - alpha~ lambda - gamma grad C . (x - x_start)) / ((1 + gamma) sum_i w_i |grad_i
+//          C|^2 + alpha~)
+//   both:  dx_i = w_i grad_i C dlambda
+//
+// with alpha~ = alpha / h^2 and gamma = alpha~ beta~ / h. The damping coefficient is beta = tau / alpha
+// (Kelvin-Voigt, tau a time), so gamma = tau / h whatever the stiffness, rigid constraints included. Several
+// coupled rows solve
+// ((1 + gamma) J W J^T + alpha~) dlambda = rhs at once.
+
+namespace souple {
+
+/// What one projection needs besides positions.
+template <class Kind, class T>
+struct ProjectionInput {
+  Vec3<T> x[Kind::arity];          ///< positions relative to the constraint's origin [m]
+  Vec3<T> moved[Kind::arity];      ///< x - x_start; read only when gamma > 0
+  T inverse_mass[Kind::arity];     ///< 1/kg
+  T alpha[compliance_size<Kind>];  ///< alpha~ = alpha / h^2, packed lower triangle; 0 in PBD mode
+  T gamma{};                       ///< tau / h
+  T lambda[rows_of<Kind>]{};       ///< stored multipliers, 0 where none are stored
+  T scale{1};                      ///< PBD: k'; otherwise 1
+};
+
+/// Solves the symmetric system A y = b in place (A packed lower, b becomes y) by LDL^T. A row whose pivot
+/// vanishes beside its diagonal is linearly dependent (or has no gradient) and gets y = 0.
+template <int n, class T>
+void solve_symmetric(T (&A)[n * (n + 1) / 2], T (&b)[n]) {
+  const auto at = [](int row, int column) { return row * (row + 1) / 2 + column; };
+  T inverse_pivot[n];
+  for (int j = 0; j < n; ++j) {
+    const T diagonal = A[at(j, j)];
+    T pivot = diagonal;
+    for (int k = 0; k < j; ++k) pivot -= A[at(j, k)] * A[at(j, k)] * A[at(k, k)];
+    const auto usable = pivot > diagonal * T(1e-6f);
+    A[at(j, j)] = select(usable, pivot, T(0));
+    inverse_pivot[j] = select(usable, T(1) / select(usable, pivot, T(1)), T(0));
+    for (int i = j + 1; i < n; ++i) {
+      T l = A[at(i, j)];
+      for (int k = 0; k < j; ++k) l -= A[at(i, k)] * A[at(j, k)] * A[at(k, k)];
+      A[at(i, j)] = l * inverse_pivot[j];
+    }
+  }
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < i; ++k) b[i] -= A[at(i, k)] * b[k];
+  for (int i = 0; i < n; ++i) b[i] = b[i] * inverse_pivot[i];
+  for (int i = n - 1; i >= 0; --i)
+    for (int k = i + 1; k < n; ++k) b[i] -= A[at(k, i)] * b[k];
+}
+
+/// Scales a correction, and its multipliers with it, down to what the kind says one projection may do. One
+/// factor for all particles keeps momentum. A correction too large for a float is none: its gradient
+/// vanished.
+template <class Kind, class T>
+void limit_to_reach(const typename Kind::template Params<T>& params, Vec3<T> (&dx)[Kind::arity],
+                    T (&dlambda)[rows_of<Kind>]) {
+  const T reach = Kind::template reach<T>(params);
+  T farthest{0};
+  for (int i = 0; i < Kind::arity; ++i) farthest = max(farthest, dot(dx[i], dx[i]));
+  const auto too_far = farthest > reach * reach;
+  const T factor = select(too_far, reach / sqrt(select(too_far, farthest, T(1))), T(1));
+  const auto sound = farthest < T(1e38f);
+  for (int i = 0; i < Kind::arity; ++i)
+    for (int axis = 0; axis < 3; ++axis) dx[i][axis] = select(sound, dx[i][axis] * factor, T(0));
+  for (int r = 0; r < rows_of<Kind>; ++r) dlambda[r] = select(sound, dlambda[r] * factor, T(0));
+}
+
+/// Which terms of dlambda there are; the others cost nothing.
+enum class Terms {
+  plain,   ///< neither damping nor stored multipliers: lambda = 0, gamma = 0
+  general  ///< all
+};
+
+/// One projection: fills dx and returns dlambda in `dlambda`.
+template <class Kind, class T, Terms terms = Terms::general>
+inline void project_constraint(const ProjectionInput<Kind, T>& in,
+                               const typename Kind::template Params<T>& params, Vec3<T> (&dx)[Kind::arity],
+                               T (&dlambda)[rows_of<Kind>]) {
+  constexpr int rows = rows_of<Kind>;
+  constexpr int arity = Kind::arity;
+  T C[rows];
+  Vec3<T> gradient[rows][arity];
+  evaluate_rows<Kind, T>(in.x, params, C, gradient);
+
+  T A[rows * (rows + 1) / 2];
+  for (int r = 0, k = 0; r < rows; ++r) {
+    T rhs = -C[r];
+    if constexpr (terms == Terms::general) {
+      for (int s = 0; s < rows; ++s)
+        rhs -= in.alpha[r >= s ? r * (r + 1) / 2 + s : s * (s + 1) / 2 + r] * in.lambda[s];
+      for (int i = 0; i < arity; ++i) rhs -= in.gamma * dot(gradient[r][i], in.moved[i]);
+    }
+    dlambda[r] = rhs;
+    for (int s = 0; s <= r; ++s, ++k) {
+      T sum{0};
+      for (int i = 0; i < arity; ++i) sum += in.inverse_mass[i] * dot(gradient[r][i], gradient[s][i]);
+      A[k] = (terms == Terms::general ? (T(1) + in.gamma) * sum : sum) + in.alpha[k];
+    }
+  }
+  if constexpr (rows == 1) {
+    const auto usable = A[0] > T(0);
+    dlambda[0] = select(usable, dlambda[0] / select(usable, A[0], T(1)), T(0));
+    // A violated inequality pushes, never pulls: the multiplier stays >= 0.
+    if constexpr (Kind::sense == Sense::non_negative) dlambda[0] = max(dlambda[0], -in.lambda[0]);
+  } else {
+    solve_symmetric<rows>(A, dlambda);
+  }
+  for (int i = 0; i < arity; ++i) {
+    Vec3<T> sum = gradient[0][i] * dlambda[0];
+    for (int r = 1; r < rows; ++r) sum += gradient[r][i] * dlambda[r];
+    dx[i] = sum * (in.inverse_mass[i] * in.scale);
+  }
+  if constexpr (requires { Kind::template reach<T>(params); }) limit_to_reach<Kind, T>(params, dx, dlambda);
+}
+
+}  // namespace souple

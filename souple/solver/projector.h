@@ -1,0 +1,94 @@
+#pragma once
+
+#include "souple/state/particles.h"
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace souple {
+
+/// How constraints are enforced.
+enum class Mode {
+  small_steps,  ///< compliance; many substeps of one iteration (Macklin et al. 2019). Multipliers only if
+                ///< iterations > 1.
+  xpbd,         ///< compliance with stored multipliers at any number of iterations (Macklin et al. 2016)
+  pbd  ///< stiffness k in [0, 1], made independent of the iteration count (Müller et al. 2007, section 3.3)
+};
+
+/// Which numbers the solver moves: predicted positions, or displacements from the position (see
+/// state/particles.h).
+enum class Form { displacement, plain };
+
+/// What the current substep is.
+struct Substep {
+  float h = 0;         ///< s
+  int iterations = 1;  ///< per substep
+  Mode mode = Mode::small_steps;
+  Form form = Form::displacement;
+  int count = 1;  ///< substeps per step
+
+  bool stores_multipliers() const {
+    return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
+  }
+};
+
+/// The particles a projector reads and moves. Writes go to `moving` only: predicted positions (plain form) or
+/// displacements; its w lane is not touched.
+struct ParticleView {
+  std::span<const Vec4f> position;  ///< plain form: the same array as `moving`; w = inverse mass
+  std::span<Vec4f> moving;
+  std::span<const Vec4f> start;  ///< what `moving` was when the substep began
+  Form form = Form::displacement;
+
+  float inverse_mass(std::size_t i) const { return position[i].w; }
+
+  /// x_i - origin, without the rounding of a far away x_i. [m]
+  Vec3f relative(std::size_t i, const Vec3f& origin) const {
+    const Vec3f x = position[i].xyz() - origin;
+    return form == Form::displacement ? x + moving[i].xyz() : x;
+  }
+  /// x_i - x_j. [m]
+  Vec3f difference(std::size_t i, std::size_t j) const {
+    const Vec3f x = position[i].xyz() - position[j].xyz();
+    return form == Form::displacement ? x + (moving[i].xyz() - moving[j].xyz()) : x;
+  }
+  /// What particle i has moved since the substep began. [m]
+  Vec3f moved(std::size_t i) const { return moving[i].xyz() - start[i].xyz(); }
+  /// Adds a correction. [m]
+  void correct(std::size_t i, const Vec3f& dx) const {
+    Vec4f& m = moving[i];
+    m.x += dx.x, m.y += dx.y, m.z += dx.z;
+  }
+};
+
+/// How far constraints are from being satisfied, in the unit of their C. Inequalities count only when
+/// violated.
+struct Residual {
+  double largest = 0;
+  double sum = 0;  ///< of absolute values; divide by count for the mean
+  std::size_t count = 0;
+  double energy = 0;          ///< 1/2 C^T alpha^-1 C of those with compliance [J]
+  double largest_strain = 0;  ///< (l - l0) / l0, extension only; kinds that have one
+};
+
+/// The one interface a solver sees: something that moves particles towards satisfying its constraints. It is
+/// called per set and colour, never per constraint. Constraints of one colour share no particle, so their
+/// order within it is free.
+class Projector {
+ public:
+  virtual ~Projector() = default;
+
+  virtual std::string_view kind() const = 0;
+  virtual std::size_t size() const = 0;
+  /// After constraints were added or erased and before the next substep: sort, colour, allocate.
+  virtual void prepare(std::size_t particle_count) = 0;
+  virtual int colour_count() const = 0;
+  virtual void begin_substep(const ParticleView&, const Substep&) {}
+  virtual void project(int colour, const ParticleView&, const Substep&) = 0;
+  virtual Residual residual(const ParticleView&) const = 0;
+  /// Particles [begin, end) cease to exist: drop the constraints that name one of them, renumber the rest.
+  virtual void erase_particles(std::uint32_t begin, std::uint32_t end) = 0;
+};
+
+}  // namespace souple

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "souple/constraints/constraint.h"
+#include "souple/solver/projector.h"
+
+#include <cmath>
+
+// The formulas of projection.h for one scalar C whose particles are counted at run time; in double, because
+// sums over many particles go into it.
+
+namespace souple {
+
+/// How strongly a scalar constraint is held.
+struct Hold {
+  Sense sense = Sense::equality;
+  double compliance = 0;    ///< alpha [(unit of C)^2 / J]
+  double damping_time = 0;  ///< tau [s]
+  double stiffness = 1;     ///< PBD mode only: k in [0, 1]
+};
+
+/// What a projection needs to know of C: its value and two sums over the particles.
+struct ScalarState {
+  double C = 0;
+  double weighted_square = 0;  ///< sum_i w_i |grad_i C|^2
+  double rate = 0;             ///< grad C . (x - x_start); read only when damping_time > 0
+};
+
+/// What one projection adds to the multiplier and what it multiplies w_i grad_i C with.
+struct ScalarStep {
+  double dlambda = 0;
+  double factor = 0;  ///< dx_i = factor w_i grad_i C; dlambda, times k' in PBD mode
+};
+
+///   dlambda = (-C - alpha~ lambda - gamma rate) / ((1 + gamma) sum_i w_i |grad_i C|^2 + alpha~)
+/// with alpha~ = alpha / h^2 and gamma = tau / h; both 0 in PBD mode. 0 where there is no gradient.
+inline ScalarStep project_scalar(const ScalarState& state, const Hold& hold, double lambda,
+                                 const Substep& substep) {
+  const double h = static_cast<double>(substep.h);
+  const bool pbd = substep.mode == Mode::pbd;
+  const double alpha = pbd ? 0 : hold.compliance / (h * h);
+  const double gamma = pbd ? 0 : hold.damping_time / h;
+  const double denominator = (1 + gamma) * state.weighted_square + alpha;
+  if (!(state.weighted_square > 0)) return {};
+  double dlambda = (-state.C - alpha * lambda - gamma * state.rate) / denominator;
+  // A violated inequality pushes, never pulls: the multiplier stays >= 0.
+  if (hold.sense == Sense::non_negative) dlambda = std::fmax(dlambda, -lambda);
+  const double scale = pbd ? 1 - std::pow(1 - hold.stiffness, 1.0 / substep.iterations) : 1;
+  return {dlambda, scale * dlambda};
+}
+
+/// Counts one C into a residual.
+inline void add_to_residual(Residual& residual, const Hold& hold, double C) {
+  const double violation = hold.sense == Sense::non_negative ? std::fmax(-C, 0.0) : std::fabs(C);
+  residual.largest = std::fmax(residual.largest, violation);
+  residual.sum += violation;
+  if (hold.compliance > 0)
+    residual.energy += violation * violation / (2 * static_cast<double>(hold.compliance));
+  ++residual.count;
+}
+
+}  // namespace souple

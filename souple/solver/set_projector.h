@@ -1,0 +1,201 @@
+#pragma once
+
+#include "souple/constraints/constraint_set.h"
+#include "souple/error.h"
+#include "souple/solver/colouring.h"
+#include "souple/solver/projection.h"
+#include "souple/solver/projector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace souple {
+
+/// Many constraints of one kind behind the Projector interface: this template is what gives a user's own
+/// struct the solvers, the colours and the report.
+template <class Kind>
+class SetProjector final : public Projector {
+ public:
+  using Set = ConstraintSet<Kind>;
+  using Indices = typename Set::Indices;
+  using Params = typename Set::Params;
+  using Compliance = typename Set::Compliance;
+
+  /// Adds one constraint; `prepare` must follow before the next substep.
+  void add(const Indices& indices, const Params& params, const Compliance& compliance = {},
+           float damping_time = 0, float stiffness = 1) {
+    set_.indices.push_back(indices);
+    set_.params.push_back(params);
+    set_.compliance.push_back(compliance);
+    set_.damping_time.push_back(damping_time);
+    set_.stiffness.push_back(stiffness);
+    dirty_ = true;
+  }
+
+  /// The arrays. Values may be changed in place; indices only through add and erase_particles.
+  Set& set() { return set_; }
+  const Set& set() const { return set_; }
+
+  std::string_view kind() const override { return Kind::name; }
+  std::size_t size() const override { return set_.size(); }
+  int colour_count() const override { return static_cast<int>(set_.colour_begin.size()) - 1; }
+
+  /// Throws Error when a constraint names a particle that does not exist.
+  void prepare(std::size_t particle_count) override {
+    if (!dirty_) return;
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      for (const std::uint32_t index : set_.indices[i])
+        if (index >= particle_count)
+          throw Error(std::string(kind()) + " " + std::to_string(i) + " names particle " +
+                      std::to_string(index) + ", but there are " + std::to_string(particle_count));
+    dirty_ = false;
+    std::vector<std::uint32_t> flat;
+    flat.reserve(set_.size() * Kind::arity);
+    for (const Indices& indices : set_.indices) flat.insert(flat.end(), indices.begin(), indices.end());
+    const Colouring colouring = colour_constraints(flat, Kind::arity, particle_count);
+    permute(set_.indices, colouring.order);
+    permute(set_.params, colouring.order);
+    permute(set_.compliance, colouring.order);
+    permute(set_.damping_time, colouring.order);
+    permute(set_.stiffness, colouring.order);
+    set_.colour_begin = colouring.colour_begin;
+    set_.multipliers.clear();
+  }
+
+  void begin_substep(const ParticleView&, const Substep& substep) override {
+    if (substep.stores_multipliers()) set_.multipliers.assign(set_.size(), {});
+    damped_ =
+        std::any_of(set_.damping_time.begin(), set_.damping_time.end(), [](float tau) { return tau > 0; });
+  }
+
+  void project(int colour, const ParticleView& view, const Substep& of) override {
+    const ParticleView particles = view;  // copies: what the loop writes cannot be them
+    const Substep substep = of;
+    const auto c = static_cast<std::size_t>(colour);
+    const std::size_t begin = set_.colour_begin[c], end = set_.colour_begin[c + 1];
+    if (substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd)) {
+      for (std::size_t i = begin; i < end; ++i) project_one<Terms::general>(i, particles, substep);
+    } else {
+      for (std::size_t i = begin; i < end; ++i) project_one<Terms::plain>(i, particles, substep);
+    }
+  }
+
+  Residual residual(const ParticleView& particles) const override {
+    Residual result;
+    result.count = set_.size() * rows_of<Kind>;
+    for (std::size_t i = 0; i < set_.size(); ++i) {
+      ProjectionInput<Kind, float> in;
+      load(i, particles, in);
+      float C[rows_of<Kind>];
+      Vec3f gradient[rows_of<Kind>][Kind::arity];
+      evaluate_rows<Kind, float>(in.x, set_.params[i], C, gradient);
+      for (const float c : C) {
+        const double violation = Kind::sense == Sense::non_negative ? std::fmax(-c, 0.0f) : std::fabs(c);
+        result.largest = std::fmax(result.largest, violation);
+        result.sum += violation;
+      }
+      result.energy += energy(C, set_.compliance[i]);
+      if constexpr (requires { Kind::strain(set_.params[i], C[0]); })
+        result.largest_strain = std::fmax(result.largest_strain, Kind::strain(set_.params[i], C[0]));
+    }
+    return result;
+  }
+
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < set_.size(); ++i) {
+      Indices indices = set_.indices[i];
+      bool gone = false;
+      for (std::uint32_t& index : indices) {
+        gone = gone || (index >= begin && index < end);
+        if (index >= end) index -= end - begin;
+      }
+      if (gone) continue;
+      set_.indices[kept] = indices;
+      set_.params[kept] = set_.params[i];
+      set_.compliance[kept] = set_.compliance[i];
+      set_.damping_time[kept] = set_.damping_time[i];
+      set_.stiffness[kept] = set_.stiffness[i];
+      ++kept;
+    }
+    dirty_ = dirty_ || kept != set_.size();
+    set_.indices.resize(kept);
+    set_.params.resize(kept);
+    set_.compliance.resize(kept);
+    set_.damping_time.resize(kept);
+    set_.stiffness.resize(kept);
+  }
+
+ private:
+  template <class Value>
+  static void permute(std::vector<Value>& values, const std::vector<std::uint32_t>& order) {
+    std::vector<Value> sorted;
+    sorted.reserve(values.size());
+    for (const std::uint32_t i : order) sorted.push_back(values[i]);
+    values = std::move(sorted);
+  }
+
+  // Positions relative to the constraint's origin, or to its first particle, so that far from the world's
+  // origin and in small steps no digit is lost.
+  void load(std::size_t i, const ParticleView& particles, ProjectionInput<Kind, float>& in) const {
+    const Indices& indices = set_.indices[i];
+    for (int k = 0; k < Kind::arity; ++k) {
+      const std::uint32_t particle = indices[static_cast<std::size_t>(k)];
+      in.inverse_mass[k] = particles.inverse_mass(particle);
+      if constexpr (has_origin<Kind>) {
+        in.x[k] = particles.relative(particle, Kind::template origin<float>(set_.params[i]));
+      } else {
+        in.x[k] = particles.difference(particle, indices[0]);
+      }
+    }
+  }
+
+  // 1/2 C^T alpha^-1 C; rows of no compliance store nothing, nor does a satisfied inequality.
+  static double energy(const float (&C)[rows_of<Kind>], const Compliance& compliance) {
+    if (Kind::sense == Sense::non_negative && C[0] >= 0) return 0;
+    double alpha[compliance_size<Kind>], y[rows_of<Kind>], sum = 0;
+    for (std::size_t k = 0; k < compliance_size<Kind>; ++k) alpha[k] = static_cast<double>(compliance[k]);
+    for (std::size_t r = 0; r < rows_of<Kind>; ++r) y[r] = static_cast<double>(C[r]);
+    solve_symmetric<rows_of<Kind>>(alpha, y);
+    for (std::size_t r = 0; r < rows_of<Kind>; ++r) sum += 0.5 * y[r] * static_cast<double>(C[r]);
+    return sum;
+  }
+
+  template <Terms terms>
+  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
+    const Indices& indices = set_.indices[i];
+    ProjectionInput<Kind, float> in;
+    load(i, particles, in);
+    if (substep.mode == Mode::pbd) {
+      for (float& a : in.alpha) a = 0;
+      if (set_.stiffness[i] < 1)
+        in.scale = 1 - std::pow(1 - set_.stiffness[i], 1 / static_cast<float>(substep.iterations));
+    } else {
+      const float inverse_h2 = 1 / (substep.h * substep.h);
+      for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
+        in.alpha[k] = set_.compliance[i][k] * inverse_h2;
+    }
+    const bool stored = terms == Terms::general && substep.stores_multipliers();
+    if constexpr (terms == Terms::general) {
+      in.gamma = set_.damping_time[i] / substep.h;
+      for (int k = 0; k < Kind::arity; ++k)
+        in.moved[k] = particles.moved(indices[static_cast<std::size_t>(k)]);
+      if (stored)
+        for (std::size_t r = 0; r < rows_of<Kind>; ++r) in.lambda[r] = set_.multipliers[i][r];
+    }
+    Vec3f dx[Kind::arity];
+    float dlambda[rows_of<Kind>];
+    project_constraint<Kind, float, terms>(in, set_.params[i], dx, dlambda);
+    if (stored)
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[i][r] += dlambda[r];
+    for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
+  }
+
+  Set set_;
+  bool dirty_ = true;
+  bool damped_ = true;
+};
+
+}  // namespace souple

@@ -1,0 +1,207 @@
+#include "souple/solver/shape_matching.h"
+
+#include "souple/error.h"
+#include "souple/math/polar_decomposition.h"
+
+#include <algorithm>
+#include <string>
+
+namespace souple {
+namespace {
+
+constexpr double pin_weight = 1e4;  // of a pinned particle, in masses of the free ones
+constexpr double flat = 1e-6;  // squared thickness beside squared length below which a direction is missing
+constexpr double least_det = 0.1;  // below it, linear regions turn rigid
+
+void require(bool good, const char* name, float value, const char* expected) {
+  if (!good)
+    throw Error(std::string("shape_matching: ") + name + " is " + std::to_string(value) + ", expected " +
+                expected);
+}
+
+void check(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest,
+           const ShapeMatchingOptions& options) {
+  if (particles.size() != rest.size())
+    throw Error("shape_matching: " + std::to_string(particles.size()) + " particles with " +
+                std::to_string(rest.size()) + " rest positions, expected as many of each");
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    if (!is_finite(rest[i]))
+      throw Error("shape_matching: rest position " + std::to_string(i) + " is not finite");
+  require(options.linear >= 0 && options.linear <= 1, "linear", options.linear, "0 to 1");
+  require(options.stiffness >= 0 && options.stiffness <= 1, "stiffness", options.stiffness, "0 to 1");
+  require(options.compliance >= 0 && std::isfinite(options.compliance), "compliance", options.compliance,
+          "a finite number of m/N, 0 or more");
+  require(options.damping_time >= 0 && std::isfinite(options.damping_time), "damping_time",
+          options.damping_time, "a finite number of seconds, 0 or more");
+}
+
+// The directions in which the rest shape has no extent, whatever its masses; fills how many it has.
+Mat3d missing_directions(std::span<const Vec3d> rest, int& dimensions) {
+  Vec3d centre{};
+  for (const Vec3d& q : rest) centre += q / static_cast<double>(rest.size());
+  Mat3d covariance;
+  for (const Vec3d& q : rest) covariance = covariance + outer(q - centre, q - centre);
+  const Svd<double> d = svd(covariance);
+  Mat3d missing;
+  dimensions = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (d.sigma[k] > flat * d.sigma.x) {
+      ++dimensions;
+    } else {
+      missing = missing + outer(d.u.column[k], d.u.column[k]);
+    }
+  }
+  return missing;
+}
+
+// A^-1 within the directions that are not missing, 0 in the others.
+Mat3d pseudo_inverse(const Mat3d& a, const Mat3d& missing) {
+  const double t = trace(a);
+  if (!(t > 0)) return {};
+  const Mat3d present = Mat3d::identity() - missing;
+  const Mat3d result = inverse(present * a * present * (1 / t) + missing) - missing;
+  const bool finite = std::isfinite(frobenius_squared(result));
+  return finite ? result * (1 / t) : Mat3d{};
+}
+
+// det(A)^(-1/n) for a shape of n dimensions.
+double to_unit_volume(double det, int dimensions) {
+  if (dimensions == 3) return 1 / std::cbrt(det);
+  return dimensions == 2 ? 1 / std::sqrt(det) : 1 / det;
+}
+
+}  // namespace
+
+void ShapeMatching::add(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest,
+                        const ShapeMatchingOptions& options) {
+  check(particles, rest, options);
+  groups_.add(particles, kind());
+  Region region;
+  for (const Vec3d& q : rest) region.rest.push_back(q - rest[0]);
+  region.missing = missing_directions(region.rest, region.dimensions);
+  region.linear = static_cast<double>(options.linear);
+  region.hold = {Sense::equality, static_cast<double>(options.compliance),
+                 static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
+  region.inverse_mass.assign(rest.size(), -1);  // no mass yet: the first substep weighs
+  region.mass.assign(rest.size(), 1);
+  regions_.push_back(std::move(region));
+}
+
+void ShapeMatching::weigh(Region& region, std::span<const std::uint32_t> group,
+                          const ParticleView& particles) {
+  bool changed = false;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const float w = particles.inverse_mass(group[k]);
+    changed = changed || w != region.inverse_mass[k];
+    region.inverse_mass[k] = w;
+  }
+  if (!changed) return;
+  region.free_mass = 0;
+  for (const float w : region.inverse_mass)
+    if (w > 0) region.free_mass += 1 / static_cast<double>(w);
+  const double pinned = region.free_mass > 0 ? pin_weight * region.free_mass : 1;
+  region.total_mass = 0;
+  region.centre = {};
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const float w = region.inverse_mass[k];
+    region.mass[k] = w > 0 ? 1 / static_cast<double>(w) : pinned;
+    region.total_mass += region.mass[k];
+    region.centre += region.rest[k] * region.mass[k];
+  }
+  region.centre = region.centre / region.total_mass;
+  Mat3d a_qq;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const Vec3d q = region.rest[k] - region.centre;
+    a_qq = a_qq + outer(q, q) * region.mass[k];
+  }
+  region.rest_inverse = pseudo_inverse(a_qq, region.missing);
+}
+
+void ShapeMatching::begin_substep(const ParticleView& particles, const Substep&) {
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    weigh(regions_[i], groups_[i], particles);
+    regions_[i].multiplier = 0;
+  }
+}
+
+ShapeMatching::Pose ShapeMatching::fit(const Region& region, std::span<const std::uint32_t> group,
+                                       const ParticleView& particles) {
+  Vec3d sum{};
+  Mat3d a_pq;  // sum m x q^T: as sum m q = 0, the centre of x drops out
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const Vec3d mx = Vec3d(particles.difference(group[k], group[0])) * region.mass[k];
+    sum += mx;
+    a_pq = a_pq + outer(mx, region.rest[k] - region.centre);
+  }
+  Pose pose{sum / region.total_mass, nearest_rotation(a_pq)};
+  if (region.linear == 0 || region.dimensions == 0) return pose;
+  const Mat3d r = pose.transform;
+  const Mat3d a = a_pq * region.rest_inverse;
+  const double det = determinant(a + r * region.missing);
+  const double beta = region.linear * std::clamp(det / least_det, 0.0, 1.0);
+  pose.transform = a * (beta * to_unit_volume(std::fmax(det, least_det), region.dimensions)) + r * (1 - beta);
+  return pose;
+}
+
+Vec3d ShapeMatching::to_goal(const Region& region, std::span<const std::uint32_t> group,
+                             const ParticleView& particles, const Pose& pose, std::size_t k) {
+  const Vec3d goal = pose.centre + pose.transform * (region.rest[k] - region.centre);
+  return goal - Vec3d(particles.difference(group[k], group[0]));
+}
+
+// C^2 of the free particles.
+double ShapeMatching::distance_squared(const Region& region, std::span<const std::uint32_t> group,
+                                       const ParticleView& particles, const Pose& pose) {
+  double sum = 0;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    if (region.inverse_mass[k] > 0)
+      sum += region.mass[k] * length_squared(to_goal(region, group, particles, pose, k));
+  return sum / region.free_mass;
+}
+
+void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
+  Region& region = regions_[i];
+  if (!(region.free_mass > 0)) return;
+  const auto group = groups_[i];
+  const Pose pose = fit(region, group, particles);
+  ScalarState state;
+  state.C = std::sqrt(distance_squared(region, group, particles, pose));
+  if (state.C == 0) return;
+  // grad_i C = -m_i d_i / (M C) with d = g - x, so w_i grad_i C = -d_i / (M C)
+  const double scale = -1 / (region.free_mass * state.C);
+  state.weighted_square = 1 / region.free_mass;
+  if (region.hold.damping_time > 0 && substep.mode != Mode::pbd)
+    for (std::size_t k = 0; k < group.size(); ++k)
+      if (region.inverse_mass[k] > 0)
+        state.rate += scale * region.mass[k] *
+                      dot(to_goal(region, group, particles, pose, k), Vec3d(particles.moved(group[k])));
+  const ScalarStep step = project_scalar(state, region.hold, region.multiplier, substep);
+  if (substep.stores_multipliers()) region.multiplier += step.dlambda;
+  // The first particle last: the others are measured from it.
+  for (std::size_t k = group.size(); k-- > 0;) {
+    if (!(region.inverse_mass[k] > 0)) continue;
+    particles.correct(group[k], Vec3f(to_goal(region, group, particles, pose, k) * (step.factor * scale)));
+  }
+}
+
+void ShapeMatching::project(int colour, const ParticleView& particles, const Substep& substep) {
+  for (const std::uint32_t i : groups_.colour(colour)) project_one(i, particles, substep);
+}
+
+Residual ShapeMatching::residual(const ParticleView& particles) const {
+  Residual result;
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    Region& region = regions_[i];
+    weigh(region, groups_[i], particles);
+    if (!(region.free_mass > 0)) continue;
+    const Pose pose = fit(region, groups_[i], particles);
+    add_to_residual(result, region.hold, std::sqrt(distance_squared(region, groups_[i], particles, pose)));
+  }
+  return result;
+}
+
+void ShapeMatching::erase_particles(std::uint32_t begin, std::uint32_t end) {
+  keep_only(regions_, groups_.erase_particles(begin, end));
+}
+
+}  // namespace souple

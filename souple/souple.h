@@ -1,0 +1,8 @@
+#pragma once
+
+// Everything a program that simulates needs.
+
+#include "souple/error.h"
+#include "souple/geometry/builders.h"
+#include "souple/io/recorder.h"
+#include "souple/world/world.h"

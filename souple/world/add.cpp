@@ -1,0 +1,344 @@
+#include "souple/world/add.h"
+
+#include "souple/geometry/adjacency.h"
+#include "souple/geometry/embedding.h"
+#include "souple/geometry/lattice.h"
+#include "souple/geometry/measures.h"
+#include "souple/geometry/mesh_report.h"
+#include "souple/geometry/polyline.h"
+#include "souple/geometry/reorder.h"
+#include "souple/geometry/weld.h"
+#include "souple/world/build.h"
+#include "souple/world/impl.h"
+#include "souple/world/skin.h"
+#include "souple/world/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace souple {
+namespace {
+
+/// What the adders make of their input: an Object without particles yet, and a mass for each of its
+/// particles.
+struct Draft {
+  std::unique_ptr<Object> object = std::make_unique<Object>();
+  std::vector<double> mass;  ///< kg
+};
+
+Draft draft(const WorldState& world, ObjectKind kind, const Material& material,
+            const ObjectOptions& options) {
+  world.require_between_steps("adding an object");
+  Draft result;
+  result.object->kind = kind;
+  result.object->name = world.unique_name(options.name, kind_name(kind));
+  result.object->material = material;
+  std::visit([&](const auto& m) { validate(m, result.object->name); }, material);
+  validate(options.transform, result.object->name);
+  if (!is_finite(options.velocity) || !is_finite(options.angular_velocity))
+    throw Error(result.object->name + ": the velocity is not finite");
+  return result;
+}
+
+void place_points(std::vector<Vec3d>& points, const Transform& transform, const std::string& name) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = transform.point(points[i]);
+    // A float holds up to 3e38, but squared lengths have to fit as well.
+    if (!is_finite(points[i]) || length(points[i]) > 1e15)
+      throw Error(name + ": vertex " + std::to_string(i) + " is not finite or further than 1e15 m away");
+  }
+}
+
+std::vector<float> gather_map(const std::vector<float>& map, const Object& object, std::size_t vertices,
+                              const char* what) {
+  if (map.empty()) return {};
+  if (map.size() != vertices)
+    throw Error(object.name + ": the " + what + " map has " + std::to_string(map.size()) + " values for " +
+                std::to_string(vertices) + " vertices");
+  std::vector<float> per_particle;
+  for (const std::uint32_t vertex : object.vertex_of) {
+    if (!(map[vertex] >= 0) || !std::isfinite(map[vertex]))
+      throw Error(object.name + ": the " + what + " map is " + std::to_string(map[vertex]) + " at vertex " +
+                  std::to_string(vertex) + ", expected a finite number >= 0");
+    per_particle.push_back(map[vertex]);
+  }
+  return per_particle;
+}
+
+void set_motion(WorldState& world, const Object& object, const ObjectOptions& options) {
+  Vec3d centre;
+  double mass = 0;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    const auto m = static_cast<double>(world.particles.mass[i]);
+    centre += object.rest[i - object.begin] * m;
+    mass += m;
+  }
+  centre = centre / mass;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    const Vec3d r = object.rest[i - object.begin] - centre;
+    world.particles.velocity[i].set_xyz(
+        Vec3f(Vec3d(options.velocity) + cross(Vec3d(options.angular_velocity), r)));
+  }
+}
+
+/// Gives the object its particles and its place in the world. Nothing has changed if anything before this
+/// threw.
+ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
+  Object& object = *draft.object;
+  if (object.rest.empty()) throw Error(object.name + ": there are no vertices");
+  object.stiffness_map = gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
+  object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
+  const std::size_t left_out = check_constraints(object);
+  if (left_out > 0)
+    world.tell(object.name,
+               {std::to_string(left_out) + " elements are too thin to carry bending or a membrane"});
+  object.id = {world.next_id++};
+  Particles& particles = world.particles;
+  object.begin = static_cast<std::uint32_t>(particles.size());
+  object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
+  particles.resize(object.end);
+  world.object_of.resize(object.end, static_cast<std::uint32_t>(world.objects.size()));
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    const double mass = draft.mass[i - object.begin];
+    particles.mass[i] = static_cast<float>(mass);
+    particles.position[i].w = static_cast<float>(1 / mass);
+    world.place(i, object.rest[i - object.begin]);
+  }
+  set_motion(world, object, options);
+  world.dirty = true;
+  ++world.version;
+  world.objects.push_back(std::move(draft.object));
+  return world.objects.back()->id;
+}
+
+/// Particles in the order of a space-filling curve; particle_of and vertex_of follow.
+void adopt_particles(Object& object, std::vector<Vec3d> rest, const std::vector<std::uint32_t>& to_particle,
+                     const std::vector<std::uint32_t>& to_vertex) {
+  const std::vector<std::uint32_t> order = morton_order(rest);  // order[new] = old
+  std::vector<std::uint32_t> new_of(order.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) new_of[order[i]] = i;
+  for (const std::uint32_t old : order) {
+    object.rest.push_back(rest[old]);
+    object.vertex_of.push_back(to_vertex[old]);
+  }
+  for (const std::uint32_t old : to_particle) object.particle_of.push_back(new_of[old]);
+}
+
+std::vector<std::uint32_t> identity(std::size_t count) {
+  std::vector<std::uint32_t> result(count);
+  std::iota(result.begin(), result.end(), 0u);
+  return result;
+}
+
+/// Vertices that no element uses have no mass of their own: they get the smallest of the others, so that they
+/// fall and collide as a speck would.
+void fill_missing_masses(std::vector<double>& mass, const std::string& name) {
+  if (mass.empty()) throw Error(name + ": there are no vertices");
+  double smallest = 0;
+  for (const double m : mass)
+    if (m > 0 && (smallest == 0 || m < smallest)) smallest = m;
+  if (!(smallest > 0)) throw Error(name + ": its elements have no area or volume, so it has no mass");
+  for (double& m : mass)
+    if (!(m > 0)) m = smallest;
+}
+
+}  // namespace
+
+float density(const Material& material) {
+  struct Density {
+    float operator()(const ClothMaterial& m) const { return m.areal_density; }
+    float operator()(const SoftBodyMaterial& m) const { return m.density; }
+    float operator()(const RopeMaterial& m) const { return m.density; }
+    float operator()(const GrainsMaterial& m) const { return m.density; }
+  };
+  return std::visit(Density{}, material);
+}
+
+float contact_radius(const Material& material) {
+  struct Radius {
+    float operator()(const ClothMaterial& m) const { return m.thickness / 2; }
+    float operator()(const SoftBodyMaterial& m) const { return m.thickness / 2; }
+    float operator()(const RopeMaterial& m) const { return m.radius; }
+    float operator()(const GrainsMaterial& m) const { return m.radius; }
+  };
+  return std::visit(Radius{}, material);
+}
+
+void scale_mass(WorldState& world, const Object& object, float factor) {
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    world.particles.mass[i] *= factor;
+    if (world.particles.position[i].w > 0) world.particles.position[i].w = 1 / world.particles.mass[i];
+  }
+}
+
+void remove_object(WorldState& world, const Object& object) {
+  const std::uint32_t begin = object.begin, end = object.end;
+  const std::size_t index = world.object_of[begin];
+  world.particles.erase(begin, end);
+  world.object_of.erase(world.object_of.begin() + begin, world.object_of.begin() + end);
+  for (std::uint32_t& i : world.object_of)
+    if (i > index) --i;
+  for (const auto& other : world.objects)
+    if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
+  for (Extra& extra : world.extras) extra.erase_particles(begin, end);
+  world.particle_contacts.erase_particles(begin, end);
+  world.mirrors.erase(object.id.value);
+  world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
+  world.dirty = true;
+  ++world.version;
+}
+
+namespace {
+
+/// A lattice's nodes as particles, its tets over them.
+void adopt_tets(Object& object, const TetMesh& mesh) {
+  adopt_particles(object, mesh.positions, identity(mesh.positions.size()), identity(mesh.positions.size()));
+  object.tets.positions = object.rest;
+  for (Tet tet : mesh.tets) {
+    for (std::uint32_t& i : tet) i = object.particle_of[i];
+    object.tets.tets.push_back(tet);
+  }
+}
+
+void require_volumes(const TetMesh& mesh, const std::string& name) {
+  if (mesh.tets.empty()) throw Error(name + ": there are no tets; for a surface, use a lattice");
+  const std::vector<double> volumes = tet_volumes(mesh);
+  for (std::size_t t = 0; t < volumes.size(); ++t)
+    if (!(volumes[t] > 0))
+      throw Error(name + ": tet " + std::to_string(t) + " is " + (volumes[t] < 0 ? "inside out" : "flat") +
+                  "; expected a positive volume, vertices (a, b, c, d) with (b - a) x (c - a) . (d - a) > 0");
+}
+
+/// vertex_of for embedded objects: for each particle the nearest of the vertices it carries, or of its
+/// neighbours'.
+void name_nearest_vertices(Object& object) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  std::vector<double> nearest(object.rest.size(), never);
+  object.vertex_of.assign(object.rest.size(), 0);
+  for (std::uint32_t v = 0; v < object.mesh.positions.size(); ++v)
+    for (const std::uint32_t i : object.embedding->vertices[v]) {
+      const double distance = length(object.rest[i] - object.mesh.positions[v]);
+      if (distance < nearest[i]) nearest[i] = distance, object.vertex_of[i] = v;
+    }
+  for (std::size_t pass = 0; pass < 64; ++pass) {
+    bool changed = false;
+    for (const Tet& tet : object.tets.tets)
+      for (const std::uint32_t i : tet)
+        for (const std::uint32_t j : tet)
+          if (nearest[i] == never && nearest[j] < never) {
+            object.vertex_of[i] = object.vertex_of[j];
+            nearest[i] = length(object.rest[i] - object.mesh.positions[object.vertex_of[i]]);
+            changed = true;
+          }
+    if (!changed) break;
+  }
+}
+
+}  // namespace
+
+ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& material,
+                          const ObjectOptions& options) {
+  WorldState& world = impl_->state;
+  Draft cloth = draft(world, ObjectKind::cloth, material, options);
+  Object& object = *cloth.object;
+  check_indices(mesh, object.name.c_str());
+  object.mesh = mesh;
+  place_points(object.mesh.positions, options.transform, object.name);
+  const RepairedSurface repaired = repair(object.mesh);
+  world.tell(object.name, repaired.sentences);
+  const Weld& weld = repaired.weld;
+  adopt_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
+  object.surface_source = repaired.source;
+  for (const Triangle& triangle : repaired.triangles)
+    object.surface.push_back({object.particle_of[weld.to_vertex[triangle[0]]],
+                              object.particle_of[weld.to_vertex[triangle[1]]],
+                              object.particle_of[weld.to_vertex[triangle[2]]]});
+  cloth.mass = lumped_masses(object.rest, object.surface, static_cast<double>(material.areal_density));
+  fill_missing_masses(cloth.mass, object.name);
+  return enter(world, std::move(cloth), options);
+}
+
+ObjectId World::add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material,
+                              const ObjectOptions& options) {
+  WorldState& world = impl_->state;
+  Draft body = draft(world, ObjectKind::soft_body, material, options);
+  Object& object = *body.object;
+  check_indices(mesh, object.name.c_str());
+  TetMesh placed = mesh;
+  place_points(placed.positions, options.transform, object.name);
+  require_volumes(placed, object.name);
+  adopt_tets(object, placed);
+  object.mesh.positions = placed.positions;
+  object.mesh.triangles = surface_triangles(placed.tets);
+  object.mesh.groups = placed.groups;
+  for (const Triangle& t : object.mesh.triangles)
+    object.surface.push_back({object.particle_of[t[0]], object.particle_of[t[1]], object.particle_of[t[2]]});
+  body.mass = lumped_masses(object.tets, static_cast<double>(material.density));
+  fill_missing_masses(body.mass, object.name);
+  return enter(world, std::move(body), options);
+}
+
+ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMaterial& material,
+                              const LatticeOptions& options_of_lattice, const ObjectOptions& options) {
+  WorldState& world = impl_->state;
+  Draft body = draft(world, ObjectKind::soft_body, material, options);
+  Object& object = *body.object;
+  check_indices(surface, object.name.c_str());
+  object.mesh = surface;
+  place_points(object.mesh.positions, options.transform, object.name);
+  LatticeOptions fineness = options_of_lattice;
+  if (fineness.cells == 0 && fineness.cell_size == 0) fineness.cells = 2000;
+  const Lattice lattice = build_lattice(object.mesh, fineness, object.name);
+
+  adopt_tets(object, lattice.mesh);
+  object.embedding = embed(object.mesh.positions, object.tets);
+  name_nearest_vertices(object);
+  // The lattice is larger than the surface, so its particles would meet the floor before the surface does:
+  // each particle outside may sink in by its distance from the surface.
+  object.outside = distances_outside(object.rest, object.mesh, 2 * lattice.cell_size);
+  const double density =
+      static_cast<double>(material.density) * lattice.surface_volume / lattice.lattice_volume;
+  body.mass = lumped_masses(object.tets, density);
+  fill_missing_masses(body.mass, object.name);
+  return enter(world, std::move(body), options);
+}
+
+ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, const RopeMaterial& material,
+                         const ObjectOptions& options) {
+  WorldState& world = impl_->state;
+  Draft rope = draft(world, ObjectKind::rope, material, options);
+  Object& object = *rope.object;
+  if (points.size() < 2)
+    throw Error(object.name + ": a rope needs at least two points, got " + std::to_string(points.size()));
+  if (segments < 1 || segments > 10000000)
+    throw Error(object.name + ": segments is " + std::to_string(segments) + ", expected 1 to 10,000,000");
+  std::vector<Vec3d> path(points.begin(), points.end());
+  place_points(path, options.transform, object.name);
+  object.rest = resample_polyline(path, segments);
+  const double length_of_all = polyline_length(path);
+  if (!(length_of_all > 0)) throw Error(object.name + ": its points coincide, so the rope has no length");
+  object.particle_of = object.vertex_of = identity(object.rest.size());
+  const auto radius = static_cast<double>(material.radius);
+  const double mass = static_cast<double>(material.density) * pi * radius * radius * length_of_all / segments;
+  rope.mass.assign(object.rest.size(), mass);
+  rope.mass.front() = rope.mass.back() = mass / 2;
+  return enter(world, std::move(rope), options);
+}
+
+ObjectId World::add_grains(std::span<const Vec3d> centres, const GrainsMaterial& material,
+                           const ObjectOptions& options) {
+  WorldState& world = impl_->state;
+  Draft grains = draft(world, ObjectKind::grains, material, options);
+  Object& object = *grains.object;
+  object.rest.assign(centres.begin(), centres.end());
+  place_points(object.rest, options.transform, object.name);
+  object.particle_of = object.vertex_of = identity(object.rest.size());
+  const auto radius = static_cast<double>(material.radius);
+  grains.mass.assign(object.rest.size(),
+                     static_cast<double>(material.density) * 4 / 3 * pi * radius * radius * radius);
+  return enter(world, std::move(grains), options);
+}
+
+}  // namespace souple

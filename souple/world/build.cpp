@@ -1,0 +1,289 @@
+#include "souple/world/build.h"
+
+#include "souple/constraints/dihedral_bending.h"
+#include "souple/constraints/distance.h"
+#include "souple/constraints/isometric_bending.h"
+#include "souple/constraints/neo_hookean.h"
+#include "souple/constraints/rope_bending.h"
+#include "souple/constraints/tet_volume.h"
+#include "souple/constraints/triangle_membrane.h"
+#include "souple/geometry/adjacency.h"
+#include "souple/geometry/measures.h"
+#include "souple/geometry/rest_frames.h"
+#include "souple/solver/enclosed_volume.h"
+#include "souple/solver/shape_matching.h"
+#include "souple/world/add.h"
+
+#include <cmath>
+
+namespace souple {
+namespace {
+
+/// One projector of each kind, filled object by object.
+struct Kinds {
+  std::unique_ptr<SetProjector<Distance>> distance = std::make_unique<SetProjector<Distance>>();
+  std::unique_ptr<SetProjector<TriangleMembrane>> membrane =
+      std::make_unique<SetProjector<TriangleMembrane>>();
+  std::unique_ptr<SetProjector<IsometricBending>> isometric =
+      std::make_unique<SetProjector<IsometricBending>>();
+  std::unique_ptr<SetProjector<DihedralBending>> dihedral = std::make_unique<SetProjector<DihedralBending>>();
+  std::unique_ptr<SetProjector<RopeBending>> rope_bending = std::make_unique<SetProjector<RopeBending>>();
+  std::unique_ptr<SetProjector<NeoHookean>> neo_hookean = std::make_unique<SetProjector<NeoHookean>>();
+  std::unique_ptr<SetProjector<TetVolume>> tet_volume = std::make_unique<SetProjector<TetVolume>>();
+  std::unique_ptr<ShapeMatching> shape_matching = std::make_unique<ShapeMatching>();
+  std::unique_ptr<EnclosedVolume> enclosed_volume = std::make_unique<EnclosedVolume>();
+  std::size_t left_out = 0;  ///< elements of cloths that are too thin
+};
+
+double rest_area(const Object& object, const Triangle& t) {
+  return 0.5 * length(cross(object.rest[t[1]] - object.rest[t[0]], object.rest[t[2]] - object.rest[t[0]]));
+}
+
+/// Slivers of a file's surface hold no shape that floats could tell from a line: they are left out, and
+/// counted.
+template <class Function>
+void add_if_sound(Kinds& kinds, const Function& add) {
+  try {
+    add();
+  } catch (const Error&) {
+    ++kinds.left_out;
+  }
+}
+
+/// Adds begin to every index.
+template <std::size_t n>
+std::array<std::uint32_t, n> shifted(std::array<std::uint32_t, n> indices, std::uint32_t begin) {
+  for (std::uint32_t& i : indices) i += begin;
+  return indices;
+}
+
+/// A factor 0 or a stiffness 0 makes no constraint at all; its compliance would be infinite.
+bool usable(float compliance) {
+  return std::isfinite(compliance);
+}
+
+// Edge springs of a sheet with membrane stiffness Y [N/m]: k = Y (A0 + A1) / l^2, A0 and A1 the areas of the
+// edge's triangles. Every triangle then stores Y eps^2 3/4 A under an equal stretch eps in all directions,
+// which is the energy of a sheet with Poisson's ratio 1/3; on equilateral triangles (k = sqrt(3)/2 Y) it is
+// exact for every strain.
+void add_springs(const Object& object, const ClothMaterial& m, Kinds& kinds) {
+  const TriangleEdges edges = triangle_edges(object.surface);
+  std::vector<double> area(edges.edges.size());
+  for (std::size_t t = 0; t < object.surface.size(); ++t)
+    for (const std::uint32_t edge : edges.of_triangle[t])
+      if (edge != TriangleEdges::no_edge) area[edge] += rest_area(object, object.surface[t]);
+  for (std::size_t e = 0; e < edges.edges.size(); ++e) {
+    const Edge& edge = edges.edges[e];
+    const double l = length(object.rest[edge[0]] - object.rest[edge[1]]);
+    const double k = static_cast<double>(m.membrane_stiffness * object.mean(object.stiffness_map, edge)) *
+                     area[e] / (l * l);
+    const auto compliance = static_cast<float>(1 / k);
+    if (usable(compliance))
+      kinds.distance->add(shifted(edge, object.begin), {static_cast<float>(l)}, {compliance}, m.damping_time,
+                          m.pbd_stretch);
+  }
+}
+
+void add_membrane(const Object& object, const ClothMaterial& m, Kinds& kinds) {
+  const auto warp = static_cast<double>(m.membrane_stiffness);
+  const double weft = m.weft_stiffness > 0 ? static_cast<double>(m.weft_stiffness) : warp;
+  const auto poisson = static_cast<double>(m.poisson_ratio);
+  const double shear =
+      m.shear_stiffness > 0 ? static_cast<double>(m.shear_stiffness) : warp / (2 * (1 + poisson));
+  if (!(warp > 0)) return;
+  const std::vector<RestFrame> frames = rest_frames(object.mesh);
+  for (std::size_t t = 0; t < object.surface.size(); ++t) {
+    const Triangle& triangle = object.surface[t];
+    const double area = rest_area(object, triangle);
+    const auto scale = static_cast<double>(object.mean(object.stiffness_map, triangle));
+    if (!(scale > 0) || !(area > 0)) continue;
+    const Vec3d x[3] = {object.rest[triangle[0]], object.rest[triangle[1]], object.rest[triangle[2]]};
+    add_if_sound(kinds, [&] {
+      kinds.membrane->add(
+          shifted(triangle, object.begin),
+          TriangleMembrane::from_rest(x, frames[object.surface_source[t]].warp),
+          TriangleMembrane::compliance(warp * scale, weft * scale, poisson, shear * scale, area),
+          m.damping_time, m.pbd_stretch);
+    });
+  }
+}
+
+template <class Kind>
+void add_hinges(const Object& object, const ClothMaterial& m, SetProjector<Kind>& set, Kinds& kinds) {
+  for (const Hinge& hinge : interior_edges(object.surface)) {
+    const float stiffness = m.bending_stiffness * object.mean(object.stiffness_map, hinge);
+    if (!(stiffness > 0)) continue;
+    const Vec3d x[4] = {object.rest[hinge[0]], object.rest[hinge[1]], object.rest[hinge[2]],
+                        object.rest[hinge[3]]};
+    add_if_sound(kinds, [&] {
+      set.add(shifted(hinge, object.begin), Kind::from_rest(x),
+              Kind::compliance(static_cast<double>(stiffness)), m.damping_time, m.pbd_bending);
+    });
+  }
+}
+
+void add_gas(const Object& object, Kinds& kinds) {
+  if (object.pressure == 0 && !object.enclosed_volume) return;
+  std::vector<Triangle> triangles;
+  for (const Triangle& t : object.surface) triangles.push_back(shifted(t, object.begin));
+  EnclosedVolumeOptions options{.pressure = object.pressure};
+  if (object.enclosed_volume) {
+    options.holds_volume = true;
+    options.volume_factor = object.enclosed_volume->first;
+    options.compliance = object.enclosed_volume->second;
+  }
+  kinds.enclosed_volume->add(triangles, enclosed_volume(object.rest, object.surface), options);
+}
+
+void add_object(const Object& object, const ClothMaterial& m, Kinds& kinds) {
+  if (m.stretch == StretchModel::springs) add_springs(object, m, kinds);
+  if (m.stretch == StretchModel::membrane) add_membrane(object, m, kinds);
+  if (m.bending == BendingModel::isometric) add_hinges(object, m, *kinds.isometric, kinds);
+  if (m.bending == BendingModel::dihedral) add_hinges(object, m, *kinds.dihedral, kinds);
+  add_gas(object, kinds);
+}
+
+struct RestTet {
+  Vec3d x[4];
+  double volume;
+};
+
+RestTet rest_tet(const Object& object, const Tet& tet) {
+  RestTet result{{object.rest[tet[0]], object.rest[tet[1]], object.rest[tet[2]], object.rest[tet[3]]}, 0};
+  const auto& x = result.x;
+  result.volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6;
+  return result;
+}
+
+void add_neo_hookean(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
+  for (const Tet& tet : object.tets.tets) {
+    const RestTet rest = rest_tet(object, tet);
+    const auto E = static_cast<double>(m.young_modulus * object.mean(object.stiffness_map, tet));
+    if (!(E > 0)) continue;
+    kinds.neo_hookean->add(shifted(tet, object.begin), NeoHookean::from_rest(rest.x),
+                           NeoHookean::compliance(E, static_cast<double>(m.poisson_ratio), rest.volume),
+                           m.damping_time, m.pbd_stiffness);
+  }
+}
+
+// Edges share the tets' stiffness as those of a cloth share its triangles': each tet gives each of its six
+// edges k = E V / l^2; the tets keep their volume with the bulk modulus.
+void add_tet_springs(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
+  const double bulk =
+      static_cast<double>(m.young_modulus) / (3 * (1 - 2 * static_cast<double>(m.poisson_ratio)));
+  std::map<Edge, double> stiffness;
+  for (const Tet& tet : object.tets.tets) {
+    const RestTet rest = rest_tet(object, tet);
+    const auto scale = static_cast<double>(object.mean(object.stiffness_map, tet));
+    if (!(scale > 0)) continue;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = a + 1; b < 4; ++b)
+        stiffness[{std::min(tet[a], tet[b]), std::max(tet[a], tet[b])}] +=
+            scale * static_cast<double>(m.young_modulus) * rest.volume /
+            dot(rest.x[a] - rest.x[b], rest.x[a] - rest.x[b]);
+    kinds.tet_volume->add(shifted(tet, object.begin), TetVolume::from_rest(rest.x),
+                          TetVolume::compliance(bulk * scale, rest.volume), m.damping_time, m.pbd_stiffness);
+  }
+  for (const auto& [edge, k] : stiffness) {
+    const double l = length(object.rest[edge[0]] - object.rest[edge[1]]);
+    kinds.distance->add(shifted(edge, object.begin), {static_cast<float>(l)}, {static_cast<float>(1 / k)},
+                        m.damping_time, m.pbd_stiffness);
+  }
+}
+
+// One region whose stiffness as a whole is E times its size, 1/alpha = E V^(1/3) [N/m]: a stiff box, not a
+// material.
+void add_region(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
+  std::vector<std::uint32_t> particles;
+  for (std::uint32_t i = 0; i < object.particle_count(); ++i) particles.push_back(object.begin + i);
+  const double size = std::cbrt(tet_volume(object.tets));
+  kinds.shape_matching->add(
+      particles, object.rest,
+      {.compliance = static_cast<float>(1 / (static_cast<double>(m.young_modulus) * size)),
+       .damping_time = m.damping_time,
+       .stiffness = m.pbd_stiffness});
+}
+
+void add_object(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
+  switch (m.model) {
+    case SoftBodyModel::neo_hookean:
+      add_neo_hookean(object, m, kinds);
+      break;
+    case SoftBodyModel::springs:
+      add_tet_springs(object, m, kinds);
+      break;
+    case SoftBodyModel::shape_matching:
+      add_region(object, m, kinds);
+      break;
+  }
+}
+
+// Segments stretch with k = E pi r^2 / l and bend with E I (see rope_bending.h).
+void add_object(const Object& object, const RopeMaterial& m, Kinds& kinds) {
+  const auto radius = static_cast<double>(m.radius);
+  const auto E = static_cast<double>(m.young_modulus);
+  for (std::uint32_t i = 0; i + 1 < object.particle_count(); ++i) {
+    const Edge edge{i, i + 1};
+    const double l = length(object.rest[i] - object.rest[i + 1]);
+    const double k =
+        E * pi * radius * radius / l * static_cast<double>(object.mean(object.stiffness_map, edge));
+    const auto compliance = static_cast<float>(1 / k);
+    if (usable(compliance))
+      kinds.distance->add(shifted(edge, object.begin), {static_cast<float>(l)}, {compliance}, m.damping_time,
+                          m.pbd_stretch);
+    if (i + 2 >= object.particle_count()) continue;
+    const std::array<std::uint32_t, 3> three{i, i + 1, i + 2};
+    const auto bend = static_cast<float>(
+        l * l * l / static_cast<double>(m.bending_stiffness * object.mean(object.stiffness_map, three)));
+    if (usable(bend))
+      kinds.rope_bending->add(shifted(three, object.begin), {static_cast<float>(l)}, {bend}, m.damping_time,
+                              m.pbd_bending);
+  }
+}
+
+void add_object(const Object&, const GrainsMaterial&, Kinds&) {}  // contacts only
+
+}  // namespace
+
+std::size_t check_constraints(const Object& object) {
+  Kinds kinds;
+  try {
+    std::visit([&](const auto& material) { add_object(object, material, kinds); }, object.material);
+  } catch (const Error& error) {
+    throw Error(object.name + ": " + error.what());
+  }
+  return kinds.left_out;
+}
+
+void build_constraints(WorldState& world) {
+  Kinds kinds;
+  for (const auto& object : world.objects)
+    std::visit([&](const auto& material) { add_object(*object, material, kinds); }, object->material);
+  world.standard.clear();
+  const auto keep = [&](auto projector) {
+    if (projector->size() > 0) world.standard.push_back(std::move(projector));
+  };
+  keep(std::move(kinds.distance));
+  keep(std::move(kinds.membrane));
+  keep(std::move(kinds.isometric));
+  keep(std::move(kinds.dihedral));
+  keep(std::move(kinds.rope_bending));
+  keep(std::move(kinds.neo_hookean));
+  keep(std::move(kinds.tet_volume));
+  keep(std::move(kinds.shape_matching));
+  keep(std::move(kinds.enclosed_volume));
+}
+
+void build_contact_radii(WorldState& world) {
+  for (const auto& object : world.objects) {
+    const float radius = contact_radius(object->material);
+    for (std::uint32_t i = object->begin; i < object->end; ++i) {
+      const std::uint32_t local = i - object->begin;
+      const float scale = object->thickness_map.empty() ? 1 : object->thickness_map[local];
+      const float skin = object->outside.empty() ? 0 : object->outside[local];
+      world.particles.radius[i] = radius * scale - skin;
+    }
+  }
+}
+
+}  // namespace souple

@@ -1,0 +1,119 @@
+#include "souple/world/contacts.h"
+
+#include "souple/world/impl.h"
+#include "souple/world/stages.h"
+
+namespace souple {
+namespace {
+
+constexpr std::uint32_t solid_layer = 1, grain_layer = 2;
+
+// Grains meet each other and the particles of everything else; particles of two other objects meet as spheres
+// too. (Triangles against triangles is a later piece of work.)
+ContactObject contact_object(const Object& object) {
+  ContactObject result{.begin = object.begin, .end = object.end};
+  result.hits_itself = object.kind == ObjectKind::grains;
+  result.layers = object.kind == ObjectKind::grains ? grain_layer : solid_layer;
+  result.hits_layers = solid_layer | grain_layer;
+  return result;
+}
+
+Surface surface_of(const Material& material) {
+  return std::visit(
+      [](const auto& m) { return Surface{.friction = m.friction, .restitution = m.restitution}; }, material);
+}
+
+void append_event(const WorldState& world, const ContactPush& push, bool against_collider,
+                  std::vector<ContactEvent>& events) {
+  const Object& object = *world.objects[world.object_of[push.particle]];
+  ContactEvent event;
+  event.object = object.name;
+  event.vertex = object.vertex_of[push.particle - object.begin];
+  event.other_is_collider = against_collider;
+  if (against_collider) {
+    event.other = world.colliders[push.other].options.name;
+  } else {
+    const Object& other = *world.objects[world.object_of[push.other]];
+    event.other = other.name;
+    event.other_vertex = other.vertex_of[push.other - other.begin];
+  }
+  event.point = push.point;
+  event.normal = push.normal;
+  event.impulse = push.impulse;
+  events.push_back(event);
+}
+
+}  // namespace
+
+void build_contact_tables(WorldState& world) {
+  ContactTables& tables = world.tables;
+  tables.objects.clear();
+  tables.colliders.clear();
+  std::vector<NamedSurface> object_surfaces, collider_surfaces;
+  for (const auto& object : world.objects) {
+    tables.objects.push_back(contact_object(*object));
+    object_surfaces.push_back({object->name, surface_of(object->material)});
+  }
+  for (const ColliderRecord& record : world.colliders) {
+    const Surface surface{.friction = record.options.friction, .restitution = record.options.restitution};
+    tables.colliders.push_back({record.options.name, record.shape, record.options.motion, surface, true});
+    collider_surfaces.push_back({record.options.name, surface});
+  }
+  tables.against_colliders = SurfaceMatrix(object_surfaces, collider_surfaces, world.pairs);
+  tables.against_objects = SurfaceMatrix(object_surfaces, object_surfaces, world.pairs);
+  std::vector<std::array<std::uint32_t, 2>> tied;
+  for (const Extra& extra : world.extras)
+    if (extra.tie) tied.insert(tied.end(), extra.tie->set().indices.begin(), extra.tie->set().indices.end());
+  world.particle_contacts.exclude(std::move(tied));
+}
+
+void find_candidates(WorldState& world, double dt) {
+  const ContactStep step{
+      .time = world.time, .dt = static_cast<float>(dt), .gravity = length(world.settings.gravity)};
+  const ContactTables& tables = world.tables;
+  Particles& particles = world.particles;
+  particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
+  const ParticleView view = world.view();
+  world.guarded("a collider's motion", [&] {
+    world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
+                                       tables.colliders, tables.against_colliders, step);
+  });
+  world.particle_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
+                                     tables.against_objects, step);
+}
+
+void generate_contacts(WorldState& world, const Substep& substep) {
+  const ParticleView view = world.view();
+  world.guarded("a collider's motion", [&] { world.collider_contacts.refresh(view, substep, world.time); });
+  world.particle_contacts.refresh(view, substep);
+}
+
+void apply_restitution(WorldState& world, const Substep& substep) {
+  const ParticleView view = world.view();
+  world.particle_contacts.apply_restitution(view, world.particles.velocity, substep);
+  world.collider_contacts.apply_restitution(view, world.particles.velocity, substep);
+}
+
+void report_contacts(WorldState& world) {
+  const ContactReport colliders = world.collider_contacts.report();
+  const ContactReport particles = world.particle_contacts.report();
+  world.report.contacts = colliders.count + particles.count;
+  world.report.deepest_contact = static_cast<double>(std::max(colliders.deepest, particles.deepest));
+}
+
+std::span<const ContactEvent> World::contacts() const {
+  WorldState& world = impl_->state;
+  if (world.events_step == world.steps) return world.events;
+  world.events_step = world.steps;
+  world.events.clear();
+  const ParticleView view = world.view();
+  std::vector<ContactPush> pushes;
+  world.collider_contacts.events(view, pushes);
+  for (const ContactPush& push : pushes) append_event(world, push, true, world.events);
+  pushes.clear();
+  world.particle_contacts.events(view, pushes);
+  for (const ContactPush& push : pushes) append_event(world, push, false, world.events);
+  return world.events;
+}
+
+}  // namespace souple

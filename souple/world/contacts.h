@@ -1,0 +1,14 @@
+#pragma once
+
+#include "souple/world/state.h"
+
+namespace souple {
+
+/// Tells the contact projectors what there is: object ranges, which of them meet, surfaces.
+void build_contact_tables(WorldState& world);
+/// Stage (5) at contacts.
+void apply_restitution(WorldState& world, const Substep& substep);
+/// Fills the report's counts.
+void report_contacts(WorldState& world);
+
+}  // namespace souple

@@ -1,0 +1,135 @@
+#include "souple/world/diagnose.h"
+
+#include "souple/world/build.h"
+#include "souple/world/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+namespace {
+
+constexpr double large_strain = 0.1;
+
+void keep_last_good(WorldState& world) {
+  world.good_position = world.particles.position;
+  world.good_offset = world.particles.offset;
+  world.good_velocity = world.particles.velocity;
+}
+
+void restore_last_good(WorldState& world) {
+  Particles& particles = world.particles;
+  const std::size_t bad = *world.first_bad;
+  const Object& object = *world.objects[world.object_of[bad]];
+  world.report.bad_object = object.name;
+  world.report.bad_vertex = object.vertex_of[bad - object.begin];
+  particles.position = world.good_position;
+  particles.offset = world.good_offset;
+  particles.velocity = world.good_velocity;
+  world.complain(Flag::non_finite, object.name + ", vertex " + std::to_string(world.report.bad_vertex) +
+                                       ": " + std::string(advice(Flag::non_finite)));
+}
+
+void measure(WorldState& world) {
+  StepReport& report = world.report;
+  const ParticleView view = world.view();
+  world.for_each_projector([&](const Projector& projector) {
+    if (projector.size() == 0) return;
+    report.constraints += projector.size();
+    KindReport kind{.kind = projector.kind(), .count = projector.size()};
+    if (world.settings.measure_residuals) {
+      const Residual residual = projector.residual(view);
+      kind.largest = residual.largest;
+      kind.mean = residual.count > 0 ? residual.sum / static_cast<double>(residual.count) : 0;
+      report.largest_strain = std::max(report.largest_strain, residual.largest_strain);
+    }
+    report.kinds.push_back(kind);
+  });
+}
+
+// What users' run-time constraints threw, or returned that is no number.
+void report_custom_errors(WorldState& world) {
+  for (const Extra& extra : world.extras)
+    if (auto* custom = dynamic_cast<CustomProjector*>(extra.projector.get())) {
+      const std::string error = custom->take_error();
+      if (!error.empty()) world.complain(Flag::callback_failed, error);
+    }
+}
+
+void raise_flags(WorldState& world) {
+  const StepReport& report = world.report;
+  if (report.largest_strain > large_strain) world.complain(Flag::large_strain, advice(Flag::large_strain));
+  float thickest = 0;
+  for (const float radius : world.particles.radius) thickest = std::max(thickest, radius);
+  if (report.deepest_contact > 2 * static_cast<double>(thickest))
+    world.complain(Flag::deep_contact, advice(Flag::deep_contact));
+}
+
+}  // namespace
+
+Substep substep_of(const Settings& settings, double dt) {
+  return {.h = static_cast<float>(dt / settings.substeps),
+          .iterations = settings.iterations,
+          .mode = settings.mode,
+          .form = settings.form,
+          .count = settings.substeps};
+}
+
+void bring_up_to_date(WorldState& world) {
+  if (world.dirty) {
+    build_constraints(world);
+    build_contact_radii(world);
+    build_contact_tables(world);
+    world.dirty = false;
+  }
+  world.for_each_projector([&](Projector& projector) { projector.prepare(world.particles.size()); });
+}
+
+bool begin_step(WorldState& world, double dt) {
+  StepReport& report = world.report;
+  if (world.stepping) {
+    world.complain(Flag::callback_failed, "step: a callback of a step called step; nothing was done");
+    return false;
+  }
+  std::vector<KindReport> kinds = std::move(report.kinds);
+  kinds.clear();
+  report = {};
+  report.kinds = std::move(kinds);
+  report.step = world.steps;
+  report.time = world.time;
+  if (!(dt > 0) || !std::isfinite(dt) || !(static_cast<float>(dt / world.settings.substeps) > 0)) {
+    report.message =
+        "step: dt is " + std::to_string(dt) + " s, expected a positive finite time; nothing was done";
+    return false;
+  }
+  try {
+    bring_up_to_date(world);
+  } catch (const Error& error) {
+    world.complain(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
+    return false;
+  }
+  keep_last_good(world);
+  world.first_bad.reset();
+  report.step = ++world.steps;
+  report.substeps = world.settings.substeps;
+  report.iterations = world.settings.iterations;
+  report.particles = world.particles.size();
+  return true;
+}
+
+void end_step(WorldState& world, bool good) {
+  if (!good) restore_last_good(world);
+  ++world.version;
+  world.report.time = world.time;
+  report_contacts(world);
+  report_custom_errors(world);
+  measure(world);
+  if (good) raise_flags(world);
+}
+
+void run_callbacks(World& self, WorldState& world,
+                   const std::vector<std::function<void(World&)>>& callbacks) {
+  for (const auto& callback : callbacks) world.guarded("a stage's callback", [&] { callback(self); });
+}
+
+}  // namespace souple

@@ -1,0 +1,328 @@
+#include "souple/constraints/distance.h"
+#include "souple/constraints/tether.h"
+#include "souple/geometry/adjacency.h"
+#include "souple/world/add.h"
+#include "souple/world/impl.h"
+#include "souple/world/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+// Selectors, pins, and the constraints that users add between vertices.
+
+namespace souple {
+namespace {
+
+struct Choose {
+  const Object& object;
+  std::span<const Vec3f> positions;
+
+  std::vector<std::uint32_t> operator()(const Selector::All&) const {
+    std::vector<std::uint32_t> result(positions.size());
+    for (std::uint32_t i = 0; i < result.size(); ++i) result[i] = i;
+    return result;
+  }
+  std::vector<std::uint32_t> operator()(const Selector::Vertices& chosen) const {
+    std::vector<std::uint32_t> result = chosen.indices;
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    if (!result.empty() && result.back() >= positions.size())
+      throw Error("vertices: " + object.name + " has " + std::to_string(positions.size()) +
+                  " vertices, no number " + std::to_string(result.back()));
+    return result;
+  }
+  std::vector<std::uint32_t> operator()(const Selector::InBox& box) const {
+    std::vector<std::uint32_t> result;
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {
+      const Vec3f& x = positions[i];
+      if (x.x >= box.lo.x && x.x <= box.hi.x && x.y >= box.lo.y && x.y <= box.hi.y && x.z >= box.lo.z &&
+          x.z <= box.hi.z)
+        result.push_back(i);
+    }
+    return result;
+  }
+  std::vector<std::uint32_t> operator()(const Selector::Nearest& nearest) const {
+    std::vector<std::uint32_t> result;
+    float best = std::numeric_limits<float>::infinity();
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {
+      const float distance = length_squared(positions[i] - nearest.point);
+      if (distance < best) best = distance, result = {i};
+    }
+    return result;
+  }
+  std::vector<std::uint32_t> operator()(const Selector::Group& group) const {
+    const auto found = object.mesh.groups.find(group.name);
+    if (found != object.mesh.groups.end()) return found->second;
+    std::vector<std::string_view> names;
+    for (const auto& [name, vertices] : object.mesh.groups) names.push_back(name);
+    throw Error("group: the mesh of " + object.name + " has no group '" + group.name + "'" +
+                nearest_name(group.name, names));
+  }
+};
+
+/// One constraint per particle chosen: which particle, and which vertex stands for it.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> particles_with_vertices(
+    const Object& object, const std::vector<std::uint32_t>& vertices) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
+  for (const std::uint32_t vertex : vertices)
+    for (const std::uint32_t particle : particles_of(object, {vertex})) result.emplace_back(particle, vertex);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end(), [](auto a, auto b) { return a.first == b.first; }),
+               result.end());
+  return result;
+}
+
+void set_inverse_mass(WorldState& world, const Object& object, std::uint32_t particle, bool pinned) {
+  const std::uint32_t i = object.begin + particle;
+  world.particles.position[i].w = pinned ? 0 : 1 / world.particles.mass[i];
+  if (pinned) world.particles.velocity[i] = {};
+}
+
+void require_compliance(float compliance, const char* what) {
+  if (!(compliance >= 0) || !std::isfinite(compliance))
+    throw Error(std::string(what) + ": the compliance is " + std::to_string(compliance) +
+                " m/N, expected a finite number >= 0");
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<std::uint32_t>& vertices) {
+  std::vector<std::uint32_t> result;
+  for (const std::uint32_t vertex : vertices) {
+    if (object.embedding) {
+      const Tet& tet = object.embedding->vertices[vertex];
+      result.insert(result.end(), tet.begin(), tet.end());
+    } else {
+      result.push_back(object.particle_of[vertex]);
+    }
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+std::vector<std::uint32_t> World::select(ObjectId id, const Selector& selector) const {
+  const Object& object = impl_->state.object(id);
+  std::vector<std::uint32_t> result = std::visit(Choose{object, positions(id)}, selector.choice);
+  if (result.empty())
+    throw Error("the selector means no vertex of " + object.name + "; look at where it is now");
+  return result;
+}
+
+void World::pin(ObjectId id, const Selector& selector, Target target) {
+  WorldState& world = impl_->state;
+  Object& object = world.object(id);
+  const std::vector<std::uint32_t> chosen = select(id, selector);
+  const auto shared = target ? std::make_shared<const Target>(std::move(target)) : nullptr;
+  for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
+    PinnedParticle pin{particle, vertex, {}, shared};
+    if (object.embedding)
+      pin.offset = world.exact_position(object.begin + particle) - Vec3d(positions(id)[vertex]);
+    const auto place =
+        std::lower_bound(object.pins.begin(), object.pins.end(), particle,
+                         [](const PinnedParticle& p, std::uint32_t i) { return p.particle < i; });
+    if (place != object.pins.end() && place->particle == particle) {
+      *place = pin;
+    } else {
+      object.pins.insert(place, pin);
+    }
+    set_inverse_mass(world, object, particle, true);
+  }
+}
+
+void World::unpin(ObjectId id, const Selector& selector) {
+  WorldState& world = impl_->state;
+  Object& object = world.object(id);
+  const std::vector<std::uint32_t> freed = particles_of(object, select(id, selector));
+  const auto is_freed = [&](const PinnedParticle& pin) {
+    return std::binary_search(freed.begin(), freed.end(), pin.particle);
+  };
+  for (const PinnedParticle& pin : object.pins)
+    if (is_freed(pin)) set_inverse_mass(world, object, pin.particle, false);
+  object.pins.erase(std::remove_if(object.pins.begin(), object.pins.end(), is_freed), object.pins.end());
+}
+
+std::vector<std::uint32_t> World::pinned(ObjectId id) const {
+  std::vector<std::uint32_t> result;
+  for (const PinnedParticle& pin : impl_->state.object(id).pins) result.push_back(pin.vertex);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, float compliance) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("attach");
+  require_compliance(compliance, "attach");
+  const Object& object = world.object(id);
+  const std::vector<std::uint32_t> chosen = select(id, selector);
+  auto projector = std::make_unique<SetProjector<Attachment>>();
+  Extra extra;
+  extra.target = std::move(target);
+  for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
+    const Vec3d x = world.exact_position(object.begin + particle);
+    projector->add({object.begin + particle}, {Vec3f(x)}, {compliance});
+    extra.followers.push_back({vertex, object.embedding ? x - Vec3d(positions(id)[vertex]) : Vec3d{}});
+  }
+  extra.attachment = projector.get();
+  return world.add_extra(std::move(extra), std::move(projector));
+}
+
+ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pairs, float rest_length,
+                           float compliance) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("connect");
+  require_compliance(compliance, "connect");
+  if (pairs.empty()) throw Error("connect: there are no pairs");
+  auto projector = std::make_unique<SetProjector<Distance>>();
+  for (const auto& [a, b] : pairs) {
+    const std::uint32_t i = particle(a.object, a.vertex), j = particle(b.object, b.vertex);
+    if (i == j) throw Error("connect: a vertex of " + name(a.object) + " is connected to itself");
+    const double now = length(world.exact_position(i) - world.exact_position(j));
+    projector->add({i, j}, {rest_length < 0 ? static_cast<float>(now) : rest_length}, {compliance});
+  }
+  Extra extra;
+  extra.tie = projector.get();
+  return world.add_extra(std::move(extra), std::move(projector));
+}
+
+namespace {
+
+/// Rest distance along edges from each particle of an object to the nearest of `sources`, and which that is
+/// (Dijkstra).
+struct Reach {
+  std::vector<double> distance;
+  std::vector<std::uint32_t> source;
+};
+
+Reach reach_from(const Object& object, const std::vector<PinnedParticle>& sources) {
+  const std::size_t count = object.particle_count();
+  std::vector<std::vector<std::uint32_t>> neighbours(count);
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    neighbours[a].push_back(b);
+    neighbours[b].push_back(a);
+  };
+  for (const Edge& edge : unique_edges(object.surface)) join(edge[0], edge[1]);
+  if (object.kind == ObjectKind::soft_body)
+    for (const Edge& edge : unique_edges(object.tets.tets)) join(edge[0], edge[1]);
+  if (object.kind == ObjectKind::rope)
+    for (std::uint32_t i = 0; i + 1 < count; ++i) join(i, i + 1);
+
+  Reach reach{std::vector<double>(count, std::numeric_limits<double>::infinity()),
+              std::vector<std::uint32_t>(count)};
+  using Entry = std::pair<double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (const PinnedParticle& pin : sources) {
+    reach.distance[pin.particle] = 0;
+    reach.source[pin.particle] = pin.particle;
+    queue.emplace(0.0, pin.particle);
+  }
+  while (!queue.empty()) {
+    const auto [distance, i] = queue.top();
+    queue.pop();
+    if (distance > reach.distance[i]) continue;
+    for (const std::uint32_t j : neighbours[i]) {
+      const double along = distance + length(object.rest[i] - object.rest[j]);
+      if (!(along < reach.distance[j])) continue;
+      reach.distance[j] = along;
+      reach.source[j] = reach.source[i];
+      queue.emplace(along, j);
+    }
+  }
+  return reach;
+}
+
+}  // namespace
+
+ProjectorId World::add_tethers(ObjectId id, float slack) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("add_tethers");
+  const Object& object = world.object(id);
+  if (object.pins.empty())
+    throw Error("add_tethers: " + object.name + " has no pinned vertex; pin some first");
+  if (!(slack >= 0) || !std::isfinite(slack))
+    throw Error("add_tethers: the slack is " + std::to_string(slack) + ", expected a finite number >= 0");
+  const Reach reach = reach_from(object, object.pins);
+  auto projector = std::make_unique<SetProjector<Tether>>();
+  for (std::uint32_t i = 0; i < object.particle_count(); ++i) {
+    if (!(reach.distance[i] > 0) || !std::isfinite(reach.distance[i])) continue;
+    projector->add({object.begin + i, object.begin + reach.source[i]},
+                   {static_cast<float>(reach.distance[i] * (1 + static_cast<double>(slack)))});
+  }
+  return world.add_extra({}, std::move(projector));
+}
+
+ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("add_projector");
+  if (!projector) throw Error("add_projector: the projector is null");
+  projector->prepare(world.particles.size());
+  return world.add_extra({}, std::move(projector));
+}
+
+ProjectorId WorldState::add_extra(Extra extra, std::unique_ptr<Projector> projector) {
+  extra.id = {next_id++};
+  extra.projector = std::move(projector);
+  extras.push_back(std::move(extra));
+  dirty = true;
+  return extras.back().id;
+}
+
+namespace {
+
+std::size_t find_extra(const WorldState& world, ProjectorId id) {
+  for (std::size_t k = 0; k < world.extras.size(); ++k)
+    if (world.extras[k].id.value == id.value) return k;
+  throw Error("no projector has the handle " + std::to_string(id.value) +
+              ": it was removed, or belongs to another world");
+}
+
+}  // namespace
+
+void World::remove(ProjectorId id) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("remove");
+  world.extras.erase(world.extras.begin() + static_cast<std::ptrdiff_t>(find_extra(world, id)));
+  world.dirty = true;
+}
+
+Projector& World::projector(ProjectorId id) {
+  WorldState& world = impl_->state;
+  return *world.extras[find_extra(world, id)].projector;
+}
+
+namespace {
+
+Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
+  world.require_between_steps(what);
+  Object& object = world.object(id);
+  if (object.kind != ObjectKind::cloth)
+    throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +
+                ", expected a closed cloth");
+  const std::size_t open = boundary_edges(object.surface).size();
+  if (object.surface.empty() || open > 0)
+    throw Error(std::string(what) + ": the surface of " + object.name + " is not closed (" +
+                std::to_string(open) + " open edges), so it encloses no volume");
+  return object;
+}
+
+}  // namespace
+
+void World::set_pressure(ObjectId id, float pascals) {
+  if (!std::isfinite(pascals)) throw Error("set_pressure: the pressure is not finite");
+  closed_cloth(impl_->state, id, "set_pressure").pressure = pascals;
+  impl_->state.dirty = true;
+}
+
+void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
+  if (!(factor > 0) || !std::isfinite(factor))
+    throw Error("set_enclosed_volume: the factor is " + std::to_string(factor) +
+                ", expected a finite number above 0");
+  require_compliance(compliance, "set_enclosed_volume");
+  closed_cloth(impl_->state, id, "set_enclosed_volume").enclosed_volume = {factor, compliance};
+  impl_->state.dirty = true;
+}
+
+}  // namespace souple

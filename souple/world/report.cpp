@@ -1,0 +1,39 @@
+#include "souple/world/report.h"
+
+namespace souple {
+
+std::string_view stage_name(Stage stage) {
+  switch (stage) {
+    case Stage::broad_phase:
+      return "broad_phase";
+    case Stage::integrate:
+      return "integrate";
+    case Stage::contacts:
+      return "contacts";
+    case Stage::solve:
+      return "solve";
+    case Stage::finish:
+      return "finish";
+    case Stage::velocity:
+      return "velocity";
+  }
+  return "?";
+}
+
+std::string_view advice(Flag flag) {
+  switch (flag) {
+    case Flag::non_finite:
+      return "a position or velocity is not a number; the last good state was restored: raise substeps, "
+             "lower the "
+             "stiffness, or look for extreme masses and forces";
+    case Flag::large_strain:
+      return "an edge is stretched by more than 10 %: raise substeps or the stiffness";
+    case Flag::deep_contact:
+      return "a contact is deeper than the thickness after the step: raise substeps or the thickness";
+    case Flag::callback_failed:
+      return "a callback threw an exception: its effect was left out";
+  }
+  return "?";
+}
+
+}  // namespace souple

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace souple {
+
+/// The stages of the loop, in order; `broad_phase` runs once a step, the others each substep.
+enum class Stage { broad_phase, integrate, contacts, solve, finish, velocity };
+inline constexpr std::size_t stage_count = 6;
+std::string_view stage_name(Stage stage);
+
+/// What a step wants its user to know. Each names the knob that mends it (see `advice`).
+enum class Flag : std::uint32_t {
+  non_finite =
+      1u
+      << 0,  ///< a position or velocity became NaN or infinite; the world was put back to its last good state
+  large_strain =
+      1u << 1,  ///< an edge is stretched more than 10 %: raise substeps, or compliance is what it should be
+  deep_contact = 1u << 2,  ///< a contact ends the step deeper than its thickness: raise substeps or thickness
+  callback_failed = 1u << 3,  ///< a user's callback threw; its effect was left out
+};
+/// One line: what the flag means and which setting mends it.
+std::string_view advice(Flag flag);
+
+struct KindReport {
+  std::string_view kind;  ///< "distance", "neo_hookean", ...
+  std::size_t count = 0;  ///< constraints
+  double largest = 0;     ///< |C| at the end of the step, in the unit of C; inequalities only where violated
+  double mean = 0;
+};
+
+/// What a step did. Returned by World::step; stays valid until the next step.
+struct StepReport {
+  std::uint64_t step = 0;  ///< counted from 1
+  double time = 0;         ///< s, at the end of the step
+  int substeps = 0, iterations = 0;
+  std::array<double, stage_count> milliseconds{};  ///< per Stage
+  std::size_t particles = 0, constraints = 0;
+  std::size_t contacts = 0;       ///< that pushed in the last substep
+  double deepest_contact = 0;     ///< m, penetration left at the end
+  double largest_strain = 0;      ///< (l - l0) / l0 over distance constraints, extension only
+  std::vector<KindReport> kinds;  ///< in the order they are solved
+  std::uint32_t flags = 0;        ///< of Flag
+  std::string bad_object;         ///< non_finite: which object went bad first
+  std::uint32_t bad_vertex = 0;   ///< and which of its vertices, user order
+  std::string message;            ///< in words, when a flag is set; one line each
+
+  bool has(Flag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
+  bool ok() const { return !has(Flag::non_finite); }
+  double total_milliseconds() const {
+    double sum = 0;
+    for (const double ms : milliseconds) sum += ms;
+    return sum;
+  }
+};
+
+}  // namespace souple

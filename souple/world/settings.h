@@ -1,0 +1,40 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+#include "souple/solver/projector.h"
+
+#include <cstdint>
+
+namespace souple {
+
+/// Stage (1). Semi-implicit is the default; the others exist to compare (docs/integrators.md).
+enum class Integrator {
+  semi_implicit,   ///< v* = v + h w f(x, v),   p* = x + h v*
+  explicit_euler,  ///< p* = x + h v,           v* = v + h w f(x, v)
+  implicit_euler   ///< v* = v + h w f(p*, v*), p* = x + h v*   (implicit in the external forces)
+};
+
+/// Moving air. Acts on triangles (drag and lift per area) and, with the linear drag of Settings, on
+/// particles.
+struct Wind {
+  Vec3f velocity{};            ///< m/s
+  float gust = 0;              ///< the wind's strength varies by this fraction, in [0, 1]
+  float gust_period = 2;       ///< s, of the slowest of the gusts
+  float air_density = 1.225f;  ///< kg/m^3
+};
+
+/// How a world is simulated. All of it may be changed between steps.
+struct Settings {
+  int substeps = 10;   ///< per step, >= 1
+  int iterations = 1;  ///< of the solver per substep, >= 1
+  Mode mode = Mode::small_steps;
+  Form form = Form::displacement;
+  Integrator integrator = Integrator::semi_implicit;
+  Vec3f gravity{0, -9.81f, 0};  ///< m/s^2
+  Wind wind{};
+  float drag = 0;                 ///< linear drag: f = -drag m (v - wind)  [1/s]
+  bool measure_residuals = true;  ///< residuals and strain in the report: costs about one iteration a step
+  std::uint64_t seed = 1;         ///< of the gusts
+};
+
+}  // namespace souple

@@ -1,0 +1,104 @@
+#include "souple/math/fnv1a.h"
+#include "souple/world/impl.h"
+
+#include <cstring>
+
+// A snapshot is: magic, shape (a hash of what the objects are), time, steps, number of frictional contacts,
+// then position (with inverse masses), offset and velocity of every particle, what contacts between particles
+// remember of friction, then a checksum of all before it.
+
+namespace souple {
+namespace {
+
+constexpr std::uint64_t magic = 0x31304e53504c5553u;  // "SULPSN01"
+
+template <class T>
+void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
+  const std::size_t begin = out.size();
+  out.resize(begin + count * sizeof(T));
+  if (count > 0) std::memcpy(out.data() + begin, values, count * sizeof(T));
+}
+
+template <class T>
+void get(std::span<const std::byte>& in, T* values, std::size_t count) {
+  if (count > 0) std::memcpy(values, in.data(), count * sizeof(T));
+  in = in.subspan(count * sizeof(T));
+}
+
+/// What has to be equal for a snapshot to fit: names, kinds and sizes of the objects, in order.
+std::uint64_t shape_of(const WorldState& world) {
+  std::uint64_t hash = fnv1a64_start;
+  for (const auto& object : world.objects) {
+    hash = fnv1a64(object->name, hash);
+    const std::uint32_t numbers[] = {static_cast<std::uint32_t>(object->kind), object->begin, object->end};
+    hash = fnv1a64(std::as_bytes(std::span(numbers)), hash);
+  }
+  return hash;
+}
+
+struct Header {
+  std::uint64_t magic, shape;
+  double time;
+  std::uint64_t steps, contacts;
+};
+
+std::size_t size_for(std::size_t particles, std::size_t contacts) {
+  return sizeof(Header) + 3 * particles * sizeof(Vec4f) + contacts * sizeof(FrictionMemory) +
+         sizeof(std::uint64_t);
+}
+
+/// Checks everything that can be checked before the world is touched.
+Header checked_header(const WorldState& world, std::span<const std::byte> bytes) {
+  if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t))
+    throw Error("restore: the snapshot is cut short");
+  std::uint64_t checksum = 0;
+  std::memcpy(&checksum, bytes.data() + bytes.size() - sizeof checksum, sizeof checksum);
+  if (checksum != fnv1a64(bytes.first(bytes.size() - sizeof checksum)))
+    throw Error("restore: the snapshot is damaged: its checksum does not fit");
+  Header header{};
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
+      bytes.size() != size_for(world.particles.size(), header.contacts))
+    throw Error(
+        "restore: the snapshot is of a world with other objects; build the world in the same way first");
+  return header;
+}
+
+}  // namespace
+
+Snapshot World::snapshot() const {
+  const WorldState& world = impl_->state;
+  const Particles& particles = world.particles;
+  const std::vector<FrictionMemory> memory = world.particle_contacts.memory();
+  const Header header{magic, shape_of(world), world.time, world.steps, memory.size()};
+  Snapshot result;
+  std::vector<std::byte>& out = result.bytes;
+  out.reserve(size_for(particles.size(), memory.size()));
+  put(out, &header, 1);
+  put(out, particles.position.data(), particles.size());
+  put(out, particles.offset.data(), particles.size());
+  put(out, particles.velocity.data(), particles.size());
+  put(out, memory.data(), memory.size());
+  const std::uint64_t checksum = fnv1a64(out);
+  put(out, &checksum, 1);
+  return result;
+}
+
+void World::restore(const Snapshot& snapshot) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("restore");
+  const Header header = checked_header(world, snapshot.bytes);
+  std::span<const std::byte> in = std::span(snapshot.bytes).subspan(sizeof header);
+  Particles& particles = world.particles;
+  world.time = header.time;
+  world.steps = header.steps;
+  get(in, particles.position.data(), particles.size());
+  get(in, particles.offset.data(), particles.size());
+  get(in, particles.velocity.data(), particles.size());
+  std::vector<FrictionMemory> memory(header.contacts);
+  get(in, memory.data(), memory.size());
+  world.particle_contacts.set_memory(memory);
+  ++world.version;
+}
+
+}  // namespace souple

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "souple/world/state.h"
+
+// The stages of the loop, one function each, over the state of a world. World::step calls them in order.
+
+namespace souple {
+
+/// Once a step: which particles may meet which colliders and each other within dt seconds.
+void find_candidates(WorldState& world, double dt);
+
+/// (1) v* and p* from external forces, by the integrator of the settings; pinned particles go to their
+/// targets.
+void integrate(WorldState& world, const Substep& substep);
+
+/// (2) Contacts along x -> p.
+void generate_contacts(WorldState& world, const Substep& substep);
+
+/// (3) Projects every constraint, `iterations` times: kind after kind, colour after colour, contacts last.
+void solve(WorldState& world, const Substep& substep);
+
+/// (4) v = v* + (p - p*) / h, which is (p - x) / h when p* = x + h v*; x = p. False when a number went bad.
+bool finish(WorldState& world, const Substep& substep);
+
+/// (5) Restitution and damping.
+void update_velocities(WorldState& world, const Substep& substep);
+
+}  // namespace souple

@@ -1,0 +1,96 @@
+#include "souple/world/state.h"
+
+#include <algorithm>
+
+namespace souple {
+
+void Extra::follow(double t) {
+  if (!attachment || !target) return;
+  for (std::size_t k = 0; k < followers.size(); ++k)
+    attachment->set().params[k].target = Vec3f(target(followers[k].vertex, t) + followers[k].offset);
+}
+
+void Extra::erase_particles(std::uint32_t begin, std::uint32_t end) {
+  if (attachment) {
+    const auto& indices =
+        attachment->set().indices;  // in the order of the followers: one colour, one particle each
+    std::vector<Follower> kept;
+    for (std::size_t k = 0; k < indices.size(); ++k)
+      if (indices[k][0] < begin || indices[k][0] >= end) kept.push_back(followers[k]);
+    followers = std::move(kept);
+  }
+  projector->erase_particles(begin, end);
+}
+
+Object& WorldState::object(ObjectId id) {
+  for (const auto& object : objects)
+    if (object->id == id) return *object;
+  throw Error("no object has the handle " + std::to_string(id.value) +
+              ": it was removed, or belongs to another world");
+}
+
+ColliderRecord& WorldState::collider(ColliderId id) {
+  for (ColliderRecord& record : colliders)
+    if (record.id == id) return record;
+  throw Error("no collider has the handle " + std::to_string(id.value) +
+              ": it was removed, or belongs to another world");
+}
+
+void WorldState::place(std::size_t i, const Vec3d& x) {
+  const Vec3f rounded(x);
+  particles.position[i].set_xyz(rounded);
+  particles.offset[i] = {};
+  if (settings.form == Form::displacement) particles.offset[i].set_xyz(Vec3f(x - Vec3d(rounded)));
+}
+
+void WorldState::require_free_name(std::string_view name) const {
+  for (const auto& object : objects)
+    if (object->name == name) throw Error("the name '" + std::string(name) + "' is taken by another object");
+  for (const ColliderRecord& record : colliders)
+    if (record.options.name == name)
+      throw Error("the name '" + std::string(name) + "' is taken by a collider");
+}
+
+std::string WorldState::unique_name(const std::string& wanted, std::string_view base) const {
+  if (!wanted.empty()) {
+    require_free_name(wanted);
+    return wanted;
+  }
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(objects.begin(), objects.end(),
+                       [&](const auto& object) { return object->name == name; }) ||
+           std::any_of(colliders.begin(), colliders.end(),
+                       [&](const auto& c) { return c.options.name == name; });
+  };
+  std::string name(base);
+  for (int n = 2; taken(name); ++n) name = std::string(base) + std::to_string(n);
+  return name;
+}
+
+void WorldState::require_between_steps(std::string_view what) const {
+  if (stepping) throw Error(std::string(what) + ": not while a step runs; call it between steps");
+}
+
+const Object& WorldState::object(ObjectId id) const {
+  return const_cast<WorldState*>(this)->object(id);
+}
+
+ParticleView WorldState::view() {
+  const bool plain = settings.form == Form::plain;
+  return {particles.position, plain ? particles.position : particles.offset, particles.start, settings.form};
+}
+
+void WorldState::complain(Flag flag, std::string_view words) {
+  report.flags |= static_cast<std::uint32_t>(flag);
+  if (report.message.find(words) != std::string::npos) return;
+  if (!report.message.empty()) report.message += '\n';
+  report.message += words;
+  if (log) log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
+}
+
+void WorldState::tell(const std::string& name, const std::vector<std::string>& sentences) const {
+  if (!log) return;
+  for (const std::string& sentence : sentences) log(LogLevel::info, name + ": " + sentence);
+}
+
+}  // namespace souple

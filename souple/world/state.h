@@ -1,0 +1,197 @@
+#pragma once
+
+// What a World holds, for the files of this folder only; users see world.h.
+
+#include "souple/collision/collider.h"
+#include "souple/collision/collider_contacts.h"
+#include "souple/collision/particle_contacts.h"
+#include "souple/constraints/attachment.h"
+#include "souple/constraints/distance.h"
+#include "souple/geometry/embedding.h"
+#include "souple/solver/custom_constraint.h"
+#include "souple/solver/projector.h"
+#include "souple/solver/set_projector.h"
+#include "souple/state/particles.h"
+#include "souple/world/world.h"
+
+#include <array>
+#include <exception>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace souple {
+
+using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial>;
+
+/// A particle held by a pin: it goes to target(vertex, t) + offset, or stays where it is when there is no
+/// target.
+struct PinnedParticle {
+  std::uint32_t particle = 0;  ///< within the object
+  std::uint32_t vertex = 0;    ///< user order
+  Vec3d offset{};              ///< from the vertex to the particle when it was pinned [m]
+  std::shared_ptr<const Target> target;
+};
+
+/// Everything that says what an object is. Its constraints are a pure function of this (see build.h).
+struct Object {
+  ObjectId id;
+  std::string name;
+  ObjectKind kind = ObjectKind::cloth;
+  Material material;
+  std::uint32_t begin = 0, end = 0;        ///< particles
+  TriangleMesh mesh;                       ///< as given, placed; positions are the rest state; may be empty
+  TetMesh tets;                            ///< soft bodies: vertices are the particles, in order
+  std::vector<Vec3d> rest;                 ///< of each particle [m]
+  std::vector<std::uint32_t> particle_of;  ///< user vertex -> particle within the object; empty when embedded
+  std::vector<std::uint32_t> vertex_of;    ///< particle -> one user vertex on it, or near it when embedded
+  std::optional<Embedding> embedding;      ///< user vertices in `tets`, when they are no particles
+  std::vector<std::array<std::uint32_t, 3>>
+      surface;  ///< triangles over particles, for wind and pressure; may be empty
+  std::vector<std::uint32_t> surface_source;  ///< cloth: per triangle of `surface`, its index in `mesh`
+  std::vector<float> stiffness_map;           ///< per particle; empty: 1
+  std::vector<float> thickness_map;           ///< per particle; empty: 1
+  std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
+  std::vector<PinnedParticle> pins;                        ///< ascending by particle
+  float pressure = 0;                                      ///< Pa
+  std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance
+
+  std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
+  std::size_t vertex_count() const { return embedding ? mesh.positions.size() : particle_of.size(); }
+  /// Mean of a per-particle map over a constraint's particles; 1 without a map.
+  template <class Indices>
+  float mean(const std::vector<float>& map, const Indices& particles_of_constraint) const {
+    if (map.empty()) return 1;
+    float sum = 0;
+    for (const std::uint32_t i : particles_of_constraint) sum += map[i];
+    return sum / static_cast<float>(std::size(particles_of_constraint));
+  }
+};
+
+/// The user-order mirror of an object; refreshed lazily.
+struct Mirror {
+  std::uint64_t version = 0;  ///< of the state it shows
+  std::uint64_t normals_version = 0;
+  std::vector<Vec3f> positions, velocities, normals;
+};
+
+/// A projector that does not come from one object alone: attachments, ties, tethers, the user's own.
+struct Extra {
+  /// The k-th constraint of an attachment goes where target(vertex, t) + offset is.
+  struct Follower {
+    std::uint32_t vertex = 0;
+    Vec3d offset{};
+  };
+
+  ProjectorId id;
+  std::unique_ptr<Projector> projector;
+  SetProjector<Attachment>* attachment = nullptr;  ///< `projector`, when it has a target
+  SetProjector<Distance>* tie = nullptr;           ///< `projector`, when it ties vertices together
+  Target target;
+  std::vector<Follower> followers;
+
+  void follow(double t);
+  /// Particles [begin, end) cease to exist.
+  void erase_particles(std::uint32_t begin, std::uint32_t end);
+};
+
+struct ColliderRecord {
+  ColliderId id;
+  ColliderOptions options;
+  Shape shape;
+};
+
+/// What the contact projectors look up during a step; built from objects and colliders.
+struct ContactTables {
+  std::vector<ContactObject> objects;
+  std::vector<Collider> colliders;
+  SurfaceMatrix against_colliders, against_objects;
+};
+
+struct WorldState {
+  Settings settings;
+  double time = 0;
+  std::uint64_t steps = 0;
+  std::uint64_t version = 1;  ///< grows whenever positions may have changed
+
+  Particles particles;
+  std::vector<Vec4f> predicted;          ///< p* of explicit and implicit integration
+  std::vector<Vec4f> force;              ///< of the wind on triangles [N]
+  std::vector<std::uint32_t> object_of;  ///< per particle: index into objects
+
+  std::vector<std::unique_ptr<Object>> objects;  ///< stable addresses
+  std::vector<ColliderRecord> colliders;
+  std::uint32_t next_id = 1;
+
+  std::vector<std::unique_ptr<Projector>> standard;  ///< built from the objects, in the order they are solved
+  std::vector<Extra> extras;
+  ColliderContacts collider_contacts;
+  ParticleContacts particle_contacts;
+  ContactTables tables;
+  PairTable pairs;
+  bool dirty = true;  ///< objects or materials changed: build before the next step
+
+  std::vector<ForceField> force_fields;
+  std::array<std::vector<std::function<void(World&)>>, stage_count> before, after;
+  std::function<void(LogLevel, std::string_view)> log;
+
+  StepReport report;
+  std::vector<ContactEvent> events;
+  std::uint64_t events_step = 0;                                 ///< the step `events` are of
+  std::vector<Vec4f> good_position, good_offset, good_velocity;  ///< the last good state
+  mutable std::map<std::uint32_t, Mirror> mirrors;               ///< by object id
+
+  std::optional<std::size_t> first_bad;  ///< the first particle whose number went bad in this step
+  bool stepping = false;  ///< inside World::step: callbacks may look and push, not add or remove
+
+  /// Throws when the handle is stale.
+  Object& object(ObjectId id);
+  const Object& object(ObjectId id) const;
+  ColliderRecord& collider(ColliderId id);
+  ParticleView view();
+
+  /// Position of a particle with what float cannot hold. [m]
+  Vec3d exact_position(std::size_t i) const {
+    return Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz());
+  }
+  /// Puts a particle at x, keeping in the displacement form what float cannot hold.
+  void place(std::size_t i, const Vec3d& x);
+
+  /// `wanted` when it is free, else throws; empty: `base`, base2, base3, ... whichever is free first.
+  std::string unique_name(const std::string& wanted, std::string_view base) const;
+  void require_free_name(std::string_view name) const;
+  void require_between_steps(std::string_view what) const;
+
+  /// Calls f(projector) for all of them in the order they are solved: standard, extras, contacts.
+  template <class Function>
+  void for_each_projector(const Function& f) {
+    for (const auto& projector : standard) f(*projector);
+    for (const Extra& extra : extras) f(*extra.projector);
+    f(particle_contacts);
+    f(collider_contacts);
+  }
+
+  ProjectorId add_extra(Extra extra, std::unique_ptr<Projector> projector);
+
+  /// Sets a flag of the report and adds a line to its message.
+  void complain(Flag flag, std::string_view words);
+  /// Tells the log what was mended in an object's mesh.
+  void tell(const std::string& name, const std::vector<std::string>& sentences) const;
+  /// Calls what may throw (users' callbacks); an exception becomes Flag::callback_failed.
+  template <class Function>
+  void guarded(std::string_view what, const Function& f) {
+    try {
+      f();
+    } catch (const std::exception& error) {
+      complain(Flag::callback_failed, std::string(what) + " threw: " + error.what());
+    } catch (...) {
+      complain(Flag::callback_failed, std::string(what) + " threw something that is no std::exception");
+    }
+  }
+};
+
+}  // namespace souple

@@ -1,0 +1,46 @@
+#include "souple/world/diagnose.h"
+#include "souple/world/impl.h"
+#include "souple/world/stages.h"
+
+#include <chrono>
+
+namespace souple {
+namespace {
+
+/// Runs a stage between the user's callbacks and adds its time to the report.
+template <class Function>
+void run(World& self, WorldState& world, Stage stage, const Function& function) {
+  const auto index = static_cast<std::size_t>(stage);
+  const auto start = std::chrono::steady_clock::now();
+  run_callbacks(self, world, world.before[index]);
+  function();
+  run_callbacks(self, world, world.after[index]);
+  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+  world.report.milliseconds[index] += spent.count();
+}
+
+}  // namespace
+
+const StepReport& World::step(double dt) {
+  WorldState& world = impl_->state;
+  if (!begin_step(world, dt)) return world.report;
+  const Substep substep = substep_of(world.settings, dt);
+  const double start = world.time;
+  bool good = true;
+  world.stepping = true;
+  run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
+  for (int i = 1; good && i <= substep.count; ++i) {
+    run(*this, world, Stage::integrate, [&] { integrate(world, substep); });
+    run(*this, world, Stage::contacts, [&] { generate_contacts(world, substep); });
+    run(*this, world, Stage::solve, [&] { solve(world, substep); });
+    run(*this, world, Stage::finish, [&] { good = finish(world, substep); });
+    run(*this, world, Stage::velocity, [&] { update_velocities(world, substep); });
+    world.time = start + dt * i / substep.count;
+  }
+  world.stepping = false;
+  if (!good) world.time = start;
+  end_step(world, good);
+  return world.report;
+}
+
+}  // namespace souple

@@ -1,0 +1,140 @@
+#include "souple/world/validate.h"
+
+#include "souple/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace souple {
+namespace {
+
+/// A field and the range it has to be in; hi is excluded when `open`.
+struct Check {
+  const char* field;
+  double value, lo, hi;
+  bool open = false;
+};
+
+constexpr double any = 1e30;
+
+void check_all(std::string_view owner, std::initializer_list<Check> checks) {
+  for (const Check& check : checks) {
+    const bool below = check.open ? check.value < check.hi : check.value <= check.hi;
+    if (check.value >= check.lo && below) continue;
+    throw Error(fmt::format("{}: {} is {:g}, expected a number from {:g} to {}{:g}", owner, check.field,
+                            check.value, check.lo, check.open ? "below " : "", check.hi));
+  }
+}
+
+void require_finite(std::string_view owner, const char* field, const Vec3f& v) {
+  if (!is_finite(v))
+    throw Error(
+        fmt::format("{}: {} is ({:g}, {:g}, {:g}), expected finite numbers", owner, field, v.x, v.y, v.z));
+}
+
+constexpr double smallest = 1e-30;
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+void validate(const Settings& s) {
+  check_all("settings", {{"substeps", double(s.substeps), 1, 100000},
+                         {"iterations", double(s.iterations), 1, 100000},
+                         {"drag", double(s.drag), 0, any},
+                         {"wind.gust", double(s.wind.gust), 0, 1},
+                         {"wind.gust_period", double(s.wind.gust_period), smallest, any},
+                         {"wind.air_density", double(s.wind.air_density), 0, any}});
+  require_finite("settings", "gravity", s.gravity);
+  require_finite("settings", "wind.velocity", s.wind.velocity);
+}
+
+void validate(const Transform& t, std::string_view owner) {
+  const double q = std::sqrt(t.rotation.x * t.rotation.x + t.rotation.y * t.rotation.y +
+                             t.rotation.z * t.rotation.z + t.rotation.w * t.rotation.w);
+  check_all(owner, {{"transform's scale", t.scale, smallest, any},
+                    {"length of the rotation quaternion", q, 0.999, 1.001}});
+  if (!is_finite(t.translation)) throw Error(fmt::format("{}: the translation is not finite", owner));
+}
+
+void validate(const ClothMaterial& m, std::string_view owner) {
+  check_all(owner, {{"areal_density", double(m.areal_density), smallest, any},
+                    {"membrane_stiffness", double(m.membrane_stiffness), 0, any},
+                    {"weft_stiffness", double(m.weft_stiffness), 0, any},
+                    {"shear_stiffness", double(m.shear_stiffness), 0, any},
+                    {"poisson_ratio", double(m.poisson_ratio), 0, 1, true},
+                    {"bending_stiffness", double(m.bending_stiffness), 0, any},
+                    {"thickness", double(m.thickness), 0, any},
+                    {"friction", double(m.friction), 0, any},
+                    {"restitution", double(m.restitution), 0, 1},
+                    {"damping_time", double(m.damping_time), 0, any},
+                    {"damping", double(m.damping), 0, any},
+                    {"air_drag", double(m.air_drag), 0, any},
+                    {"air_lift", double(m.air_lift), 0, any},
+                    {"pbd_stretch", double(m.pbd_stretch), 0, 1},
+                    {"pbd_bending", double(m.pbd_bending), 0, 1}});
+}
+
+void validate(const SoftBodyMaterial& m, std::string_view owner) {
+  check_all(owner, {{"young_modulus", double(m.young_modulus), smallest, any},
+                    {"poisson_ratio", double(m.poisson_ratio), 0, 0.5, true},
+                    {"density", double(m.density), smallest, any},
+                    {"thickness", double(m.thickness), 0, any},
+                    {"friction", double(m.friction), 0, any},
+                    {"restitution", double(m.restitution), 0, 1},
+                    {"damping_time", double(m.damping_time), 0, any},
+                    {"damping", double(m.damping), 0, any},
+                    {"pbd_stiffness", double(m.pbd_stiffness), 0, 1}});
+}
+
+void validate(const RopeMaterial& m, std::string_view owner) {
+  check_all(owner, {{"radius", double(m.radius), smallest, any},
+                    {"young_modulus", double(m.young_modulus), smallest, any},
+                    {"density", double(m.density), smallest, any},
+                    {"bending_stiffness", double(m.bending_stiffness), 0, any},
+                    {"friction", double(m.friction), 0, any},
+                    {"restitution", double(m.restitution), 0, 1},
+                    {"damping_time", double(m.damping_time), 0, any},
+                    {"damping", double(m.damping), 0, any},
+                    {"pbd_stretch", double(m.pbd_stretch), 0, 1},
+                    {"pbd_bending", double(m.pbd_bending), 0, 1}});
+}
+
+void validate(const GrainsMaterial& m, std::string_view owner) {
+  check_all(owner, {{"radius", double(m.radius), smallest, any},
+                    {"density", double(m.density), smallest, any},
+                    {"friction", double(m.friction), 0, any},
+                    {"restitution", double(m.restitution), 0, 1},
+                    {"damping", double(m.damping), 0, any}});
+}
+
+std::string nearest_name(std::string_view name, std::span<const std::string_view> names) {
+  std::string_view nearest;
+  std::size_t best = std::max<std::size_t>(2, name.size() / 2) + 1;
+  for (const std::string_view candidate : names) {
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < best) best = distance, nearest = candidate;
+  }
+  if (!nearest.empty()) return fmt::format("; did you mean '{}'?", nearest);
+  if (names.empty()) return "; there is none";
+  return names.size() > 20 ? std::string() : fmt::format("; there are: {}", fmt::join(names, ", "));
+}
+
+}  // namespace souple

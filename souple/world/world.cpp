@@ -1,0 +1,344 @@
+#include "souple/world/world.h"
+
+#include "souple/world/add.h"
+#include "souple/world/build.h"
+#include "souple/world/impl.h"
+#include "souple/world/validate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+
+std::string_view kind_name(ObjectKind kind) {
+  switch (kind) {
+    case ObjectKind::cloth:
+      return "cloth";
+    case ObjectKind::soft_body:
+      return "soft_body";
+    case ObjectKind::rope:
+      return "rope";
+    case ObjectKind::grains:
+      return "grains";
+  }
+  return "?";
+}
+
+World::World(const Settings& settings) : impl_(std::make_unique<Impl>()) {
+  set_settings(settings);
+}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+const StepReport& World::report() const {
+  return impl_->state.report;
+}
+double World::time() const {
+  return impl_->state.time;
+}
+const Settings& World::settings() const {
+  return impl_->state.settings;
+}
+
+void World::set_settings(const Settings& settings) {
+  validate(settings);
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_settings");
+  if (settings.form == Form::plain)
+    for (Vec4f& offset : world.particles.offset) offset = {};
+  world.settings = settings;
+}
+
+void World::before(Stage stage, std::function<void(World&)> callback) {
+  impl_->state.before[static_cast<std::size_t>(stage)].push_back(std::move(callback));
+}
+
+void World::after(Stage stage, std::function<void(World&)> callback) {
+  impl_->state.after[static_cast<std::size_t>(stage)].push_back(std::move(callback));
+}
+
+// --- objects
+// --------------------------------------------------------------------------------------------------------
+
+void World::remove(ObjectId id) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("remove");
+  remove_object(world, world.object(id));
+}
+
+std::vector<ObjectId> World::objects() const {
+  std::vector<ObjectId> ids;
+  for (const auto& object : impl_->state.objects) ids.push_back(object->id);
+  return ids;
+}
+
+bool World::contains(ObjectId id) const {
+  const auto& objects = impl_->state.objects;
+  return std::any_of(objects.begin(), objects.end(), [&](const auto& object) { return object->id == id; });
+}
+
+ObjectId World::find_object(std::string_view name) const {
+  std::vector<std::string_view> names;
+  for (const auto& object : impl_->state.objects) {
+    if (object->name == name) return object->id;
+    names.push_back(object->name);
+  }
+  throw Error("no object is named '" + std::string(name) + "'" + nearest_name(name, names));
+}
+
+const std::string& World::name(ObjectId id) const {
+  return impl_->state.object(id).name;
+}
+ObjectKind World::kind(ObjectId id) const {
+  return impl_->state.object(id).kind;
+}
+
+namespace {
+
+template <class M>
+const M& material_of(const WorldState& world, ObjectId id) {
+  const Object& object = world.object(id);
+  if (const M* material = std::get_if<M>(&object.material)) return *material;
+  throw Error(object.name + " is a " + std::string(kind_name(object.kind)) +
+              ": it has no material of the kind asked for");
+}
+
+template <class M>
+void change_material(WorldState& world, ObjectId id, const M& material) {
+  world.require_between_steps("set_material");
+  Object& object = world.object(id);
+  const M& old = material_of<M>(world, id);
+  validate(material, object.name);
+  const float density_ratio = density(material) / density(old);
+  const Material before = object.material;
+  object.material = material;
+  try {
+    check_constraints(object);
+  } catch (const Error&) {
+    object.material = before;
+    throw;
+  }
+  if (density_ratio != 1) scale_mass(world, object, density_ratio);
+  world.dirty = true;
+}
+
+}  // namespace
+
+void World::set_material(ObjectId id, const ClothMaterial& m) {
+  change_material(impl_->state, id, m);
+}
+void World::set_material(ObjectId id, const SoftBodyMaterial& m) {
+  change_material(impl_->state, id, m);
+}
+void World::set_material(ObjectId id, const RopeMaterial& m) {
+  change_material(impl_->state, id, m);
+}
+void World::set_material(ObjectId id, const GrainsMaterial& m) {
+  change_material(impl_->state, id, m);
+}
+const ClothMaterial& World::cloth_material(ObjectId id) const {
+  return material_of<ClothMaterial>(impl_->state, id);
+}
+const SoftBodyMaterial& World::soft_body_material(ObjectId id) const {
+  return material_of<SoftBodyMaterial>(impl_->state, id);
+}
+const RopeMaterial& World::rope_material(ObjectId id) const {
+  return material_of<RopeMaterial>(impl_->state, id);
+}
+const GrainsMaterial& World::grains_material(ObjectId id) const {
+  return material_of<GrainsMaterial>(impl_->state, id);
+}
+
+std::span<const Triangle> World::triangles(ObjectId id) const {
+  return impl_->state.object(id).mesh.triangles;
+}
+const TriangleMesh& World::mesh(ObjectId id) const {
+  return impl_->state.object(id).mesh;
+}
+
+double World::total_mass(ObjectId id) const {
+  const Object& object = impl_->state.object(id);
+  double sum = 0;
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    sum += static_cast<double>(impl_->state.particles.mass[i]);
+  return sum;
+}
+
+float World::particle_radius(ObjectId id) const {
+  return contact_radius(impl_->state.object(id).material);
+}
+
+namespace {
+
+void require_particle_vertices(const Object& object, const char* what) {
+  if (object.embedding)
+    throw Error(
+        std::string(what) + ": the vertices of " + object.name +
+        " are embedded in a lattice and are no particles; use teleport, apply_impulse, pin or attach");
+}
+
+void require_count(const Object& object, std::size_t count, const char* what) {
+  if (count != object.vertex_count())
+    throw Error(std::string(what) + ": " + object.name + " has " + std::to_string(object.vertex_count()) +
+                " vertices, got " + std::to_string(count) + " values");
+}
+
+void require_all_finite(const Object& object, std::span<const Vec3f> values, const char* what) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!is_finite(values[i]))
+      throw Error(std::string(what) + ": " + object.name + ", value " + std::to_string(i) + " is not finite");
+}
+
+}  // namespace
+
+void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
+  WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  require_particle_vertices(object, "set_positions");
+  require_count(object, positions.size(), "set_positions");
+  require_all_finite(object, positions, "set_positions");
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    world.particles.position[i].set_xyz(positions[object.vertex_of[i - object.begin]]);
+    world.particles.offset[i] = {};
+  }
+  ++world.version;
+}
+
+void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
+  WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  require_particle_vertices(object, "set_velocities");
+  require_count(object, velocities.size(), "set_velocities");
+  require_all_finite(object, velocities, "set_velocities");
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    world.particles.velocity[i].set_xyz(velocities[object.vertex_of[i - object.begin]]);
+  ++world.version;
+}
+
+void World::teleport(ObjectId id, const Transform& transform) {
+  WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  validate(transform, "teleport");
+  if (transform.scale != 1)
+    throw Error("teleport: the scale is " + std::to_string(transform.scale) + ", expected 1");
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    const Vec3d x = world.exact_position(i);
+    world.place(i, transform.point(x));
+    Vec4f& velocity = world.particles.velocity[i];
+    velocity.set_xyz(Vec3f(transform.direction(Vec3d(velocity.xyz()))));
+  }
+  ++world.version;
+}
+
+void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& impulse) {
+  WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  if (!is_finite(impulse)) throw Error("apply_impulse: the impulse on " + object.name + " is not finite");
+  const std::vector<std::uint32_t> chosen = particles_of(object, select(id, selector));
+  double mass = 0;
+  for (const std::uint32_t i : chosen)
+    if (world.particles.position[object.begin + i].w > 0)
+      mass += static_cast<double>(world.particles.mass[object.begin + i]);
+  if (!(mass > 0)) return;  // all pinned
+  const Vec3f dv = impulse / static_cast<float>(mass);
+  for (const std::uint32_t i : chosen) {
+    Vec4f& velocity = world.particles.velocity[object.begin + i];
+    if (world.particles.position[object.begin + i].w > 0) velocity.set_xyz(velocity.xyz() + dv);
+  }
+  ++world.version;
+}
+
+std::uint32_t World::particle(ObjectId id, std::uint32_t vertex) const {
+  const Object& object = impl_->state.object(id);
+  require_particle_vertices(object, "particle");
+  if (vertex >= object.vertex_count())
+    throw Error("particle: " + object.name + " has " + std::to_string(object.vertex_count()) +
+                " vertices, no number " + std::to_string(vertex));
+  return object.begin + object.particle_of[vertex];
+}
+
+// --- colliders, forces, events
+// --------------------------------------------------------------------------------------
+
+ColliderId World::add_collider(const Shape& shape, const ColliderOptions& options) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("add_collider");
+  ColliderRecord record{{world.next_id}, options, shape};
+  record.options.name = world.unique_name(options.name, "collider");
+  validate(shape, record.options.name);
+  validate(Surface{.friction = options.friction, .restitution = options.restitution}, record.options.name);
+  world.colliders.push_back(std::move(record));
+  ++world.next_id;
+  world.dirty = true;
+  return world.colliders.back().id;
+}
+
+void World::remove(ColliderId id) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("remove");
+  const ColliderRecord& record = world.collider(id);
+  world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
+  world.dirty = true;
+}
+
+void World::set_collider(ColliderId id, const Shape& shape, const ColliderOptions& options) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_collider");
+  ColliderRecord& record = world.collider(id);
+  validate(shape, record.options.name);
+  validate(Surface{.friction = options.friction, .restitution = options.restitution}, record.options.name);
+  const std::string name = record.options.name;
+  if (!options.name.empty() && options.name != name) world.require_free_name(options.name);
+  record.shape = shape;
+  record.options = options;
+  if (options.name.empty()) record.options.name = name;
+  world.dirty = true;
+}
+
+std::vector<ColliderId> World::colliders() const {
+  std::vector<ColliderId> ids;
+  for (const ColliderRecord& record : impl_->state.colliders) ids.push_back(record.id);
+  return ids;
+}
+
+const Shape& World::shape(ColliderId id) const {
+  return impl_->state.collider(id).shape;
+}
+const ColliderOptions& World::collider_options(ColliderId id) const {
+  return impl_->state.collider(id).options;
+}
+Transform World::collider_pose(ColliderId id) const {
+  return impl_->state.collider(id).options.motion.at(time());
+}
+
+ColliderId World::find_collider(std::string_view name) const {
+  std::vector<std::string_view> names;
+  for (const ColliderRecord& record : impl_->state.colliders) {
+    if (record.options.name == name) return record.id;
+    names.push_back(record.options.name);
+  }
+  throw Error("no collider is named '" + std::string(name) + "'" + nearest_name(name, names));
+}
+
+void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_pair");
+  world.pairs.set(a, b, {friction, friction, restitution});
+  world.dirty = true;
+}
+
+void World::add_force_field(ForceField field) {
+  if (!field) throw Error("add_force_field: the function is empty");
+  impl_->state.force_fields.push_back(std::move(field));
+}
+
+void World::clear_force_fields() {
+  impl_->state.force_fields.clear();
+}
+
+void World::set_log(std::function<void(LogLevel, std::string_view)> log) {
+  impl_->state.log = std::move(log);
+}
+
+}  // namespace souple

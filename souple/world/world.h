@@ -1,0 +1,248 @@
+#pragma once
+
+#include "souple/collision/collider_motion.h"
+#include "souple/collision/shapes.h"
+#include "souple/error.h"
+#include "souple/geometry/lattice.h"
+#include "souple/geometry/tet_mesh.h"
+#include "souple/geometry/triangle_mesh.h"
+#include "souple/math/transform.h"
+#include "souple/solver/projector.h"
+#include "souple/world/materials.h"
+#include "souple/world/report.h"
+#include "souple/world/selector.h"
+#include "souple/world/settings.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace souple {
+
+/// A stable handle; stays valid until the object is removed, and is never reused for another.
+struct ObjectId {
+  std::uint32_t value = 0;
+  friend bool operator==(const ObjectId&, const ObjectId&) = default;
+};
+struct ColliderId {
+  std::uint32_t value = 0;
+  friend bool operator==(const ColliderId&, const ColliderId&) = default;
+};
+struct ProjectorId {
+  std::uint32_t value = 0;
+};
+
+enum class ObjectKind { cloth, soft_body, rope, grains };
+std::string_view kind_name(ObjectKind kind);
+
+/// What all objects can be given when they are added.
+struct ObjectOptions {
+  std::string name{};        ///< unique; empty: the kind, then kind2, kind3, ...
+  Transform transform{};     ///< applied to the mesh
+  Vec3f velocity{};          ///< m/s
+  Vec3f angular_velocity{};  ///< rad/s about the centre of mass
+  /// Per vertex, scales stiffness (mean over a constraint's vertices); empty: 1.
+  std::vector<float> stiffness_map{};
+  std::vector<float> thickness_map{};  ///< per vertex, scales thickness; empty: 1
+};
+
+struct ColliderOptions {
+  float friction = 0.5f;
+  float restitution = 0;
+  std::string name{};       ///< unique; empty: collider, collider2, ...
+  ColliderMotion motion{};  ///< static unless told otherwise; poses are applied to the shape
+};
+
+/// Where a pinned or attached vertex has to be: (vertex in user order, time in s) -> metres.
+using Target = std::function<Vec3d(std::uint32_t vertex, double time)>;
+
+/// A force field: (position [m], velocity [m/s], mass [kg], time [s]) -> force [N].
+using ForceField = std::function<Vec3f(const Vec3f&, const Vec3f&, float, double)>;
+
+/// One vertex of one object.
+struct VertexRef {
+  ObjectId object;
+  std::uint32_t vertex = 0;
+};
+
+/// What a ray or a closest-point query found.
+struct Hit {
+  bool found = false;
+  ObjectId object{};  ///< meaningful when `collider` is not
+  ColliderId collider{};
+  bool is_collider = false;
+  std::uint32_t vertex = 0;    ///< of the object, the one nearest to the point, user order
+  std::uint32_t triangle = 0;  ///< of the object's surface, when it has one
+  Vec3f point{};               ///< m
+  double distance = 0;         ///< from the ray's origin, or from the query point [m]
+};
+
+/// A contact that pushed during the last substep of a step.
+struct ContactEvent {
+  std::string_view object, other;  ///< names; other is a collider or an object
+  std::uint32_t vertex = 0, other_vertex = 0;
+  bool other_is_collider = true;
+  Vec3f point{}, normal{};  ///< normal points to `object`
+  float impulse = 0;        ///< N s
+};
+
+/// Everything that moves, as bytes; see World::snapshot.
+struct Snapshot {
+  std::vector<std::byte> bytes;
+};
+
+enum class LogLevel { info, warning, error };
+
+/// Objects, colliders and the loop that moves them. Metres, kilograms, seconds; Y up, right-handed.
+///
+/// All functions but `step` throw Error on bad arguments and then leave the world as it was. `step` never
+/// throws. Not thread-safe: one thread at a time.
+class World {
+ public:
+  explicit World(const Settings& settings = {});
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  // --- the loop
+  // ---------------------------------------------------------------------------------------------------
+  /// Advances by dt seconds in `substeps` equal parts.
+  const StepReport& step(double dt);
+  const StepReport& report() const;
+  double time() const;  ///< s
+  const Settings& settings() const;
+  void set_settings(const Settings& settings);
+  /// Runs before or after a stage, each time it runs. An exception in it is caught and reported.
+  void before(Stage stage, std::function<void(World&)> callback);
+  void after(Stage stage, std::function<void(World&)> callback);
+
+  // --- objects
+  // ----------------------------------------------------------------------------------------------------
+  ObjectId add_cloth(const TriangleMesh& mesh, const ClothMaterial& material = {},
+                     const ObjectOptions& options = {});
+  ObjectId add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material = {},
+                         const ObjectOptions& options = {});
+  /// From any closed surface: a lattice of tets (about 2000 unless told otherwise) covers it, the surface is
+  /// embedded and is what users see.
+  ObjectId add_soft_body(const TriangleMesh& surface, const SoftBodyMaterial& material = {},
+                         const LatticeOptions& lattice = {}, const ObjectOptions& options = {});
+  /// Along the polyline `points` [m], cut into `segments` of equal length.
+  ObjectId add_rope(std::span<const Vec3d> points, std::uint32_t segments, const RopeMaterial& material = {},
+                    const ObjectOptions& options = {});
+  ObjectId add_grains(std::span<const Vec3d> centres, const GrainsMaterial& material = {},
+                      const ObjectOptions& options = {});
+  void remove(ObjectId object);
+
+  std::vector<ObjectId> objects() const;  ///< in the order they were added
+  bool contains(ObjectId object) const;
+  ObjectId find_object(std::string_view name) const;  ///< throws with the nearest name
+  const std::string& name(ObjectId object) const;
+  ObjectKind kind(ObjectId object) const;
+  void set_material(ObjectId object, const ClothMaterial& material);
+  void set_material(ObjectId object, const SoftBodyMaterial& material);
+  void set_material(ObjectId object, const RopeMaterial& material);
+  void set_material(ObjectId object, const GrainsMaterial& material);
+  const ClothMaterial& cloth_material(ObjectId object) const;
+  const SoftBodyMaterial& soft_body_material(ObjectId object) const;
+  const RopeMaterial& rope_material(ObjectId object) const;
+  const GrainsMaterial& grains_material(ObjectId object) const;
+
+  // What a user sees, in user order. Refreshed once per step when first asked; addresses stay until the
+  // object is removed. For a soft body made from a surface these are the surface's vertices.
+  std::span<const Vec3f> positions(ObjectId object) const;   ///< m
+  std::span<const Vec3f> velocities(ObjectId object) const;  ///< m/s
+  std::span<const Vec3f> normals(ObjectId object) const;     ///< unit; empty for ropes and grains
+  std::span<const Triangle> triangles(ObjectId object) const;
+  /// The mesh as it was given (faces, UVs, groups), placed at rest by its transform; empty for ropes and
+  /// grains.
+  const TriangleMesh& mesh(ObjectId object) const;
+  double total_mass(ObjectId object) const;      ///< kg
+  float particle_radius(ObjectId object) const;  ///< m: of grains and ropes, half the thickness of the others
+
+  /// For objects whose vertices are particles. User order.
+  void set_positions(ObjectId object, std::span<const Vec3f> positions);
+  void set_velocities(ObjectId object, std::span<const Vec3f> velocities);
+  /// Moves a whole object rigidly without giving it the velocity of the jump; its velocities turn with it.
+  void teleport(ObjectId object, const Transform& transform);
+  /// Total impulse [N s], shared by the selected vertices in proportion to their mass.
+  void apply_impulse(ObjectId object, const Selector& selector, const Vec3f& impulse);
+
+  /// Which vertices a selector means, user order, ascending. Throws when it means none.
+  std::vector<std::uint32_t> select(ObjectId object, const Selector& selector) const;
+
+  // --- pins, attachments, other constraints
+  // -----------------------------------------------------------------------
+  /// Fixes vertices where they are, or drives them along `target`. A pinned vertex ignores every force.
+  void pin(ObjectId object, const Selector& selector, Target target = {});
+  void unpin(ObjectId object, const Selector& selector);
+  std::vector<std::uint32_t> pinned(ObjectId object) const;
+  /// Pulls vertices to a target (default: where they are) with a spring of compliance [m/N]; 0 is rigid.
+  ProjectorId attach(ObjectId object, const Selector& selector, Target target = {}, float compliance = 0);
+  /// Ties pairs of vertices together at a rest length [m]; negative: the distance they have now.
+  ProjectorId connect(std::span<const std::pair<VertexRef, VertexRef>> pairs, float rest_length = 0,
+                      float compliance = 0);
+  /// Keeps every vertex within (1 + slack) times its rest distance along edges from the nearest pinned vertex
+  /// (Kim 2012).
+  ProjectorId add_tethers(ObjectId object, float slack = 0.02f);
+  /// Gas inside a closed cloth: pressure in Pa above the outside, until changed.
+  void set_pressure(ObjectId object, float pascals);
+  /// Keeps the volume a closed cloth encloses at `factor` times its rest volume; compliance in m^3/Pa (0
+  /// rigid).
+  void set_enclosed_volume(ObjectId object, float factor, float compliance = 0);
+  /// Any projector, e.g. a SetProjector<YourConstraint>; particles are named by `particle`. Throws when it
+  /// names one that does not exist.
+  ProjectorId add_projector(std::unique_ptr<Projector> projector);
+  void remove(ProjectorId projector);
+  Projector& projector(ProjectorId projector);
+  /// The particle index of a vertex, for constraints of one's own. Changes when objects are removed.
+  std::uint32_t particle(ObjectId object, std::uint32_t vertex) const;
+
+  // --- colliders, forces, events
+  // ----------------------------------------------------------------------------------
+  ColliderId add_collider(const Shape& shape, const ColliderOptions& options = {});
+  void remove(ColliderId collider);
+  void set_collider(ColliderId collider, const Shape& shape, const ColliderOptions& options);
+  std::vector<ColliderId> colliders() const;
+  const Shape& shape(ColliderId collider) const;
+  const ColliderOptions& collider_options(ColliderId collider) const;
+  Transform collider_pose(ColliderId collider) const;  ///< now
+  ColliderId find_collider(std::string_view name) const;
+  /// Overrides the pair rules (geometric mean of frictions, larger restitution) for two names.
+  void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
+  void add_force_field(ForceField field);
+  void clear_force_fields();
+  /// Contacts of the last step; valid until the next.
+  std::span<const ContactEvent> contacts() const;
+  void set_log(std::function<void(LogLevel, std::string_view)> log);
+
+  // --- queries
+  // ----------------------------------------------------------------------------------------------------
+  Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double longest = 1e30) const;
+  Hit closest_point(const Vec3f& point) const;
+  double kinetic_energy(ObjectId object) const;    ///< J
+  double potential_energy(ObjectId object) const;  ///< of its weight, 0 at the origin [J]
+  double elastic_energy() const;                   ///< of all constraints with compliance > 0 [J]
+  Vec3d momentum(ObjectId object) const;           ///< kg m/s
+  Vec3d centre_of_mass(ObjectId object) const;     ///< m
+
+  // --- state
+  // ------------------------------------------------------------------------------------------------------
+  /// Everything a step changes. Restoring into a world built the same way continues bitwise the same.
+  Snapshot snapshot() const;
+  /// Throws when the snapshot is of a world with other objects or is damaged; then nothing has changed.
+  void restore(const Snapshot& snapshot);
+  /// FNV-1a 64 over the bytes of user-order positions, then velocities, of every object in order of name.
+  std::uint64_t hash() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace souple
