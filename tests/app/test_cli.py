@@ -1,0 +1,396 @@
+#!/usr/bin/env python3
+"""Tests of the souple program: test_cli.py PROGRAM SOURCE_FOLDER [unittest's arguments]."""
+
+import json
+import os
+import pty
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
+SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
+
+SMALL = {
+    "souple": 1,
+    "frames": 20,
+    "substeps": 4,
+    "objects": [
+        {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 8, "rows": 6, "size": 1}},
+         "transform": {"translate": [0, 1, 0]}, "pins": [{"vertices": [0, 7]}]},
+        {"name": "sand", "kind": "grains", "grid": {"counts": [3, 3, 3], "jitter": 0.3},
+         "transform": {"translate": [0, 2, 0]}},
+    ],
+    "colliders": [{"name": "floor", "shape": {"plane": {}}}],
+    "wind": {"velocity": [2, 0, 0], "gust": 0.5},
+}
+
+# Explicit integration of a strong drag: speeds grow sixteenfold each substep.
+EXPLODING = dict(SMALL, drag=10000, integrator="explicit_euler", frames=60)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="souple-test-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.environment = {k: v for k, v in os.environ.items() if k != "SOUPLE_SCENES"}
+
+    def scene(self, description, name="small.json"):
+        path = self.folder / name
+        path.write_text(description if isinstance(description, str) else json.dumps(description))
+        return str(path)
+
+    def souple(self, *arguments, code=0):
+        done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def assert_one_line(self, text):
+        self.assertEqual(text.count("\n"), 1, text)
+
+    def names(self):
+        return sorted(str(p.relative_to(self.folder)) for p in self.folder.rglob("*"))
+
+    def contents(self, folder):
+        """What a run left: bytes by name; of run.json all but its last part, the timings."""
+        result = {}
+        for path in sorted((self.folder / folder).rglob("*")):
+            data = path.read_bytes()
+            if path.name == "run.json":
+                data = data.split(b'"timings"')[0]
+            result[str(path.relative_to(self.folder / folder))] = data
+        self.assertTrue(result, f"nothing in {folder}")
+        return result
+
+    def assert_same_contents(self, one, other):
+        a, b = self.contents(one), self.contents(other)
+        self.assertEqual(sorted(a), sorted(b))
+        for name in a:
+            self.assertTrue(a[name] == b[name], f"{name} differs between {one} and {other}")
+
+
+class Talking(Case):
+    def test_help_everywhere(self):
+        for command in [], ["run"], ["list"], ["check"], ["info"]:
+            out = self.souple(*command, "--help").stdout
+            self.assertIn("Usage", out)
+            self.assertIn("Example", out)
+        self.assertIn("Exit codes", self.souple("--help").stdout)
+        for flag in ["--frames", "--out", "--write", "--threads", "--substeps", "--iterations", "--set", "--resume",
+                     "--checkpoint-every", "--quiet"]:
+            self.assertIn(flag, self.souple("run", "--help").stdout)
+
+    def test_version(self):
+        self.assertRegex(self.souple("--version").stdout, r"^souple \d+\.\d+\.\d+\n$")
+
+    def test_list(self):
+        plain = self.souple("list").stdout
+        scenes = json.loads(self.souple("list", "--json").stdout)
+        self.assertGreaterEqual(len(scenes), 10)
+        for scene in scenes:
+            self.assertIn(scene["name"], plain)
+            self.assertTrue(Path(scene["file"]).is_file())
+            self.assertTrue(scene["description"])
+            self.assertNotIn("(broken)", scene["description"])
+        self.assertEqual([s["name"] for s in scenes], sorted(s["name"] for s in scenes))
+
+    def test_scenes_of_ones_own(self):
+        self.scene(dict(SMALL, description="mine"), "mine.json")
+        self.environment["SOUPLE_SCENES"] = str(self.folder)
+        self.assertRegex(self.souple("list").stdout, r"mine +mine\n")
+        self.assertIn("the scene is fine", self.souple("check", "mine").stdout)
+
+    def test_check(self):
+        out = self.souple("check", self.scene(SMALL)).stdout
+        self.assertIn("flag: cloth, 48 vertices, 70 triangles, 2 pinned", out)
+        self.assertIn("sand: grains, 27 vertices", out)
+        self.assertIn("floor: plane", out)
+        self.assertEqual(self.names(), ["small.json"])
+
+    def test_check_every_shipped_scene(self):
+        for scene in json.loads(self.souple("list", "--json").stdout):
+            self.assertIn("the scene is fine", self.souple("check", scene["name"]).stdout)
+
+    def test_info(self):
+        out = self.souple("info").stdout
+        for word in ["souple ", "compiler:", "assimp", "scenes are looked for in:", "threads: 1"]:
+            self.assertIn(word, out)
+
+    def test_documents(self):
+        self.assertEqual(self.souple("info", "--schema").stdout, (SOURCE / "docs/scene.schema.json").read_text())
+        self.assertEqual(self.souple("info", "--scene-format").stdout, (SOURCE / "docs/scene-format.md").read_text())
+
+
+class BadInput(Case):
+    def refused(self, *arguments):
+        before = self.names()
+        done = self.souple(*arguments, code=2)
+        self.assertEqual(self.names(), before, "something was left behind")
+        self.assertEqual(done.stdout, "")
+        return done.stderr
+
+    def test_flags(self):
+        scene = self.scene(SMALL)
+        self.assertIn("--frame", self.refused("run", scene, "--frame", "3"))
+        self.refused("run", scene, "--frames", "many")
+        self.refused("run", scene, "--frames", "-1")
+        self.refused("run", scene, "--threads", "0")
+        self.assertIn("pc2", self.refused("run", scene, "--write", "pc3"))
+        self.refused()
+        self.refused("simulate", scene)
+        self.refused("run", scene, "other")
+        self.assertIn("SCENE", self.refused("run"))
+
+    def test_slips_of_the_hand(self):
+        for arguments, said in (
+            ([], "expected a command: run, list, check or info"),
+            (["runn", "flag"], "runn: there is no such command"),
+            (["--nope"], "--nope: there is no such option"),
+            (["run", "flag", "--writ", "pc2"], "--writ: there is no such option"),
+            (["list", "x"], "x: one argument too many"),
+            (["run", "flag", ""], ": one argument too many"),
+            (["run", "flag", "--frames", "-3"], "--frames = -3: expected a whole number"),
+            (["run", "--resume", "nowhere"], "nowhere: there is no such folder"),
+        ):
+            result = subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, text=True,
+                                    timeout=60, check=False)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+            self.assertTrue(result.stderr.startswith("souple: " + said), result.stderr)
+            self.assertEqual(os.listdir(self.folder), [])
+
+    def test_unknown_scene(self):
+        said = self.refused("run", "flga")
+        self.assertIn('did you mean "flag"', said)
+        self.assert_one_line(said)
+        self.assertIn("no such file", self.refused("run", "no/such.json"))
+        self.assertIn("no such file", self.refused("check", "such.json"))
+
+    def test_mistake_in_a_scene(self):
+        wrong = json.loads(json.dumps(SMALL))
+        wrong["objects"][0]["material"] = {"densty": 0.3}
+        for command in "run", "check":
+            said = self.refused(command, self.scene(wrong))
+            self.assert_one_line(said)
+            self.assertIn("small.json: objects[0].material.densty: ", said)
+            self.assertIn('did you mean "areal_density"', said)
+
+    def test_mistake_that_only_building_finds(self):
+        wrong = json.loads(json.dumps(SMALL))
+        wrong["objects"][0]["pins"] = [{"vertices": [4711]}]
+        said = self.refused("run", self.scene(wrong))
+        self.assertIn("small.json: objects[0].pins[0]: ", said)
+        self.assertIn("4711", said)
+        self.assert_one_line(said)
+
+    def test_damaged_mesh(self):
+        (self.folder / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 x 0\nf 1 2 3\n")
+        wrong = json.loads(json.dumps(SMALL))
+        wrong["objects"][0]["mesh"] = {"file": "bad.obj"}
+        said = self.refused("run", self.scene(wrong))
+        self.assertIn("small.json: objects[0]", said)
+        self.assertIn("bad.obj:3", said)
+        self.assert_one_line(said)
+
+    def test_set(self):
+        scene = self.scene(SMALL)
+        self.assertIn("substeps: expected a whole number", self.refused("run", scene, "--set", "substeps=0"))
+        self.assertIn("substeps: expected a whole number", self.refused("run", scene, "--substeps", "0"))
+        self.assertIn('did you mean "flag"', self.refused("run", scene, "--set", "objects.flga.velocity=[0,0,0]"))
+        self.assertIn("PATH=VALUE", self.refused("run", scene, "--set", "substeps"))
+
+    def test_out_is_a_file(self):
+        scene = self.scene(SMALL)
+        (self.folder / "file").write_text("mine")
+        self.assertIn("file", self.refused("run", scene, "--out", "file"))
+        self.assertEqual((self.folder / "file").read_text(), "mine")
+
+    def test_resume(self):
+        scene = self.scene(SMALL)
+        (self.folder / "empty").mkdir()
+        self.assertIn("no checkpoint", self.refused("run", "--resume", "empty"))
+        self.assertIn("--resume", self.refused("run", scene, "--resume", "nowhere"))
+        self.assertIn("--resume", self.refused("run", "--resume", "nowhere", "--set", "substeps=3"))
+        (self.folder / "damaged").mkdir()
+        (self.folder / "damaged/checkpoint.souple").write_bytes(b"not a checkpoint")
+        self.assertIn("checkpoint.souple", self.refused("run", "--resume", "damaged"))
+
+
+class Running(Case):
+    def test_summary_in_a_pipe(self):
+        done = self.souple("run", self.scene(SMALL), "--out", "out")
+        self.assert_one_line(done.stdout)
+        self.assertIn("small: 20 frames in ", done.stdout)
+        self.assertIn("ms/frame", done.stdout)
+        self.assertNotIn("\r", done.stdout + done.stderr)
+        self.assertNotIn("left", done.stderr)
+
+    def test_quiet(self):
+        done = self.souple("run", self.scene(SMALL), "--out", "out", "--quiet")
+        self.assertEqual(done.stdout + done.stderr, "")
+
+    def test_progress_on_a_terminal(self):
+        try:
+            main, other = pty.openpty()
+        except OSError as error:  # a chroot without /dev/pts
+            self.skipTest(f"no pseudo terminal here: {error}")
+        run = subprocess.Popen([PROGRAM, "run", self.scene(SMALL), "--out", "out", "--frames", "100000"],
+                               cwd=self.folder, stdout=subprocess.DEVNULL, stderr=other, env=self.environment)
+        os.close(other)
+        seen, stopped = b"", False
+        while True:
+            try:
+                data = os.read(main, 4096)
+            except OSError:
+                break
+            if not data:
+                break
+            seen += data
+            if seen.count(b" left") >= 2 and not stopped:
+                run.send_signal(signal.SIGTERM)
+                stopped = True
+        os.close(main)
+        self.assertEqual(run.wait(60), 130)
+        self.assertRegex(seen.decode(), r"small: frame \d+ of 100000, [\d.]+ ms/frame, .* left")
+
+    def test_default_folder(self):
+        self.souple("run", self.scene(SMALL), "--frames", "2")
+        self.assertTrue((self.folder / "out/small/run.json").is_file())
+        self.assertTrue((self.folder / "out/small/flag.pc2").is_file())
+        self.assertFalse([n for n in self.names() if n.endswith(".part") or "checkpoint" in n])
+
+    def test_formats(self):
+        self.souple("run", self.scene(SMALL), "--frames", "3", "--out", "out", "--write", "pc2,mdd,obj,ply")
+        names = self.names()
+        for name in ["flag.obj", "flag.pc2", "flag.mdd", "flag_0001.obj", "flag_0003.obj", "sand_0003.ply"]:
+            self.assertIn("out/" + name, names)
+        self.assertNotIn("out/flag_0004.obj", names)
+
+    def test_settings_reach_the_manifest(self):
+        self.souple("run", self.scene(SMALL), "--out", "out", "--frames", "5", "--substeps", "3", "--threads", "4",
+                    "--set", "objects.flag.material.bending_stiffness=0.125", "--set", "iterations=2")
+        manifest = json.loads((self.folder / "out/run.json").read_text())
+        scene = manifest["scene"]
+        scene = json.loads(scene) if isinstance(scene, str) else scene
+        self.assertEqual((scene["frames"], scene["substeps"], scene["iterations"]), (5, 3, 2))
+        self.assertEqual(scene["objects"][0]["material"]["bending_stiffness"], 0.125)
+        self.assertEqual(manifest["frames"], 5)
+
+    def test_settings_change_the_result(self):
+        scene = self.scene(SMALL)
+        self.souple("run", scene, "--out", "a")
+        self.souple("run", scene, "--out", "b", "--set", "gravity=[0,-1,0]")
+        self.assertNotEqual(self.contents("a")["flag.pc2"], self.contents("b")["flag.pc2"])
+
+    def test_twice_the_same_bytes(self):
+        scene = self.scene(SMALL)
+        self.souple("run", scene, "--out", "a", "--write", "pc2,obj")
+        self.souple("run", scene, "--out", "b", "--write", "pc2,obj")
+        self.assert_same_contents("a", "b")
+
+    def test_simulation_that_goes_bad(self):
+        done = self.souple("run", self.scene(EXPLODING), "--out", "out", code=3)
+        self.assertRegex(done.stderr, r'went bad in frame \d+: object "\w+", particle \d+')
+        self.assert_one_line(done.stderr)
+        self.assertFalse([n for n in self.names() if n.endswith(".part")])
+
+
+class Stopping(Case):
+    def start(self, scene, *arguments):
+        return subprocess.Popen([PROGRAM, "run", scene, *map(str, arguments)], cwd=self.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
+
+    def wait_for(self, condition):
+        for _ in range(2000):
+            if condition():
+                return
+            time.sleep(0.005)
+        self.fail("nothing happened for ten seconds")
+
+    def growing(self, folder):
+        """True once the run has written a few frames."""
+        files = list((self.folder / folder).glob("flag.pc2*"))
+        return any(f.stat().st_size > 3000 for f in files)
+
+    def stopped(self, scene, folder, how, *arguments):
+        run = self.start(scene, "--out", folder, *arguments)
+        self.wait_for(lambda: self.growing(folder) or run.poll() is not None)
+        run.send_signal(how)
+        out, error = run.communicate(timeout=60)
+        return run.returncode, out, error
+
+    def test_interrupt_and_resume(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd")
+        for how in signal.SIGINT, signal.SIGTERM:
+            folder = f"stopped{int(how)}"
+            code, out, error = self.stopped(scene, folder, how, "--write", "pc2,mdd")
+            self.assertEqual(code, 130, out + error)
+            self.assertRegex(error, rf"interrupted after frame \d+ of 3000; go on with: souple run --resume {folder}\n")
+            self.assertTrue((self.folder / folder / "checkpoint.souple").is_file())
+            self.assertFalse([n for n in self.names() if n.endswith(".part")])
+            self.souple("run", "--resume", folder)
+            self.assert_same_contents("whole", folder)
+
+    def test_interrupted_twice(self):
+        scene = self.scene(dict(SMALL, frames=4000, substeps=20))
+        self.souple("run", scene, "--out", "whole")
+        self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
+        again = subprocess.Popen([PROGRAM, "run", "--resume", "out"], cwd=self.folder, stderr=subprocess.PIPE,
+                                 stdout=subprocess.PIPE, text=True, env=self.environment)
+        size = sum(f.stat().st_size for f in (self.folder / "out").glob("flag.pc2*"))
+        self.wait_for(lambda: sum(f.stat().st_size for f in (self.folder / "out").glob("flag.pc2*")) > size + 3000
+                      or again.poll() is not None)
+        again.send_signal(signal.SIGINT)
+        again.communicate(timeout=60)
+        self.assertEqual(again.returncode, 130)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+
+    def test_killed_and_resumed_from_a_regular_checkpoint(self):
+        scene = self.scene(dict(SMALL, frames=2000, substeps=20))
+        self.souple("run", scene, "--out", "whole", "--checkpoint-every", 50)
+        run = self.start(scene, "--out", "out", "--checkpoint-every", 50)
+        self.wait_for(lambda: (self.folder / "out/checkpoint.souple").exists() or run.poll() is not None)
+        run.send_signal(signal.SIGKILL)
+        run.communicate()
+        self.assertEqual(run.returncode, -signal.SIGKILL)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+
+    def test_resume_with_more_frames(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
+        self.souple("run", "--resume", "out", "--frames", 3100)
+        self.souple("run", scene, "--out", "whole", "--frames", 3100)
+        self.assert_same_contents("whole", "out")
+
+    def test_fewer_frames_than_there_are(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
+        self.assertIn("--frames 1", self.souple("run", "--resume", "out", "--frames", 1, code=2).stderr)
+        self.souple("run", "--resume", "out")  # and nothing was lost
+
+    def test_second_interrupt_ends_at_once(self):
+        heavy = json.loads(json.dumps(SMALL))
+        heavy["frames"] = 100000
+        heavy["substeps"] = 10000
+        heavy["objects"][0]["mesh"]["grid"] = {"columns": 60, "rows": 60, "size": 1}
+        run = self.start(self.scene(heavy), "--out", "out")
+        self.wait_for(lambda: (self.folder / "out").exists())
+        run.send_signal(signal.SIGINT)
+        time.sleep(0.2)
+        self.assertIsNone(run.poll(), "a frame of this scene takes seconds")
+        run.send_signal(signal.SIGINT)
+        run.communicate(timeout=5)
+        self.assertEqual(run.returncode, -signal.SIGINT)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -1,0 +1,109 @@
+#pragma once
+
+#include "souple/collision/collider_contacts.h"
+#include "souple/collision/particle_contacts.h"
+#include "souple/state/particles.h"
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace souple::test {
+
+/// The loop with nothing in it but contacts, in both forms.
+struct MiniWorld {
+  explicit MiniWorld(Form form_) : form(form_) {}
+
+  void add(const Vec3d& x, float radius_, float mass = 1, const Vec3f& v = {}) {
+    const Vec3f rounded(x);
+    position.push_back({rounded.x, rounded.y, rounded.z, mass > 0 ? 1 / mass : 0.0f});
+    // What a float cannot hold of the position: the displacement form keeps it.
+    const Vec3f rest = form == Form::displacement ? Vec3f(x - Vec3d(rounded)) : Vec3f{};
+    offset.push_back({rest.x, rest.y, rest.z, 0});
+    velocity.push_back({v.x, v.y, v.z, 0});
+    radius.push_back(radius_);
+  }
+  /// Particles added since the last object become one.
+  ContactObject& end_object(const Surface& surface, const std::string& name = "object") {
+    ContactObject object;
+    object.begin = objects.empty() ? 0 : objects.back().end;
+    object.end = static_cast<std::uint32_t>(position.size());
+    objects.push_back(object);
+    surfaces.push_back({name, surface});
+    return objects.back();
+  }
+  void add_collider(Shape shape, const Surface& surface, ColliderMotion motion = {}) {
+    colliders.push_back({"collider", shape, motion, surface, true});
+  }
+
+  void step(double dt, int substeps, int iterations = 1) {
+    std::vector<NamedSurface> named, obstacles;
+    for (std::size_t k = 0; k < objects.size(); ++k) named.push_back({names(k), surfaces[k].second});
+    for (const Collider& collider : colliders) obstacles.push_back({collider.name, collider.surface});
+    const SurfaceMatrix with_colliders(named, obstacles, table), with_objects(named, named, table);
+    start = moving();
+    const ContactStep contact_step{time, float(dt), length(gravity), 3.0f};
+    on_colliders.begin_step(view(), velocity, radius, objects, colliders, with_colliders, contact_step);
+    on_particles.begin_step(view(), velocity, radius, objects, with_objects, contact_step);
+    for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps, form});
+  }
+
+  void substep(const Substep& substep) {
+    const float h = substep.h;
+    start = moving();
+    for (std::size_t i = 0; i < position.size(); ++i) {
+      if (position[i].w == 0) continue;
+      velocity[i].set_xyz(velocity[i].xyz() + gravity * h);
+      moving()[i].set_xyz(moving()[i].xyz() + velocity[i].xyz() * h);
+    }
+    on_colliders.refresh(view(), substep, time);
+    on_particles.refresh(view(), substep);
+    for (int k = 0; k < substep.iterations; ++k) {
+      on_particles.project(0, view(), substep);
+      for (int c = 0; c < on_colliders.colour_count(); ++c) on_colliders.project(c, view(), substep);
+    }
+    for (std::size_t i = 0; i < position.size(); ++i) {
+      if (position[i].w == 0) continue;
+      velocity[i].set_xyz((moving()[i].xyz() - start[i].xyz()) * (1 / h));
+      if (form == Form::plain) continue;
+      const Vec3f before = position[i].xyz();
+      position[i].set_xyz(before + offset[i].xyz());
+      offset[i].set_xyz(offset[i].xyz() - (position[i].xyz() - before));
+    }
+    on_colliders.apply_restitution(view(), velocity, substep);
+    on_particles.apply_restitution(view(), velocity, substep);
+    time += double(h);
+  }
+
+  std::vector<Vec4f>& moving() { return form == Form::plain ? position : offset; }
+  ParticleView view() { return {position, moving(), start, form}; }
+  Vec3d at(std::size_t i) const { return Vec3d(position[i].xyz()) + Vec3d(offset[i].xyz()); }
+  std::string_view names(std::size_t k) const { return surfaces[k].first; }
+
+  /// FNV-1a 64 over positions, then velocities.
+  std::uint64_t hash() const {
+    std::uint64_t value = 14695981039346656037u;
+    for (const auto* array : {&position, &offset, &velocity}) {
+      for (const Vec4f& v : *array) {
+        unsigned char bytes[12];
+        std::memcpy(bytes, &v, sizeof bytes);
+        for (const unsigned char byte : bytes) value = (value ^ byte) * 1099511628211u;
+      }
+    }
+    return value;
+  }
+
+  Form form;
+  Vec3f gravity{0, -9.81f, 0};
+  double time = 0;
+  std::vector<Vec4f> position, offset, start, velocity;
+  std::vector<float> radius;
+  std::vector<ContactObject> objects;
+  std::vector<std::pair<std::string, Surface>> surfaces;
+  std::vector<Collider> colliders;
+  PairTable table;
+  ColliderContacts on_colliders;
+  ParticleContacts on_particles;
+};
+
+}  // namespace souple::test

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+#include <cstdint>
+
+namespace souple::test {
+
+/// A small generator of our own (xorshift64*): the same numbers on every platform.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed * 2685821657736338717u + 1) {}
+  /// Uniform in [lo, hi).
+  double uniform(double lo, double hi) {
+    state_ ^= state_ >> 12;
+    state_ ^= state_ << 25;
+    state_ ^= state_ >> 27;
+    return lo + (hi - lo) * double((state_ * 2685821657736338717u) >> 11) / 9007199254740992.0;
+  }
+  Vec3d point(double lo, double hi) {
+    const double x = uniform(lo, hi), y = uniform(lo, hi), z = uniform(lo, hi);
+    return {x, y, z};
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace souple::test

@@ -1,0 +1,61 @@
+#include "tests/collision/mini_world.h"
+#include "tests/collision/random.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Counts what this test program allocates.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace souple {
+namespace {
+
+TEST(Contacts, AWarmStepAllocatesNothing) {
+  test::MiniWorld world(Form::displacement);
+  test::Random random(2);
+  for (int k = 0; k < 500; ++k) {
+    const Vec3d cell{double(k % 10), double(k / 100), double(k / 10 % 10)};
+    world.add(cell * 0.0201 + Vec3d{0, 0.01, 0} + random.point(-1e-4, 1e-4), 0.01f);
+  }
+  world.end_object({0.5f, std::nullopt, 0}).hits_itself = true;
+  world.add_collider(Plane{}, {});
+  world.add_collider(Sphere{{0.1f, 0, 0.1f}, 0.02f}, {}, ColliderMotion::callback([](double t) {
+                       return Transform{{0, 0.01 * std::sin(20 * t), 0}, {}, 1};
+                     }));
+  for (int frame = 0; frame < 60; ++frame) world.step(1.0 / 60, 10);
+
+  const std::vector<NamedSurface> surfaces(2);
+  const SurfaceMatrix matrix(surfaces, surfaces, {});
+  const ContactStep step{world.time, 1.0f / 60, 9.81f, 3.0f};
+  const Substep substep{1.0f / 600, 1, Mode::small_steps, Form::displacement};
+  world.start = world.moving();
+  const ParticleView view = world.view();
+  const long before = allocations;
+  world.on_colliders.begin_step(view, world.velocity, world.radius, world.objects, world.colliders, matrix,
+                                step);
+  world.on_particles.begin_step(view, world.velocity, world.radius, world.objects, matrix, step);
+  for (int k = 0; k < 10; ++k) world.substep(substep);
+  EXPECT_GT(world.on_particles.report().count + world.on_colliders.report().count, 300u);
+
+  EXPECT_EQ(allocations - before, 0);
+}
+
+}  // namespace
+}  // namespace souple

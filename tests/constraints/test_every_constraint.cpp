@@ -1,0 +1,281 @@
+#include "souple/math/dual.h"
+#include "souple/math/quaternion.h"
+#include "souple/solver/projection.h"
+#include "tests/constraints/examples.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// What must hold for every kind that Souple ships.
+
+namespace souple {
+namespace {
+
+template <class Kind, class T>
+struct Evaluation {
+  T C[rows_of<Kind>];
+  Vec3<T> gradient[rows_of<Kind>][Kind::arity];
+};
+
+template <class Kind, class T>
+Evaluation<Kind, T> evaluate(const std::array<Vec3<T>, Kind::arity>& x, const ParamsOf<Kind>& params) {
+  Evaluation<Kind, T> result;
+  Vec3<T> points[Kind::arity];
+  for (std::size_t i = 0; i < Kind::arity; ++i) points[i] = x[i];
+  evaluate_rows<Kind, T>(points, converted<Kind, T>(params), result.C, result.gradient);
+  return result;
+}
+
+/// The example's shape, each point moved by up to `amount`.
+template <class Kind>
+Points<Kind> perturbed(double amount, std::uint64_t seed) {
+  Random random(seed);
+  Points<Kind> x = Example<Kind>::points();
+  for (Vec3d& point : x) point += random.vector() * amount;
+  return x;
+}
+
+/// One projection in float of points x with these masses, as the projector does it: relative to a corner.
+template <class Kind>
+Points<Kind> correction(const Points<Kind>& x, const ParamsOf<Kind>& params,
+                        const std::vector<double>& masses) {
+  ProjectionInput<Kind, float> in{};
+  for (std::size_t i = 0; i < Kind::arity; ++i) {
+    in.x[i] = Vec3f(has_origin<Kind> ? x[i] : x[i] - x[0]);
+    in.inverse_mass[i] = static_cast<float>(1 / masses[i]);
+  }
+  Vec3f dx[Kind::arity];
+  float dlambda[rows_of<Kind>];
+  project_constraint<Kind, float>(in, params, dx, dlambda);
+  Points<Kind> result;
+  for (std::size_t i = 0; i < Kind::arity; ++i) result[i] = Vec3d(dx[i]);
+  return result;
+}
+
+std::vector<double> uneven_masses(std::size_t count) {
+  std::vector<double> masses;
+  for (std::size_t i = 0; i < count; ++i) masses.push_back(0.5 + 0.7 * static_cast<double>(i));
+  return masses;
+}
+
+/// The largest |C|; of an inequality only what is violated.
+template <class Kind>
+double violation(const Points<Kind>& x, const ParamsOf<Kind>& params) {
+  double worst = 0;
+  for (const double C : evaluate<Kind, double>(x, params).C)
+    worst = std::fmax(worst, Kind::sense == Sense::non_negative ? -C : std::fabs(C));
+  return worst;
+}
+
+template <class Kind>
+bool all_finite(const Points<Kind>& x) {
+  for (const Vec3d& v : x)
+    if (!is_finite(v)) return false;
+  return true;
+}
+
+/// The example scaled to a size in metres, with the parameters of that size.
+template <class Kind>
+struct Sized {
+  Points<Kind> rest = Example<Kind>::points();
+  ParamsOf<Kind> params;
+  explicit Sized(double size) {
+    for (Vec3d& x : rest) x *= size;
+    params = Example<Kind>::params(rest);
+  }
+};
+
+constexpr double sizes[] = {1e-3, 1e-2, 0.1, 1, 10, 100};
+
+template <class Kind>
+class EveryConstraintTest : public testing::Test {};
+
+template <class Tuple>
+struct AsTypes;
+template <class... Kinds>
+struct AsTypes<std::tuple<Kinds...>> {
+  using Types = testing::Types<Kinds...>;
+};
+struct KindName {
+  template <class Kind>
+  static std::string GetName(int) {
+    return Kind::name;
+  }
+};
+TYPED_TEST_SUITE(EveryConstraintTest, AsTypes<EveryConstraint>::Types, KindName);
+
+TYPED_TEST(EveryConstraintTest, GradientIsTheDerivative) {
+  using Kind = TypeParam;
+  const ParamsOf<Kind> params = Example<Kind>::params(Example<Kind>::points());
+  for (const double amount : {1e-3, 0.05, 0.3, 1.0, 3.0}) {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      const Points<Kind> x = perturbed<Kind>(amount, seed);
+      const auto expected = evaluate<Kind, double>(x, params);
+      for (std::size_t i = 0; i < Kind::arity; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+          std::array<Vec3<Duald>, Kind::arity> dual;
+          for (std::size_t k = 0; k < Kind::arity; ++k) dual[k] = Vec3<Duald>(x[k]);
+          dual[i][axis].derivative = 1;
+          const auto actual = evaluate<Kind, Duald>(dual, params);
+          for (int r = 0; r < rows_of<Kind>; ++r) {
+            double size = 0;
+            for (const Vec3d& g : expected.gradient[r]) size = std::fmax(size, length(g));
+            ASSERT_NEAR(actual.C[r].derivative, expected.gradient[r][i][axis], 1e-8 * size)
+                << "row " << r << " point " << i << " axis " << axis << " moved by " << amount << " seed "
+                << seed;
+          }
+        }
+      }
+    }
+  }
+}
+
+TYPED_TEST(EveryConstraintTest, DoesNotDependOnWhereAndHowItLies) {
+  using Kind = TypeParam;
+  const ParamsOf<Kind> params = Example<Kind>::params(Example<Kind>::points());
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    const Points<Kind> x = perturbed<Kind>(0.4, seed);
+    Random random(seed + 1000);
+    const Quatd turn = Quatd::from_euler_xyz(random.vector() * pi);
+    // Positions that are measured from a target may only turn about it.
+    const Vec3d shift = has_origin<Kind> ? Vec3d{} : random.vector() * 5;
+    Points<Kind> moved;
+    for (std::size_t i = 0; i < Kind::arity; ++i) moved[i] = rotate(turn, x[i]) + shift;
+    const auto here = evaluate<Kind, double>(x, params);
+    const auto there = evaluate<Kind, double>(moved, params);
+    for (int r = 0; r < rows_of<Kind>; ++r) {
+      EXPECT_NEAR(here.C[r], there.C[r], 1e-12);
+      for (int i = 0; i < Kind::arity; ++i)
+        EXPECT_LT(length(rotate(turn, here.gradient[r][i]) - there.gradient[r][i]),
+                  1e-10 * (1 + length(here.gradient[r][i])));
+    }
+  }
+}
+
+TYPED_TEST(EveryConstraintTest, ProjectionKeepsMomentum) {
+  using Kind = TypeParam;
+  const std::vector<double> masses = uneven_masses(Kind::arity);
+  for (const double size : sizes) {
+    const Sized<Kind> example(size);
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+      Points<Kind> x = perturbed<Kind>(0.4, seed);
+      for (Vec3d& point : x) point *= size;
+      const Points<Kind> dx = correction<Kind>(x, example.params, masses);
+      Vec3d linear, angular;
+      double scale = 0, farthest = 0;
+      for (std::size_t i = 0; i < Kind::arity; ++i) {
+        const Vec3d arm = has_origin<Kind> ? x[i] : x[i] - x[0];
+        linear += dx[i] * masses[i];
+        angular += cross(arm, dx[i] * masses[i]);
+        scale += masses[i] * length(dx[i]);
+        farthest = std::fmax(farthest, length(arm));
+      }
+      // A target outside takes up momentum, but not about itself.
+      if (!has_origin<Kind>) {
+        EXPECT_LE(length(linear), 2e-6 * scale) << "size " << size << " seed " << seed;
+      }
+      EXPECT_LE(length(angular), 1e-5 * scale * farthest) << "size " << size << " seed " << seed;
+    }
+  }
+}
+
+// No absolute threshold: a millimetre behaves as a metre and as a hundred of them.
+TYPED_TEST(EveryConstraintTest, ActsAlikeAtEverySize) {
+  using Kind = TypeParam;
+  const std::vector<double> masses = uneven_masses(Kind::arity);
+  const Sized<Kind> metre(1);
+  int moved = 0;
+  for (const double size : sizes) {
+    const Sized<Kind> example(size);
+    for (const double amount : {0.01, 0.1, 0.4}) {
+      for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const Points<Kind> x = perturbed<Kind>(amount, seed);
+        Points<Kind> scaled = x;
+        for (Vec3d& point : scaled) point *= size;
+        // The least gradient decides how exact float can be: a relative bound on the largest correction.
+        const Points<Kind> expected = correction<Kind>(x, metre.params, masses);
+        const Points<Kind> actual = correction<Kind>(scaled, example.params, masses);
+        double largest = 0;
+        for (const Vec3d& dx : expected) largest = std::fmax(largest, length(dx));
+        if (largest > 0) ++moved;
+        for (std::size_t i = 0; i < Kind::arity; ++i)
+          EXPECT_LT(length(actual[i] * (1 / size) - expected[i]), 1e-3 * largest + 2e-6)
+              << "size " << size << " amount " << amount << " seed " << seed;
+      }
+    }
+  }
+  EXPECT_GT(moved, 50);
+}
+
+TYPED_TEST(EveryConstraintTest, RepeatedProjectionSatisfiesIt) {
+  using Kind = TypeParam;
+  const std::vector<double> masses = uneven_masses(Kind::arity);
+  for (const double size : sizes) {
+    const Sized<Kind> example(size);
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+      Points<Kind> x = perturbed<Kind>(0.2, seed);
+      for (Vec3d& point : x) point *= size;
+      const double before = violation<Kind>(x, example.params);
+      for (int k = 0; k < 50; ++k) {
+        const Points<Kind> dx = correction<Kind>(x, example.params, masses);
+        for (std::size_t i = 0; i < Kind::arity; ++i) x[i] += dx[i];
+      }
+      EXPECT_LE(violation<Kind>(x, example.params), 2e-4 * before) << "size " << size << " seed " << seed;
+    }
+  }
+}
+
+// Coincident points, points on a line and in a plane, folded shut, far apart: never a NaN, and never thrown
+// farther than the shape and the constraint are large.
+TYPED_TEST(EveryConstraintTest, DegenerateShapesStayFinite) {
+  using Kind = TypeParam;
+  const std::vector<double> masses = uneven_masses(Kind::arity);
+  for (const double size : sizes) {
+    const Sized<Kind> example(size);
+    std::vector<Points<Kind>> shapes;
+    const Points<Kind>& rest = example.rest;
+    const auto shape = [&](auto&& map) {
+      Points<Kind> x = rest;
+      for (Vec3d& point : x) point = map(point);
+      shapes.push_back(x);
+    };
+    shape([](const Vec3d&) { return Vec3d{}; });
+    for (const double s : {0.0, 1e-30, 1e-12, 1e-6, 1e-3}) {
+      shape([s](const Vec3d& v) { return Vec3d{v.x * s, v.y * s, v.z * s}; });
+      shape([s](const Vec3d& v) { return Vec3d{v.x, v.y, v.z * s}; });
+      shape([s](const Vec3d& v) { return Vec3d{v.x, v.y * s, v.z * s}; });
+      shape([s](const Vec3d& v) { return Vec3d{v.x * s, v.y, -v.y * s}; });
+      shape([s](const Vec3d& v) { return Vec3d{v.x, v.y * s, -v.z}; });
+      shape([s](const Vec3d& v) { return Vec3d{v.x, std::fabs(v.y), v.z * s}; });
+    }
+    shape([](const Vec3d& v) { return v * -1.0; });
+    shape([](const Vec3d& v) { return v * 1e3; });
+    for (std::size_t i = 0; i < Kind::arity; ++i)
+      for (std::size_t k = 0; k < i; ++k) {
+        shapes.push_back(rest);
+        shapes.back()[i] = rest[k];
+      }
+    for (std::size_t n = 0; n < shapes.size(); ++n) {
+      const auto at = evaluate<Kind, float>(
+          [&] {
+            std::array<Vec3f, Kind::arity> x;
+            for (std::size_t i = 0; i < Kind::arity; ++i) x[i] = Vec3f(shapes[n][i]);
+            return x;
+          }(),
+          example.params);
+      for (int r = 0; r < rows_of<Kind>; ++r) {
+        EXPECT_TRUE(std::isfinite(at.C[r])) << "shape " << n << " size " << size;
+        for (const Vec3f& g : at.gradient[r]) EXPECT_TRUE(is_finite(g)) << "shape " << n << " size " << size;
+      }
+      const Points<Kind> dx = correction<Kind>(shapes[n], example.params, masses);
+      ASSERT_TRUE(all_finite<Kind>(dx)) << "shape " << n << " size " << size;
+      double extent = size;
+      for (const Vec3d& v : shapes[n]) extent = std::fmax(extent, length(v));
+      for (const Vec3d& v : dx) EXPECT_LT(length(v), 10 * extent) << "shape " << n << " size " << size;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace souple

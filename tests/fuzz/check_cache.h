@@ -1,0 +1,19 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace souple::fuzz {
+
+/// The first frame and the last: where a header that promises too much is found out.
+template <class Reader>
+void read_ends(Reader& reader) {
+  if (reader.frames() == 0) return;
+  std::vector<Vec3f> positions(reader.points());
+  reader.read(0, positions);
+  reader.read(reader.frames() - 1, positions);
+}
+
+}  // namespace souple::fuzz

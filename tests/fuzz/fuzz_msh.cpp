@@ -1,0 +1,11 @@
+#include "check_mesh.h"
+#include "formats.h"
+#include "souple/io/mesh_parse.h"
+
+namespace souple::fuzz {
+
+void parse_msh_bytes(std::string_view bytes) {
+  check(parse_msh(bytes, "fuzz.msh"));
+}
+
+}  // namespace souple::fuzz

@@ -1,0 +1,20 @@
+#include "check_mesh.h"
+#include "formats.h"
+#include "souple/io/mesh_parse.h"
+#include "souple/io/mesh_write.h"
+
+#include <vector>
+
+namespace souple::fuzz {
+
+// What was read is written and read again, which the writer's own groups and faces must survive.
+void parse_obj_bytes(std::string_view bytes) {
+  const TriangleMesh mesh = parse_obj(bytes, "fuzz.obj");
+  check(mesh);
+  std::vector<Vec3f> positions;
+  for (const Vec3d& p : mesh.positions) positions.emplace_back(p);
+  const TriangleMesh again = must_read([&] { return parse_obj(obj_text(mesh, positions), "again.obj"); });
+  require(again.triangles == mesh.triangles && again.face_uvs == mesh.face_uvs);
+}
+
+}  // namespace souple::fuzz

@@ -1,0 +1,215 @@
+#include "checks.h"
+#include "souple/error.h"
+#include "souple/geometry/adjacency.h"
+#include "souple/geometry/builders.h"
+#include "souple/geometry/embedding.h"
+#include "souple/geometry/lattice.h"
+#include "souple/geometry/mesh_report.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+constexpr double pi_ = 3.14159265358979323846;
+
+// What every lattice must be: congruent positive tets that match at their faces, in one piece, over all the
+// surface.
+void expect_covers(const TriangleMesh& surface, const Lattice& lattice) {
+  const double a = lattice.cell_size, tet = a * a * a / 12;
+  ASSERT_FALSE(lattice.mesh.tets.empty());
+  double sum = 0;
+  for (const Tet& t : lattice.mesh.tets) {
+    EXPECT_NEAR(check::tet_volume(lattice.mesh, t), tet, 1e-6 * tet);
+    sum += check::tet_volume(lattice.mesh, t);
+  }
+  EXPECT_NEAR(lattice.lattice_volume, sum, 1e-9 * sum);
+  EXPECT_GT(sum, check::volume(surface) * (1 - 1e-9));
+  EXPECT_EQ(lattice.inner + lattice.crossed, lattice.mesh.tets.size());
+  EXPECT_EQ(lattice.pieces, 1u);
+  // Points all over the surface, not its vertices only.
+  std::vector<Vec3d> points = surface.positions;
+  for (const Triangle& t : surface.triangles)
+    for (int i = 0; i <= 3; ++i)
+      for (int j = 0; i + j <= 3; ++j)
+        points.push_back((surface.positions[t[0]] * i + surface.positions[t[1]] * j +
+                          surface.positions[t[2]] * (3 - i - j)) /
+                         3.0);
+  EXPECT_LT(embed(points, lattice.mesh).largest_distance, 1e-7 * a);
+  EXPECT_EQ(embed(surface.positions, lattice.mesh).outside, 0u);
+}
+
+TEST(Lattice, CoversASphereAtEverySize) {
+  for (const double radius : {1e-3, 1.0, 100.0}) {
+    const TriangleMesh ball = sphere(3, radius);
+    const Lattice lattice = build_lattice(ball, {.cell_size = 0.21 * radius});
+    expect_covers(ball, lattice);
+    EXPECT_NEAR(lattice.surface_volume, check::volume(ball), 1e-12 * check::volume(ball));
+    // Nothing far outside: every vertex is within a cell of the ball.
+    for (const Vec3d& p : lattice.mesh.positions) EXPECT_LT(length(p), radius + 1.2 * lattice.cell_size);
+    EXPECT_GT(lattice.inner, 0u);
+  }
+}
+
+TEST(Lattice, CoversATorusAndKeepsItsHole) {
+  const TriangleMesh ring = torus(1.0, 0.3, 48, 24);
+  const Lattice lattice = build_lattice(ring, {.cell_size = 0.15});
+  expect_covers(ring, lattice);
+  EXPECT_EQ(check::euler_characteristic(surface_triangles(lattice.mesh.tets)), 0);
+  EXPECT_TRUE(check::is_watertight(surface_triangles(lattice.mesh.tets)));
+}
+
+TEST(Lattice, VolumeTendsToThatOfTheSolid) {
+  const TriangleMesh ball = sphere(4, 1.0);
+  double previous = 1e300;
+  for (const double size : {0.4, 0.2, 0.1}) {
+    const Lattice lattice = build_lattice(ball, {.cell_size = size});
+    const double excess = lattice.lattice_volume / lattice.surface_volume - 1;
+    EXPECT_GT(excess, 0);
+    EXPECT_LT(excess, 0.65 * previous);
+    previous = excess;
+  }
+  EXPECT_LT(previous, 0.2);
+}
+
+TEST(Lattice, OfABoxThatLiesInTheLatticePlanes) {
+  // Sides that are whole and half cells: the surface runs along tets' faces, edges and vertices.
+  for (const double size : {0.5, 0.25, 0.2, 1.0 / 3, 0.125})
+    for (const int divisions : {1, 4}) {
+      const TriangleMesh cube = box({1, 1, 1}, divisions);
+      const Lattice lattice = build_lattice(cube, {.cell_size = size});
+      expect_covers(cube, lattice);
+      for (const Vec3d& p : lattice.mesh.positions)
+        for (int i = 0; i < 3; ++i) EXPECT_LE(std::abs(p[i]), 0.5 + size * (1 + 1e-9));
+    }
+}
+
+TEST(Lattice, OfAnOctahedronInTheDiagonalPlanes) {
+  // The faces of tets lie in planes such as x + y = const: a square prism turned by 45 degrees lies in them
+  // exactly.
+  TriangleMesh prism = box({std::sqrt(2.0), 1, std::sqrt(2.0)}, 2);
+  for (Vec3d& p : prism.positions) p = {(p.x + p.z) / std::sqrt(2.0), p.y, (p.z - p.x) / std::sqrt(2.0)};
+  for (Vec3d& p : prism.positions)
+    for (int i = 0; i < 3; ++i) p[i] = std::round(p[i] * 4) / 4;
+  for (const double size : {0.5, 0.25}) {
+    const Lattice lattice = build_lattice(prism, {.cell_size = size});
+    expect_covers(prism, lattice);
+    EXPECT_NEAR(lattice.surface_volume, 2, 1e-12);
+    EXPECT_LT(lattice.lattice_volume, 2 * (1 + 3 * size));
+  }
+}
+
+TEST(Lattice, ThinPartsAreCovered) {
+  const TriangleMesh plate = box({1, 0.001, 1}, {8, 1, 8});
+  expect_covers(plate, build_lattice(plate, {.cell_size = 0.1}));
+  const TriangleMesh needle = cylinder(0.002, 1, 8, 10);
+  expect_covers(needle, build_lattice(needle, {.cell_size = 0.07}));
+}
+
+TEST(Lattice, MeetsATargetCount) {
+  for (const std::size_t target : {500u, 2000u, 20000u}) {
+    const TriangleMesh ring = torus(1.0, 0.3, 64, 32), ball = sphere(3, 0.05);
+    EXPECT_NEAR(double(build_lattice(ring, {.cells = target}).mesh.tets.size()) / double(target), 1, 0.15);
+    EXPECT_NEAR(double(build_lattice(ball, {.cells = target}).mesh.tets.size()) / double(target), 1, 0.15);
+  }
+  EXPECT_GT(build_lattice(sphere(1, 1), {.cells = 1}).mesh.tets.size(), 0u);
+}
+
+// Two surfaces in one mesh.
+TriangleMesh joined(TriangleMesh a, const TriangleMesh& b, const Vec3d& shift) {
+  const std::uint32_t first = std::uint32_t(a.positions.size());
+  for (const Vec3d& p : b.positions) a.positions.push_back(p + shift);
+  for (const Triangle& t : b.triangles) a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return a;
+}
+
+TEST(Lattice, CavityStaysHollowIfWoundInwardAndFillsIfNot) {
+  TriangleMesh inner = sphere(3, 0.6);
+  const TriangleMesh solid = joined(sphere(3, 1.0), inner, {});
+  for (Triangle& t : inner.triangles) std::swap(t[1], t[2]);
+  const TriangleMesh hollow = joined(sphere(3, 1.0), inner, {});
+  const Lattice full = build_lattice(solid, {.cell_size = 0.12});
+  const Lattice shell = build_lattice(hollow, {.cell_size = 0.12});
+  EXPECT_GT(full.lattice_volume, 4.0 / 3 * pi_ * 0.98);
+  EXPECT_LT(shell.lattice_volume, full.lattice_volume - 4.0 / 3 * pi_ * 0.3 * 0.3 * 0.3);
+  EXPECT_EQ(check::euler_characteristic(surface_triangles(shell.mesh.tets)), 4);  // two spheres
+}
+
+TEST(Lattice, SeparateBodiesStaySeparate) {
+  const TriangleMesh pair = joined(sphere(2, 0.5), sphere(2, 0.5), {2, 0, 0});
+  EXPECT_EQ(build_lattice(pair, {.cell_size = 0.2}).pieces, 2u);
+}
+
+TEST(Lattice, AcceptsSoupAndWrongWinding) {
+  const TriangleMesh ball = sphere(3, 1);
+  TriangleMesh soup;
+  for (std::size_t t = 0; t < ball.triangles.size(); ++t) {
+    const std::uint32_t first = std::uint32_t(soup.positions.size());
+    for (const std::uint32_t v : ball.triangles[t]) soup.positions.push_back(ball.positions[v]);
+    soup.triangles.push_back({first, first + (t % 3 == 0 ? 2u : 1u), first + (t % 3 == 0 ? 1u : 2u)});
+  }
+  const Lattice a = build_lattice(ball, {.cell_size = 0.25}), b = build_lattice(soup, {.cell_size = 0.25});
+  EXPECT_EQ(a.mesh.positions, b.mesh.positions);
+  EXPECT_EQ(a.mesh.tets, b.mesh.tets);
+  EXPECT_EQ(embed(soup.positions, b.mesh).outside, 0u);
+}
+
+std::string message_of(const TriangleMesh& mesh, const LatticeOptions& options) {
+  try {
+    build_lattice(mesh, options, "duck.obj");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Lattice, RefusesWithClearWords) {
+  EXPECT_NE(message_of(grid(4, 4, 1), {.cell_size = 0.1})
+                .find("duck.obj: a closed surface is needed here, but 12 edges are open"),
+            std::string::npos);
+  const TriangleMesh ball = sphere(2, 1);
+  EXPECT_NE(message_of(ball, {.cell_size = 1e-6}).find("more than 4 million"), std::string::npos);
+  EXPECT_NE(message_of(ball, {}).find("neither"), std::string::npos);
+  EXPECT_NE(message_of(ball, {.cell_size = 0.1, .cells = 5}).find("both"), std::string::npos);
+  EXPECT_NE(message_of(ball, {.cell_size = -1}).find("positive"), std::string::npos);
+  EXPECT_NE(message_of(ball, {.cells = 20000000}).find("expected 1"), std::string::npos);
+  TriangleMesh flat = box({1, 1, 1}, 3);
+  for (Vec3d& p : flat.positions) p.y = p.x;
+  EXPECT_NE(message_of(flat, {.cell_size = 0.1}), "");
+  EXPECT_NE(message_of(TriangleMesh{}, {.cell_size = 0.1}).find("no triangles"), std::string::npos);
+}
+
+// Closed surfaces that cross themselves, with needles, slivers and copies, now and then of extreme size.
+TEST(Lattice, OfRandomSurfacesCoversThemOrSaysWhyNot) {
+  check::Random random(11);
+  int built = 0;
+  for (int round = 0; round < 300; ++round) {
+    TriangleMesh mesh = round % 2 == 0 ? sphere(int(round % 3), 1) : box({1, 1, 1}, 1 + round % 4);
+    const double noise = random.unit(), scale = round % 10 == 9 ? 1e160 : 1;
+    for (Vec3d& p : mesh.positions) {
+      p = (p + random.in_cube() * noise) * scale;
+      // Snapped to a coarse raster, so that vertices meet and triangles collapse or lie in the lattice's
+      // planes.
+      if (round % 4 >= 2)
+        for (int i = 0; i < 3; ++i) p[i] = std::round(p[i] * 4) / 4;
+    }
+    try {
+      const Lattice lattice = build_lattice(mesh, {.cell_size = 0.25 * scale});
+      ++built;
+      const RepairedSurface surface = repair(mesh);
+      std::vector<Vec3d> points;
+      for (const Triangle& t : surface.triangles)
+        for (const std::uint32_t v : t) points.push_back(mesh.positions[surface.weld.to_vertex[v]]);
+      ASSERT_EQ(embed(points, lattice.mesh).outside, 0u) << "round " << round;
+      for (const Tet& t : lattice.mesh.tets) ASSERT_GT(check::tet_volume(lattice.mesh, t), 0);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find("mesh: "), 0u) << error.what();
+    }
+  }
+  EXPECT_GT(built, 200);
+}
+
+}  // namespace
+}  // namespace souple

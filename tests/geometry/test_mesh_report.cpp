@@ -1,0 +1,169 @@
+#include "checks.h"
+#include "souple/error.h"
+#include "souple/geometry/builders.h"
+#include "souple/geometry/measures.h"
+#include "souple/geometry/mesh_report.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+TEST(MeshReport, BuiltMeshesAreClean) {
+  for (const TriangleMesh& mesh : {sphere(2, 1), box({1, 2, 3}, 2), torus(1, 0.3, 12, 8),
+                                   capsule(0.2, 1, 12, 4), cylinder(0.3, 1, 12, 2, 2)}) {
+    const MeshReport report = inspect(mesh);
+    EXPECT_TRUE(report.is_clean()) << describe(report).front();
+    EXPECT_TRUE(report.is_closed);
+    EXPECT_EQ(report.pieces, 1u);
+    EXPECT_NEAR(report.signed_volume, check::volume(mesh), 1e-12);
+    EXPECT_NO_THROW(require_closed(report, "mesh"));
+    const RepairedSurface same = repair(mesh);
+    EXPECT_EQ(same.triangles, mesh.triangles);
+    EXPECT_TRUE(same.sentences.empty());
+  }
+}
+
+TEST(MeshReport, CountsWhatIsBroken) {
+  TriangleMesh mesh = sphere(2, 1);
+  const std::uint32_t n = std::uint32_t(mesh.positions.size());
+  mesh.positions.push_back(mesh.positions[5]);                                // a double
+  mesh.positions.push_back({9, 9, 9});                                        // in no triangle
+  mesh.positions.push_back({std::numeric_limits<double>::infinity(), 0, 0});  // not finite, in no triangle
+  mesh.triangles.push_back({5, n, 7});                                        // collapsed by the double
+  mesh.triangles.erase(mesh.triangles.begin() + 10);                          // a hole of three edges
+  std::swap(mesh.triangles[100][0], mesh.triangles[100][1]);                  // three edges wound wrongly
+  const MeshReport report = inspect(mesh);
+  EXPECT_EQ(report.duplicate_vertices, (std::vector<std::uint32_t>{n}));
+  EXPECT_EQ(report.unreferenced_vertices, (std::vector<std::uint32_t>{n + 1, n + 2}));
+  EXPECT_EQ(report.non_finite_vertices, (std::vector<std::uint32_t>{n + 2}));
+  EXPECT_EQ(report.collapsed_triangles,
+            (std::vector<std::uint32_t>{std::uint32_t(mesh.triangles.size()) - 1}));
+  EXPECT_EQ(report.open_edges.size(), 3u);
+  EXPECT_EQ(report.inconsistent_edges.size(), 3u);
+  EXPECT_FALSE(report.is_closed);
+  EXPECT_EQ(describe(report).size(), 6u);
+  EXPECT_EQ(describe(report)[2].substr(0, 40), "1 vertex coincides with an earlier one (");
+  try {
+    require_closed(report, "duck.obj");
+    FAIL();
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("duck.obj: a closed surface is needed here, but 1 vertex is not finite"), 0u) << text;
+    EXPECT_NE(text.find("3 edges are open (the first is between vertices"), std::string::npos) << text;
+  }
+}
+
+TEST(MeshReport, NonManifoldEdgesAndZeroArea) {
+  TriangleMesh book;
+  book.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {2, 0, 0}};
+  book.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 1, 5}};
+  const MeshReport report = inspect(book);
+  EXPECT_EQ(report.non_manifold_edges, (std::vector<Edge>{{0, 1}}));
+  EXPECT_EQ(report.zero_area_triangles, (std::vector<std::uint32_t>{3}));
+  EXPECT_EQ(repair(book).triangles.size(), 3u);
+  book.triangles.push_back({0, 1, 77});
+  EXPECT_THROW(inspect(book), Error);
+  EXPECT_THROW(repair(book), Error);
+}
+
+TEST(Repair, TurnsTheFewAndTheClosedOutward) {
+  const TriangleMesh ball = sphere(3, 1);
+  TriangleMesh mixed = ball;
+  for (std::size_t t = 0; t < mixed.triangles.size(); t += 5)
+    std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
+  const RepairedSurface mended = repair(mixed);
+  EXPECT_TRUE(check::is_watertight(mended.triangles));
+  EXPECT_NEAR(enclosed_volume(mixed.positions, mended.triangles), check::volume(ball), 1e-12);
+  ASSERT_EQ(mended.sentences.size(), 1u);
+  EXPECT_EQ(mended.sentences[0], "Turned over 256 triangles to wind like the others.");
+
+  TriangleMesh inward = ball;
+  for (Triangle& t : inward.triangles) std::swap(t[0], t[1]);
+  EXPECT_NEAR(enclosed_volume(ball.positions, repair(inward).triangles), check::volume(ball), 1e-12);
+  EXPECT_EQ(repair(inward).sentences, (std::vector<std::string>{"Turned 1 closed piece outward."}));
+  // An open sheet has no outside: its winding stays.
+  TriangleMesh sheet = grid(4, 4, 1);
+  for (Triangle& t : sheet.triangles) std::swap(t[0], t[1]);
+  EXPECT_EQ(repair(sheet).triangles, sheet.triangles);
+}
+
+TEST(Repair, LeavesAMoebiusStripAndSaysSo) {
+  // Five triangles around, the last turned against the first.
+  TriangleMesh strip;
+  for (int i = 0; i < 5; ++i) strip.positions.push_back({double(i % 3), double(i), double(i * i)});
+  for (std::uint32_t i = 0; i < 5; ++i) strip.triangles.push_back({i, (i + 1) % 5, (i + 2) % 5});
+  const RepairedSurface surface = repair(strip);
+  EXPECT_EQ(surface.triangles, strip.triangles);
+  ASSERT_EQ(surface.sentences.size(), 1u);
+  EXPECT_NE(surface.sentences[0].find("Moebius"), std::string::npos);
+}
+
+TEST(Repair, DropsWhatCannotMove) {
+  TriangleMesh mesh = grid(3, 3, 1);
+  const std::size_t good = mesh.triangles.size();
+  mesh.positions.push_back({std::numeric_limits<double>::quiet_NaN(), 0, 0});
+  mesh.triangles.push_back({0, 1, 9});
+  mesh.triangles.push_back({0, 1, 2});  // on a line
+  mesh.triangles.push_back({3, 3, 4});
+  mesh.triangles.push_back({mesh.triangles[0][1], mesh.triangles[0][0], mesh.triangles[0][2]});
+  const RepairedSurface surface = repair(mesh);
+  EXPECT_EQ(surface.triangles.size(), good);
+  for (std::size_t t = 0; t < good; ++t) EXPECT_EQ(surface.source[t], t);
+  EXPECT_EQ(surface.sentences.size(), 4u);
+}
+
+TEST(Repair, ZeroAreaTrianglesOfAClosedSurfaceStay) {
+  // A tetrahedron, one face of which is cut at the middle of an edge on one side only: the needle closes it.
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}};
+  mesh.triangles = {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}};
+  EXPECT_TRUE(inspect(mesh).is_closed);
+  EXPECT_EQ(inspect(mesh).zero_area_triangles.size(), 1u);
+  EXPECT_TRUE(check::is_watertight(repair(mesh).triangles));
+}
+
+TEST(Repair, OfRandomTrianglesIsSound) {
+  check::Random random(2);
+  const double strange[] = {std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::infinity(),
+                            1e308,
+                            -1e308,
+                            5e-324,
+                            0.0};
+  for (int round = 0; round < 500; ++round) {
+    TriangleMesh mesh;
+    const std::size_t vertices = 3 + random.next() % 8, triangles = random.next() % 30;
+    for (std::size_t v = 0; v < vertices; ++v) {
+      mesh.positions.push_back(random.in_cube());
+      if (random.next() % 8 == 0) mesh.positions.back().y = strange[random.next() % 6];
+      if (random.next() % 4 == 0) mesh.positions.back() = mesh.positions[random.next() % (v + 1)];
+    }
+    const auto corner = [&] { return std::uint32_t(random.next() % vertices); };
+    for (std::size_t t = 0; t < triangles; ++t) {
+      const std::uint32_t a = corner(), b = corner(), c = corner();
+      mesh.triangles.push_back({a, b, c});
+    }
+    const MeshReport report = inspect(mesh);
+    for (const std::string& line : describe(report)) EXPECT_FALSE(line.empty());
+    const RepairedSurface surface = repair(mesh);
+    ASSERT_EQ(surface.triangles.size(), surface.source.size());
+    for (const Triangle& t : surface.triangles) {
+      ASSERT_TRUE(t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+      for (const std::uint32_t v : t) {
+        ASSERT_LT(v, surface.weld.size());
+        ASSERT_TRUE(is_finite(mesh.positions[surface.weld.to_vertex[v]]));
+      }
+    }
+    // Mended once, there is nothing left to mend.
+    TriangleMesh again;
+    again.positions = gather<Vec3d>(surface.weld, mesh.positions);
+    again.triangles = surface.triangles;
+    EXPECT_EQ(repair(again, 0).triangles, surface.triangles) << "round " << round;
+  }
+}
+
+}  // namespace
+}  // namespace souple

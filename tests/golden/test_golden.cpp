@@ -1,0 +1,206 @@
+#include "golden_file.h"
+#include "souple/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// Every shipped scene runs 300 frames: calm, and bit for bit as when tests/golden.json was written.
+//   SOUPLE_GOLDEN_UPDATE=1   rewrites tests/golden.json (script/golden --update)
+//   SOUPLE_GOLDEN_FRAMES=30  stops there; the later hashes are not looked at
+
+namespace souple::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int hashed_frames[] = {1, 30, 300};
+
+const fs::path source_folder = SOUPLE_SOURCE_DIR;
+const fs::path golden_path = source_folder / "tests" / "golden.json";
+
+int frames_to_run() {
+  const char* limit = std::getenv("SOUPLE_GOLDEN_FRAMES");
+  return limit ? std::clamp(std::atoi(limit), 1, 300) : 300;
+}
+
+bool updating() {
+  const char* update = std::getenv("SOUPLE_GOLDEN_UPDATE");
+  return update && std::string(update) == "1";
+}
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(source_folder / "scenes")) {
+    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// What may move a scene beside its own energy, and how much of it there is; watched from frame to frame.
+class Energies {
+ public:
+  Energies(const World& world, const SceneDescription& scene)
+      : world_(world), wind_(world.settings().wind), start_(sum()) {
+    for (const AnyObjectDescription& object : scene.objects) {
+      const auto* cloth = std::get_if<ClothDescription>(&object);
+      if (cloth && cloth->pressure) pressures_[cloth->name] = static_cast<double>(*cloth->pressure);
+    }
+    remember();
+  }
+
+  /// After each frame of dt seconds.
+  void watch(double dt) {
+    const std::vector<Vec3d> before = led_;
+    remember();
+    for (std::size_t i = 0; i < std::min(led_.size(), before.size()); ++i)
+      led_speed_ = std::max(led_speed_, length(led_[i] - before[i]) / dt);
+  }
+
+  double kinetic() const { return sum().kinetic; }
+
+  /// No motion can hold more kinetic energy [J] than what was there at the start (kinetic and elastic), what
+  /// the fallen weight has given, pressure times the largest volume it can have made, and what moving things
+  /// can lend a mass: twice their speed (an elastic bounce) from pins and colliders, the wind's own from
+  /// wind.
+  double bound() const {
+    const Sum now = sum();
+    const double gust = length(Vec3d(wind_.velocity)) * (1 + static_cast<double>(wind_.gust));
+    return start_.kinetic + start_.elastic + std::max(0.0, start_.potential - now.potential) +
+           pressure_work() + 0.5 * now.mass * (4 * led_speed_ * led_speed_ + gust * gust);
+  }
+
+ private:
+  struct Sum {
+    double kinetic = 0, potential = 0, elastic = 0, mass = 0;
+  };
+
+  Sum sum() const {
+    Sum total;
+    for (const ObjectId object : world_.objects()) {
+      total.kinetic += world_.kinetic_energy(object);
+      total.potential += world_.potential_energy(object);
+      total.mass += world_.total_mass(object);
+    }
+    total.elastic = world_.elastic_energy();
+    return total;
+  }
+
+  double pressure_work() const {
+    double work = 0;
+    for (const auto& [name, pascals] : pressures_) {
+      Vec3d lo{1e30, 1e30, 1e30}, hi{-1e30, -1e30, -1e30};
+      for (const Vec3f& x : world_.positions(world_.find_object(name))) {
+        for (int k = 0; k < 3; ++k) {
+          lo[k] = std::min(lo[k], static_cast<double>(x[k]));
+          hi[k] = std::max(hi[k], static_cast<double>(x[k]));
+        }
+      }
+      work += std::abs(pascals) * (hi.x - lo.x) * (hi.y - lo.y) * (hi.z - lo.z);
+    }
+    return work;
+  }
+
+  /// Where pins and colliders are; of a turning collider also a point a metre off its centre.
+  void remember() {
+    led_.clear();
+    for (const ObjectId object : world_.objects()) {
+      const auto positions = world_.positions(object);
+      for (const std::uint32_t vertex : world_.pinned(object)) led_.push_back(Vec3d(positions[vertex]));
+    }
+    for (const ColliderId collider : world_.colliders()) {
+      const Transform pose = world_.collider_pose(collider);
+      for (const Vec3d& point : {Vec3d{}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+        led_.push_back(pose.point(point));
+    }
+  }
+
+  const World& world_;
+  Wind wind_;
+  Sum start_;
+  std::map<std::string, double> pressures_;
+  std::vector<Vec3d> led_;
+  double led_speed_ = 0;  ///< the largest so far [m/s]
+};
+
+/// The farthest vertex from the origin [m].
+double farthest(const World& world) {
+  double largest = 0;
+  for (const ObjectId object : world.objects()) {
+    for (const Vec3f& x : world.positions(object)) {
+      const double distance = static_cast<double>(length(x));
+      if (!(distance <= largest)) largest = distance;  // NaN as well
+    }
+  }
+  return largest;
+}
+
+void update_golden(const std::string& scene, const FrameHashes& hashes) {
+  auto golden = read_golden(golden_path);
+  const std::vector<std::string> shipped = scene_names();
+  for (auto entry = golden.begin(); entry != golden.end();) {
+    const bool gone = std::find(shipped.begin(), shipped.end(), entry->first) == shipped.end();
+    entry = gone ? golden.erase(entry) : std::next(entry);
+  }
+  for (const auto& [frame, hash] : hashes) golden[scene][frame] = hash;
+  write_golden(golden_path, golden);
+}
+
+void expect_golden(const std::string& scene, const FrameHashes& hashes) {
+  const auto golden = read_golden(golden_path);
+  const auto known = golden.find(scene);
+  ASSERT_NE(known, golden.end()) << scene
+                                 << " has no hashes in tests/golden.json: run script/golden --update";
+  for (const auto& [frame, hash] : hashes) {
+    const auto expected = known->second.find(frame);
+    ASSERT_NE(expected, known->second.end()) << "tests/golden.json has no frame " << frame << " of " << scene;
+    EXPECT_EQ(hash_text(hash), hash_text(expected->second))
+        << scene << ", frame " << frame
+        << ": results changed. If that is meant, run script/golden --update and say why in the commit";
+  }
+}
+
+class GoldenScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(GoldenScene, IsCalmAndUnchanged) {
+  const std::string name = GetParam();
+  const SceneDescription scene = load_scene(source_folder / "scenes" / (name + ".json"));
+  World world = build_world(scene);
+  Energies energies(world, scene);
+  const double dt = 1 / scene.frame_rate;
+  FrameHashes hashes;
+  double worst = 0;
+  for (int frame = 1; frame <= frames_to_run(); ++frame) {
+    const StepReport& report = world.step(dt);
+    ASSERT_TRUE(report.ok()) << "frame " << frame << ": " << report.message;
+    energies.watch(dt);
+    const double kinetic = energies.kinetic(), bound = energies.bound();
+    worst = std::max(worst, kinetic / std::max(bound, 1e-300));
+    ASSERT_LE(kinetic, 1.02 * bound + 1e-6) << "frame " << frame << ": kinetic energy [J] from nowhere";
+    ASSERT_LT(farthest(world), 100) << "frame " << frame << ": something flies away [m]";
+    const bool hashed =
+        std::find(std::begin(hashed_frames), std::end(hashed_frames), frame) != std::end(hashed_frames);
+    if (hashed) hashes[frame] = world.hash();
+  }
+  RecordProperty("largest_share_of_energy_bound", std::to_string(worst));
+  if (updating()) {
+    update_golden(name, hashes);
+  } else {
+    expect_golden(name, hashes);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, GoldenScene, testing::ValuesIn(scene_names()),
+                         [](const auto& tested) { return tested.param; });
+
+}  // namespace
+}  // namespace souple::test

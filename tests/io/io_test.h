@@ -1,0 +1,92 @@
+#pragma once
+
+#include "souple/error.h"
+#include "souple/io/file.h"
+#include "souple/math/vec3.h"
+
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <sys/resource.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace souple::test {
+
+/// A test with a folder of its own, empty at first and removed at its end.
+class FolderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder = std::filesystem::path(testing::TempDir()) /
+             (std::string("souple_") + info->test_suite_name() + "_" + info->name());
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  void put(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder / name, std::ios::binary) << bytes;
+  }
+  std::string get(const std::string& name) const { return read_whole_file(folder / name); }
+  bool has(const std::string& name) const { return std::filesystem::exists(folder / name); }
+  /// How many files there are.
+  int count() const {
+    int files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) files += entry.is_regular_file();
+    return files;
+  }
+
+  std::filesystem::path folder;
+};
+
+/// While it lives, no file may grow beyond `bytes`: the nearest thing to a full disk that a test can have.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(std::uint64_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+/// Positions that differ for each point and frame.
+inline std::vector<Vec3f> frame_of(std::size_t points, int frame) {
+  std::vector<Vec3f> positions(points);
+  for (std::size_t i = 0; i < points; ++i)
+    positions[i] = {0.1f * static_cast<float>(i) + static_cast<float>(frame), -static_cast<float>(i),
+                    1.0f / static_cast<float>(frame + 3)};
+  return positions;
+}
+
+/// What the Error of `action` says; a failure when there is none.
+template <class Action>
+std::string error_of(Action action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "expected an Error";
+  return "";
+}
+
+inline void expect_says(const std::string& message, const std::string& part) {
+  EXPECT_NE(message.find(part), std::string::npos) << "\"" << message << "\" does not say \"" << part << "\"";
+}
+
+}  // namespace souple::test

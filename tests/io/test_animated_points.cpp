@@ -1,0 +1,98 @@
+#include "io_test.h"
+#include "souple/io/animated_points.h"
+#include "souple/io/mdd.h"
+#include "souple/io/pc2.h"
+
+#include <limits>
+#include <sstream>
+
+namespace souple::test {
+namespace {
+
+/// A mesh file of these tests: x y z of each vertex.
+std::vector<Vec3f> read_plain(const std::filesystem::path& path) {
+  std::istringstream text(read_whole_file(path));
+  std::vector<Vec3f> positions;
+  for (Vec3f p; text >> p.x >> p.y >> p.z;) positions.push_back(p);
+  return positions;
+}
+
+class AnimatedPointsTest : public FolderTest {
+ protected:
+  /// x of the first point at a time.
+  static float x(AnimatedPoints& points, double time) {
+    std::vector<Vec3f> positions(points.points());
+    points.evaluate(time, positions);
+    return positions[0].x;
+  }
+  void put_mdd(const std::vector<double>& times, float last_x = 7) const {
+    MddWriter writer(folder / "a.mdd", 1, 0);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const std::vector<Vec3f> at = {{i + 1 == times.size() ? last_x : static_cast<float>(i), 0, 0}};
+      writer.append(times[i], at);
+    }
+    writer.finish();
+  }
+};
+
+/// A point that moves at 3 m/s along x from 1 m, in the three formats: the same motion comes back.
+TEST_F(AnimatedPointsTest, AllFormatsPlayTheSameMotion) {
+  Pc2Writer pc2(folder / "a.pc2", 1, {.start_frame = 1, .sample_rate = 2});
+  MddWriter mdd(folder / "a.mdd", 1, 0);
+  for (int frame = 0; frame <= 10; frame += 2) {
+    const std::vector<Vec3f> at = {{1 + 3 * static_cast<float>(frame) / 20, 0, 0}};
+    pc2.append(at);
+    mdd.append(frame / 20.0, at);
+    put("a_" + std::to_string(1001 + frame) + ".obj", std::to_string(at[0].x) + " 0 0");
+  }
+  pc2.finish();
+  mdd.finish();
+  for (const char* name : {"a.pc2", "a.mdd", "a_1001.obj"}) {
+    AnimatedPoints points(folder / name, {.frame_rate = 20, .start_time = 0.25}, read_plain);
+    EXPECT_DOUBLE_EQ(points.start_time(), 0.25);
+    EXPECT_NEAR(points.end_time(), 0.75, 1e-7);
+    EXPECT_EQ(x(points, 0), 1) << "stands still before";
+    EXPECT_NEAR(x(points, 9), 2.5, 1e-6) << "stands still after";
+    // There and back: the order of the times must not matter.
+    for (const double time : {0.25, 0.26, 0.35, 0.5, 0.7499, 0.3, 0.74})
+      EXPECT_NEAR(x(points, time), 1 + 3 * (time - 0.25), 1e-5) << name << " at " << time;
+  }
+}
+
+TEST_F(AnimatedPointsTest, HitsItsFramesExactly) {
+  put_mdd({0, 0.5, 2}, 0.1f);
+  AnimatedPoints points(folder / "a.mdd", {});
+  EXPECT_EQ(x(points, 0.5), 1);
+  EXPECT_EQ(x(points, 2), 0.1f);
+}
+
+TEST_F(AnimatedPointsTest, BadAnimationsAreErrors) {
+  const auto open = [&](const char* name) { AnimatedPoints(folder / name, {}, read_plain); };
+  put_mdd({});
+  expect_says(error_of([&] { open("a.mdd"); }), "holds no frame");
+  put_mdd({0, 1, 1});
+  expect_says(error_of([&] { open("a.mdd"); }), "frame 2");
+  put_mdd({0, std::numeric_limits<double>::quiet_NaN()});
+  EXPECT_THROW(open("a.mdd"), Error);
+  EXPECT_THROW(open("none.pc2"), Error);
+  expect_says(error_of([&] { AnimatedPoints(folder / "a_1.obj", {}); }), ".pc2 or a .mdd");
+  expect_says(error_of([&] { AnimatedPoints(folder / "a.pc2", {.frame_rate = 0}); }), "frame rate");
+}
+
+TEST_F(AnimatedPointsTest, BadFramesAreErrorsWhenTheirTimeComes) {
+  put_mdd({0, 1, 2}, std::numeric_limits<float>::infinity());
+  AnimatedPoints points(folder / "a.mdd", {});
+  EXPECT_EQ(x(points, 0.5), 0.5f);
+  expect_says(error_of([&] { x(points, 1.5); }), "point 0 of frame 2");
+  EXPECT_EQ(x(points, 0.5), 0.5f);
+
+  put("b_1.obj", "0 0 0");
+  put("b_2.obj", "0 0 0 1 1 1");
+  AnimatedPoints meshes(folder / "b_1.obj", {.frame_rate = 1}, read_plain);
+  expect_says(error_of([&] { x(meshes, 0.5); }), "has 2 vertices");
+  std::vector<Vec3f> two(2);
+  EXPECT_THROW(meshes.evaluate(0, two), Error);
+}
+
+}  // namespace
+}  // namespace souple::test

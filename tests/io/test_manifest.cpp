@@ -1,0 +1,130 @@
+#include "io_test.h"
+#include "souple/io/manifest.h"
+
+#include <cmath>
+#include <limits>
+
+namespace souple::test {
+namespace {
+
+RunManifest example() {
+  RunManifest manifest;
+  manifest.version = "0.1.0";
+  manifest.complete = true;
+  manifest.scene = R"({"souple":1,"objects":[{"name":"drapé","kind":"cloth"}],"gravity":[0.0,-9.81,0.0]})";
+  manifest.settings = R"({"threads":2})";
+  manifest.frame_rate = 24;
+  manifest.frames = 3;
+  manifest.objects = {{"drapé", "cloth", {{"obj", "cloth.obj", 0}, {"pc2", "cloth.pc2", 3}}, 4, 2},
+                      {"sand", "grains", {}, 9, 0}};
+  manifest.notes = {"\"sand\" changes its topology\nand is written as obj"};
+  manifest.reports = {{1, 1 / 24.0, {{"contacts", 12}, {"largest_strain", 0.1}}, {}, {{"solve", 1.25}}},
+                      {3, 0.125, {{"residual", 1e-300}}, {"strain"}, {{"solve", 1.5}, {"collide", 0.1}}}};
+  return manifest;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+/// The error that a manifest gives when `from` stands as `to` in it.
+std::string error_when(const std::string& from, const std::string& to) {
+  const std::string text = replaced(manifest_text(example()), from, to);
+  return error_of([&] { parse_manifest(text, "run.json"); });
+}
+
+using ManifestTest = FolderTest;
+
+TEST_F(ManifestTest, ReadsBackWhatWasWritten) {
+  const RunManifest written = example();
+  write_manifest(folder, written);
+  EXPECT_EQ(count(), 1);
+  for (const auto& path : {folder, folder / "run.json"}) {
+    const RunManifest read = read_manifest(path);
+    EXPECT_EQ(read.version, written.version);
+    EXPECT_EQ(read.complete, written.complete);
+    EXPECT_EQ(read.scene, written.scene);
+    EXPECT_EQ(read.settings, written.settings);
+    EXPECT_EQ(read.frame_rate, written.frame_rate);
+    EXPECT_EQ(read.frames, written.frames);
+    EXPECT_EQ(read.objects, written.objects);
+    EXPECT_EQ(read.notes, written.notes);
+    ASSERT_EQ(read.reports.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(read.reports[i].frame, written.reports[i].frame);
+      EXPECT_EQ(read.reports[i].time, written.reports[i].time);
+      EXPECT_EQ(read.reports[i].values, written.reports[i].values);
+      EXPECT_EQ(read.reports[i].flags, written.reports[i].flags);
+      EXPECT_EQ(read.reports[i].milliseconds, written.reports[i].milliseconds);
+    }
+  }
+}
+
+TEST_F(ManifestTest, AnEmptyRun) {
+  const RunManifest read = parse_manifest(manifest_text({}), "run.json");
+  EXPECT_EQ(read.scene, "");
+  EXPECT_EQ(read.frames, 0u);
+  EXPECT_TRUE(read.objects.empty());
+}
+
+TEST_F(ManifestTest, NotFiniteIsNull) {
+  RunManifest manifest = example();
+  manifest.reports[0].values[0].second = std::numeric_limits<double>::infinity();
+  const RunManifest read = parse_manifest(manifest_text(manifest), "run.json");
+  EXPECT_TRUE(std::isnan(read.reports[0].values[0].second));
+}
+
+TEST_F(ManifestTest, OnlyOneLineDependsOnTheClock) {
+  RunManifest slower = example();
+  slower.reports[1].milliseconds[0].second = 99;
+  const auto without_timings = [](const std::string& text) {
+    const auto at = text.find("\n\"timings\"");
+    return text.substr(0, at) + text.substr(text.find('\n', at + 1));
+  };
+  EXPECT_NE(manifest_text(example()), manifest_text(slower));
+  EXPECT_EQ(without_timings(manifest_text(example())), without_timings(manifest_text(slower)));
+}
+
+TEST_F(ManifestTest, ErrorsNameThePlace) {
+  expect_says(error_when("\"frames\": 3", "\"frames\": -3"), "run.json.frames: expected a whole number");
+  expect_says(error_when("\"frames\": 3", "\"frames\": 2"),
+              "run.json.reports[1].frame: 3 is not one of the 2");
+  expect_says(error_when("cloth.pc2", "../cloth.pc2"), "run.json.objects[0].files[1].path");
+  expect_says(error_when("cloth.pc2", "/cloth.pc2"), "leads out of the folder");
+  expect_says(error_when("\"points\":4", "\"points\":4.5"), "objects[0].topology.points");
+  expect_says(error_when("\"kind\":\"grains\",", ""), "objects[1]: has no \"kind\"");
+  expect_says(error_when("\"notes\"", "\"nodes\""), "\"nodes\", which is not known");
+  expect_says(error_when("\"complete\": true", "\"complete\": 1"), "expected true or false");
+  expect_says(error_when("\"frame\":3,\"time\"", "\"frame\":1,\"time\""), "not later");
+  expect_says(error_when("\"frame\":3,\"mill", "\"frame\":2,\"mill"), "has no report");
+  expect_says(error_when("24.0", "0.0"), "run.json.frame_rate");
+  expect_says(error_when("24.0", "1e999"), "run.json");
+  expect_says(error_when("\"souple_run\": 1", "\"souple_run\": 2"),
+              "was written by Souple 0.1.0 in format 2");
+}
+
+TEST_F(ManifestTest, WhatIsNoManifestIsAnError) {
+  for (const char* text : {"", "{", "[]", "null", "{}", "\xff\xfe", "{\"souple_run\": \"1\"}", "1e999"})
+    EXPECT_THROW(parse_manifest(text, "run.json"), Error) << text;
+  const std::string deep(1000000, '[');
+  expect_says(error_of([&] { parse_manifest(deep, "run.json"); }), "nested deeper");
+  expect_says(error_of([&] { read_manifest(folder); }), "run.json");
+}
+
+TEST_F(ManifestTest, WhatCannotBeWrittenLeavesTheOldFile) {
+  write_manifest(folder, example());
+  const std::string before = get("run.json");
+  RunManifest bad = example();
+  bad.scene = "{not json";
+  expect_says(error_of([&] { write_manifest(folder, bad); }), "the scene of a run");
+  bad = example();
+  bad.objects[0].name = "\xff";
+  EXPECT_THROW(write_manifest(folder, bad), Error);
+  EXPECT_EQ(get("run.json"), before);
+  EXPECT_EQ(count(), 1);
+}
+
+}  // namespace
+}  // namespace souple::test

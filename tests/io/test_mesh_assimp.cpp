@@ -1,0 +1,49 @@
+#include "mesh_expect.h"
+#include "souple/io/mesh_file.h"
+
+#include <fstream>
+#include <vector>
+
+namespace souple {
+namespace {
+
+std::filesystem::path write(const std::string& name, const std::string& text) {
+  const auto path = std::filesystem::path(testing::TempDir()) / name;
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+// A square in two triangles, moved by its node, as glTF with its buffer inside the file.
+const char* const square_gltf = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"mesh":0,"name":"sheet","translation":[10,0,0]}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAABAAIAAAACAAMA"}],
+"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}]})";
+
+const char* const square_off = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+
+TEST(AssimpReader, KeepsVerticesAndTheirOrder) {
+  if (!mesh_import_has_assimp()) {
+    expect_error([] { read_triangle_mesh(write("souple_square.gltf", square_gltf)); },
+                 {".gltf", "libassimp-dev"});
+    return;
+  }
+  const TriangleMesh mesh = read_triangle_mesh(write("souple_square.gltf", square_gltf), {.scale = 2.0});
+  ASSERT_EQ(mesh.positions.size(), 4u);
+  EXPECT_EQ(mesh.positions[2], Vec3d(22, 2, 0));
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(mesh.groups.at("sheet"), (std::vector<std::uint32_t>{0, 1, 2, 3}));
+  EXPECT_EQ(read_triangle_mesh(write("souple_square.off", square_off)).faces.size(), 1u);
+}
+
+TEST(AssimpReader, TurnsFailuresIntoErrors) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  expect_error([] { read_triangle_mesh(write("souple_bad.gltf", "{\"asset\":")); },
+               {"souple_bad.gltf", "assimp"});
+  expect_error([] { read_triangle_mesh("souple_none.glb"); }, {"souple_none.glb", "no such file"});
+}
+
+}  // namespace
+}  // namespace souple

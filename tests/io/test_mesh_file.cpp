@@ -1,0 +1,108 @@
+#include "mesh_expect.h"
+#include "souple/io/mesh_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace souple {
+namespace {
+
+/// A folder of its own for each test, gone behind it.
+class MeshFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / (std::string("souple_mesh_file_") + test.name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+
+  std::filesystem::path folder_;
+};
+
+const std::string triangle = "v 1 2 3\nv 0 0 0\nv 0 1 0\nf 1 2 3\n";
+
+TEST_F(MeshFile, ChoosesTheFormatByItsExtensionInAnyCase) {
+  EXPECT_EQ(read_triangle_mesh(write("a.OBJ", triangle)).positions[0], Vec3d(1, 2, 3));
+  expect_error([&] { read_triangle_mesh(write("a.Ply", triangle)); }, {"a.Ply:1:", "\"ply\""});
+  expect_error([&] { read_triangle_mesh(write("a.txt", triangle)); },
+               {"a.txt", "\".txt\"", ".obj, .ply, .stl"});
+  expect_error([&] { read_triangle_mesh(write("a.msh", triangle)); }, {"a.msh", "tet mesh"});
+  expect_error([&] { read_tet_mesh(write("a.obj", triangle)); }, {"a.obj", ".msh", ".node", ".vtk"});
+}
+
+TEST_F(MeshFile, ScalesAndTurnsUpright) {
+  const auto path = write("a.obj", triangle);
+  EXPECT_EQ(read_triangle_mesh(path, {.scale = 2.0}).positions[0], Vec3d(2, 4, 6));
+  // Up becomes Y; a right-handed file stays right-handed.
+  EXPECT_EQ(read_triangle_mesh(path, {.up = UpAxis::z}).positions[0], Vec3d(1, 3, -2));
+  EXPECT_EQ(read_triangle_mesh(path, {.up = UpAxis::x}).positions[0], Vec3d(-2, 1, 3));
+  for (double scale : {0.0, -1.0, std::nan(""), 1e300}) {
+    expect_error([&] { read_triangle_mesh(path, {.scale = scale}); }, {"a.obj", "scale"});
+  }
+}
+
+TEST_F(MeshFile, NamesAFileThatIsNotThere) {
+  expect_error([&] { read_triangle_mesh(folder_ / "none.obj"); }, {"none.obj", "no such file"});
+  std::filesystem::create_directory(folder_ / "b.obj");
+  expect_error([&] { read_triangle_mesh(folder_ / "b.obj"); }, {"b.obj", "is a folder"});
+  expect_error([&] { read_triangle_mesh(write("c.obj", "")); }, {"c.obj:1:", "no vertex"});
+}
+
+TEST_F(MeshFile, ReadsTetgenByEitherName) {
+  const auto node = write("a.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 2\n");
+  expect_error([&] { read_tet_mesh(node); }, {"a.ele", "no such file"});
+  const auto ele = write("a.ele", "1 4 0\n0 0 1 2 3\n");
+  for (const auto& path : {node, ele}) {
+    const TetMesh mesh = read_tet_mesh(path, {.scale = 0.5});
+    EXPECT_EQ(mesh.tets, (std::vector<Tet>{{0, 1, 2, 3}}));
+    EXPECT_EQ(mesh.positions[3], Vec3d(0, 0, 1));
+  }
+}
+
+double enclosed_volume(const TriangleMesh& mesh) {
+  double six_volumes = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    six_volumes += dot(mesh.positions[t[0]], cross(mesh.positions[t[1]], mesh.positions[t[2]]));
+  }
+  return six_volumes / 6.0;
+}
+
+TEST(ShippedMeshes, SurfacesAreClosedAndWoundOutward) {
+  const std::filesystem::path folder = SOUPLE_SHIPPED_MESHES;
+  for (const char* name : {"duck.obj", "star.obj"}) {
+    const TriangleMesh mesh = read_triangle_mesh(folder / name, {.scale = 0.01});
+    std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+    for (const Triangle& t : mesh.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(edges.emplace(t[i], t[(i + 1) % 3]).second) << name;
+    }
+    for (const auto& [a, b] : edges) EXPECT_EQ(edges.count({b, a}), 1u) << name;
+    EXPECT_GT(enclosed_volume(mesh), 0.05) << name;
+    EXPECT_GE(mesh.groups.size(), 4u) << name;  // its parts, and the whole
+  }
+}
+
+TEST(ShippedMeshes, TheBeamHasItsVolumeAndItsEnds) {
+  const TetMesh mesh = read_tet_mesh(std::filesystem::path(SOUPLE_SHIPPED_MESHES) / "beam.msh");
+  double volume = 0.0;
+  for (const Tet& t : mesh.tets) {
+    const Vec3d a = mesh.positions[t[0]];
+    volume += dot(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a), mesh.positions[t[3]] - a) / 6.0;
+  }
+  EXPECT_NEAR(volume, 0.8 * 0.2 * 0.2, 1e-12);
+  EXPECT_EQ(mesh.groups.at("bar").size(), 81u);
+  for (std::uint32_t i : mesh.groups.at("left")) EXPECT_EQ(mesh.positions[i].x, 0.0);
+  EXPECT_EQ(mesh.groups.at("right").size(), 9u);
+}
+
+}  // namespace
+}  // namespace souple

@@ -1,0 +1,167 @@
+#include "mesh_expect.h"
+#include "souple/io/mesh_parse.h"
+#include "souple/io/mesh_write.h"
+
+#include <chrono>
+#include <vector>
+
+namespace souple {
+namespace {
+
+using Indices = std::vector<std::uint32_t>;
+
+TriangleMesh parse(const std::string& text) {
+  return parse_obj(text, "a.obj");
+}
+
+std::vector<Vec3f> positions_of(const TriangleMesh& mesh) {
+  std::vector<Vec3f> result;
+  for (const Vec3d& p : mesh.positions) result.emplace_back(p);
+  return result;
+}
+
+const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST(ObjReader, KeepsVerticesTheirOrderAndUnusedOnes) {
+  const TriangleMesh mesh =
+      parse("# a comment\nv 1 2 3 # another\nv 1 2 3\nv -1.5e-3 +2 .5 1\nv 9 9 9\nf 1 2 3\n");
+  ASSERT_EQ(mesh.positions.size(), 4u);
+  EXPECT_EQ(mesh.positions[0], mesh.positions[1]);
+  EXPECT_EQ(mesh.positions[2], Vec3d(-1.5e-3, 2.0, 0.5));
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}}));
+  EXPECT_TRUE(mesh.faces.empty());
+}
+
+TEST(ObjReader, ReadsEveryFormOfAFaceCorner) {
+  const std::string uv = "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n";
+  for (const char* face : {"f 1 2 3", "f 1/1 2/2 3/3", "f 1//1 2//1 3//1", "f 1/1/1 2/2/1 3/3/1",
+                           "f -4 -3 -2", "f -4/-3/-1 -3/-2/-1 -2/-1/-1"}) {
+    const TriangleMesh mesh = parse(square + uv + face);
+    EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}})) << face;
+    if (std::string(face).find("/1 ") != std::string::npos &&
+        std::string(face).find("//") == std::string::npos) {
+      EXPECT_EQ(mesh.face_uvs, (std::vector<Indices>{{0, 1, 2}})) << face;
+    }
+  }
+}
+
+TEST(ObjReader, KeepsPolygonsAndCutsThemIntoFans) {
+  const TriangleMesh mesh = parse("v 2 0 0\n" + square + "f 2 3 4 5\nf 1 2 3\n");
+  EXPECT_EQ(mesh.faces, (std::vector<Indices>{{1, 2, 3, 4}, {0, 1, 2}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{1, 2, 3}, {1, 3, 4}, {0, 1, 2}}));
+}
+
+TEST(ObjReader, JoinsContinuedLinesAndTakesAnyLineEnd) {
+  const std::string lines[] = {
+      square + "f 1 2 \\\n 3 4\n", "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nf 1 2\\\r\n 3 4",
+      "v 0 0 0\rv 1 0 0\rv 1 1 0\rv 0 1 0\rf 1 2 3 4\r", "\xef\xbb\xbf" + square + "f 1 2 3 4"};
+  for (const std::string& text : lines)
+    EXPECT_EQ(parse(text).faces, (std::vector<Indices>{{0, 1, 2, 3}})) << text;
+}
+
+TEST(ObjReader, TakesFacesBeforeTheirVertices) {
+  EXPECT_EQ(parse("f 1 2 3\n" + square).triangles, (std::vector<Triangle>{{0, 1, 2}}));
+  expect_error([] { parse("#\nf 1 2 5\n" + square); }, {"a.obj:2:", "index 5", "at most 4"});
+}
+
+TEST(ObjReader, GivesGroupsTheVerticesOfTheirFaces) {
+  const TriangleMesh mesh = parse(square +
+                                  "v 5 5 5\no my body\ng left right\nf 3 2 1\ng right\nusemtl silk\nf 1 3 4\n"
+                                  "g default\np 5\n");
+  EXPECT_EQ(mesh.groups.size(), 4u);
+  EXPECT_EQ(mesh.groups.at("left"), (Indices{0, 1, 2}));
+  EXPECT_EQ(mesh.groups.at("right"), (Indices{0, 1, 2, 3}));
+  EXPECT_EQ(mesh.groups.at("my body"), (Indices{0, 1, 2, 3, 4}));
+  EXPECT_EQ(mesh.groups.at("material:silk"), (Indices{0, 2, 3, 4}));
+}
+
+TEST(ObjReader, ReadsVertexColours) {
+  const TriangleMesh mesh = parse("v 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0\nf 1 2 3\n");
+  ASSERT_EQ(mesh.colours.size(), 3u);
+  EXPECT_EQ(mesh.colours[1], Vec3f(1.0f, 0.5f, 0.0f));
+  EXPECT_EQ(mesh.colours[2], Vec3f(1.0f, 1.0f, 1.0f));
+}
+
+TEST(ObjReader, NamesFileAndLineOfBadInput) {
+  const struct {
+    std::string text;
+    std::initializer_list<const char*> parts;
+  } cases[] = {{"v 0 0\n", {"a.obj:1:", "2 numbers"}},
+               {"v 0 0 0\nv 0 zero 0\n", {"a.obj:2:", "\"zero\"", "a number"}},
+               {"v 0 0 nan\n", {"a.obj:1:", "\"nan\""}},
+               {"v 0 0 1e400\n", {"a.obj:1:", "1e400"}},
+               {"v 0 0 1e30\n", {"a.obj:1:", "within 1e18"}},
+               {"v 0,5 0 0\n", {"a.obj:1:", "0,5"}},
+               {"v 0 0 0 255 0 0\n", {"a.obj:1:", "255", "from 0 to 1"}},
+               {square + "f 1 2\n", {"a.obj:5:", "2 corners"}},
+               {square + "f 0 1 2\n", {"a.obj:5:", "index 0"}},
+               {square + "f 1 2 -5\n", {"a.obj:5:", "-5", "4"}},
+               {square + "f 1 2 \\\n 99999999999999999999\n", {"a.obj:6:", "999"}},
+               {square + "f 1 2 4294967296\n", {"a.obj:5:", "4294967296"}},
+               {square + "f 1/ 2 3\n", {"a.obj:5:", "\"1/\""}},
+               {square + "vt 0 0\nf 1/1 2 3\n", {"a.obj:6:", "UV"}},
+               {square + "f 1/2 2/2 3/2\nvt 0 0\n", {"a.obj:5:", "index 2", "at most 1"}},
+               {square + "face 1 2 3\n", {"a.obj:5:", "\"face\"", "keyword"}},
+               {"g a b c d e f g h i j k l m n o p q\n", {"a.obj:1:", "16"}},
+               {"", {"a.obj:1:", "no vertex"}},
+               {std::string("v 0 0 0\0\n", 9), {"a.obj:1:", "\"0?\""}}};
+  for (const auto& bad : cases) {
+    SCOPED_TRACE(bad.text);
+    expect_error([&] { parse(bad.text); }, bad.parts);
+  }
+}
+
+TEST(ObjReader, TakesNumbersTooSmallForADoubleAsZero) {
+  EXPECT_EQ(parse("v 1e-400 -1e-400 0\n").positions[0].x, 0.0);
+}
+
+TEST(ObjReader, ReadsAMillionVerticesInSeconds) {
+  std::string text;
+  const int columns = 1000, rows = 1000;
+  for (int i = 0; i < columns * rows; ++i) {
+    text += "v " + std::to_string(i % columns) + ".125 " + std::to_string(i / columns) + ".0625 0.333333\n";
+  }
+  for (int i = 0; i < columns * (rows - 1) - 1; ++i) {
+    const std::string a = std::to_string(i + 1), b = std::to_string(i + 2),
+                      c = std::to_string(i + 1 + columns);
+    text += "f " + a + "//1 " + b + "//1 " + c + "//1\n";
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const TriangleMesh mesh = parse(text);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  RecordProperty("seconds", std::to_string(seconds));
+  EXPECT_EQ(mesh.positions.size(), 1000000u);
+  EXPECT_LT(seconds, 20.0);  // 0.6 measured on a busy machine; slack for sanitizers and busy machines
+}
+
+TEST(ObjReader, DoesNotSlowDownWithTheSquareOfLongInput) {
+  std::string groups = square, line = square + "f";
+  for (int i = 0; i < 100000; ++i) groups += "g a" + std::to_string(i % 1000) + "\nf 1 2 3\n";
+  for (int i = 0; i < 1000000; ++i) line += " 1";
+  EXPECT_EQ(parse(groups).groups.size(), 1000u);
+  EXPECT_EQ(parse(line).faces[0].size(), 1000000u);
+}
+
+TEST(ObjWriter, ReadsBackAsItWas) {
+  const TriangleMesh mesh =
+      parse(square +
+            "v 0.1 1e-30 16777216\nv 7 7 7\nvt 0.1 0.2\nvt 1 0\nvt 1 1\no body\nf 1/1 2/2 3/3\n"
+            "g left right\nf 1 3 4 5\ng left\nf 2/1 3/2 5/3\ng none\np 6\n");
+  const TriangleMesh again = parse(obj_text(mesh, positions_of(mesh)));
+  EXPECT_EQ(positions_of(again), positions_of(mesh));
+  EXPECT_EQ(again.triangles, mesh.triangles);
+  EXPECT_EQ(again.faces, mesh.faces);
+  EXPECT_EQ(again.uvs, mesh.uvs);
+  EXPECT_EQ(again.face_uvs, mesh.face_uvs);
+  EXPECT_EQ(again.groups, mesh.groups);
+}
+
+TEST(ObjWriter, WritesTheGivenPositionsShortest) {
+  const TriangleMesh mesh = parse(square + "f 1 2 3 4\n");
+  const std::vector<Vec3f> moved = {{0.1f, -2.0f, 1e-20f}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  EXPECT_EQ(obj_text(mesh, moved), "v 0.1 -2 1e-20\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  expect_error([&] { obj_text(mesh, std::span(moved).first(3)); }, {"3 positions", "expected 4"});
+}
+
+}  // namespace
+}  // namespace souple

@@ -1,0 +1,413 @@
+#include "io_test.h"
+#include "souple/geometry/builders.h"
+#include "souple/io/manifest.h"
+#include "souple/io/mdd.h"
+#include "souple/io/mesh_file.h"
+#include "souple/io/pc2.h"
+#include "souple/io/recorder.h"
+#include "souple/version.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <sstream>
+
+namespace souple::test {
+namespace {
+
+constexpr double dt = 1.0 / 60;
+
+class RecorderTest : public FolderTest {
+ protected:
+  /// One object of each kind, all falling and swinging.
+  static World everything() {
+    World world({.substeps = 4});
+    const ObjectId cloth = world.add_cloth(grid(6, 5, 1), {}, {.name = "flag"});
+    world.pin(cloth, vertices({0, 5}));
+    world.add_soft_body(box({0.3, 0.3, 0.3}, {2, 2, 2}), {}, {.cells = 60},
+                        {.name = "jelly", .transform = {.translation = {2, 1, 0}}});
+    const std::vector<Vec3d> line{{-2, 1, 0}, {-1, 1, 0}};
+    world.add_rope(line, 6, {}, {.name = "line"});
+    const std::vector<Vec3d> centres{{0, 2, 0}, {0.5, 2, 0}, {0, 2, 0.5}};
+    world.add_grains(centres, {}, {.name = "sand"});
+    world.add_collider(Plane{.normal = {0, 1, 0}, .offset = 0});
+    return world;
+  }
+  static void run(World& world, Recorder& recorder, int frames) {
+    for (int i = 0; i < frames; ++i) {
+      world.step(dt);
+      recorder.capture();
+    }
+  }
+  /// All files of a folder by name; run.json without what the clock says.
+  static std::vector<std::pair<std::string, std::string>> files_of(const std::filesystem::path& where) {
+    std::vector<std::pair<std::string, std::string>> files;
+    for (const auto& entry : std::filesystem::directory_iterator(where)) {
+      std::string bytes = read_whole_file(entry.path());
+      if (entry.path().filename() == "run.json") bytes.resize(bytes.find("\"timings\""));
+      files.emplace_back(entry.path().filename().string(), std::move(bytes));
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+  }
+  static void expect_same_files(const std::filesystem::path& a, const std::filesystem::path& b) {
+    const auto in_a = files_of(a), in_b = files_of(b);
+    ASSERT_EQ(in_a.size(), in_b.size());
+    for (std::size_t i = 0; i < in_a.size(); ++i) {
+      EXPECT_EQ(in_a[i].first, in_b[i].first);
+      EXPECT_TRUE(in_a[i].second == in_b[i].second) << in_a[i].first << " differs";
+    }
+  }
+  bool has_parts() const {
+    const auto all = std::filesystem::recursive_directory_iterator(folder);
+    return std::any_of(begin(all), end(all),
+                       [](const auto& entry) { return entry.path().extension() == ".part"; });
+  }
+  static const ManifestObject& object_of(const RunManifest& manifest, const std::string& name) {
+    for (const auto& object : manifest.objects)
+      if (object.name == name) return object;
+    throw Error("no object " + name);
+  }
+};
+
+const std::vector<CacheFormat> all_formats{CacheFormat::pc2, CacheFormat::mdd, CacheFormat::obj,
+                                           CacheFormat::ply};
+
+/// The caches hold what the world showed: every vertex of every frame, bit for bit, in user order.
+TEST_F(RecorderTest, CachesHoldWhatTheWorldShowed) {
+  World world = everything();
+  std::vector<std::vector<std::vector<Vec3f>>> shown;  // by frame, object
+  Recorder recorder(world, folder / "out",
+                    {.formats = {CacheFormat::pc2, CacheFormat::mdd}, .frame_rate = 25});
+  for (int frame = 0; frame < 7; ++frame) {
+    run(world, recorder, 1);
+    shown.emplace_back();
+    for (const ObjectId object : world.objects())
+      shown.back().emplace_back(world.positions(object).begin(), world.positions(object).end());
+  }
+  recorder.finish();
+  EXPECT_FALSE(has_parts());
+  const std::vector<ObjectId> objects = world.objects();
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    Pc2Reader pc2(folder / "out" / (world.name(objects[o]) + ".pc2"));
+    MddReader mdd(folder / "out" / (world.name(objects[o]) + ".mdd"));
+    ASSERT_EQ(pc2.frames(), 7u);
+    ASSERT_EQ(mdd.frames(), 7u);
+    EXPECT_FLOAT_EQ(mdd.times()[6] - mdd.times()[0], 6 / 25.0f);
+    ASSERT_EQ(pc2.points(), world.positions(objects[o]).size());
+    std::vector<Vec3f> a(pc2.points()), b(pc2.points());
+    for (std::size_t frame = 0; frame < 7; ++frame) {
+      pc2.read(frame, a);
+      mdd.read(frame, b);
+      EXPECT_EQ(std::memcmp(a.data(), shown[frame][o].data(), a.size() * sizeof(Vec3f)), 0);
+      EXPECT_EQ(std::memcmp(b.data(), shown[frame][o].data(), b.size() * sizeof(Vec3f)), 0);
+    }
+  }
+}
+
+/// The rest mesh has the vertices, order, faces, UVs and groups that the object was made from.
+TEST_F(RecorderTest, RestMeshIsTheMeshThatWasGiven) {
+  put("in.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 0 2\nv 1 0 2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+      "g rim\nf 1/1 4/4 3/3 2/2\ng tail\nf 4/1 5/2 6/3\nf 4/1 6/3 3/4\n");
+  const TriangleMesh given = read_triangle_mesh(folder / "in.obj");
+  World world;
+  world.add_cloth(given, {}, {.transform = {.translation = {0, 3, 0}}});
+  { Recorder(world, folder / "out").capture(); }
+  const TriangleMesh rest = read_triangle_mesh(folder / "out" / "cloth.obj");
+  ASSERT_EQ(rest.positions.size(), given.positions.size());
+  for (std::size_t i = 0; i < rest.positions.size(); ++i)
+    EXPECT_EQ(rest.positions[i], given.positions[i] + Vec3d(0, 3, 0));
+  EXPECT_EQ(rest.triangles, given.triangles);
+  EXPECT_EQ(rest.faces, given.faces);
+  EXPECT_EQ(rest.uvs, given.uvs);
+  EXPECT_EQ(rest.face_uvs, given.face_uvs);
+  EXPECT_EQ(rest.groups, given.groups);
+}
+
+/// Blender draws a rope's rest mesh as one line, and grains as points.
+TEST_F(RecorderTest, RopesAreLinesAndGrainsArePoints) {
+  World world = everything();
+  { Recorder(world, folder / "out", {.formats = {CacheFormat::pc2, CacheFormat::ply}}).capture(); }
+  const std::string rope = get("out/line.obj"), sand = get("out/sand.obj");
+  expect_says(rope, "\nl 1 2 3 4 5 6 7\n");
+  EXPECT_EQ(std::count(rope.begin(), rope.end(), 'v'), 7);
+  EXPECT_EQ(std::count(sand.begin(), sand.end(), 'v'), 3);
+  EXPECT_EQ(sand.find_first_of("fl"), std::string::npos);
+  const std::string cloud = get("out/sand_0001.ply");
+  expect_says(cloud, "element vertex 3");
+  expect_says(cloud, "property float vx");
+}
+
+TEST_F(RecorderTest, SequencesHaveOneWholeMeshAFrame) {
+  World world = everything();
+  Recorder recorder(world, folder / "out", {.formats = {CacheFormat::obj, CacheFormat::ply}});
+  run(world, recorder, 3);
+  recorder.finish();
+  for (const char* file : {"out/flag_0003.obj", "out/flag_0003.ply"}) {
+    const TriangleMesh mesh = read_triangle_mesh(folder / file);
+    const auto now = world.positions(world.find_object("flag"));
+    ASSERT_EQ(mesh.positions.size(), now.size()) << file;
+    for (std::size_t i = 0; i < now.size(); ++i) EXPECT_EQ(Vec3f(mesh.positions[i]), now[i]) << file;
+    EXPECT_EQ(mesh.triangles.size(), world.triangles(world.find_object("flag")).size()) << file;
+  }
+  EXPECT_FALSE(has("out/flag_0004.obj"));
+  EXPECT_FALSE(has("out/flag.pc2"));
+}
+
+/// run.json tells what was run and which file is whose.
+TEST_F(RecorderTest, ManifestTellsTheRun) {
+  World world = everything();
+  RecorderOptions options;
+  options.frame_rate = 60;
+  options.frames = 5;
+  options.scene = R"({"souple": 1})";
+  Recorder recorder(world, folder / "out", options);
+  EXPECT_FALSE(read_manifest(folder / "out").complete);
+  run(world, recorder, 5);
+  recorder.finish();
+  const RunManifest manifest = read_manifest(folder / "out");
+  EXPECT_EQ(manifest.version, version);
+  EXPECT_TRUE(manifest.complete);
+  EXPECT_EQ(manifest.frames, 5u);
+  expect_says(manifest.scene, "souple");
+  expect_says(manifest.settings, "\"substeps\":4");
+  expect_says(manifest.settings, "\"mode\":\"small_steps\"");
+  const ManifestObject& flag = object_of(manifest, "flag");
+  EXPECT_EQ(flag.kind, "cloth");
+  EXPECT_EQ(flag.points, 30u);
+  EXPECT_EQ(flag.triangles, 40u);
+  const std::vector<ManifestFile> files{{"obj", "flag.obj", 0}, {"pc2", "flag.pc2", 5}};
+  EXPECT_EQ(flag.files, files);
+  ASSERT_EQ(manifest.reports.size(), 5u);
+  EXPECT_DOUBLE_EQ(manifest.reports[4].time, world.time());
+  const NamedNumbers& values = manifest.reports[4].values;
+  const auto strain =
+      std::find_if(values.begin(), values.end(), [](const auto& v) { return v.first == "largest_strain"; });
+  ASSERT_NE(strain, values.end());
+  EXPECT_EQ(strain->second, world.report().largest_strain);
+  EXPECT_EQ(manifest.reports[0].milliseconds.size(), stage_count);
+}
+
+/// Stopped after 4 frames by destruction (as Ctrl-C ends it), resumed from a snapshot: the folder is, bit for
+/// bit, that of the run that never stopped.
+TEST_F(RecorderTest, ResumedRunEqualsUninterruptedRun) {
+  World whole = everything();
+  Recorder straight(whole, folder / "a", {.formats = all_formats, .frames = 9});
+  run(whole, straight, 9);
+  straight.finish();
+
+  Snapshot snapshot;
+  {
+    World first = everything();
+    Recorder recorder(first, folder / "b", {.formats = all_formats, .frames = 9});
+    run(first, recorder, 4);
+    snapshot = first.snapshot();
+  }
+  EXPECT_FALSE(has_parts());
+  EXPECT_FALSE(read_manifest(folder / "b").complete);
+  EXPECT_EQ(Pc2Reader(folder / "b" / "line.pc2").frames(), 4u);
+
+  World second = everything();
+  second.restore(snapshot);
+  Recorder recorder(second, folder / "b", {.formats = all_formats, .frames = 9, .resume_from = 4});
+  EXPECT_EQ(recorder.frames(), 4u);
+  run(second, recorder, 5);
+  recorder.finish();
+  expect_same_files(folder / "a", folder / "b");
+}
+
+/// Killed at frame 7, three frames after its checkpoint, its files still .part: the later frames are dropped.
+TEST_F(RecorderTest, KilledRunIsResumedFromItsCheckpoint) {
+  World whole = everything();
+  Recorder straight(whole, folder / "a", {.formats = all_formats, .frames = 9});
+  run(whole, straight, 9);
+  straight.finish();
+
+  World first = everything();
+  Snapshot snapshot;
+  std::filesystem::create_directories(folder / "b");
+  {
+    Recorder recorder(first, folder / "c", {.formats = all_formats, .frames = 9});
+    run(first, recorder, 4);
+    snapshot = first.snapshot();
+    recorder.save_manifest();
+    run(first, recorder, 3);
+    // A killed program leaves just what the disk has now.
+    std::filesystem::copy(folder / "c", folder / "b", std::filesystem::copy_options::recursive);
+  }
+  EXPECT_TRUE(has("b/flag.pc2.part"));
+  World second = everything();
+  second.restore(snapshot);
+  Recorder recorder(second, folder / "b", {.formats = all_formats, .frames = 9, .resume_from = 4});
+  run(second, recorder, 5);
+  recorder.finish();
+  expect_same_files(folder / "a", folder / "b");
+}
+
+TEST_F(RecorderTest, ResumeRefusesWhatDoesNotFit) {
+  World world = everything();
+  const RecorderOptions from_3{.resume_from = 3};
+  expect_says(error_of([&] { Recorder(world, folder / "none", from_3); }), "run.json");
+  {
+    Recorder recorder(world, folder / "out");
+    run(world, recorder, 2);
+  }
+  const auto before = files_of(folder / "out");
+  expect_says(error_of([&] { Recorder(world, folder / "out", from_3); }), "flag.pc2");
+  World other;
+  other.add_cloth(grid(3, 3, 1), {}, {.name = "flag"});
+  expect_says(error_of([&] { Recorder(other, folder / "out", {.resume_from = 1}); }), "30 points");
+  World stranger;
+  stranger.add_cloth(grid(3, 3, 1), {}, {.name = "who"});
+  expect_says(error_of([&] { Recorder(stranger, folder / "out", {.resume_from = 1}); }), "\"who\"");
+  EXPECT_EQ(files_of(folder / "out"), before);
+}
+
+/// What comes later cannot be in a PC2, which begins at frame 1: it is an OBJ sequence with the run's
+/// numbers.
+TEST_F(RecorderTest, ObjectsThatComeAndGo) {
+  World world;
+  const ObjectId flag = world.add_cloth(grid(3, 3, 1), {}, {.name = "flag"});
+  world.add_cloth(grid(3, 3, 1), {}, {.name = "stays"});
+  put("late_0001.obj", "of an earlier run");
+  Recorder recorder(world, folder);
+  run(world, recorder, 2);
+  world.remove(flag);
+  world.add_cloth(grid(4, 4, 1), {}, {.name = "late"});
+  run(world, recorder, 2);
+  world.add_cloth(grid(5, 5, 1), {}, {.name = "flag"});
+  run(world, recorder, 1);
+  recorder.finish();
+
+  EXPECT_EQ(Pc2Reader(folder / "flag.pc2").frames(), 2u);
+  EXPECT_EQ(Pc2Reader(folder / "stays.pc2").frames(), 5u);
+  EXPECT_FALSE(has("late.pc2"));
+  EXPECT_FALSE(has("late_0001.obj"));
+  EXPECT_FALSE(has("late_0002.obj"));
+  EXPECT_EQ(read_triangle_mesh(folder / "late_0003.obj").positions.size(), 16u);
+  EXPECT_EQ(read_triangle_mesh(folder / "flag_0005.obj").positions.size(), 25u);
+  EXPECT_FALSE(has("flag_0004.obj"));
+  ASSERT_EQ(recorder.notes().size(), 3u);
+  expect_says(recorder.notes()[0], "late_0003.obj");
+  expect_says(recorder.notes()[1], "flag: was removed after frame 2");
+  expect_says(recorder.notes()[2], "flag_0005.obj");
+  const RunManifest manifest = read_manifest(folder);
+  EXPECT_EQ(manifest.notes, recorder.notes());
+  const std::vector<ManifestFile> late{{"obj", "late_0003.obj", 3}};
+  EXPECT_EQ(object_of(manifest, "late").files, late);
+  const std::vector<ManifestFile> both{
+      {"obj", "flag.obj", 0}, {"pc2", "flag.pc2", 2}, {"obj", "flag_0005.obj", 1}};
+  EXPECT_EQ(object_of(manifest, "flag").files, both);
+}
+
+/// Removed and put back as it was between two frames: the caches simply go on.
+TEST_F(RecorderTest, TheSameObjectAgainGoesOn) {
+  World world;
+  ObjectId flag = world.add_cloth(grid(3, 3, 1), {}, {.name = "flag"});
+  Recorder recorder(world, folder);
+  run(world, recorder, 2);
+  world.remove(flag);
+  flag = world.add_cloth(grid(3, 3, 1), {}, {.name = "flag"});
+  run(world, recorder, 2);
+  recorder.finish();
+  EXPECT_EQ(Pc2Reader(folder / "flag.pc2").frames(), 4u);
+  EXPECT_TRUE(recorder.notes().empty());
+}
+
+TEST_F(RecorderTest, HostileNamesStayInTheFolder) {
+  World world;
+  world.add_cloth(grid(3, 3, 1), {}, {.name = "../escape"});
+  world.add_cloth(grid(3, 3, 1), {}, {.name = "a/b"});
+  world.add_cloth(grid(3, 3, 1), {}, {.name = "a_b"});
+  { Recorder(world, folder / "out").capture(); }
+  EXPECT_EQ(count(), 0);
+  EXPECT_TRUE(has("out/_._escape.pc2"));
+  EXPECT_TRUE(has("out/a_b.pc2"));
+  EXPECT_TRUE(has("out/a_b-2.pc2"));
+  EXPECT_EQ(object_of(read_manifest(folder / "out"), "a/b").files[1].path, "a_b.pc2");
+}
+
+TEST_F(RecorderTest, FolderThatCannotBe) {
+  const World world = everything();
+  put("file", "mine");
+  expect_says(error_of([&] { Recorder(world, folder / "file"); }), "file");
+  expect_says(error_of([&] { Recorder(world, folder / "file" / "below"); }), "below");
+  EXPECT_EQ(get("file"), "mine");
+  // Not even root can write there.
+  expect_says(error_of([&] { Recorder(world, "/proc/souple"); }), "/proc/souple");
+  expect_says(error_of([&] { Recorder(world, folder / "out", {.formats = {}}); }), "format");
+  expect_says(error_of([&] { Recorder(world, folder / "out", {.frame_rate = 0}); }), "frame rate");
+  EXPECT_FALSE(has("out"));
+}
+
+/// A new run replaces an old one in its folder, also the tail of its longer sequences.
+TEST_F(RecorderTest, NewRunReplacesAnOldOne) {
+  const RecorderOptions options{.formats = {CacheFormat::pc2, CacheFormat::obj}};
+  World world = everything();
+  {
+    Recorder recorder(world, folder / "out", options);
+    run(world, recorder, 5);
+  }
+  World again = everything();
+  {
+    Recorder recorder(again, folder / "out", options);
+    EXPECT_EQ(Pc2Reader(folder / "out" / "flag.pc2").frames(), 5u)
+        << "the old one stays until the new is whole";
+    run(again, recorder, 3);
+  }
+  EXPECT_EQ(Pc2Reader(folder / "out" / "flag.pc2").frames(), 3u);
+  EXPECT_TRUE(has("out/flag_0003.obj"));
+  EXPECT_FALSE(has("out/flag_0004.obj"));
+}
+
+/// A run without a frame leaves no empty cache, which Blender would refuse.
+TEST_F(RecorderTest, NoFrameNoCache) {
+  const World world = everything();
+  { const Recorder recorder(world, folder / "out", {.formats = all_formats}); }
+  EXPECT_FALSE(has_parts());
+  EXPECT_FALSE(has("out/flag.pc2"));
+  EXPECT_FALSE(has("out/flag.mdd"));
+  const std::vector<ManifestFile> rest{{"obj", "flag.obj", 0}};
+  EXPECT_EQ(object_of(read_manifest(folder / "out"), "flag").files, rest);
+}
+
+/// The disk fills up in the middle of a frame: that frame is in no file, and once there is room the run goes
+/// on as if nothing had been.
+TEST_F(RecorderTest, FullDiskLeavesTheFrameBefore) {
+  World world;
+  world.add_cloth(grid(4, 4, 1), {}, {.name = "small"});
+  world.add_cloth(grid(40, 40, 1), {}, {.name = "large"});
+  std::optional<Recorder> recorder;
+  recorder.emplace(world, folder, RecorderOptions{.formats = {CacheFormat::pc2, CacheFormat::mdd}});
+  run(world, *recorder, 2);
+  world.step(dt);
+  {
+    const FileSizeLimit limit(32 + 2 * 1600 * 12 + 100);
+    expect_says(error_of([&] { recorder->capture(); }), "large");
+  }
+  EXPECT_EQ(recorder->frames(), 2u);
+  recorder->capture();
+  recorder->finish();
+  for (const char* name : {"small", "large"}) {
+    Pc2Reader pc2(folder / (std::string(name) + ".pc2"));
+    ASSERT_EQ(pc2.frames(), 3u);
+    EXPECT_EQ(MddReader(folder / (std::string(name) + ".mdd")).frames(), 3u);
+    std::vector<Vec3f> last(pc2.points());
+    pc2.read(2, last);
+    const auto now = world.positions(world.find_object(name));
+    EXPECT_EQ(std::memcmp(last.data(), now.data(), now.size_bytes()), 0);
+  }
+}
+
+TEST_F(RecorderTest, NothingIsCapturedAfterTheEnd) {
+  World world = everything();
+  Recorder recorder(world, folder);
+  run(world, recorder, 1);
+  recorder.finish();
+  recorder.finish();
+  expect_says(error_of([&] { recorder.capture(); }), "finished");
+}
+
+}  // namespace
+}  // namespace souple::test

@@ -1,0 +1,24 @@
+#include "souple/math/vec3.h"
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+// What a float cannot hold of a double. g++ 12 gives 0 here when it vectorises straight-line code, which the
+// build turns off; positions then lose the remainder that the displacement form keeps.
+Vec3f remainder_of(const Vec3d& x) {
+  return Vec3f(x - Vec3d(Vec3f(x)));
+}
+
+TEST(Rounding, TheRemainderOfAFloatSurvivesTheOptimiser) {
+  volatile double x = -0.2, y = 0.6, z = 1000.1;
+  const Vec3f lost = remainder_of({x, y, z});
+  EXPECT_EQ(lost.x, static_cast<float>(-0.2 - static_cast<double>(-0.2f)));
+  EXPECT_EQ(lost.y, static_cast<float>(0.6 - static_cast<double>(0.6f)));
+  EXPECT_EQ(lost.z, static_cast<float>(1000.1 - static_cast<double>(1000.1f)));
+  EXPECT_NE(lost.x, 0);
+}
+
+}  // namespace
+}  // namespace souple

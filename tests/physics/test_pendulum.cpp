@@ -1,0 +1,134 @@
+#include "tests/physics/motion.h"
+#include "tests/physics/validation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+namespace {
+
+constexpr double g = 9.81f;
+
+// T = 4 sqrt(L/g) K(sin(theta0/2)), K(sin a) = pi / (2 agm(1, cos a)).
+double elliptic_period(double theta0, double L) {
+  double a = 1, b = std::cos(theta0 / 2);
+  for (int i = 0; i < 8; ++i) {
+    const double mean = (a + b) / 2;
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return 2 * pi * std::sqrt(L / g) / a;
+}
+
+// sin(theta/2) = k sn(K - t sqrt(g/L)), k = sin(theta0/2): the angle at t when let go at theta0. sn by
+// descending Landen steps: phi_N = 2^N a_N u, sin(2 phi_{n-1} - phi_n) = c_n / a_n sin(phi_n).
+double elliptic_angle(double theta0, double L, double t) {
+  constexpr int N = 6;
+  const double k = std::sin(theta0 / 2);
+  double a[N + 1] = {1}, c[N + 1] = {k}, b = std::cos(theta0 / 2);
+  for (int n = 0; n < N; ++n) {
+    a[n + 1] = (a[n] + b) / 2;
+    c[n + 1] = (a[n] - b) / 2;
+    b = std::sqrt(a[n] * b);
+  }
+  const double K = pi / (2 * a[N]);
+  double phi = std::ldexp(a[N], N) * (K - t * std::sqrt(g / L));
+  for (int n = N; n > 0; --n) phi = (phi + std::asin(c[n] / a[n] * std::sin(phi))) / 2;
+  return 2 * std::asin(k * std::sin(phi));
+}
+
+struct Swing {
+  double period = 0;  // s, the first full one: when the angle's rate next falls through zero
+  double peak = 0;    // rad, the angle then
+};
+
+// 1 kg at 1 m from a pinned particle, one rigid distance constraint, let go at theta0 from the vertical.
+Swing swing(double theta0, const Settings& settings, double dt, Curves* curves = nullptr,
+            const std::string& series = {}) {
+  World world(settings);
+  const Vec3d points[] = {{0, 0, 0}, {std::sin(theta0), -std::cos(theta0), 0}};
+  const ObjectId bob = world.add_grains(points, grain_of_mass(1));
+  world.pin(bob, vertices({0}));
+  world.connect(std::vector<std::pair<VertexRef, VertexRef>>{{{bob, 0}, {bob, 1}}}, -1);
+  double rate_before = -1, angle_before = theta0;
+  for (int frame = 1; frame * dt < 4; ++frame) {
+    world.step(dt);
+    const Vec3d x(world.positions(bob)[1]), v(world.velocities(bob)[1]);
+    const double angle = std::atan2(x.x, -x.y);
+    const double rate = (v.x * -x.y + x.x * v.y) / dot(x, x);
+    if (curves != nullptr) curves->add(series, frame * dt, angle * 180 / pi);
+    if (rate_before > 0 && rate <= 0) {
+      // Between the two frames the rate falls linearly, the angle is a parabola.
+      const double share = rate_before / (rate_before - rate);
+      return {(frame - 1 + share) * dt, angle_before + 0.5 * rate_before * share * dt};
+    }
+    rate_before = rate;
+    angle_before = angle;
+  }
+  return {};
+}
+
+TEST(Pendulum, PeriodIsTheEllipticIntegral) {
+  const std::string name = "pendulum, L = 1 m, 20 substeps";
+  Curves curves(name, "time [s]", "angle [degrees]");
+  for (const Mode mode : {Mode::small_steps, Mode::xpbd, Mode::pbd})
+    for (const Form form : {Form::displacement, Form::plain})
+      for (const int degrees : {5, 60, 90}) {
+        const double theta0 = degrees * pi / 180;
+        const Settings settings{.substeps = 20, .mode = mode, .form = form};
+        const bool drawn = mode == Mode::small_steps && form == Form::displacement;
+        const std::string angle = std::to_string(degrees) + " degrees";
+        const Swing first = swing(theta0, settings, 1.0 / 60, drawn ? &curves : nullptr, angle);
+        const double expected = elliptic_period(theta0, 1);
+        if (drawn) {
+          for (int i = 0; i <= 100; ++i)
+            curves.add("theory: elliptic integral", i * expected / 100,
+                       elliptic_angle(theta0, 1, i * expected / 100) * 180 / pi);
+          curves.lift("theory: elliptic integral");
+        }
+        validate_relative(name, angle + ", " + mode_name(mode) + ", " + form_name(form) + ": period [s]",
+                          first.period, expected, degrees == 90 ? 0.01 : 0.005);
+      }
+}
+
+TEST(Pendulum, AmplitudeLossHalvesWithTheStep) {
+  const std::string name = "pendulum, amplitude loss at 90 degrees";
+  Curves curves(name, "h [ms]", "angle lost in the first period [degrees]");
+  double before = 0;
+  for (const int substeps : {10, 20, 40, 80}) {
+    const double lost = pi / 2 - swing(pi / 2, {.substeps = substeps}, 1.0 / 60).peak;
+    const std::string at = std::to_string(substeps) + " substeps";
+    state(name, at + ": lost in the first period [degrees]", lost * 180 / pi);
+    curves.add("measured", 1000.0 / 60 / substeps, lost * 180 / pi);
+    if (before > 0) validate_relative(name, at + ": loss compared to half as many", before / lost, 2, 0.1);
+    before = lost;
+  }
+  const double coarsest = 1000.0 / 60 / 10;
+  curves.add("theory: a line through the finest", {0, coarsest}, {0, 8 * before * 180 / pi});
+}
+
+// 10 m from the origin and small steps: a swing of 0.01 rad must not freeze (floats end at 1e-6 m there).
+TEST(Pendulum, SwingsFarFromTheOrigin) {
+  World world({.substeps = 20});
+  const Vec3d points[] = {{10, 10, 0}, {10 + std::sin(0.01), 10 - std::cos(0.01), 0}};
+  const ObjectId bob = world.add_grains(points, grain_of_mass(1));
+  world.pin(bob, vertices({0}));
+  world.connect(std::vector<std::pair<VertexRef, VertexRef>>{{{bob, 0}, {bob, 1}}}, -1);
+  const double T = elliptic_period(0.01, 1);
+  const std::string name = "pendulum of 0.01 rad, 10 m from the origin";
+  Curves curves(name, "time [s]", "angle [mrad]");
+  double lowest = 1, highest = -1;
+  for (int frame = 1; frame < 130; ++frame) {
+    world.step(T / 120);
+    const double x = world.centre_of_mass(bob).x * 2 - 20;
+    lowest = std::min(lowest, x);
+    if (frame > 90) highest = std::max(highest, x);
+    curves.add("theory: elliptic integral", frame * T / 120, 1000 * elliptic_angle(0.01, 1, frame * T / 120));
+    if (frame % 4 == 0) curves.add("simulated", frame * T / 120, 1000 * std::asin(x));
+  }
+  validate_relative(name, "farthest on the other side [m]", lowest, -std::sin(0.01), 0.02);
+  validate_relative(name, "back after one period [m]", highest, std::sin(0.01), 0.02);
+}
+
+}  // namespace
+}  // namespace souple

@@ -1,0 +1,142 @@
+// A scene becomes the world it describes.
+#include "scene_test.h"
+
+#include <cmath>
+
+namespace souple::scene_test {
+namespace {
+
+World built(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  return build_world(parse_scene(text, scenes_folder(), "test.json", overrides));
+}
+
+/// What building complains of.
+std::string build_complaint(const std::string& text) {
+  try {
+    built(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(BuildWorld, MakesWhatTheSceneSays) {
+  const World world = built(small_scene, {"substeps=4"});
+  EXPECT_EQ(world.settings().substeps, 4);
+  ASSERT_EQ(world.objects().size(), 4u);
+  const ObjectId flag = world.find_object("flag");
+  EXPECT_EQ(world.kind(flag), ObjectKind::cloth);
+  EXPECT_EQ(world.positions(flag).size(), 30u);
+  EXPECT_EQ(world.pinned(flag), (std::vector<std::uint32_t>{0, 5}));
+  EXPECT_FLOAT_EQ(world.cloth_material(flag).damping, 0.25f);
+  // The sheet lies in XZ, first row at -Z; turned 90 degrees about X it hangs with the first row on top.
+  EXPECT_NEAR(world.positions(flag)[0].y, 2 + 0.5 * 0.8, 1e-6);
+  EXPECT_NEAR(world.positions(flag)[0].z, 0, 1e-6);
+  // 0.2 x 0.1 x 0.1 m of 1000 kg/m^3
+  EXPECT_NEAR(world.total_mass(world.find_object("soft_body")), 2, 1e-5);
+  EXPECT_EQ(world.positions(world.find_object("rope")).size(), 9u);
+  EXPECT_EQ(world.positions(world.find_object("grains")).size(), 24u);
+  EXPECT_EQ(world.colliders().size(), 2u);
+}
+
+TEST(BuildWorld, GrainsFillTheirBoxWithoutOverlap) {
+  const World world = built(with_object(
+      R"("kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 0.5, 0.5], "jitter": 0.2}, "material": {"radius": 0.05})"));
+  const auto centres = world.positions(world.objects()[0]);
+  // Cells of 0.12 m: 8 x 4 x 4 of them, whatever the jitter.
+  EXPECT_EQ(centres.size(), 8u * 4u * 4u);
+  float nearest = 1;
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_GE(centres[i][axis], 0.05f);
+      EXPECT_LE(centres[i][axis], (axis == 0 ? 1.0f : 0.5f) - 0.05f);
+    }
+    for (std::size_t j = 0; j < i; ++j) nearest = std::min(nearest, length(centres[i] - centres[j]));
+  }
+  EXPECT_GE(nearest, 0.1f - 1e-6f);
+  EXPECT_LT(nearest, 0.12f - 1e-4f) << "the jitter moved nothing";
+}
+
+TEST(BuildWorld, SeedMovesTheGrains) {
+  const std::string scene = with_object(R"("kind": "grains", "grid": {"counts": 3, "jitter": 0.5})");
+  const auto hash = [&](const std::string& seed) { return built(scene, {"seed=" + seed}).hash(); };
+  EXPECT_EQ(hash("7"), hash("7"));
+  EXPECT_NE(hash("7"), hash("8"));
+}
+
+TEST(BuildWorld, KeyframedPinsGoWhereTheyAreTold) {
+  World world = built(R"({"souple": 1, "gravity": [0, 0, 0], "objects": [{"name": "flag", "kind": "cloth",
+      "mesh": {"grid": {"columns": 3, "rows": 3, "size": 1}},
+      "pins": [{"vertices": [0], "keyframes": [{"time": 0}, {"time": 0.5, "translate": [0, 0.2, 0]}]},
+               {"vertices": [6, 8], "keyframes": [{"time": 0}, {"time": 0.5, "rotate": [0, 90, 0]}]}]}]})");
+  for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+  const auto x = world.positions(world.find_object("flag"));
+  EXPECT_NEAR(x[0].x, -0.5, 1e-5);
+  EXPECT_NEAR(x[0].y, 0.2, 1e-5);
+  // Vertices 6 and 8 stand at (-0.5, 0, 0.5) and (0.5, 0, 0.5); they turn about their middle, (0, 0, 0.5).
+  EXPECT_NEAR(x[6].x, 0, 1e-5);
+  EXPECT_NEAR(x[6].z, 1, 1e-5);
+  EXPECT_NEAR(x[8].z, 0, 1e-5);
+}
+
+TEST(BuildWorld, ConnectionHoldsARopeToACloth) {
+  World world = built(R"({"souple": 1, "substeps": 20, "objects": [
+      {"name": "cloth", "kind": "cloth", "mesh": {"grid": {"columns": 3, "rows": 3, "size": 0.2}}},
+      {"name": "rope", "kind": "rope", "points": [[0, 1, 0], [0, 0, 0]], "segments": 10, "pins": [{"vertices": [0]}]}],
+      "connections": [{"from": {"object": "cloth", "vertices": [4]}, "to": {"object": "rope", "vertices": [10]},
+                       "rest_length": 0}]})");
+  for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+  const Vec3f a = world.positions(world.find_object("cloth"))[4];
+  const Vec3f b = world.positions(world.find_object("rope"))[10];
+  EXPECT_LT(length(a - b), 0.01f);
+  EXPECT_GT(a.y, -0.2f) << "the cloth fell";
+}
+
+TEST(BuildWorld, ErrorsNameTheirPlace) {
+  const std::string cloth =
+      R"("name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 4, "rows": 4, "size": 1}}, )";
+  const std::string pin =
+      build_complaint(with_object(cloth + R"("pins": [{"all": true}, {"vertices": [99]}])"));
+  EXPECT_EQ(pin.find("test.json: objects[0].pins[1]: "), 0u) << pin;
+  EXPECT_NE(pin.find("99"), std::string::npos) << pin;
+  const std::string group = build_complaint(with_object(cloth + R"("pins": [{"group": "hem"}])"));
+  EXPECT_EQ(group.find("test.json: objects[0].pins[0]: "), 0u) << group;
+  EXPECT_NE(group.find("hem"), std::string::npos) << group;
+  const std::string colours =
+      build_complaint(with_object(cloth + R"("maps": {"stiffness": {"colour": "red", "value": 2}})"));
+  EXPECT_EQ(colours.find("test.json: objects[0]: "), 0u) << colours;
+  const std::string open = build_complaint(with_object(cloth + R"("pressure": 10)"));
+  EXPECT_EQ(open.find("test.json: objects[0]: "), 0u) << open;
+  const std::string sizes = build_complaint(R"({"souple": 1, "objects": [
+      {"name": "a", "kind": "rope", "points": [[0, 0, 0], [1, 0, 0]]}],
+      "connections": [{"from": {"object": "a", "vertices": [0, 1]}, "to": {"object": "a", "vertices": [2, 3, 4]}}]})");
+  EXPECT_EQ(sizes.find("test.json: connections[0]: "), 0u) << sizes;
+}
+
+TEST(BuildWorld, SameSceneSameBits) {
+  for (const char* name : {"flag", "stiff_boxes"}) {
+    std::uint64_t hashes[2];
+    for (std::uint64_t& hash : hashes) {
+      World world = build_world(load_scene(scenes_folder() / (std::string(name) + ".json")));
+      for (int i = 0; i < 3; ++i) world.step(1.0 / 60);
+      hash = world.hash();
+    }
+    EXPECT_EQ(hashes[0], hashes[1]) << name;
+  }
+}
+
+/// A normalised scene is the same scene.
+TEST(BuildWorld, WrittenSceneBuildsTheSameWorld) {
+  for (const auto& file : shipped_scenes()) {
+    SCOPED_TRACE(file.filename().string());
+    const SceneDescription scene = load_scene(file);
+    World first = build_world(scene),
+          second = build_world(parse_scene(to_json(scene), scene.folder, "again.json"));
+    first.step(1 / scene.frame_rate);
+    second.step(1 / scene.frame_rate);
+    EXPECT_EQ(first.hash(), second.hash());
+  }
+}
+
+}  // namespace
+}  // namespace souple::scene_test

@@ -1,0 +1,203 @@
+// Reader, schema and manual say the same. All three come from one table; these tests look at them from
+// outside.
+#include "scene_test.h"
+
+#include <functional>
+#include <map>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+namespace souple::scene_test {
+namespace {
+
+using nlohmann::json;
+
+std::filesystem::path documents() {
+  return std::filesystem::path(SOUPLE_SOURCE_DIR) / "docs";
+}
+
+TEST(Documents, AreUpToDate) {
+  EXPECT_EQ(read_file(documents() / "scene.schema.json"), scene_schema())
+      << "write it anew: souple info --schema > docs/scene.schema.json";
+  EXPECT_EQ(read_file(documents() / "scene-format.md"), scene_manual())
+      << "write it anew: souple info --scene-format > docs/scene-format.md";
+}
+
+/// Lines of the manual's section, which begin with "| `key` |".
+std::set<std::string> keys_in_manual(const std::string& manual, const std::string& section) {
+  std::set<std::string> keys;
+  std::istringstream lines(manual);
+  std::string line, current;
+  while (std::getline(lines, line)) {
+    if (line.rfind("## ", 0) == 0) current = line.substr(3);
+    if (current == section && line.rfind("| `", 0) == 0) keys.insert(line.substr(3, line.find('`', 3) - 3));
+  }
+  return keys;
+}
+
+TEST(Documents, ManualHasEveryKeyOfTheSchema) {
+  const json schema = json::parse(read_file(documents() / "scene.schema.json"));
+  const std::string manual = read_file(documents() / "scene-format.md");
+  EXPECT_GT(schema["$defs"].size(), 30u);
+  for (const auto& [name, table] : schema["$defs"].items()) {
+    std::set<std::string> keys;
+    for (const auto& [key, value] : table["properties"].items()) {
+      keys.insert(key);
+      EXPECT_GT(value["description"].get<std::string>().size(), 2u)
+          << name << "." << key << " is not explained";
+    }
+    EXPECT_EQ(keys_in_manual(manual, name), keys) << "section " << name;
+  }
+}
+
+/// Makes the smallest scene that the schema allows and that holds a wanted key, and asks the reader.
+class Sampler {
+ public:
+  explicit Sampler(const json& schema) : definitions_(schema["$defs"]) {}
+
+  json sample(const json& schema) const {
+    if (schema.contains("$ref")) return sample_table(name_of(schema), "");
+    if (schema.contains("const")) return schema["const"];
+    if (schema.contains("enum")) return schema["enum"][0];
+    if (schema.contains("oneOf")) return sample(schema["oneOf"][0]);
+    const std::string type = schema["type"];
+    if (type == "boolean") return true;
+    if (type == "string") return schema.contains("pattern") ? "a" : "meshes/duck.obj";
+    if (type == "array") {
+      const std::size_t least = schema.value("minItems", std::size_t{0});
+      json list = json::array();
+      for (std::size_t i = 0; i < least; ++i) list.push_back(sample(schema["items"]));
+      return list;
+    }
+    return sample_number(schema);
+  }
+
+  /// A table with what it requires and, unless empty, `wanted`.
+  json sample_table(const std::string& name, const std::string& wanted) const {
+    const json& table = definitions_.at(name);
+    std::set<std::string> keys;
+    for (const auto& key : table.value("required", json::array())) keys.insert(key);
+    if (!wanted.empty()) keys.insert(wanted);
+    if (table.contains("dependentRequired") && table["dependentRequired"].contains(wanted)) {
+      for (const auto& key : table["dependentRequired"][wanted]) keys.insert(key);
+    }
+    for (const auto& rule : table.value("allOf", json::array())) complete(rule, keys);
+    json made = json::object();
+    for (const std::string& key : keys) made[key] = sample(table["properties"].at(key));
+    return made;
+  }
+
+ private:
+  static std::string name_of(const json& reference) {
+    return reference["$ref"].get<std::string>().substr(std::string("#/$defs/").size());
+  }
+
+  /// oneOf of required keys: takes the first if none is there yet.
+  static void complete(const json& rule, std::set<std::string>& keys) {
+    bool none_allowed = false;
+    for (const auto& choice : rule["oneOf"]) {
+      none_allowed = none_allowed || choice.contains("not");
+      if (choice.contains("required") && keys.count(choice["required"][0]) > 0) return;
+    }
+    if (!none_allowed) keys.insert(rule["oneOf"][0]["required"][0]);
+  }
+
+  static json sample_number(const json& schema) {
+    const bool integer = schema["type"] == "integer";
+    const double low = schema.contains("minimum") ? schema["minimum"].get<double>()
+                                                  : schema["exclusiveMinimum"].get<double>();
+    const double high = schema.contains("maximum") ? schema["maximum"].get<double>()
+                                                   : schema["exclusiveMaximum"].get<double>();
+    const bool one = low <= 1 && high >= 1 && !(schema.contains("exclusiveMaximum") && high == 1);
+    const double value =
+        one ? 1 : (low > 1 ? low : (low + high) / 2);  // the smallest mesh, not a middling one
+    return integer ? json(static_cast<std::int64_t>(value)) : json(value);
+  }
+
+  const json& definitions_;
+};
+
+/// Where each table stands in a scene: the way from the root, as functions that wrap a value.
+using Wrap = std::function<json(json)>;
+
+void find_places(const json& definitions, const Sampler& sampler, const std::string& name, const Wrap& wrap,
+                 std::map<std::string, Wrap>& places) {
+  if (!places.emplace(name, wrap).second) return;
+  for (const auto& [key, schema] : definitions[name]["properties"].items()) {
+    json inner = schema;
+    bool listed = false;
+    if (inner.value("type", "") == "array") listed = true, inner = json(inner["items"]);
+    const json choices = inner.contains("oneOf") ? inner["oneOf"] : json::array({inner});
+    for (const json& choice : choices) {
+      if (!choice.contains("$ref")) continue;
+      const std::string below = choice["$ref"].get<std::string>().substr(8);
+      const Wrap here = [&sampler, wrap, name, key = key, listed](json value) {
+        json table = sampler.sample_table(name, key);
+        table[key] = listed ? json::array({std::move(value)}) : std::move(value);
+        return wrap(std::move(table));
+      };
+      find_places(definitions, sampler, below, here, places);
+    }
+  }
+}
+
+TEST(Documents, ReaderKnowsEveryKeyOfTheSchemaAndNoOther) {
+  const json schema = json::parse(scene_schema());
+  const Sampler sampler(schema);
+  std::map<std::string, Wrap> places;
+  find_places(
+      schema["$defs"], sampler, "scene", [](json value) { return value; }, places);
+  EXPECT_EQ(places.size(), schema["$defs"].size());
+  for (const auto& [name, wrap] : places) {
+    for (const auto& [key, value] : schema["$defs"][name]["properties"].items()) {
+      const std::string said = complaint(wrap(sampler.sample_table(name, key)).dump());
+      EXPECT_EQ(said.find("no such key"), std::string::npos) << name << "." << key << ": " << said;
+    }
+    json stranger = sampler.sample_table(name, "");
+    stranger["no_key_is_called_so"] = 1;
+    EXPECT_NE(complaint(wrap(stranger).dump()).find("no_key_is_called_so: there is no such key"),
+              std::string::npos)
+        << name;
+  }
+}
+
+/// Limits of the schema are the limits of the reader: just outside is refused.
+TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
+  const json schema = json::parse(scene_schema());
+  const Sampler sampler(schema);
+  std::map<std::string, Wrap> places;
+  find_places(
+      schema["$defs"], sampler, "scene", [](json value) { return value; }, places);
+  int numbers = 0;
+  for (const auto& [name, wrap] : places) {
+    for (const auto& [key, value] : schema["$defs"][name]["properties"].items()) {
+      const std::string type = value.value("type", "");
+      if (type != "number" && type != "integer") continue;
+      ++numbers;
+      const double below = value.contains("minimum") ? value["minimum"].get<double>() - 1
+                                                     : value["exclusiveMinimum"].get<double>();
+      const double above = value.contains("maximum") ? value["maximum"].get<double>() + 1
+                                                     : value["exclusiveMaximum"].get<double>();
+      for (const double outside : {below, above}) {
+        // Beyond 1e6 a step of one is lost in a float; a tenth more is not.
+        const double x = std::abs(outside) > 1e6 ? outside * 1.1 : outside;
+        json table = sampler.sample_table(name, key);
+        table[key] = x;
+        const std::string said = complaint(wrap(table).dump());
+        EXPECT_NE(said.find(key + ": expected a"), std::string::npos)
+            << name << "." << key << " = " << x << ": " << said;
+      }
+    }
+  }
+  EXPECT_GT(numbers, 80);
+}
+
+TEST(Documents, ManualExampleIsAScene) {
+  const std::string manual = scene_manual();
+  const std::size_t begin = manual.find("```json\n") + 8;
+  EXPECT_EQ(complaint(manual.substr(begin, manual.find("```", begin) - begin)), "");
+}
+
+}  // namespace
+}  // namespace souple::scene_test

@@ -1,0 +1,169 @@
+// Every kind of mistake gets one line: file, path inside it, the value, what was expected.
+#include "scene_test.h"
+
+namespace souple::scene_test {
+namespace {
+
+struct Mistake {
+  const char* what;
+  std::string text;
+  std::vector<std::string> expected;  ///< parts of the message, beside the file's name
+};
+
+std::string cloth(const std::string& more) {
+  return with_object(
+      R"("name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 4, "rows": 4, "size": 1}})" + more);
+}
+
+std::string nested(int depth) {
+  return std::string(static_cast<std::size_t>(depth), '[') +
+         std::string(static_cast<std::size_t>(depth), ']');
+}
+
+std::vector<Mistake> mistakes() {
+  return {
+      {"empty file", "", {"test.json:1:1: not JSON"}},
+      {"not an object", "[1]", {"test.json: expected an object", "[1]"}},
+      {"syntax", "{\"souple\": 1,\n \"frames\": }", {"test.json:2:", "not JSON"}},
+      {"comment", "{\"souple\": 1} // hello", {"test.json:1:", "not JSON"}},
+      {"trailing garbage", "{\"souple\": 1} }", {"test.json:1:", "not JSON"}},
+      {"not UTF-8", "{\"souple\": 1, \"description\": \"\xff\"}", {"test.json:1:", "not JSON"}},
+      {"deep nesting", R"({"souple": 1, "objects": )" + nested(5000) + "}", {"nested deeper than 64"}},
+      {"duplicate key",
+       cloth(R"(, "velocity": [0, 0, 0], "velocity": [1, 0, 0])"),
+       {"objects[0].velocity", "twice"}},
+      {"NaN", R"({"souple": 1, "frame_rate": NaN})", {"test.json:1:", "not JSON"}},
+      {"too large for a double", R"({"souple": 1, "frame_rate": 1e999})", {"test.json:1:", "1e999"}},
+      {"no version", R"({"frames": 1})", {"\"souple\"", "missing"}},
+      {"other version", R"({"souple": 2})", {"souple: ", "2", "version"}},
+      {"unknown key",
+       R"({"souple": 1, "substep": 5})",
+       {"substep:", "no such key", "(its value is 5)", "\"substeps\""}},
+      {"unknown key inside",
+       cloth(R"(, "material": {"densty": 0.3})"),
+       {"objects[0].material.densty", "0.3", "did you mean \"areal_density\""}},
+      {"unknown key like nothing",
+       R"({"souple": 1, "xyzzy": {"a": 1}})",
+       {"xyzzy", "{\"a\": 1}", "known: ", "frames"}},
+      {"key of another kind",
+       cloth(R"(, "lattice": {"cells": 10})"),
+       {"objects[0].lattice", "belongs to a soft_body"}},
+      {"wrong type", R"({"souple": 1, "substeps": "ten"})", {"substeps: ", "whole number", "\"ten\""}},
+      {"fraction", R"({"souple": 1, "substeps": 2.5})", {"substeps: ", "whole number", "2.5"}},
+      {"out of range", R"({"souple": 1, "substeps": 0})", {"substeps: ", "from 1 to 10000", "found 0"}},
+      {"negative density",
+       cloth(R"(, "material": {"areal_density": -0.1})"),
+       {"objects[0].material.areal_density", "> 0", "-0.1"}},
+      {"vanishes as a float",
+       cloth(R"(, "material": {"areal_density": 1e-300})"),
+       {"objects[0].material.areal_density", "> 0", "1e-300"}},
+      {"huge",
+       cloth(R"(, "transform": {"translate": [0, 1e300, 0]})"),
+       {"objects[0].transform.translate[1]", "1e+300", "1000000"}},
+      {"vector of two", cloth(R"(, "velocity": [1, 2])"), {"objects[0].velocity", "[x, y, z]", "[1, 2]"}},
+      {"unknown word", R"({"souple": 1, "mode": "xpdb"})", {"mode: ", "\"xpdb\"", "did you mean \"xpbd\""}},
+      {"unknown preset",
+       cloth(R"(, "material": {"preset": "sikl"})"),
+       {"objects[0].material.preset", "\"sikl\"", "did you mean \"silk\""}},
+      {"preset of another kind",
+       cloth(R"(, "material": {"preset": "steel_wire"})"),
+       {"objects[0].material.preset", "steel_wire", "cotton"}},
+      {"no kind", with_object(R"("name": "a")"), {"objects[0]", "\"kind\"", "soft_body"}},
+      {"unknown kind",
+       with_object(R"("kind": "clothe")"),
+       {"objects[0].kind", "clothe", "did you mean \"cloth\""}},
+      {"no mesh", with_object(R"("kind": "cloth")"), {"objects[0]", "\"mesh\"", "missing"}},
+      {"two meshes",
+       with_object(R"("kind": "cloth", "mesh": {"disk": {}, "sphere": {}})"),
+       {"objects[0].mesh", "disk", "sphere", "exclude"}},
+      {"no source of a mesh",
+       with_object(R"("kind": "cloth", "mesh": {})"),
+       {"objects[0].mesh", "\"grid\"", "\"file\""}},
+      {"scale of a grid",
+       with_object(R"("kind": "cloth", "mesh": {"sphere": {"radius": 1}, "scale": 2})"),
+       {"objects[0].mesh.scale", "\"file\""}},
+      {"missing file",
+       with_object(R"("kind": "cloth", "mesh": {"file": "meshes/no_such.obj"})"),
+       {"objects[0].mesh.file", "meshes/no_such.obj"}},
+      {"folder as file",
+       with_object(R"("kind": "cloth", "mesh": {"file": "."})"),
+       {"objects[0].mesh.file", "folder"}},
+      {"too many vertices",
+       with_object(R"("kind": "cloth", "mesh": {"grid": {"columns": 9999, "rows": 9999, "size": 1}})"),
+       {"objects[0].mesh.grid", "99980001"}},
+      {"upside down box",
+       cloth(R"(, "pins": [{"in_box": [[1, 0, 0], [0, 1, 1]]}])"),
+       {"objects[0].pins[0].in_box", "lower"}},
+      {"two selectors",
+       cloth(R"(, "pins": [{"all": true, "vertices": [1]}])"),
+       {"objects[0].pins[0]", "exclude"}},
+      {"no selector", cloth(R"(, "pins": [{}])"), {"objects[0].pins[0]", "\"vertices\"", "\"nearest\""}},
+      {"keyframes out of order",
+       cloth(R"(, "pins": [{"all": true, "keyframes": [{"time": 1}, {"time": 1}]}])"),
+       {"objects[0].pins[0].keyframes[1].time", "later"}},
+      {"name taken",
+       R"({"souple": 1, "colliders": [{"name": "a", "shape": {"plane": {}}}, {"name": "a", "shape": {"plane": {}}}]})",
+       {"colliders[1].name", "\"a\"", "unique"}},
+      {"name as a path", with_object(R"("kind": "cloth", "name": "../etc")"), {"objects[0].name", "../etc"}},
+      {"pair of nobody",
+       R"({"souple": 1, "colliders": [{"name": "floor", "shape": {"plane": {}}}], "pairs": [{"between": ["floor", "flor"], "friction": 1}]})",
+       {"pairs[0].between[1]", "\"flor\"", "did you mean \"floor\""}},
+      {"connection to nobody",
+       R"({"souple": 1, "connections": [{"from": {"object": "a", "all": true}, "to": {"object": "b", "all": true}}]})",
+       {"connections[0].from.object", "\"a\""}},
+      {"flat camera",
+       R"({"souple": 1, "camera": {"from": [1, 1, 1], "to": [1, 1, 1]}})",
+       {"camera", "same point"}},
+      {"plane without direction",
+       R"({"souple": 1, "colliders": [{"shape": {"plane": {"normal": [0, 0, 0]}}}]})",
+       {"colliders[0].shape.plane.normal", "zero"}},
+      {"two poses",
+       R"({"souple": 1, "colliders": [{"shape": {"plane": {}}, "transform": {}, "keyframes": []}]})",
+       {"colliders[0]", "transform", "keyframes", "exclude"}},
+  };
+}
+
+class Message : public testing::TestWithParam<Mistake> {};
+
+TEST_P(Message, NamesPlaceAndValue) {
+  const std::string said = complaint(GetParam().text);
+  EXPECT_EQ(said.find("test.json"), 0u) << said;
+  for (const std::string& part : GetParam().expected) {
+    EXPECT_NE(said.find(part), std::string::npos) << "missing: " << part << "\nin: " << said;
+  }
+  EXPECT_EQ(said.find('\n'), std::string::npos) << "more than one line: " << said;
+  EXPECT_LT(said.size(), 700u) << said;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scene, Message, testing::ValuesIn(mistakes()), [](const auto& each) {
+  std::string name;
+  for (const char c : std::string(each.param.what)) {
+    if (c != ' ' && c != '-') name += c;
+  }
+  return name;
+});
+
+TEST(Message, KeysWithLineFeedsStayOnOneLine) {
+  const std::string said = complaint("{\"souple\": 1, \"a\\nb\": 1}");
+  EXPECT_NE(said.find("a?b"), std::string::npos) << said;
+  EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+}
+
+TEST(Message, ManyKeysDoNotTakeForever) {
+  std::string text = R"({"souple": 1)";
+  for (int i = 0; i < 200000; ++i) text += ", \"k" + std::to_string(i) + "\": 0";
+  EXPECT_NE(complaint(text + "}").find("more than 1000 keys"), std::string::npos);
+}
+
+TEST(Message, SceneFileThatIsNotThere) {
+  try {
+    load_scene("no/such/scene.json");
+    FAIL() << "an Error was expected";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find("no/such/scene.json: "), 0u) << error.what();
+  }
+  EXPECT_THROW(load_scene(scenes_folder()), Error);
+}
+
+}  // namespace
+}  // namespace souple::scene_test

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "souple/math/quaternion.h"
+#include "souple/solver/projector.h"
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace souple::test {
+
+/// Free particles with what a projector sees of them, in either form.
+struct Body {
+  Form form;
+  std::vector<Vec4f> position, offset, start;
+
+  explicit Body(Form f = Form::displacement) : form(f) {}
+  std::vector<Vec4f>& moving() { return form == Form::plain ? position : offset; }
+  void add(const Vec3d& x, float inverse_mass) {
+    const Vec3f rounded(x);
+    const Vec3f rest = form == Form::plain ? Vec3f{} : Vec3f(x - Vec3d(rounded));
+    position.push_back({rounded.x, rounded.y, rounded.z, inverse_mass});
+    offset.push_back({rest.x, rest.y, rest.z, 0});
+    start = moving();
+  }
+  ParticleView view() { return {position, moving(), start, form}; }
+  Vec3d at(std::size_t i) const {
+    return form == Form::plain ? Vec3d(position[i].xyz()) : Vec3d(position[i].xyz()) + Vec3d(offset[i].xyz());
+  }
+  std::vector<Vec3d> all() const {
+    std::vector<Vec3d> result;
+    for (std::size_t i = 0; i < position.size(); ++i) result.push_back(at(i));
+    return result;
+  }
+  double mass(std::size_t i) const { return 1 / static_cast<double>(position[i].w); }
+};
+
+/// What a projection moved: sums of m dx and m x cross dx, and of m |dx| and m |x| |dx| to compare them with.
+struct Momentum {
+  Vec3d linear{}, angular{};
+  double linear_scale = 0, angular_scale = 0;
+};
+inline Momentum momentum_of(const Body& body, const std::vector<Vec3d>& before) {
+  Momentum result;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const Vec3d dx = body.at(i) - before[i], x = before[i] - before[0];
+    const double m = body.mass(i);
+    result.linear += dx * m;
+    result.angular += cross(x, dx) * m;
+    result.linear_scale += m * length(dx);
+    result.angular_scale += m * length(x) * length(dx);
+  }
+  return result;
+}
+
+inline std::vector<std::uint32_t> first(std::size_t n) {
+  std::vector<std::uint32_t> result(n);
+  std::iota(result.begin(), result.end(), 0u);
+  return result;
+}
+
+/// A number in [-1, 1], the same everywhere.
+inline double scatter(std::size_t i) {
+  const double x = std::sin(12.9898 * static_cast<double>(i + 1)) * 43758.5453;
+  return 2 * (x - std::floor(x)) - 1;
+}
+inline Vec3d scatter3(std::size_t i) {
+  return {scatter(3 * i), scatter(3 * i + 1), scatter(3 * i + 2)};
+}
+
+/// All iterations of one substep.
+inline void solve(Projector& projector, Body& body, const Substep& substep) {
+  const ParticleView view = body.view();
+  projector.begin_substep(view, substep);
+  for (int i = 0; i < substep.iterations; ++i)
+    for (int c = 0; c < projector.colour_count(); ++c) projector.project(c, view, substep);
+}
+
+}  // namespace souple::test

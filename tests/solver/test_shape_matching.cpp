@@ -1,0 +1,257 @@
+#include "body.h"
+#include "souple/error.h"
+#include "souple/math/mat3.h"
+#include "souple/solver/shape_matching.h"
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using namespace test;
+
+const Mat3d turn = rotation_matrix(Quatd::from_axis_angle(normalized(Vec3d{1, -2, 0.5}), 2.0));
+const Vec3d shift{0.3, -1, 2};
+
+// A box 1 x 1 x 1 of 3 x 3 x 3 particles, or its flat and straight parts.
+std::vector<Vec3d> lattice(int nx, int ny, int nz, double size) {
+  std::vector<Vec3d> result;
+  for (int x = 0; x < nx; ++x)
+    for (int y = 0; y < ny; ++y)
+      for (int z = 0; z < nz; ++z) result.push_back(Vec3d{x * 0.5, y * 0.5, z * 0.5} * size);
+  return result;
+}
+
+Body moved(const std::vector<Vec3d>& rest, double size, double noise, Form form = Form::displacement,
+           const Vec3d& far = {}) {
+  Body body(form);
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    body.add(far + turn * rest[i] + (shift + scatter3(i) * noise) * size,
+             1.0f + 0.5f * static_cast<float>(i % 3));
+  return body;
+}
+
+double largest_edge_error(const Body& body, const std::vector<Vec3d>& rest) {
+  double largest = 0;
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      largest = std::fmax(largest, std::fabs(length(body.at(i) - body.at(j)) - length(rest[i] - rest[j])));
+  return largest;
+}
+
+struct Extent {
+  int x, y, z;
+};
+constexpr Extent extents[] = {{3, 3, 3}, {3, 3, 1}, {1, 3, 1}, {1, 1, 1}};
+
+TEST(ShapeMatching, RestoresShapesOfEveryDimensionAndSize) {
+  for (const Form form : {Form::plain, Form::displacement})
+    for (const Extent& e : extents)
+      for (const float linear : {0.0f, 0.5f})
+        for (const double size : {1e-3, 1.0, 100.0}) {
+          const auto rest = lattice(e.x, e.y, e.z, size);
+          Body body = moved(rest, size, 0.2, form);
+          ShapeMatching projector;
+          projector.add(first(rest.size()), rest, {.linear = linear});
+          projector.prepare(rest.size());
+          for (int i = 0; i < 60; ++i) solve(projector, body, {.h = 0.01f, .form = form});
+          // The linear part keeps a strain that shrinks by half a projection.
+          EXPECT_LT(largest_edge_error(body, rest), 3e-6 * size)
+              << e.x << e.y << e.z << " " << linear << " " << size;
+        }
+}
+
+TEST(ShapeMatching, RestFarFromTheOriginIsNotMoved) {
+  const auto rest = lattice(3, 3, 3, 1);
+  const Vec3d far{1000, -2000, 500};
+  Body body = moved(rest, 1, 0, Form::displacement, far);
+  const auto before = body.all();
+  ShapeMatching projector;
+  std::vector<Vec3d> far_rest = rest;
+  for (Vec3d& q : far_rest) q += far;
+  projector.add(first(rest.size()), far_rest);
+  projector.prepare(rest.size());
+  for (int i = 0; i < 1000; ++i) solve(projector, body, {.h = 0.001f});
+  for (std::size_t i = 0; i < rest.size(); ++i) EXPECT_LT(length(body.at(i) - before[i]), 1e-6);
+}
+
+TEST(ShapeMatching, KeepsMomenta) {
+  const auto rest = lattice(3, 3, 3, 1);
+  for (const float linear : {0.0f, 0.7f, 1.0f})
+    for (const float compliance : {0.0f, 1e-4f}) {
+      Body body = moved(rest, 1, 0.3);
+      const auto before = body.all();
+      ShapeMatching projector;
+      projector.add(first(rest.size()), rest,
+                    {.linear = linear, .compliance = compliance, .damping_time = compliance});
+      projector.prepare(rest.size());
+      solve(projector, body, {.h = 0.01f});
+      const Momentum m = momentum_of(body, before);
+      EXPECT_GT(m.linear_scale, 0.1);
+      EXPECT_LT(length(m.linear), 1e-6 * m.linear_scale);
+      EXPECT_LT(length(m.angular), 1e-6 * m.angular_scale);
+    }
+}
+
+// Linear regions stretch freely: a box three times as long keeps its proportions with beta = 1, at the rest
+// volume.
+TEST(ShapeMatching, LinearKeepsVolumeAndAllowsStretch) {
+  const auto rest = lattice(3, 3, 3, 1);
+  Body body;
+  for (const Vec3d& q : rest) body.add({3 * q.x, q.y, q.z}, 1);
+  ShapeMatching projector;
+  projector.add(first(rest.size()), rest, {.linear = 1});
+  projector.prepare(rest.size());
+  solve(projector, body, {.h = 0.01f});
+  const Vec3d a = body.at(9) - body.at(0), b = body.at(3) - body.at(0), c = body.at(1) - body.at(0);
+  EXPECT_NEAR(length(a) / length(b), 3, 1e-5);
+  EXPECT_NEAR(dot(a, cross(b, c)), 0.125, 1e-6);
+}
+
+// The same of a flat region, out of its plane's axes: proportions and area.
+TEST(ShapeMatching, FlatLinearKeepsAreaAndAllowsStretch) {
+  const auto rest = lattice(3, 3, 1, 1);
+  Body body;
+  for (const Vec3d& q : rest) body.add(turn * Vec3d{3 * q.x, q.y, q.z}, 1);
+  ShapeMatching projector;
+  projector.add(first(rest.size()), rest, {.linear = 1});
+  projector.prepare(rest.size());
+  solve(projector, body, {.h = 0.01f});
+  const Vec3d a = body.at(3) - body.at(0), b = body.at(1) - body.at(0);
+  EXPECT_NEAR(length(a) / length(b), 3, 1e-5);
+  EXPECT_NEAR(length(cross(a, b)), 0.25, 1e-6);
+}
+
+TEST(ShapeMatching, CrushedAndInvertedBodiesComeBack) {
+  const auto rest = lattice(3, 3, 3, 1);
+  const Mat3d cases[] = {Mat3d::diagonal({1, 0, 1}), Mat3d::diagonal({0, 0, 1}), Mat3d{},
+                         Mat3d::diagonal({1, -1, 1}), Mat3d::diagonal({-1, -1, -1})};
+  for (const Mat3d& crush : cases)
+    for (const float linear : {0.0f, 1.0f}) {
+      Body body;
+      for (const Vec3d& q : rest) body.add(crush * q, 1);
+      ShapeMatching projector;
+      projector.add(first(rest.size()), rest, {.linear = linear});
+      projector.prepare(rest.size());
+      for (int i = 0; i < 5; ++i) solve(projector, body, {.h = 0.01f});
+      const Vec3d a = body.at(9) - body.at(0), b = body.at(3) - body.at(0), c = body.at(1) - body.at(0);
+      EXPECT_NEAR(dot(a, cross(b, c)), 0.125, 1e-5);
+    }
+}
+
+TEST(ShapeMatching, FollowsItsPins) {
+  const auto rest = lattice(3, 3, 3, 1);
+  for (const float linear : {0.0f, 0.5f})
+    for (const std::size_t pins : {1u, 2u, 27u}) {
+      Body body = moved(rest, 1, 0);
+      for (std::size_t i = 0; i < pins; ++i) body.position[i].w = 0;
+      if (pins < 27)
+        for (std::size_t i = 0; i < pins; ++i) body.position[i].x += 0.5f;
+      const auto before = body.all();
+      ShapeMatching projector;
+      projector.add(first(rest.size()), rest, {.linear = linear});
+      projector.prepare(rest.size());
+      for (int i = 0; i < 60; ++i) solve(projector, body, {.h = 0.01f});
+      for (std::size_t i = 0; i < pins; ++i) EXPECT_EQ(body.at(i), before[i]);
+      EXPECT_LT(largest_edge_error(body, rest), 1e-5);
+    }
+}
+
+// alpha lambda = -C: a region with compliance a, pulled apart by C0, answers C = C0 a~ / (a~ + 1/M).
+TEST(ShapeMatching, ComplianceIsThatOfTheWholeRegionAtAnyIterations) {
+  const std::vector<Vec3d> rest = {{0, 0, 0}, {1, 0, 0}};
+  for (const int iterations : {1, 5, 20}) {
+    Body body;
+    body.add({0, 0, 0}, 0.5f);
+    body.add({1.2, 0, 0}, 0.5f);  // each 0.1 m from its goal, M = 4 kg
+    ShapeMatching projector;
+    projector.add(first(2), rest, {.compliance = 1e-4f});
+    projector.prepare(2);
+    solve(projector, body, {.h = 0.01f, .iterations = iterations, .mode = Mode::xpbd});
+    const double expected = 0.1 * 1 / (1 + 0.25);  // a~ = 1
+    EXPECT_NEAR(projector.residual(body.view()).largest, expected, 1e-6);
+  }
+}
+
+TEST(ShapeMatching, StiffnessDoesNotDependOnIterationsInPbd) {
+  for (const int iterations : {1, 5, 20}) {
+    Body body;
+    body.add({0, 0, 0}, 0.5f);
+    body.add({1.2, 0, 0}, 0.5f);
+    ShapeMatching projector;
+    const std::vector<Vec3d> rest = {{0, 0, 0}, {1, 0, 0}};
+    projector.add(first(2), rest, {.compliance = 1, .stiffness = 0.75f});
+    projector.prepare(2);
+    solve(projector, body, {.h = 0.01f, .iterations = iterations, .mode = Mode::pbd});
+    EXPECT_NEAR(projector.residual(body.view()).largest, 0.025, 1e-6);
+  }
+}
+
+// Damping works against change of shape and leaves a rigid motion alone. A rigid region at distance C_start,
+// damped with gamma = tau / h, keeps gamma / (1 + gamma) of it, whatever the prediction did to its size.
+TEST(ShapeMatching, DampingLeavesRigidMotion) {
+  const auto rest = lattice(3, 3, 3, 1);
+  for (const bool rigid : {true, false}) {
+    Body body;
+    for (const Vec3d& q : rest) body.add(rigid ? q : q * 1.1, 1);
+    ShapeMatching projector;
+    projector.add(first(rest.size()), rest, {.damping_time = 0.1f});
+    projector.prepare(rest.size());
+    const double start = projector.residual(body.view()).largest;
+    const auto tiny_turn = rotation_matrix(Quatd::from_axis_angle({0, 0, 1}, 1e-3));
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const Vec3d x = body.at(i);
+      const Vec3f d(rigid ? tiny_turn * x + Vec3d{0.01, 0, 0} - x : x * -1e-2);
+      body.offset[i].set_xyz(d);
+    }
+    const auto before = body.all();
+    solve(projector, body, {.h = 0.01f});
+    if (rigid) {
+      for (std::size_t i = 0; i < rest.size(); ++i) EXPECT_LT(length(body.at(i) - before[i]), 1e-6);
+    } else {
+      EXPECT_NEAR(projector.residual(body.view()).largest / start, 10.0 / 11, 1e-5);
+    }
+  }
+}
+
+TEST(ShapeMatching, OverlappingRegionsGetDifferentColours) {
+  const auto rest = lattice(3, 3, 3, 1);
+  ShapeMatching projector;
+  const std::vector<std::uint32_t> regions[] = {{0, 1, 2, 3}, {3, 4, 5, 6, 7}, {7, 8}, {20, 21, 22}};
+  for (const auto& region : regions) {
+    std::vector<Vec3d> part;
+    for (const std::uint32_t i : region) part.push_back(rest[i]);
+    projector.add(region, part);
+  }
+  projector.prepare(rest.size());
+  EXPECT_EQ(projector.colour_count(), 2);
+  Body body = moved(rest, 1, 0.1);
+  for (int i = 0; i < 100; ++i) solve(projector, body, {.h = 0.01f});
+  EXPECT_LT(projector.residual(body.view()).largest, 1e-5);
+
+  projector.erase_particles(4, 5);  // drops the second, renumbers the last two
+  projector.prepare(26);
+  EXPECT_EQ(projector.size(), 3u);
+  EXPECT_EQ(projector.colour_count(), 1);
+  Body fewer;
+  for (std::size_t i = 0; i < 27; ++i)
+    if (i != 4) fewer.add(turn * rest[i], 1);
+  solve(projector, fewer, {.h = 0.01f});
+  EXPECT_LT(projector.residual(fewer.view()).largest, 1e-6);
+}
+
+TEST(ShapeMatching, RefusesBadInput) {
+  ShapeMatching projector;
+  const auto rest = lattice(1, 3, 1, 1);
+  EXPECT_THROW(projector.add(std::vector<std::uint32_t>{0, 1}, rest), Error);
+  EXPECT_THROW(projector.add(std::vector<std::uint32_t>{0, 1, 1}, rest), Error);
+  EXPECT_THROW(projector.add({}, {}), Error);
+  EXPECT_THROW(projector.add(first(3), rest, {.linear = 2}), Error);
+  EXPECT_THROW(projector.add(first(3), rest, {.compliance = NAN}), Error);
+  EXPECT_EQ(projector.size(), 0u);
+  projector.add(first(3), rest);
+  EXPECT_THROW(projector.prepare(2), Error);
+}
+
+}  // namespace
+}  // namespace souple

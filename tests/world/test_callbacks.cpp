@@ -1,0 +1,103 @@
+#include "souple/solver/custom_constraint.h"
+#include "souple/souple.h"
+#include "tests/expect_error.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+TEST(Callbacks, StagesRunInOrder) {
+  World world({.substeps = 2});
+  world.add_cloth(grid(2, 2, 1));
+  std::string order;
+  for (const Stage stage :
+       {Stage::broad_phase, Stage::integrate, Stage::contacts, Stage::solve, Stage::finish, Stage::velocity})
+    world.before(stage, [&order, stage](World&) { order += stage_name(stage)[0]; });
+  world.step(0.01);
+  EXPECT_EQ(order, "bicsfvicsfv");
+}
+
+TEST(Callbacks, AnExceptionIsReportedNotPassedOn) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1));
+  world.after(Stage::solve, [](World&) { throw std::runtime_error("stage trouble"); });
+  world.add_force_field(
+      [](const Vec3f&, const Vec3f&, float, double) -> Vec3f { throw std::runtime_error("field trouble"); });
+  world.pin(cloth, vertices({0}),
+            [](std::uint32_t, double) -> Vec3d { throw std::runtime_error("pin trouble"); });
+  world.attach(cloth, vertices({8}), [](std::uint32_t, double) -> Vec3d { throw 7; });
+  world.add_collider(Sphere{}, {.motion = ColliderMotion::callback([](double t) -> Transform {
+                                  if (t >= 0) throw std::runtime_error("collider trouble");
+                                  return {};
+                                })});
+  const StepReport& report = world.step(0.01);
+  EXPECT_TRUE(report.has(Flag::callback_failed));
+  for (const char* words :
+       {"stage trouble", "field trouble", "pin trouble", "collider trouble", "attachment"})
+    EXPECT_NE(report.message.find(words), std::string::npos) << report.message;
+  for (const Vec3f& x : world.positions(cloth)) EXPECT_TRUE(is_finite(x));
+}
+
+TEST(Callbacks, ARuntimeConstraintThatThrowsIsReported) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1));
+  auto projector = std::make_unique<CustomProjector>();
+  projector->add(std::make_shared<CallbackConstraint>(
+      std::vector<std::uint32_t>{world.particle(cloth, 0)},
+      [](std::span<const Vec3f>, std::span<Vec3f>) -> float { throw std::runtime_error("custom trouble"); }));
+  world.add_projector(std::move(projector));
+  EXPECT_NE(world.step(0.01).message.find("custom trouble"), std::string::npos);
+}
+
+TEST(Callbacks, AddingDuringAStepIsRefused) {
+  World world;
+  world.add_cloth(grid(3, 3, 1));
+  world.before(Stage::solve, [](World& w) { w.add_cloth(grid(3, 3, 1)); });
+  EXPECT_NE(world.step(0.01).message.find("not while a step runs"), std::string::npos);
+  EXPECT_EQ(world.objects().size(), 1u);
+}
+
+TEST(Callbacks, AStepWithinAStepIsRefused) {
+  World world;
+  world.add_cloth(grid(3, 3, 1));
+  world.before(Stage::velocity, [](World& w) { w.step(0.01); });
+  EXPECT_NE(world.step(0.01).message.find("nothing was done"), std::string::npos);
+  EXPECT_NEAR(world.time(), 0.01, 1e-12);
+}
+
+// A field that turns bad at t = 0.5 s: the step says who, and the world is as it was before.
+TEST(Callbacks, ABadNumberStopsTheStepAndRestoresTheLastGoodState) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1), {}, {.name = "sheet"});
+  world.add_force_field([](const Vec3f& x, const Vec3f&, float, double t) {
+    return t > 0.5 && x.x > 0.4f && x.z > 0.4f ? Vec3f{std::nanf(""), 0, 0} : Vec3f{};
+  });
+  for (int i = 0; i < 30; ++i) ASSERT_TRUE(world.step(1.0 / 60).ok());
+  const std::uint64_t good = world.hash();
+  const StepReport& report = world.step(1.0 / 60);
+  EXPECT_FALSE(report.ok());
+  EXPECT_EQ(report.bad_object, "sheet");
+  EXPECT_EQ(report.bad_vertex, 8u);
+  EXPECT_EQ(world.hash(), good);
+  EXPECT_NEAR(world.time(), 0.5, 1e-12);
+  world.clear_force_fields();
+  EXPECT_TRUE(world.step(1.0 / 60).ok());
+  for (const Vec3f& x : world.positions(cloth)) EXPECT_TRUE(is_finite(x));
+}
+
+TEST(Callbacks, TheLogHearsWhatWasMended) {
+  World world;
+  std::string heard;
+  world.set_log([&](LogLevel, std::string_view words) { heard += words; });
+  TriangleMesh mesh = grid(3, 3, 1);
+  std::swap(mesh.triangles[2][0], mesh.triangles[2][1]);
+  world.add_cloth(mesh, {}, {.name = "odd"});
+  EXPECT_NE(heard.find("odd: "), std::string::npos) << heard;
+}
+
+}  // namespace
+}  // namespace souple

@@ -1,0 +1,195 @@
+#include "souple/souple.h"
+#include "tests/expect_error.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+TEST(Objects, NamesAreUniqueAndFollowTheKind) {
+  World world;
+  const ObjectId a = world.add_cloth(grid(3, 3, 1)), b = world.add_cloth(grid(3, 3, 1));
+  EXPECT_EQ(world.name(a), "cloth");
+  EXPECT_EQ(world.name(b), "cloth2");
+  const ColliderId floor = world.add_collider(Plane{}, {.name = "floor"});
+  expect_error([&] { world.add_cloth(grid(3, 3, 1), {}, {.name = "floor"}); }, {"floor", "taken"});
+  expect_error([&] { world.find_object("clot"); }, {"clot", "did you mean 'cloth'"});
+  EXPECT_EQ(world.find_object("cloth2"), b);
+  EXPECT_EQ(world.find_collider("floor"), floor);
+}
+
+TEST(Objects, AFailedAddChangesNothing) {
+  World world;
+  TriangleMesh mesh = grid(3, 3, 1);
+  mesh.positions[4].y = std::numeric_limits<double>::quiet_NaN();
+  expect_error([&] { world.add_cloth(mesh); }, {"cloth", "vertex 4", "not finite"});
+  expect_error([&] { world.add_cloth(grid(3, 3, 1), {.areal_density = -1}); },
+               {"cloth", "areal_density", "-1"});
+  expect_error([&] { world.add_cloth(TriangleMesh{}); }, {"cloth", "no vertices"});
+  expect_error([&] { world.add_rope({}, 3); }, {"rope", "two points"});
+  EXPECT_TRUE(world.objects().empty());
+  EXPECT_EQ(world.step(0.01).particles, 0u);
+}
+
+TEST(Objects, AFlatTetIsNamedWhenItIsAdded) {
+  World world;
+  TetMesh flat;
+  flat.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}};
+  flat.tets = {{0, 1, 2, 3}, {0, 1, 2, 4}};
+  expect_error([&] { world.add_soft_body(flat); }, {"soft_body", "tet 1 is flat"});
+  EXPECT_TRUE(world.objects().empty());
+}
+
+// A closed surface keeps its slivers, or it would open; they stretch, but carry no bending.
+TEST(Objects, ASliverDoesNotStopACloth) {
+  World world;
+  std::string heard;
+  world.set_log([&](LogLevel, std::string_view words) { heard += words; });
+  TriangleMesh mesh = box({1, 1, 1}, 1);
+  mesh.positions.push_back((mesh.positions[mesh.triangles[0][0]] + mesh.positions[mesh.triangles[0][1]]) *
+                           0.5);
+  const auto middle = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  const Triangle first = mesh.triangles[0];  // its side 0-1 is cut on this side only: a sliver closes the gap
+  mesh.triangles[0] = {middle, first[1], first[2]};
+  mesh.triangles.push_back({first[0], middle, first[2]});
+  mesh.triangles.push_back({first[0], first[1], middle});
+  world.add_cloth(mesh);
+  EXPECT_NE(heard.find("too thin"), std::string::npos) << heard;
+  for (int i = 0; i < 30; ++i) EXPECT_TRUE(world.step(1.0 / 60).ok());
+}
+
+TEST(Objects, MassesAreThoseOfTheMaterial) {
+  World world;
+  EXPECT_NEAR(world.total_mass(world.add_cloth(grid(11, 6, 2), {.areal_density = 0.2f})), 0.2 * 2 * 1, 1e-6);
+  EXPECT_NEAR(world.total_mass(world.add_soft_body(tet_bar(4, 2, 2, {0.4, 0.2, 0.2}), {.density = 1000})), 16,
+              1e-4);
+  const Vec3d ends[] = {{0, 0, 0}, {3, 0, 0}};
+  EXPECT_NEAR(world.total_mass(world.add_rope(ends, 10, {.radius = 0.01f, .density = 1000})),
+              1000 * pi * 1e-4 * 3, 1e-4);
+  // A lattice covers more than its surface, but weighs what the surface holds.
+  EXPECT_NEAR(world.total_mass(world.add_soft_body(sphere(3, 0.5), {.density = 100}, {.cells = 800})),
+              100 * 4.0 / 3 * pi * 0.125, 0.6);
+}
+
+TEST(Objects, UsersSeeTheirOwnVerticesAtRest) {
+  World world({.gravity = {}});
+  const TriangleMesh ball = sphere(2, 0.5);
+  const Transform placed{.translation = {1, 2, 3}, .scale = 2};
+  for (const ObjectId id : {world.add_cloth(ball, {}, {.transform = placed}),
+                            world.add_soft_body(ball, {}, {.cells = 500}, {.transform = placed})}) {
+    world.step(1.0 / 60);
+    const auto x = world.positions(id);
+    ASSERT_EQ(x.size(), ball.positions.size());
+    for (std::size_t i = 0; i < x.size(); ++i)
+      ASSERT_LT(length(Vec3d(x[i]) - placed.point(ball.positions[i])), 2e-5)
+          << world.name(id) << " vertex " << i;
+    const auto n = world.normals(id);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      ASSERT_GT(dot(Vec3d(n[i]), normalized(ball.positions[i])), 0.95) << "normals point outward";
+  }
+}
+
+// Two triangles whose shared edge is doubled in the file, as at a UV seam, move as one sheet.
+TEST(Objects, SeamsAreWelded) {
+  TriangleMesh seam;
+  seam.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}};
+  seam.triangles = {{0, 2, 1}, {3, 4, 5}};
+  World world;
+  const ObjectId cloth = world.add_cloth(seam, {.membrane_stiffness = 1e5f});
+  world.pin(cloth, vertices({0}));
+  for (int i = 0; i < 30; ++i) world.step(1.0 / 60);
+  const auto x = world.positions(cloth);
+  EXPECT_EQ(x[1], x[3]);
+  EXPECT_EQ(x[2], x[4]);
+  EXPECT_LT(world.report().largest_strain, 0.05);
+}
+
+TEST(Objects, RemovingOneLeavesTheOthersAsIfItHadNeverBeen) {
+  const auto build = [](bool with_middle) {
+    World world;
+    const ObjectId a = world.add_cloth(grid(5, 5, 1), {}, {.name = "a"});
+    const ObjectId middle =
+        with_middle
+            ? world.add_cloth(grid(7, 7, 1), {}, {.name = "m", .transform = {.translation = {5, 0, 0}}})
+            : ObjectId{};
+    const ObjectId b =
+        world.add_cloth(grid(5, 5, 1), {}, {.name = "b", .transform = {.translation = {0, -1, 0}}});
+    world.pin(a, vertices({0}));
+    world.pin(b, vertices({0, 4}));
+    world.attach(b, vertices({24}), {}, 1e-3f);
+    if (with_middle) {
+      world.step(1e-9);  // builds everything once with the middle object
+      world.restore(world.snapshot());
+      world.remove(middle);
+    } else {
+      world.step(1e-9);
+    }
+    EXPECT_FALSE(with_middle && world.contains(middle));
+    for (int i = 0; i < 20; ++i) world.step(1.0 / 60);
+    return world.hash();
+  };
+  EXPECT_EQ(build(true), build(false));
+}
+
+TEST(Objects, AStaleHandleIsNamed) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1));
+  world.remove(cloth);
+  expect_error([&] { world.positions(cloth); }, {"handle", "removed"});
+  expect_error([&] { world.remove(ColliderId{77}); }, {"collider", "77"});
+}
+
+TEST(Objects, MaterialsChangeAtOnce) {
+  World world({.substeps = 20, .drag = 5});
+  const Vec3d ends[] = {{0, 0, 0}, {0, -1, 0}};
+  const ObjectId rope = world.add_rope(ends, 4, {.radius = 0.01f, .young_modulus = 1e6f, .density = 1000});
+  world.pin(rope, vertices({0}));
+  for (int i = 0; i < 240; ++i) world.step(1.0 / 60);
+  const double soft = -1 - static_cast<double>(world.positions(rope)[4].y);
+  RopeMaterial stiff = world.rope_material(rope);
+  stiff.young_modulus = 4e6f;
+  world.set_material(rope, stiff);
+  for (int i = 0; i < 240; ++i) world.step(1.0 / 60);
+  const double hard = -1 - static_cast<double>(world.positions(rope)[4].y);
+  // The rope's own weight: rho g L^2 / (2 E) = 4.9 mm, and a quarter of it.
+  EXPECT_NEAR(soft, -1000 * -9.81 / (2 * 1e6), 0.02 * 4.9e-3);
+  EXPECT_NEAR(soft / hard, 4, 0.1);
+  expect_error([&] { world.set_material(rope, ClothMaterial{}); }, {"rope", "material"});
+}
+
+TEST(Objects, TeleportGivesNoVelocity) {
+  World world({.gravity = {}});
+  const ObjectId cloth = world.add_cloth(grid(5, 5, 1), {}, {.velocity = {1, 0, 0}});
+  world.step(0.01);
+  const Quatd quarter = Quatd::from_axis_angle({0, 1, 0}, pi / 2);
+  world.teleport(cloth, {.translation = {100, 0, 0}, .rotation = quarter});
+  world.step(0.01);
+  for (const Vec3f& v : world.velocities(cloth)) EXPECT_LT(length(v - Vec3f{0, 0, -1}), 1e-4f);
+  expect_error([&] { world.teleport(cloth, {.scale = 2}); }, {"scale", "2"});
+}
+
+TEST(Objects, AnImpulseIsSharedByMass) {
+  World world({.gravity = {}});
+  const ObjectId cloth = world.add_cloth(grid(5, 5, 1), {.areal_density = 0.5f});
+  world.apply_impulse(cloth, all(), {0, 2, 0});
+  world.step(0.01);
+  for (const Vec3f& v : world.velocities(cloth)) EXPECT_NEAR(v.y, 4, 1e-4);
+  EXPECT_NEAR(world.momentum(cloth).y, 2, 1e-5);
+}
+
+TEST(Objects, SettersCheckWhatTheyGet) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(2, 2, 1));
+  const std::vector<Vec3f> three(3), nan(4, {std::nanf(""), 0, 0});
+  expect_error([&] { world.set_positions(cloth, three); }, {"4 vertices", "got 3"});
+  expect_error([&] { world.set_velocities(cloth, nan); }, {"value 0", "not finite"});
+  expect_error([&] { world.set_settings({.substeps = 0}); }, {"substeps", "0"});
+  const ObjectId body = world.add_soft_body(sphere(1, 1), {}, {.cells = 100});
+  expect_error([&] { world.set_positions(body, three); }, {"embedded"});
+}
+
+}  // namespace
+}  // namespace souple

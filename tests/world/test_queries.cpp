@@ -1,0 +1,80 @@
+#include "souple/souple.h"
+#include "tests/expect_error.h"
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+TEST(Queries, ARayHitsTheNearestThing) {
+  World world;
+  const ObjectId sheet = world.add_cloth(grid(11, 11, 2), {}, {.transform = {.translation = {0, 1, 0}}});
+  const ColliderId floor = world.add_collider(Plane{});
+  const Vec3d grain[] = {{5, 0.5, 0}};
+  const ObjectId grains = world.add_grains(grain, {.radius = 0.1f});
+
+  Hit hit = world.ray_cast({0.21f, 3, 0.39f}, {0, -1, 0});
+  ASSERT_TRUE(hit.found);
+  EXPECT_FALSE(hit.is_collider);
+  EXPECT_EQ(hit.object, sheet);
+  EXPECT_NEAR(hit.distance, 2, 1e-6);
+  EXPECT_EQ(hit.vertex, 7u * 11 + 6);  // the corner at (0.2, 0.4)
+
+  hit = world.ray_cast({3, 3, 0}, {0, -2, 0});
+  ASSERT_TRUE(hit.is_collider);
+  EXPECT_EQ(hit.collider, floor);
+  EXPECT_NEAR(hit.distance, 3, 1e-6);
+
+  hit = world.ray_cast({5, 3, 0}, {0, -1, 0});
+  EXPECT_EQ(hit.object, grains);
+  EXPECT_NEAR(hit.distance, 2.4, 1e-6);
+
+  EXPECT_FALSE(world.ray_cast({0, 3, 0}, {0, 1, 0}).found);
+  EXPECT_FALSE(world.ray_cast({0, 3, 0}, {0, -1, 0}, 1.5).found);
+  expect_error([&] { world.ray_cast({0, 0, 0}, {0, 0, 0}); }, {"direction"});
+}
+
+TEST(Queries, TheClosestPoint) {
+  World world;
+  const ObjectId sheet = world.add_cloth(grid(3, 3, 2), {}, {.transform = {.translation = {0, 1, 0}}});
+  Hit hit = world.closest_point({0.3f, 1.5f, 0.2f});
+  EXPECT_EQ(hit.object, sheet);
+  EXPECT_NEAR(hit.distance, 0.5, 1e-6);
+  EXPECT_LT(length(hit.point - Vec3f{0.3f, 1, 0.2f}), 1e-6f);
+  hit = world.closest_point({2, 1, 2});
+  EXPECT_LT(length(hit.point - Vec3f{1, 1, 1}), 1e-6f);
+  EXPECT_EQ(hit.vertex, 8u);
+}
+
+TEST(Queries, ContactsAreEvents) {
+  World world;
+  const Vec3d grain[] = {{0, 0.2, 0}};
+  const ObjectId grains = world.add_grains(grain, {.radius = 0.1f, .density = 1000});
+  world.add_collider(Plane{}, {.name = "floor"});
+  for (int i = 0; i < 120; ++i) world.step(1.0 / 60);
+  // At rest a contact touches in most substeps; find one that does.
+  for (int i = 0; i < 10 && world.contacts().empty(); ++i) world.step(1.0 / 60);
+  ASSERT_EQ(world.contacts().size(), 1u);
+  const ContactEvent& event = world.contacts()[0];
+  EXPECT_EQ(event.object, "grains");
+  EXPECT_EQ(event.other, "floor");
+  EXPECT_TRUE(event.other_is_collider);
+  EXPECT_LT(length(event.normal - Vec3f{0, 1, 0}), 1e-5f);
+  EXPECT_NEAR(event.point.y, 0, 1e-4);
+  EXPECT_GT(event.impulse, 0);
+  EXPECT_NEAR(world.positions(grains)[0].y, 0.1, 1e-4);
+}
+
+// Before the first step too: a rope of one segment, stiffness E pi r^2 / l, pulled to 1.1 times its length.
+TEST(Queries, ElasticEnergyNeedsNoStep) {
+  World world;
+  const Vec3d ends[] = {{0, 0, 0}, {2, 0, 0}};
+  const ObjectId rope = world.add_rope(ends, 1, {.radius = 0.1f, .young_modulus = 1e6f});
+  const Vec3f pulled[] = {{0, 0, 0}, {2.2f, 0, 0}};
+  world.set_positions(rope, pulled);
+  const double k = 1e6 * pi * 0.01 / 2;
+  EXPECT_NEAR(world.elastic_energy(), k * 0.04 / 2, 1e-4 * k);
+}
+
+}  // namespace
+}  // namespace souple
