@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Checks what each file may include: the floors of the architecture, and which outside library belongs where.
+
+An include goes to a strictly lower floor or stays in its folder, and never in a circle. Prints one line per
+violation and exits with 1 if there is any. `--root DIR` checks another tree.
+"""
+
+import argparse
+import pathlib
+import re
+import sys
+
+FLOORS = {
+    "souple/math": 1,
+    "souple/constraints": 2, "souple/state": 2, "souple/geometry": 2,
+    "souple/solver": 3,
+    "souple/collision": 4,
+    "souple/fluid": 5,
+    "souple/world": 6, "souple/surface": 6,
+    "souple/io": 7, "souple/host": 7, "render": 7,
+    "souple/scene": 8,
+    "app": 9, "python": 9, "plugins": 9,
+}
+# Files that lie in souple/ itself.
+SINGLE_FILES = {
+    "souple/error.h": 0,
+    "souple/version.h": 0,   # generated
+    "souple/eigen.h": 7,     # optional adaptor
+    "souple/souple.h": 8.5,  # everything, for users
+}
+# Constraint and projection code is compiled per instruction set and for devices: nothing else may come in.
+KERNEL_FOLDER = "souple/solver/kernels"
+KERNEL_MAY_INCLUDE = ("souple/math/", "souple/constraints/", KERNEL_FOLDER + "/")
+CONTAINERS = {"vector", "string", "map", "set", "unordered_map", "unordered_set", "deque", "list", "functional"}
+
+
+def in_folder(path, *folders):
+    return any(path.startswith(folder + "/") for folder in folders)
+
+
+# (what is included, who may include it, the rule in words)
+OUTSIDE = [
+    (r"(unsupported/)?Eigen/", lambda p: p == "souple/eigen.h" or p.endswith(".cpp"), "Eigen only in .cpp files"),
+    (r"nlohmann/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/scene", "souple/io"),
+     "nlohmann only in .cpp files of souple/scene and souple/io"),
+    (r"CLI/", lambda p: p.endswith(".cpp") and in_folder(p, "app"), "CLI11 only in .cpp files of app"),
+    (r"assimp/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/io"), "assimp only in .cpp files of souple/io"),
+    (r"(GL|GLES\d?|GLFW|EGL|epoxy)/|imgui", lambda p: in_folder(p, "render", "app", "plugins"),
+     "no renderer or window in the library"),
+    (r"Python\.h|pybind11/", lambda p: in_folder(p, "python"), "no Python outside python"),
+]
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+USING_NAMESPACE = re.compile(r"^\s*using\s+namespace\b")
+
+
+def folder_of(path):
+    """The architecture's folder a file belongs to, or None."""
+    return next((folder for folder in FLOORS if path.startswith(folder + "/")), None)
+
+
+def floor_of(path):
+    folder = folder_of(path)
+    return FLOORS[folder] if folder else SINGLE_FILES.get(path)
+
+
+def check_own_include(path, target, root):
+    if not (root / target).exists() and target != "souple/version.h":
+        return f"no such file: {target}"
+    here, there = floor_of(path), floor_of(target)
+    if there is None:
+        return f"{target} is on no floor: add its folder to script/check_floors.py"
+    if here is None:
+        return "this file is on no floor: add its folder to script/check_floors.py"
+    if in_folder(path, KERNEL_FOLDER) and not target.startswith(KERNEL_MAY_INCLUDE):
+        return f"a kernel includes {target}: only math and constraints are allowed"
+    same_folder = folder_of(path) is not None and folder_of(path) == folder_of(target)
+    if not same_folder and there >= here:
+        return f"floor {here} includes {target} on floor {there}: only lower floors or its own folder"
+    return None
+
+
+def check_outside_include(path, target):
+    for pattern, allowed, rule in OUTSIDE:
+        if re.match(pattern, target) and not allowed(path):
+            return f"includes <{target}>: {rule}"
+    if in_folder(path, KERNEL_FOLDER) and target in CONTAINERS:
+        return f"includes <{target}>: no containers in kernels"
+    return None
+
+
+def check_file(path, root, graph):
+    problems = []
+    for number, line in enumerate((root / path).read_text(encoding="utf-8").splitlines(), 1):
+        if path.endswith(".h") and USING_NAMESPACE.match(line):
+            problems.append((number, "using namespace in a header"))
+        match = INCLUDE.match(line)
+        if not match:
+            continue
+        quote, target = match.groups()
+        if target.startswith(("souple/", "render/", "app/", "python/", "plugins/")):
+            graph.setdefault(path, []).append(target)
+            problem = check_own_include(path, target, root)
+        elif quote == '"':
+            problem = f'includes "{target}": own files are named from the root, such as "souple/math/vec3.h"'
+        else:
+            problem = check_outside_include(path, target)
+        if problem:
+            problems.append((number, problem))
+    return [f"{path}:{number}: {problem}" for number, problem in problems]
+
+
+def find_circles(graph):
+    """Each circle once, as the chain of files that closes it."""
+    circles, done = [], set()
+
+    def visit(path, chain):
+        if path in chain:
+            circles.append(" -> ".join(chain[chain.index(path):] + [path]))
+            return
+        if path in done:
+            return
+        for target in graph.get(path, []):
+            visit(target, chain + [path])
+        done.add(path)
+
+    for path in sorted(graph):
+        visit(path, [])
+    return [f"includes go in a circle: {circle}" for circle in circles]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
+    root = parser.parse_args().root
+    files = [str(file.relative_to(root)) for top in ("souple", "render", "app", "python", "plugins")
+             for file in sorted((root / top).rglob("*")) if file.suffix in (".h", ".cpp")]
+    if not files:
+        sys.exit(f"check_floors: no source files below {root}")
+    graph = {}
+    problems = [problem for file in files for problem in check_file(file, root, graph)]
+    problems += find_circles(graph)
+    print("\n".join(problems) if problems else f"{len(files)} files keep to their floors")
+    sys.exit(1 if problems else 0)
+
+
+if __name__ == "__main__":
+    main()
