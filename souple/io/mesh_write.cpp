@@ -2,6 +2,7 @@
 
 #include "souple/error.h"
 #include "souple/io/mesh_bytes.h"
+#include "souple/io/mesh_groups.h"
 
 #include <algorithm>
 #include <charconv>
@@ -43,13 +44,14 @@ std::span<const std::uint32_t> face_corners(const TriangleMesh& mesh, std::size_
   return mesh.faces[face];
 }
 
-/// A group's name as a word of OBJ.
+/// A group's name as a word of OBJ, which "default" is not: it stands for "no group".
 std::string word_from(const std::string& name) {
   std::string word = name;
   for (char& c : word) {
     const bool blank = c == ' ' || (c >= '\t' && c <= '\r');
     if (blank || c == '\\' || c == '#') c = '_';
   }
+  if (word == "default") word += '_';
   return word;
 }
 
@@ -82,7 +84,7 @@ VertexGroups groups_by_vertex(const TriangleMesh& mesh) {
   return result;
 }
 
-/// The groups that hold every corner of a face.
+/// The groups that hold every corner of a face, as many as a `g` line may name: write_loose tells the others.
 std::vector<std::uint32_t> groups_of_face(const VertexGroups& groups,
                                           std::span<const std::uint32_t> corners) {
   const auto first = groups.of(corners[0]);
@@ -94,6 +96,7 @@ std::vector<std::uint32_t> groups_of_face(const VertexGroups& groups,
     std::set_intersection(common.begin(), common.end(), other.begin(), other.end(), std::back_inserter(next));
     common.swap(next);
   }
+  if (common.size() > mesh_detail::most_groups_at_once) common.resize(mesh_detail::most_groups_at_once);
   return common;
 }
 

@@ -12,12 +12,9 @@ namespace souple {
 namespace {
 
 using mesh_detail::FaceList;
+using mesh_detail::most_groups_at_once;
 using mesh_detail::quoted;
 using mesh_detail::TextScanner;
-
-// A `g` line may name many groups at once, and every face below goes into each: without a limit, a short file
-// could ask for any amount of memory.
-constexpr std::size_t most_groups_at_once = 16;
 
 /// What the OBJ specification defines and a surface does not need.
 constexpr std::array<std::string_view, 36> skipped_words = {

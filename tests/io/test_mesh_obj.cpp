@@ -156,6 +156,20 @@ TEST(ObjWriter, ReadsBackAsItWas) {
   EXPECT_EQ(again.groups, mesh.groups);
 }
 
+// A vertex may be in more groups than a `g` line may name.
+TEST(ObjWriter, KeepsEveryGroupOfAFaceInMany) {
+  std::string text = square + "o body\nusemtl silk\n";
+  for (int i = 0; i < 20; ++i) text += "g a" + std::to_string(i) + "\nf 1 2 3\n";
+  const TriangleMesh mesh = parse(text);
+  EXPECT_EQ(mesh.groups.size(), 22u);
+  EXPECT_EQ(parse(obj_text(mesh, positions_of(mesh))).groups, mesh.groups);
+}
+
+TEST(ObjWriter, KeepsAGroupCalledDefault) {
+  const TriangleMesh mesh = parse(square + "o default\nf 1 2 3\n");
+  EXPECT_EQ(parse(obj_text(mesh, positions_of(mesh))).groups.count("default_"), 1u);
+}
+
 TEST(ObjWriter, WritesTheGivenPositionsShortest) {
   const TriangleMesh mesh = parse(square + "f 1 2 3 4\n");
   const std::vector<Vec3f> moved = {{0.1f, -2.0f, 1e-20f}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
