@@ -9,8 +9,8 @@
 
 namespace souple::mesh_detail {
 
-/// A `g` line of OBJ may name many groups at once, and every face below goes into each: without a limit, a short
-/// file could ask for any amount of memory.
+/// A `g` line of OBJ may name many groups at once, and every face below goes into each: without a limit, a
+/// short file could ask for any amount of memory.
 constexpr std::size_t most_groups_at_once = 16;
 
 /// Gathers the vertices of named groups, in any order and any number of times each.
