@@ -1,0 +1,64 @@
+#pragma once
+
+#include "render/mat4.h"
+#include "souple/math/vec3.h"
+
+#include <optional>
+
+namespace souple::render {
+
+/// An axis-aligned box; empty while lo > hi.
+struct Bounds {
+  Vec3f lo{1e30f, 1e30f, 1e30f}, hi{-1e30f, -1e30f, -1e30f};  ///< m
+
+  bool empty() const { return lo.x > hi.x; }
+  void add(const Vec3f& point, float radius = 0);
+  void add(const Bounds& other);
+  Vec3f centre() const { return (lo + hi) * 0.5f; }
+  float radius() const { return empty() ? 0 : length(hi - lo) * 0.5f; }  ///< of the ball around it [m]
+};
+
+struct Ray {
+  Vec3f origin, direction;  ///< direction is a unit vector
+};
+
+/// A point on screen: pixels from the top left corner, y down; the centre of the first pixel is (0.5, 0.5).
+struct ScreenPoint {
+  float x = 0, y = 0;
+  float depth = 0;  ///< distance along the view direction [m]
+};
+
+/// An eye that orbits a target. Y is up.
+class Camera {
+ public:
+  Vec3f from{2, 1.5f, 3}, to{0, 0.5f, 0};  ///< m
+  float fov = 40;                          ///< vertical [degrees], in (1, 170)
+
+  /// `aspect` is width / height. Near and far enclose `scene` tightly enough for a 24 bit depth buffer.
+  Mat4 view() const;
+  Mat4 projection(float aspect, const Bounds& scene) const;
+
+  Vec3f forward() const;  ///< unit
+  Vec3f right() const;    ///< unit
+  Vec3f up() const;       ///< unit
+  float distance() const { return length(to - from); }
+
+  /// Through a point of a picture of this size.
+  Ray ray(float x, float y, int width, int height) const;
+  /// Where a point is seen; nothing when it lies behind the eye.
+  std::optional<ScreenPoint> project(const Vec3f& point, int width, int height) const;
+  /// World length of one pixel at this depth. [m]
+  float pixel_size(float depth, int height) const;
+
+  /// Turns about the target [rad]; stops short of the poles.
+  void orbit(float yaw, float pitch);
+  /// Moves eye and target by pixels of a picture of this height: what lies at the target stays under the
+  /// mouse.
+  void pan(float dx, float dy, int height);
+  /// Scales the distance to the target; > 1 moves away. Kept within [1e-3, 1e5] m.
+  void zoom(float factor);
+  /// Keeps the direction of view and moves so that the box fills the picture, with some margin.
+  void frame(const Bounds& box, float aspect);
+};
+
+}  // namespace souple::render

@@ -1,0 +1,1 @@
+#include "render/contact_sheet.h"

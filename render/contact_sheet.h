@@ -1,0 +1,18 @@
+#pragma once
+
+#include "render/image.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace souple::render {
+
+/// Pictures of one size side by side on one page, row by row, thin gaps between them.
+Image contact_sheet(std::span<const Image> pictures, int columns, int rows);
+
+/// Which of `frames` frames a sheet of `cells` shows: the first, the last, and evenly between. Ascending.
+std::vector<std::uint64_t> sheet_frames(std::uint64_t frames, std::size_t cells);
+
+}  // namespace souple::render

@@ -1,0 +1,102 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/colour.h"
+#include "souple/geometry/triangle_mesh.h"
+#include "souple/math/transform.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+// What one picture shows, in the renderer's terms: it knows neither worlds nor caches. Spans have to live
+// until the list is drawn.
+
+namespace souple::render {
+
+/// What a surface is made of.
+struct Look {
+  Colour colour = srgb(0xc8c8c8);
+  Colour second = srgb(0xc8c8c8);  ///< the other fields of the checker
+  float checker_size = 0;          ///< edge of a field, in units of `texture` below [m]; 0: plain `colour`
+  float roughness = 0.55f;         ///< GGX, in (0, 1]
+  float metalness = 0;             ///< in [0, 1]
+  float sheen = 0;                 ///< light scattered at grazing angles, as by cloth, in [0, 1]
+};
+
+/// Triangles, drawn from both sides. Buffers on the GPU are kept from picture to picture under `key`.
+struct Surface {
+  std::uint64_t key = 0;             ///< unique among the surfaces of all lists drawn by one renderer
+  std::uint64_t topology = 0;        ///< another number: triangles and texture have changed
+  std::uint64_t version = 0;         ///< another number: positions, normals and colours have changed
+  std::span<const Vec3f> positions;  ///< m
+  std::span<const Vec3f> normals;    ///< unit, one per vertex; empty: flat shading
+  std::span<const Triangle> triangles;
+  std::span<const Vec3f> texture;         ///< empty, or where each vertex lies in a solid checker
+  std::span<const PackedColour> colours;  ///< empty, or one per vertex instead of look.colour
+  Transform pose{};                       ///< applied to positions and normals
+  Look look{};
+  bool wireframe = false;  ///< edges drawn over the surface
+  bool casts_shadow = true;
+  std::uint32_t pick = 0;  ///< what picking returns; 0: cannot be picked
+};
+
+/// Balls, exact at any size.
+struct Spheres {
+  std::uint64_t key = 0, version = 0;  ///< as of a Surface
+  std::span<const Vec3f> centres;      ///< m
+  std::span<const float> radii;        ///< empty: `radius` for all [m]
+  float radius = 0.01f;
+  std::span<const PackedColour> colours;  ///< empty, or one per ball instead of look.colour
+  Look look{};
+  bool casts_shadow = true;
+  std::uint32_t pick = 0;
+};
+
+/// A line of constant width on screen.
+struct Line {
+  Vec3f a, b;  ///< m
+  PackedColour colour = 0xffffffff;
+  float width = 1.5f;  ///< pixels
+};
+
+/// Words on the picture.
+struct Label {
+  std::string text;    ///< UTF-8; '\n' starts a line
+  float x = 0, y = 0;  ///< top left corner [pixels]
+  float size = 16;     ///< height of a line [pixels]
+  Colour colour = srgb(0xffffff);
+  Colour background{0, 0, 0, 0};  ///< a box behind it
+};
+
+/// The endless floor y = height.
+struct Ground {
+  bool shown = true;
+  float height = 0;  ///< m
+  Colour colour = srgb(0xb9bec4), second = srgb(0xadb3ba);
+  float tile = 0.5f;  ///< m
+};
+
+/// The sun and the sky around it.
+struct Light {
+  Vec3f to_sun{0.45f, 0.8f, 0.35f};  ///< need not be a unit vector
+  float sun = 3.2f;                  ///< irradiance, relative to the exposure
+  float sun_size = 2.5f;             ///< its apparent radius [degrees]: how soft shadows are
+  Colour sky = srgb(0xbfd4ee), horizon = srgb(0xeef2f6), floor = srgb(0x9a9894);
+};
+
+struct DrawList {
+  std::vector<Surface> surfaces;
+  std::vector<Spheres> spheres;
+  std::vector<Line> lines;      ///< hidden by what lies before them
+  std::vector<Line> top_lines;  ///< never hidden
+  std::vector<Label> labels;
+  Ground ground{};
+  Light light{};
+
+  Bounds bounds() const;  ///< of surfaces and spheres: what shadows and depth have to enclose
+};
+
+}  // namespace souple::render

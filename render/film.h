@@ -1,0 +1,34 @@
+#pragma once
+
+#include "render/image.h"
+
+#include <filesystem>
+#include <memory>
+
+namespace souple::render {
+
+/// A film from pictures of one size: .mp4 (H.264), .gif, or a folder of PNG files NAME_0001.png for any path
+/// without such an ending. Films are made by the program ffmpeg.
+class Film {
+ public:
+  /// Throws Error when ffmpeg is missing (with the package that brings it) or the file cannot be written.
+  Film(std::filesystem::path file, double frame_rate);
+  /// Finishes, silently.
+  ~Film();
+  Film(const Film&) = delete;
+  Film& operator=(const Film&) = delete;
+
+  /// Throws Error when the size is not that of the first, or ffmpeg failed: with the last thing it said.
+  void add(const Image& image);
+  /// The film is at its path from here on (before, it is NAME.part.mp4).
+  void finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Whether the program ffmpeg can be found on PATH.
+bool has_ffmpeg();
+
+}  // namespace souple::render

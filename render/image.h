@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace souple::render {
+
+/// A picture: sRGB-encoded R, G, B, A bytes, rows from the top.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;  ///< 4 * width * height
+
+  Image() = default;
+  Image(int width_, int height_)
+      : width(width_), height(height_), pixels(4 * std::size_t(width_) * std::size_t(height_)) {}
+  std::uint8_t* at(int x, int y) {
+    return &pixels[4 * (std::size_t(y) * std::size_t(width) + std::size_t(x))];
+  }
+  const std::uint8_t* at(int x, int y) const {
+    return &pixels[4 * (std::size_t(y) * std::size_t(width) + std::size_t(x))];
+  }
+  bool operator==(const Image&) const = default;
+};
+
+/// Writes an opaque PNG, whole or not at all (NAME.part, then renamed). The same picture is the same file.
+/// `palette` > 0 first reduces it to that many colours (at most 256), dithered: a third of the size.
+/// Throws Error when it cannot be written.
+void write_png(const std::filesystem::path& file, const Image& image, int palette = 0);
+/// Throws Error for a file that is no PNG.
+Image read_png(const std::filesystem::path& file);
+
+/// Averages blocks in linear light to `width` x `height`, each at most that of `image`.
+Image downscale(const Image& image, int width, int height);
+
+/// Copies `from` into `to` with its top left corner at (x, y); parts outside are cut off.
+void paste(const Image& from, Image& to, int x, int y);
+
+}  // namespace souple::render

@@ -1,0 +1,1 @@
+#include "render/mat4.h"

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/draw_list.h"
+#include "render/image.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace souple::render {
+
+struct RenderOptions {
+  bool shadows = true;
+  bool ambient_occlusion = true;
+  /// Pictures averaged, each with the pixel grid, the sun and the occlusion rays moved a little: 1 for a
+  /// window, 16 and more for a still without jaggies. Deterministic.
+  int samples = 1;
+  float exposure = 1;
+};
+
+/// What lies under a pixel.
+struct Picked {
+  std::uint32_t pick = 0;     ///< of the Surface or Spheres; 0: nothing
+  std::uint32_t element = 0;  ///< of spheres: which; of a surface: the vertex nearest to the point
+  Vec3f point{};              ///< m
+};
+
+/// The pick buffer of a whole picture.
+struct PickImage {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> pick, element;  ///< as of Picked; width * height, rows from the top
+  std::vector<float> depth;                  ///< along the view direction [m]; 0 where nothing is
+};
+
+/// Draws lists with the OpenGL context that was current when it was made, which has to be current whenever it
+/// is used. Uses what OpenGL ES 3.0 has, with EXT_color_buffer_float (and EXT_float_blend for samples > 1).
+class Renderer {
+ public:
+  /// Throws Error, saying which, when the context lacks something.
+  Renderer();
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Into a framebuffer of this size (0 is the window's). Nothing is drawn when a side is 0.
+  void draw(const DrawList& list, const Camera& camera, const RenderOptions& options, int width, int height,
+            std::uint32_t framebuffer = 0);
+  /// The same, into memory. Throws Error when the size is not in [1, 8192].
+  Image picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
+                int height);
+
+  /// Under the pixel (x, y), counted from the top left.
+  Picked pick(const DrawList& list, const Camera& camera, int x, int y, int width, int height);
+  PickImage pick_image(const DrawList& list, const Camera& camera, int width, int height);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace souple::render
