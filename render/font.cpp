@@ -49,13 +49,16 @@ std::vector<char32_t> code_points(std::string_view utf8) {
     for (; more > 0 && i < utf8.size() && (static_cast<unsigned char>(utf8[i]) & 0xc0) == 0x80; --more) {
       point = point << 6 | (static_cast<unsigned char>(utf8[i++]) & 0x3fu);
     }
-    const bool good = more == 0 && point >= lead.least && point <= 0xffff && (point < 0xd800 || point > 0xdfff);
+    const bool good =
+        more == 0 && point >= lead.least && point <= 0xffff && (point < 0xd800 || point > 0xdfff);
     result.push_back(good ? point : U'?');
   }
   return result;
 }
 
-std::filesystem::path Font::usual_file() { return "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"; }
+std::filesystem::path Font::usual_file() {
+  return "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+}
 
 Font::Font(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -22,8 +22,9 @@ struct GlyphSheet {
 
   int width = 0, height = 0;
   std::vector<std::uint8_t> coverage;  ///< width * height, rows from the top
-  std::map<char32_t, Glyph> glyphs;    ///< of every character that was asked for: '?' stands in for what the font lacks
-  float solid_u = 0, solid_v = 0;      ///< where the picture is full
+  std::map<char32_t, Glyph>
+      glyphs;  ///< of every character that was asked for: '?' stands in for what the font lacks
+  float solid_u = 0, solid_v = 0;  ///< where the picture is full
 };
 
 /// A font file, or, where it cannot be used, the plain one that is built in.

@@ -31,7 +31,8 @@ struct Item {
 
 /// An attribute that the balls may share; the draw call says which value then.
 template <class T>
-void upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& attribute, std::span<const T> values) {
+void upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& attribute,
+                     std::span<const T> values) {
   if (values.size() == std::size_t(buffers.count)) {
     buffer.upload(values);
     buffers.array.attribute(buffer, attribute);
@@ -51,7 +52,8 @@ void upload_changes(Buffers& buffers, const Spheres& spheres) {
   buffers.array.attribute(buffers.centres, {.location = centre, .components = 3, .divisor = 1});
   upload_optional(buffers, buffers.radii, {.location = radius, .components = 1, .divisor = 1}, spheres.radii);
   upload_optional(buffers, buffers.colours,
-                  {.location = colour, .components = 4, .type = GL_UNSIGNED_BYTE, .divisor = 1}, spheres.colours);
+                  {.location = colour, .components = 4, .type = GL_UNSIGNED_BYTE, .divisor = 1},
+                  spheres.colours);
 }
 
 bool takes_part(const Spheres& spheres, Target target) {
@@ -78,7 +80,8 @@ struct SpheresPass::Impl {
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, item.buffers->count);
   }
 
-  std::array<gl::Program, target_count> programs{make(Target::material), make(Target::depth), make(Target::pick)};
+  std::array<gl::Program, target_count> programs{make(Target::material), make(Target::depth),
+                                                 make(Target::pick)};
   std::unordered_map<std::uint64_t, Buffers> buffers;  // by key
   std::vector<Item> items;
   std::uint64_t frame = 0;
