@@ -384,9 +384,9 @@ struct Film::Impl {
     spares.push_back(gif);
     run_to_end({"-i", file_word(part), "-vf", "palettegen=stats_mode=full:reserve_transparent=0", "-frames:v",
                 "1", "-update", "1", "-fflags", "+bitexact", file_word(colours)});
-    run_to_end({"-i", file_word(part), "-i", file_word(colours), "-filter_complex",
-                "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle", "-fflags", "+bitexact",
-                "-f", "gif", file_word(gif)});
+    run_to_end({"-i", file_word(part), "-f", "image2", "-pattern_type", "none", "-i", file_word(colours),
+                "-filter_complex", "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle",
+                "-fflags", "+bitexact", "-f", "gif", file_word(gif)});
     return gif;
   }
 };
