@@ -8,6 +8,7 @@
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/transform.h"
 #include "souple/solver/projector.h"
+#include "souple/world/debug_draw.h"
 #include "souple/world/materials.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
@@ -217,7 +218,8 @@ class World {
   void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
   void add_force_field(ForceField field);
   void clear_force_fields();
-  /// Contacts of the last step; valid until the next.
+  /// Contacts of the last step; valid until the next, or until an object or collider is added, changed or
+  /// removed: there are none then.
   std::span<const ContactEvent> contacts() const;
   void set_log(std::function<void(LogLevel, std::string_view)> log);
 
@@ -230,6 +232,12 @@ class World {
   double elastic_energy() const;                   ///< of all constraints with compliance > 0 [J]
   Vec3d momentum(ObjectId object) const;           ///< kg m/s
   Vec3d centre_of_mass(ObjectId object) const;     ///< m
+
+  // --- for renderers
+  // -------------------------------------------------------------------------------------------------
+  /// Hands out what is inside: constraints kind after kind and colour after colour, in the order in which
+  /// they are solved, contacts, particles, edges of tets. Changes nothing.
+  void debug_draw(const DebugDraw& draw) const;
 
   // --- state
   // ------------------------------------------------------------------------------------------------------
