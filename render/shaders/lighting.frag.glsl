@@ -1,10 +1,12 @@
-// Lights what the material pass has found at each pixel.
+// Lights what the material pass has found at each pixel, and maps it to what a screen shows: lines drawn over it keep
+// their colours, and edges between bright and dark are as smooth as others.
 #include "frame.glsl"
 #include "common.glsl"
 #include "ray.glsl"
 #include "lighting.glsl"
 #include "shadow.glsl"
 #include "occlusion.glsl"
+#include "tone.glsl"
 
 in vec2 place;
 layout(location = 0) out vec4 out_colour;
@@ -19,7 +21,7 @@ void main() {
   vec3 ray = world_ray(place);
   vec3 to_eye = -normalize(ray);
   if (stored.w == 0.0) {
-    out_colour = vec4(sky_light(-to_eye), 1.0);
+    out_colour = vec4(tone_mapped(sky_light(-to_eye)), 1.0);
     return;
   }
   vec4 albedo = texelFetch(albedo_map, pixel, 0);
@@ -43,5 +45,5 @@ void main() {
   }
   vec3 colour = lit(material, normal, to_eye, sun, open);
   if (stored.w < 0.0) colour = mix(sky_light(-to_eye), colour, ground_visibility(point));
-  out_colour = vec4(colour, 1.0);
+  out_colour = vec4(tone_mapped(colour), 1.0);
 }
