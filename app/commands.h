@@ -35,6 +35,14 @@ struct RenderRequest {
 };
 int render_frames(const RenderRequest& request);
 
+struct ViewRequest {
+  std::string source;  ///< a scene, a run's folder, or its run.json; empty: a shipped scene
+  std::string size;    ///< "1280x720"; empty: the default
+  std::optional<std::uint64_t> frames;
+  bool paused = false, debug = false;
+};
+int view(const ViewRequest& request);
+
 int list(bool as_json);
 
 int check(const std::string& scene, const std::vector<std::string>& settings);

@@ -82,7 +82,7 @@ void Mouse::drag(render::Camera& camera, const ViewArea& area) {
       return camera.pan(dx * area.scale, dy * area.scale, area.height);
     case Drag::grab:
       pulled_to_ = at_depth(camera, area, io.MousePos, depth_);
-      grab_->move(pulled_to_);
+      grab_->move_to(pulled_to_);
   }
 }
 

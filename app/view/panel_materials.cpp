@@ -3,6 +3,7 @@
 
 #include <imgui.h>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace souple::viewer {
@@ -83,15 +84,13 @@ const std::vector<Knob<G>> grains_knobs{
     {"Damping", "damping", "1/s", &G::damping, logarithmic(1e-3f, 100)},
 };
 
-bool membrane(const ClothMaterial& material) {
-  return material.stretch == StretchModel::membrane;
-}
 template <class Material>
-bool membrane(const Material&) {
+bool is_membrane(const Material& material) {
+  if constexpr (std::is_base_of_v<ClothMaterial, Material>) return material.stretch == StretchModel::membrane;
   return false;
 }
 
-/// `presets` by name; `find` gives one, or nullptr.
+/// The presets that are of this kind: `find` gives one, or nullptr.
 template <class Material, class Find>
 bool preset_row(MaterialDescription<Material>& material, Find find) {
   static const std::vector<std::string> names = material::names();
@@ -147,7 +146,7 @@ void rows(Simulation& simulation, std::size_t object, const std::vector<Knob<Mat
   bool changed = preset_row(material);
   changed |= model_rows(material);
   for (const Knob<Material>& knob : knobs) {
-    if (knob.where == Where::membrane && !membrane(material)) continue;
+    if (knob.where == Where::membrane && !is_membrane(material)) continue;
     if (knob.where == Where::pbd && simulation.scene().settings.mode != Mode::pbd) continue;
     changed |=
         slider_row(knob.name, std::string("##") + knob.id, material.*knob.field, knob.range, knob.unit);

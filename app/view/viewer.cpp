@@ -1,5 +1,6 @@
 #include "app/view/viewer.h"
 
+#include "app/pictures.h"
 #include "app/view/recording.h"
 #include "app/view/simulation.h"
 #include "app/view/ui.h"
@@ -25,14 +26,6 @@ constexpr float panel_width = 350;  // at most, in units of an ordinary screen
 constexpr int still_samples = 8;    // of screenshots and films
 constexpr int largest_picture = 8192;
 
-render::Bounds bounds_of(const render::Subject& subject) {
-  render::Bounds bounds;
-  for (const render::Body& body : subject.bodies) {
-    for (const Vec3f& position : body.positions) bounds.add(position, body.radius);
-  }
-  return bounds;
-}
-
 }  // namespace
 
 Viewer::Viewer(SceneList scenes, std::unique_ptr<Session> session, ViewerOptions options)
@@ -53,10 +46,9 @@ Recording* Viewer::recording() {
 }
 
 /// What the user asked for and cannot be done is said on screen; the viewer goes on.
-template <class Function>
-void Viewer::guarded(const Function& function) {
+void Viewer::guarded(const std::function<void()>& what) {
   try {
-    function();
+    what();
   } catch (const Error& error) {
     notices_.complain(error.what());
   }
@@ -155,7 +147,7 @@ void Viewer::announce_trouble() {
 }
 
 void Viewer::frame_all() {
-  const render::Bounds bounds = bounds_of(session_->subject());
+  const render::Bounds bounds = app::bounds_of(session_->subject());
   const float aspect =
       area_.empty() ? 1.6f : static_cast<float>(area_.width) / static_cast<float>(area_.height);
   if (!bounds.empty()) camera_.frame(bounds, aspect);

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,8 +63,7 @@ class Viewer {
   bool filming() const { return film_ != nullptr; }
 
  private:
-  template <class Function>
-  void guarded(const Function& function);
+  void guarded(const std::function<void()>& what);
   void show(std::unique_ptr<Session> session);
   void open_entry(std::size_t entry);
   void announce_trouble();
