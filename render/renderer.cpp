@@ -4,10 +4,13 @@
 #include "render/gl/framebuffer.h"
 #include "render/gl/program.h"
 #include "render/gl/vertex_array.h"
+#include "render/passes/finish.h"
 #include "render/passes/labels.h"
 #include "render/passes/lines.h"
+#include "render/passes/occlusion.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/pick.h"
+#include "render/passes/shadow.h"
 #include "render/passes/spheres.h"
 #include "render/passes/surfaces.h"
 #include "souple/error.h"
@@ -36,15 +39,11 @@ void require_extensions() {
   }
 }
 
-bool can_blend_floats() {
-  return !gl::is_es() || epoxy_has_gl_extension("GL_EXT_float_blend");
-}
-
 // What depends on the size of the picture alone.
 struct Targets {
   int width, height;
-  gl::Texture albedo, normal, depth, colour, sum;
-  gl::Framebuffer material, lighting, accumulation;
+  gl::Texture albedo, normal, depth, colour;
+  gl::Framebuffer material, lighting;
 
   Targets(int w, int h)
       : width(w),
@@ -55,18 +54,30 @@ struct Targets {
         colour(GL_RGBA16F, w, h),
         material("materials", {&albedo, &normal}, &depth),
         lighting("light", {&colour}, &depth) {}
-
-  void need_sum() {
-    if (sum.id() != 0) return;
-    sum = gl::Texture(GL_RGBA32F, width, height);
-    accumulation = gl::Framebuffer("the mean of samples", {&sum}, nullptr);
-  }
 };
 
 // The fractional part of i times the golden ratio's powers: well spread points (Roberts 2018, R2 sequence).
 std::array<float, 2> spread(int i) {
   const double x = 0.5 + 0.7548776662466927 * i, y = 0.5 + 0.5698402909980532 * i;
   return {float(x - std::floor(x)), float(y - std::floor(y))};
+}
+
+// Where in the sun's disk a sample sees it: Vogel's spiral, all of them together cover it evenly.
+std::array<float, 2> sample_on_disk(int i, int count) {
+  if (count <= 1) return {0, 0};
+  const double radius = std::sqrt((i + 0.5) / count), angle = 2.399963229728653 * i;
+  return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
+}
+
+Bounds bounds_of_casters(const DrawList& list) {
+  DrawList casters;
+  for (const Surface& surface : list.surfaces) {
+    if (surface.casts_shadow) casters.surfaces.push_back(surface);
+  }
+  for (const Spheres& spheres : list.spheres) {
+    if (spheres.casts_shadow) casters.spheres.push_back(spheres);
+  }
+  return casters.bounds();
 }
 
 Vec4 vec4(const Vec3f& v, float w) {
@@ -91,15 +102,15 @@ struct Renderer::Impl {
   gl::Buffer frame_buffer;
   gl::Program ground{"screen.vert.glsl", "ground.frag.glsl"};
   gl::Program lighting{"screen.vert.glsl", "lighting.frag.glsl"};
-  gl::Program copy{"screen.vert.glsl", "copy.frag.glsl"};
-  gl::Program resolve{"screen.vert.glsl", "resolve.frag.glsl"};
   SurfacesPass surfaces;
   SpheresPass spheres;
   LinesPass lines;
+  ShadowPass shadow;
+  OcclusionPass occlusion;
+  FinishPass finish;
   LabelsPass labels;
   PickPass picking;
   std::optional<Targets> targets;
-  bool blends_floats = can_blend_floats();
 
   Targets& targets_of(int width, int height);
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
@@ -107,8 +118,6 @@ struct Renderer::Impl {
   void bind(const Frame& frame);
   void draw_material(const DrawList& list, const PassContext& context);
   void draw_lighting(const DrawList& list, const PassContext& context);
-  void accumulate(bool first);
-  void finish(int samples, std::uint32_t framebuffer);
 };
 
 namespace {
@@ -158,7 +167,9 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
               12 * reach};
   f.ground_colour = vec4(list.ground.colour, 1);
   f.ground_second = vec4(list.ground.second, 1);
-  f.sample_info = {float(sample), float(options.samples), offset[0], options.ambient_occlusion ? 1.0f : 0.0f};
+  f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
+  f.sample_info = {float(sample), float(options.samples), options.samples > 1 ? offset[0] : 0.0f, 0};
+  OcclusionPass::aim(f, bounds, options.ambient_occlusion);
   return f;
 }
 
@@ -188,9 +199,11 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   targets->lighting.bind();
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
-  targets->albedo.bind(3);
-  targets->normal.bind(4);
-  targets->depth.bind(5);
+  targets->albedo.bind(gl::Unit::albedo);
+  targets->normal.bind(gl::Unit::normal);
+  targets->depth.bind(gl::Unit::depth);
+  shadow.bind();
+  occlusion.bind(targets->normal);
   lighting.use();
   nothing.bind();
   draw_screen();
@@ -199,30 +212,6 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   glDisable(GL_DEPTH_TEST);
   lines.draw(list.top_lines, context);
   glDepthMask(GL_TRUE);
-}
-
-void Renderer::Impl::accumulate(bool first) {
-  targets->need_sum();
-  targets->accumulation.bind();
-  targets->colour.bind(6);
-  if (!first) {
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
-  }
-  copy.use();
-  nothing.bind();
-  draw_screen();
-  glDisable(GL_BLEND);
-}
-
-void Renderer::Impl::finish(int samples, std::uint32_t framebuffer) {
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, targets->width, targets->height);
-  (samples > 1 ? targets->sum : targets->colour).bind(6);
-  resolve.use();
-  resolve.set("scale", 1.0f / float(samples));
-  nothing.bind();
-  draw_screen();
 }
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
@@ -237,17 +226,21 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
   default_state();
   m.surfaces.update(list.surfaces);
   m.spheres.update(list.spheres);
-  const Bounds bounds = list.bounds();
+  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list);
   const int samples = std::max(options.samples, 1);
   for (int sample = 0; sample < samples; ++sample) {
-    const Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
+    Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
+    const std::array<float, 2> sun = sample_on_disk(sample, samples);
+    m.shadow.aim(frame, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
+    m.shadow.draw(frame, m.surfaces, m.spheres);
     m.bind(frame);
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
     m.draw_material(list, context);
+    if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
     m.draw_lighting(list, context);
-    if (samples > 1) m.accumulate(sample == 0);
+    if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
   }
-  m.finish(samples, framebuffer);
+  m.finish.draw(m.targets->colour, samples, framebuffer, m.nothing);
   m.labels.draw(list.labels, width, height);
   default_state();
   glBindVertexArray(0);
