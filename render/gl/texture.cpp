@@ -20,6 +20,9 @@ Texture::Texture(GLenum internal_format, int width, int height, GLenum filter)
     case GL_RG32UI:
       format = GL_RG_INTEGER, type = GL_UNSIGNED_INT;
       break;
+    case GL_RGBA32UI:
+      format = GL_RGBA_INTEGER, type = GL_UNSIGNED_INT;
+      break;
     case GL_RGBA16F:
     case GL_RGBA32F:
       type = GL_FLOAT;

@@ -2,6 +2,7 @@
 
 #include "render/draw_list.h"
 
+#include <filesystem>
 #include <memory>
 #include <span>
 
@@ -11,6 +12,8 @@ namespace souple::render {
 class LabelsPass {
  public:
   LabelsPass();
+  /// Without this font file (TrueType), with a plain font.
+  explicit LabelsPass(const std::filesystem::path& font);
   ~LabelsPass();
 
   void draw(std::span<const Label> labels, int width, int height);

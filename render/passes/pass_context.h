@@ -32,20 +32,20 @@ std::string target_define(Target target);
 /// The uniform block of frame.glsl (std140), the same for all shaders of a pass: bound by the renderer before
 /// the pass is called. The eye may be the sun, and the projection orthographic: then projection.m[15] is 1.
 struct Frame {
-  Mat4 view, projection;     ///< world -> view -> clip
-  Mat4 inverse_view;         ///< view -> world
-  Mat4 inverse_projection;   ///< clip -> view
-  Mat4 shadow;               ///< world -> (x, y in [0, 1], depth in [0, 1]) of the shadow map
-  Vec4 eye;                  ///< world; w: 1
-  Vec4 size;                 ///< width, height, 1 / width, 1 / height [pixels]
-  Vec4 to_sun;               ///< unit; w: irradiance times exposure
-  Vec4 sky, horizon, floor;  ///< light from above, the side, below; w of sky: exposure
-  Vec4 shadow_size;          ///< side of a texel, of the map, its depth [m]; 1 with shadows
-  Vec4 sun_size;             ///< tangent of its apparent radius, unused...
-  Vec4 ground;               ///< height, edge of a tile [m], shown, radius at which it fades into the sky
+  Mat4 view, projection;           ///< world -> view -> clip
+  Mat4 inverse_view;               ///< view -> world
+  Mat4 inverse_projection;         ///< clip -> view
+  Mat4 shadow;                     ///< world -> (x, y, depth), each in [0, 1], of the shadow map
+  Vec4 eye;                        ///< world; w: 1
+  Vec4 size;                       ///< width, height, 1 / width, 1 / height [pixels]
+  Vec4 to_sun;                     ///< unit; w: irradiance times exposure
+  Vec4 sky, horizon, floor_light;  ///< light from above, the sides, below, times exposure
+  Vec4 shadow_size;  ///< width and depth of what the map covers [m], width of a texel [m], 1: on
+  Vec4 sun_size;     ///< tangent of the sun's apparent radius; how much of the softness is blurred
+  Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance where it becomes haze [m]
   Vec4 ground_colour, ground_second;
-  Vec4 sample;     ///< index, count, angle to turn patterns by [rad], ambient occlusion on
-  Vec4 occlusion;  ///< radius [m], ...
+  Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs from sample to sample, 1: occlusion on
+  Vec4 occlusion;    ///< radius [m], strength
 };
 
 /// What passes are called with, beside the uniform block.

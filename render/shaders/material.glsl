@@ -7,3 +7,9 @@ void write_material(vec3 albedo, vec3 normal, float roughness, float metalness, 
   out_albedo = vec4(sqrt(clamp(albedo, 0.0, 1.0)), roughness);
   out_normal = vec4(normal, 1.0 + floor(clamp(metalness, 0.0, 1.0) * 15.0 + 0.5) + 0.9 * clamp(sheen, 0.0, 1.0));
 }
+
+// The floor. lighting.frag.glsl finds its point again without the depth buffer, which ends earlier.
+void write_ground(vec3 albedo) {
+  out_albedo = vec4(sqrt(clamp(albedo, 0.0, 1.0)), 0.9);
+  out_normal = vec4(0.0, 1.0, 0.0, -1.0);
+}

@@ -1,0 +1,47 @@
+#include "frame.glsl"
+
+flat in vec3 ball_centre;
+flat in float ball_radius;
+flat in vec3 ball_colour;
+flat in uint ball_index;
+in vec2 plane_place;
+
+#ifdef TARGET_PICK
+layout(location = 0) out uvec2 picked;
+uniform uint pick;
+#endif
+#ifdef TARGET_MATERIAL
+#include "material.glsl"
+uniform vec4 look;  // roughness, metalness, sheen
+#endif
+
+void main() {
+  bool parallel = frame.projection[3][3] == 1.0;
+  vec3 origin = parallel ? vec3(plane_place, 0.0) : vec3(0.0);
+  vec3 direction = parallel ? vec3(0.0, 0.0, -1.0) : normalize(vec3(plane_place, -1.0));
+  // From the foot of the perpendicular the two hits lie at equal distances. The usual b * b - c would lose its digits
+  // to balls that are small and far.
+  vec3 to_centre = ball_centre - origin;
+  float foot = dot(to_centre, direction);
+  vec3 off = foot * direction - to_centre;
+  float half_chord = ball_radius * ball_radius - dot(off, off);
+  if (half_chord < 0.0) discard;
+  half_chord = sqrt(half_chord);
+
+  float side = -1.0;
+  vec4 clip = frame.projection * vec4(origin + (foot - half_chord) * direction, 1.0);
+  if (clip.z < -clip.w) {  // cut open by the near plane: its inside is seen
+    side = 1.0;
+    clip = frame.projection * vec4(origin + (foot + half_chord) * direction, 1.0);
+    if (clip.z < -clip.w) discard;
+  }
+  gl_FragDepth = 0.5 * clip.z / clip.w + 0.5;
+
+#ifdef TARGET_PICK
+  picked = uvec2(pick, ball_index);
+#endif
+#ifdef TARGET_MATERIAL
+  vec3 normal = -side * (off + side * half_chord * direction) / ball_radius;
+  write_material(ball_colour, mat3(frame.inverse_view) * normal, look.x, look.y, look.z);
+#endif
+}
