@@ -6,8 +6,10 @@
 #include "render/gl/vertex_array.h"
 #include "render/passes/labels.h"
 #include "render/passes/lines.h"
+#include "render/passes/occlusion.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/pick.h"
+#include "render/passes/shadow.h"
 #include "render/passes/spheres.h"
 #include "render/passes/surfaces.h"
 #include "souple/error.h"
@@ -69,6 +71,24 @@ std::array<float, 2> spread(int i) {
   return {float(x - std::floor(x)), float(y - std::floor(y))};
 }
 
+// Where in the sun's disk a sample sees it: Vogel's spiral, all of them together cover it evenly.
+std::array<float, 2> sample_on_disk(int i, int count) {
+  if (count <= 1) return {0, 0};
+  const double radius = std::sqrt((i + 0.5) / count), angle = 2.399963229728653 * i;
+  return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
+}
+
+Bounds bounds_of_casters(const DrawList& list) {
+  DrawList casters;
+  for (const Surface& surface : list.surfaces) {
+    if (surface.casts_shadow) casters.surfaces.push_back(surface);
+  }
+  for (const Spheres& spheres : list.spheres) {
+    if (spheres.casts_shadow) casters.spheres.push_back(spheres);
+  }
+  return casters.bounds();
+}
+
 Vec4 vec4(const Vec3f& v, float w) {
   return {v.x, v.y, v.z, w};
 }
@@ -96,6 +116,8 @@ struct Renderer::Impl {
   SurfacesPass surfaces;
   SpheresPass spheres;
   LinesPass lines;
+  ShadowPass shadow;
+  OcclusionPass occlusion;
   LabelsPass labels;
   PickPass picking;
   std::optional<Targets> targets;
@@ -158,7 +180,9 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
               12 * reach};
   f.ground_colour = vec4(list.ground.colour, 1);
   f.ground_second = vec4(list.ground.second, 1);
-  f.sample_info = {float(sample), float(options.samples), offset[0], options.ambient_occlusion ? 1.0f : 0.0f};
+  f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
+  f.sample_info = {float(sample), float(options.samples), options.samples > 1 ? offset[0] : 0.0f, 0};
+  OcclusionPass::aim(f, bounds, options.ambient_occlusion);
   return f;
 }
 
@@ -191,9 +215,12 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   targets->albedo.bind(3);
   targets->normal.bind(4);
   targets->depth.bind(5);
+  shadow.bind();
+  occlusion.bind(targets->normal);
   lighting.use();
   nothing.bind();
   draw_screen();
+  ShadowPass::unbind();
   glEnable(GL_DEPTH_TEST);
   lines.draw(list.lines, context);
   glDisable(GL_DEPTH_TEST);
@@ -237,13 +264,17 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
   default_state();
   m.surfaces.update(list.surfaces);
   m.spheres.update(list.spheres);
-  const Bounds bounds = list.bounds();
+  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list);
   const int samples = std::max(options.samples, 1);
   for (int sample = 0; sample < samples; ++sample) {
-    const Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
+    Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
+    const std::array<float, 2> sun = sample_on_disk(sample, samples);
+    m.shadow.aim(frame, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
+    m.shadow.draw(frame, m.surfaces, m.spheres);
     m.bind(frame);
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
     m.draw_material(list, context);
+    if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
     m.draw_lighting(list, context);
     if (samples > 1) m.accumulate(sample == 0);
   }

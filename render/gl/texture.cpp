@@ -17,6 +17,7 @@ Texture::Texture(GLenum internal_format, int width, int height, GLenum filter)
     case GL_RG8:
       format = GL_RG;
       break;
+    case GL_RG16F: format = GL_RG, type = GL_FLOAT; break;
     case GL_RG32UI:
       format = GL_RG_INTEGER, type = GL_UNSIGNED_INT;
       break;

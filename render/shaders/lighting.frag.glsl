@@ -4,6 +4,8 @@
 #include "common.glsl"
 #include "ray.glsl"
 #include "lighting.glsl"
+#include "shadow.glsl"
+#include "occlusion.glsl"
 #include "tone.glsl"
 
 in vec2 place;
@@ -35,7 +37,13 @@ void main() {
   } else {
     point = world_of_depth(place, texelFetch(depth_map, pixel, 0).r);
   }
-  vec3 colour = lit(material, normal, to_eye, 1.0, 1.0);
+  float depth = dot(point - frame.eye.xyz, -frame.inverse_view[2].xyz);
+  float open = sky_visibility(gl_FragCoord.xy, depth);
+  float sun = 0.0;
+  if (dot(normal, frame.to_sun.xyz) > 0.0) {
+    sun = sun_visibility(point, normal, 6.2831853 * pixel_noise(gl_FragCoord.xy));
+  }
+  vec3 colour = lit(material, normal, to_eye, sun, open);
   if (stored.w < 0.0) colour = mix(sky_light(-to_eye), colour, ground_visibility(point));
   out_colour = vec4(tone_mapped(colour), 1.0);
 }

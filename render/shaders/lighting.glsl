@@ -6,6 +6,8 @@ struct Material {
 };
 
 const float pi = 3.14159265;
+// The sky lights less than it shows, as a photographer's backdrop does: shadows would be pale.
+const float ambient_strength = 0.42;
 
 // Radiance of the sky in a direction (unit).
 vec3 sky_light(vec3 direction) {
@@ -66,6 +68,6 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
   vec3 around = mix(mirrored.y > 0.0 ? sky_light(mirrored) : frame.floor_light.rgb * 0.75, ambient_light(mirrored),
                     m.roughness);
   vec3 rim = sheen_colour * (m.sheen * 0.35 * pow(1.0 - nv, 3.0));
-  vec3 ambient = ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y);
+  vec3 ambient = ambient_strength * (ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y));
   return direct + ambient * open;
 }
