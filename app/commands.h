@@ -34,6 +34,8 @@ struct RenderRequest {
   bool quiet = false;
 };
 int render_frames(const RenderRequest& request);
+/// Two lines for `souple info`: whether pictures and films can be made, and what is missing.
+std::string picture_support();
 
 int list(bool as_json);
 
