@@ -50,14 +50,16 @@ class Camera {
   /// World length of one pixel at this depth. [m]
   float pixel_size(float depth, int height) const;
 
-  /// Turns about the target [rad]; stops short of the poles.
+  /// Turns about the target [rad]: yaw > 0 counterclockwise as seen from above, pitch > 0 upwards. Stops
+  /// short of the poles.
   void orbit(float yaw, float pitch);
-  /// Moves eye and target by pixels of a picture of this height: what lies at the target stays under the
-  /// mouse.
+  /// Moves eye and target by pixels of a picture of this height, as the mouse moved (y down): what lies at
+  /// the target stays under the mouse.
   void pan(float dx, float dy, int height);
   /// Scales the distance to the target; > 1 moves away. Kept within [1e-3, 1e5] m.
   void zoom(float factor);
-  /// Keeps the direction of view and moves so that the box fills the picture, with some margin.
+  /// Keeps the direction of view and moves so that the box fills the picture, with some margin, in its
+  /// middle.
   void frame(const Bounds& box, float aspect);
 };
 

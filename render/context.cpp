@@ -1,1 +1,164 @@
 #include "render/context.h"
+
+#include "souple/error.h"
+
+#include <array>
+#include <dlfcn.h>
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+#include <string_view>
+#include <vector>
+
+namespace souple::render {
+
+namespace {
+
+constexpr std::string_view remedy =
+    "; pictures need EGL and a driver: install the Debian packages libegl1, "
+    "libegl-mesa0 and libgl1-mesa-dri (the last one draws without a GPU, too)";
+
+[[noreturn]] void fail(const std::string& what) {
+  throw Error(what + std::string(remedy));
+}
+
+// libepoxy ends the program when a library or a function is missing, so both are looked for beforehand.
+void require_egl_library() {
+  void* library = dlopen("libEGL.so.1", RTLD_LAZY | RTLD_LOCAL);
+  if (library == nullptr) fail("there is no EGL on this machine (libEGL.so.1 cannot be loaded)");
+  dlclose(library);
+}
+
+bool client_has(std::string_view extension) {
+  const char* all = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  return all != nullptr && std::string_view(all).find(extension) != std::string_view::npos;
+}
+
+// The displays to try, best first: Mesa's (which takes a GPU when there is one it knows), then those that
+// other drivers offer for each device.
+std::vector<EGLDisplay> displays() {
+  std::vector<EGLDisplay> found;
+  if (!client_has("EGL_EXT_platform_base")) return found;
+  if (client_has("EGL_EXT_platform_device") && client_has("EGL_EXT_device_enumeration")) {
+    std::array<EGLDeviceEXT, 16> devices{};
+    EGLint count = 0;
+    if (eglQueryDevicesEXT(EGLint(devices.size()), devices.data(), &count) == EGL_TRUE) {
+      for (EGLint i = 0; i < count; ++i) {
+        const char* extensions = eglQueryDeviceStringEXT(devices.at(std::size_t(i)), EGL_EXTENSIONS);
+        const bool software =
+            extensions != nullptr && std::string_view(extensions).find("software") != std::string_view::npos;
+        if (software) continue;  // Mesa's own; below
+        found.push_back(
+            eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices.at(std::size_t(i)), nullptr));
+      }
+    }
+  }
+  if (client_has("EGL_MESA_platform_surfaceless")) {
+    found.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+  }
+  return found;
+}
+
+EGLConfig any_config(EGLDisplay display, Api api) {
+  const std::array<EGLint, 5> wanted{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE,
+                                     api == Api::es3 ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT, EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint count = 0;
+  eglChooseConfig(display, wanted.data(), &config, 1, &count);
+  return count > 0 ? config : nullptr;
+}
+
+EGLContext make_context(EGLDisplay display, Api api) {
+  if (eglBindAPI(api == Api::es3 ? EGL_OPENGL_ES_API : EGL_OPENGL_API) != EGL_TRUE) return EGL_NO_CONTEXT;
+  const std::array<EGLint, 5> es{EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 0, EGL_NONE};
+  const std::array<EGLint, 7> desktop{EGL_CONTEXT_MAJOR_VERSION,
+                                      3,
+                                      EGL_CONTEXT_MINOR_VERSION,
+                                      3,
+                                      EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                      EGL_NONE};
+  return eglCreateContext(display, any_config(display, api), EGL_NO_CONTEXT,
+                          api == Api::es3 ? es.data() : desktop.data());
+}
+
+// What the debug callback and glGetError have found, per thread, as a context is current in one thread.
+std::vector<std::string>& gl_messages() {
+  thread_local std::vector<std::string> messages;
+  return messages;
+}
+
+void GLAPIENTRY note_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum severity, GLsizei length,
+                             const GLchar* text, const void* /*user*/) {
+  if (type != GL_DEBUG_TYPE_ERROR && severity != GL_DEBUG_SEVERITY_HIGH) return;
+  gl_messages().emplace_back(text, length < 0 ? std::string_view(text).size() : std::size_t(length));
+}
+
+}  // namespace
+
+struct OffscreenContext::Impl {
+  EGLDisplay display = EGL_NO_DISPLAY;
+  EGLContext context = EGL_NO_CONTEXT;
+};
+
+OffscreenContext::OffscreenContext(Api api) : impl_(std::make_unique<Impl>()) {
+  const char* name = api == Api::es3 ? "OpenGL ES 3.0" : "OpenGL 3.3";
+  require_egl_library();
+  const std::vector<EGLDisplay> candidates = displays();
+  if (candidates.empty()) fail("EGL finds no driver on this machine that can draw without a screen");
+  for (EGLDisplay display : candidates) {
+    if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) continue;
+    EGLContext context = make_context(display, api);
+    if (context == EGL_NO_CONTEXT) continue;
+    if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) != EGL_TRUE) {
+      eglDestroyContext(display, context);
+      continue;
+    }
+    *impl_ = {display, context};
+    return;
+  }
+  fail("EGL can make no " + std::string(name) + " context on this machine");
+}
+
+OffscreenContext::~OffscreenContext() {
+  if (eglGetCurrentContext() == impl_->context) {
+    eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  }
+  // The display stays initialised: it is one for the whole program, and another context may be using it.
+  eglDestroyContext(impl_->display, impl_->context);
+}
+
+std::string context_description() {
+  const auto text = [](GLenum name) {
+    const auto* value = reinterpret_cast<const char*>(glGetString(name));
+    return std::string(value == nullptr ? "unknown" : value);
+  };
+  const std::string version = text(GL_VERSION);
+  return (epoxy_is_desktop_gl() ? "OpenGL " + version : version) + ", " + text(GL_RENDERER);
+}
+
+void watch_gl_errors() {
+  gl_messages().clear();
+  if (!epoxy_has_gl_extension("GL_KHR_debug")) return;  // then glGetError alone
+  if (epoxy_is_desktop_gl()) {
+    glEnable(GL_DEBUG_OUTPUT);
+    glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+    glDebugMessageCallback(&note_message, nullptr);
+  } else {
+    glEnable(GL_DEBUG_OUTPUT_KHR);
+    glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS_KHR);
+    glDebugMessageCallbackKHR(&note_message, nullptr);
+  }
+}
+
+void throw_gl_errors() {
+  std::vector<std::string>& messages = gl_messages();
+  for (GLenum error = glGetError(); error != GL_NO_ERROR; error = glGetError()) {
+    messages.push_back("glGetError returns " + std::to_string(error));
+  }
+  if (messages.empty()) return;
+  const std::string first = messages.front();
+  messages.clear();
+  throw Error("OpenGL: " + first);
+}
+
+}  // namespace souple::render

@@ -1,1 +1,296 @@
 #include "render/renderer.h"
+
+#include "render/gl/buffer.h"
+#include "render/gl/framebuffer.h"
+#include "render/gl/program.h"
+#include "render/gl/vertex_array.h"
+#include "render/passes/finish.h"
+#include "render/passes/labels.h"
+#include "render/passes/lines.h"
+#include "render/passes/occlusion.h"
+#include "render/passes/pass_context.h"
+#include "render/passes/pick.h"
+#include "render/passes/shadow.h"
+#include "render/passes/spheres.h"
+#include "render/passes/surfaces.h"
+#include "souple/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+
+namespace souple::render {
+
+namespace {
+
+constexpr int largest_side = 8192;
+
+void require_extensions() {
+  const int version = epoxy_gl_version();
+  if (gl::is_es() && version < 30) throw Error("the renderer needs OpenGL ES 3.0; this context has less");
+  if (!gl::is_es() && version < 33) throw Error("the renderer needs OpenGL 3.3; this context has less");
+  // Desktop OpenGL can draw into floating-point buffers since 3.0.
+  if (gl::is_es() && !epoxy_has_gl_extension("GL_EXT_color_buffer_float")) {
+    throw Error(
+        "the renderer needs the OpenGL ES extension EXT_color_buffer_float, which this driver lacks; Mesa's "
+        "llvmpipe has it (LIBGL_ALWAYS_SOFTWARE=1, Debian package libgl1-mesa-dri)");
+  }
+}
+
+// What depends on the size of the picture alone.
+struct Targets {
+  int width, height;
+  gl::Texture albedo, normal, depth, colour;
+  gl::Framebuffer material, lighting;
+
+  Targets(int w, int h)
+      : width(w),
+        height(h),
+        albedo(GL_RGBA8, w, h),
+        normal(GL_RGBA16F, w, h),
+        depth(GL_DEPTH_COMPONENT32F, w, h),
+        colour(GL_RGBA16F, w, h),
+        material("materials", {&albedo, &normal}, &depth),
+        lighting("light", {&colour}, &depth) {}
+};
+
+// The fractional part of i times the golden ratio's powers: well spread points (Roberts 2018, R2 sequence).
+std::array<float, 2> spread(int i) {
+  const double x = 0.5 + 0.7548776662466927 * i, y = 0.5 + 0.5698402909980532 * i;
+  return {float(x - std::floor(x)), float(y - std::floor(y))};
+}
+
+// Where in the sun's disk a sample sees it: Vogel's spiral, all of them together cover it evenly.
+std::array<float, 2> sample_on_disk(int i, int count) {
+  if (count <= 1) return {0, 0};
+  const double radius = std::sqrt((i + 0.5) / count), angle = 2.399963229728653 * i;
+  return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
+}
+
+Bounds bounds_of_casters(const DrawList& list) {
+  DrawList casters;
+  for (const Surface& surface : list.surfaces) {
+    if (surface.casts_shadow) casters.surfaces.push_back(surface);
+  }
+  for (const Spheres& spheres : list.spheres) {
+    if (spheres.casts_shadow) casters.spheres.push_back(spheres);
+  }
+  return casters.bounds();
+}
+
+Vec4 vec4(const Vec3f& v, float w) {
+  return {v.x, v.y, v.z, w};
+}
+Vec4 vec4(const Colour& c, float scale) {
+  return {c.r * scale, c.g * scale, c.b * scale, scale};
+}
+
+void require_size(int width, int height) {
+  if (width >= 1 && height >= 1 && width <= largest_side && height <= largest_side) return;
+  throw Error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+              " pixels: each side has to be in [1, " + std::to_string(largest_side) + "]");
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Impl() { require_extensions(); }
+
+  gl::VertexArray nothing;  // for draw_screen
+  gl::Buffer frame_buffer;
+  gl::Program ground{"screen.vert.glsl", "ground.frag.glsl"};
+  gl::Program lighting{"screen.vert.glsl", "lighting.frag.glsl"};
+  SurfacesPass surfaces;
+  SpheresPass spheres;
+  LinesPass lines;
+  ShadowPass shadow;
+  OcclusionPass occlusion;
+  FinishPass finish;
+  LabelsPass labels;
+  PickPass picking;
+  std::optional<Targets> targets;
+
+  Targets& targets_of(int width, int height);
+  Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
+              int width, int height, int sample) const;
+  void bind(const Frame& frame);
+  void draw_material(const DrawList& list, const PassContext& context);
+  void draw_lighting(const DrawList& list, const PassContext& context);
+};
+
+namespace {
+
+void default_state() {
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_STENCIL_TEST);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LEQUAL);
+}
+
+}  // namespace
+
+Targets& Renderer::Impl::targets_of(int width, int height) {
+  if (!targets || targets->width != width || targets->height != height) {
+    targets.reset();  // frees before it takes
+    targets.emplace(width, height);
+  }
+  return *targets;
+}
+
+Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const RenderOptions& options,
+                            const Bounds& bounds, int width, int height, int sample) const {
+  Frame f;
+  const auto w = float(width), h = float(height);
+  f.view = camera.view();
+  f.projection = camera.projection(w / h, bounds);
+  const std::array<float, 2> offset = spread(sample);
+  if (options.samples > 1) {
+    f.projection.m[8] += (2 * offset[0] - 1) / w;
+    f.projection.m[9] += (2 * offset[1] - 1) / h;
+  }
+  f.inverse_view = inverse(f.view);
+  f.inverse_projection = inverse(f.projection);
+  f.eye = vec4(camera.from, 1);
+  f.size = {w, h, 1 / w, 1 / h};
+  f.to_sun = vec4(normalized(list.light.to_sun), list.light.sun * options.exposure);
+  f.sky = vec4(list.light.sky, options.exposure);
+  f.horizon = vec4(list.light.horizon, options.exposure);
+  f.floor_light = vec4(list.light.floor, options.exposure);
+  const float reach = std::max(bounds.radius(), camera.distance());
+  f.ground = {list.ground.height, std::max(list.ground.tile, 1e-6f), list.ground.shown ? 1.0f : 0.0f,
+              12 * reach};
+  f.ground_colour = vec4(list.ground.colour, 1);
+  f.ground_second = vec4(list.ground.second, 1);
+  f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
+  f.sample_info = {float(sample), float(options.samples), options.samples > 1 ? offset[0] : 0.0f, 0};
+  OcclusionPass::aim(f, bounds, options.ambient_occlusion);
+  return f;
+}
+
+void Renderer::Impl::bind(const Frame& frame) {
+  frame_buffer.upload_one(frame);
+  glBindBufferBase(GL_UNIFORM_BUFFER, gl::Program::frame_binding, frame_buffer.id());
+}
+
+void Renderer::Impl::draw_material(const DrawList& list, const PassContext& context) {
+  targets->material.bind();
+  glEnable(GL_DEPTH_TEST);
+  const std::array<float, 4> zero{};
+  const float far = 1;
+  glClearBufferfv(GL_COLOR, 0, zero.data());
+  glClearBufferfv(GL_COLOR, 1, zero.data());
+  glClearBufferfv(GL_DEPTH, 0, &far);
+  surfaces.draw(context);
+  spheres.draw(context);
+  if (list.ground.shown) {
+    ground.use();
+    nothing.bind();
+    draw_screen();
+  }
+}
+
+void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& context) {
+  targets->lighting.bind();
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_FALSE);
+  targets->albedo.bind(gl::Unit::albedo);
+  targets->normal.bind(gl::Unit::normal);
+  targets->depth.bind(gl::Unit::depth);
+  shadow.bind();
+  occlusion.bind(targets->normal);
+  lighting.use();
+  nothing.bind();
+  draw_screen();
+  glEnable(GL_DEPTH_TEST);
+  lines.draw(list.lines, context);
+  glDisable(GL_DEPTH_TEST);
+  lines.draw(list.top_lines, context);
+  glDepthMask(GL_TRUE);
+}
+
+Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
+Renderer::~Renderer() = default;
+
+void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
+                    int height, std::uint32_t framebuffer) {
+  if (width <= 0 || height <= 0) return;
+  require_size(width, height);
+  Impl& m = *impl_;
+  m.targets_of(width, height);
+  default_state();
+  m.surfaces.update(list.surfaces);
+  m.spheres.update(list.spheres);
+  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list);
+  const int samples = std::max(options.samples, 1);
+  for (int sample = 0; sample < samples; ++sample) {
+    Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
+    const std::array<float, 2> sun = sample_on_disk(sample, samples);
+    m.shadow.aim(frame, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
+    m.shadow.draw(frame, m.surfaces, m.spheres);
+    m.bind(frame);
+    const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
+    m.draw_material(list, context);
+    if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
+    m.draw_lighting(list, context);
+    if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
+  }
+  m.finish.draw(m.targets->colour, samples, framebuffer, m.nothing);
+  m.labels.draw(list.labels, width, height);
+  default_state();
+  glBindVertexArray(0);
+  glUseProgram(0);
+}
+
+Image Renderer::picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
+                        int height) {
+  require_size(width, height);
+  const gl::Texture colour(GL_RGBA8, width, height);
+  const gl::Framebuffer framebuffer("a picture", {&colour}, nullptr);
+  draw(list, camera, options, width, height, framebuffer.id());
+  framebuffer.bind();
+  Image bottom_up(width, height), image(width, height);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.pixels.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  for (int y = 0; y < height; ++y) {
+    std::copy_n(bottom_up.at(0, height - 1 - y), 4 * std::size_t(width), image.at(0, y));
+  }
+  return image;
+}
+
+Picked Renderer::pick(const DrawList& list, const Camera& camera, int x, int y, int width, int height) {
+  if (x < 0 || y < 0 || x >= width || y >= height) return {};
+  require_size(width, height);
+  Impl& m = *impl_;
+  default_state();
+  m.surfaces.update(list.surfaces);
+  m.spheres.update(list.spheres);
+  const Frame frame = m.frame(list, camera, {}, list.bounds(), width, height, 0);
+  m.bind(frame);
+  const PassContext context{width, height, Target::pick, frame.view, frame.projection, camera.from};
+  const Picked picked = m.picking.pick(list, m.surfaces, m.spheres, context, x, y);
+  default_state();
+  return picked;
+}
+
+PickImage Renderer::pick_image(const DrawList& list, const Camera& camera, int width, int height) {
+  require_size(width, height);
+  Impl& m = *impl_;
+  default_state();
+  m.surfaces.update(list.surfaces);
+  m.spheres.update(list.spheres);
+  const Frame frame = m.frame(list, camera, {}, list.bounds(), width, height, 0);
+  m.bind(frame);
+  const PassContext context{width, height, Target::pick, frame.view, frame.projection, camera.from};
+  PickImage image = m.picking.image(list, m.surfaces, m.spheres, context);
+  default_state();
+  return image;
+}
+
+}  // namespace souple::render

@@ -258,6 +258,8 @@ class World {
   void restore(const Snapshot& snapshot);
   /// FNV-1a 64 over the bytes of user-order positions, then velocities, of every object in order of name.
   std::uint64_t hash() const;
+  /// Grows whenever positions or velocities may have changed: what was made from them is out of date.
+  std::uint64_t version() const;
 
  private:
   struct Impl;

@@ -1,0 +1,115 @@
+#include "render/font.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <imgui.h>
+#include <iterator>
+
+// Dear ImGui serves as a rasteriser of fonts alone: an ImFontAtlas needs no context.
+
+namespace souple::render {
+
+namespace {
+
+/// How many bytes follow the first one of a character, and the bits it contributes; none for a wrong one.
+struct Lead {
+  int more = -1;
+  char32_t bits = 0;
+  char32_t least = 0;  ///< shorter forms of smaller numbers are wrong
+};
+
+Lead lead_of(unsigned char byte) {
+  if (byte < 0x80) return {0, byte, 0};
+  if ((byte & 0xe0) == 0xc0) return {1, byte & 0x1fu, 0x80};
+  if ((byte & 0xf0) == 0xe0) return {2, byte & 0x0fu, 0x800};
+  if ((byte & 0xf8) == 0xf0) return {3, byte & 0x07u, 0x10000};
+  return {};
+}
+
+bool is_true_type(const std::vector<char>& data) {
+  // Tables follow the head: less than this is no font, and the rasteriser trusts what it reads.
+  constexpr std::size_t least = 1024;
+  constexpr std::array<char, 4> magic{0, 1, 0, 0};
+  return data.size() >= least && std::equal(magic.begin(), magic.end(), data.begin());
+}
+
+/// With the font in `data`, or the built-in one when that is empty. False for a damaged font.
+bool rasterise(ImFontAtlas& atlas, const std::vector<char>& data, int size, const ImVector<ImWchar>& ranges) {
+  atlas.Flags = ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
+  ImFontConfig config;
+  config.SizePixels = float(size);
+  config.GlyphRanges = ranges.Data;
+  config.OversampleH = 1;  // text starts at whole pixels, so nothing between them is needed
+  config.OversampleV = 1;
+  config.PixelSnapH = true;
+  if (data.empty()) {
+    atlas.AddFontDefault(&config);
+  } else {
+    config.FontDataOwnedByAtlas = false;
+    auto* bytes = const_cast<char*>(data.data());  // which it only reads
+    atlas.AddFontFromMemoryTTF(bytes, int(data.size()), float(size), &config);
+  }
+  return atlas.Build();
+}
+
+GlyphSheet::Glyph glyph_of(const ImFontGlyph& glyph) {
+  return {glyph.X0, glyph.Y0, glyph.X1, glyph.Y1, glyph.U0, glyph.V0, glyph.U1, glyph.V1, glyph.AdvanceX};
+}
+
+}  // namespace
+
+std::vector<char32_t> code_points(std::string_view utf8) {
+  std::vector<char32_t> result;
+  for (std::size_t i = 0; i < utf8.size();) {
+    const Lead lead = lead_of(static_cast<unsigned char>(utf8[i++]));
+    char32_t point = lead.bits;
+    int more = lead.more;
+    for (; more > 0 && i < utf8.size() && (static_cast<unsigned char>(utf8[i]) & 0xc0) == 0x80; --more) {
+      point = point << 6 | (static_cast<unsigned char>(utf8[i++]) & 0x3fu);
+    }
+    const bool good =
+        more == 0 && point >= lead.least && point <= 0xffff && (point < 0xd800 || point > 0xdfff);
+    result.push_back(good ? point : U'?');
+  }
+  return result;
+}
+
+std::filesystem::path Font::usual_file() {
+  return "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+}
+
+Font::Font(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (in) data_.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  if (!is_true_type(data_)) data_.clear();
+}
+
+GlyphSheet Font::sheet(int size, const std::vector<char32_t>& characters) const {
+  ImFontGlyphRangesBuilder builder;
+  builder.AddChar(ImWchar('?'));
+  for (const char32_t character : characters) builder.AddChar(ImWchar(character));
+  ImVector<ImWchar> ranges;
+  builder.BuildRanges(&ranges);
+  ImFontAtlas atlas;
+  if (built_in() || !rasterise(atlas, data_, size, ranges)) {
+    atlas.Clear();
+    rasterise(atlas, {}, size, ranges);
+  }
+  GlyphSheet sheet;
+  unsigned char* coverage = nullptr;
+  atlas.GetTexDataAsAlpha8(&coverage, &sheet.width, &sheet.height);
+  sheet.coverage.assign(coverage, coverage + std::size_t(sheet.width) * std::size_t(sheet.height));
+  sheet.solid_u = atlas.TexUvWhitePixel.x;
+  sheet.solid_v = atlas.TexUvWhitePixel.y;
+  ImFont* font = atlas.Fonts[0];
+  const ImFontGlyph* unknown = font->FindGlyphNoFallback(ImWchar('?'));
+  for (const char32_t character : characters) {
+    const ImFontGlyph* glyph = font->FindGlyphNoFallback(ImWchar(character));
+    if (glyph == nullptr) glyph = unknown;
+    sheet.glyphs[character] = glyph != nullptr ? glyph_of(*glyph) : GlyphSheet::Glyph{};
+  }
+  return sheet;
+}
+
+}  // namespace souple::render

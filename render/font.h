@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace souple::render {
+
+/// The code points of a UTF-8 text; bytes that are none, and those above 0xffff, come out as '?'.
+std::vector<char32_t> code_points(std::string_view utf8);
+
+/// The characters of one size, drawn into one picture.
+struct GlyphSheet {
+  struct Glyph {
+    float x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< from the pen at the top of the line, y down [pixels]
+    float u0 = 0, v0 = 0, u1 = 0, v1 = 0;  ///< in the picture, in [0, 1]
+    float advance = 0;                     ///< of the pen; whole pixels
+  };
+
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> coverage;  ///< width * height, rows from the top
+  std::map<char32_t, Glyph>
+      glyphs;  ///< of every character that was asked for: '?' stands in for what the font lacks
+  float solid_u = 0, solid_v = 0;  ///< where the picture is full
+};
+
+/// A font file, or, where it cannot be used, the plain one that is built in.
+class Font {
+ public:
+  /// DejaVu Sans, where Debian and most others have it.
+  static std::filesystem::path usual_file();
+
+  explicit Font(const std::filesystem::path& file = usual_file());
+
+  bool built_in() const { return data_.empty(); }
+  /// `size` is the height of a line [pixels].
+  GlyphSheet sheet(int size, const std::vector<char32_t>& characters) const;
+
+ private:
+  std::vector<char> data_;
+};
+
+}  // namespace souple::render

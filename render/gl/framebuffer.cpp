@@ -1,0 +1,45 @@
+#include "render/gl/framebuffer.h"
+
+#include "souple/error.h"
+
+#include <string>
+
+namespace souple::render::gl {
+
+Framebuffer::Framebuffer(std::string_view what, const std::vector<const Texture*>& colours,
+                         const Texture* depth) {
+  GLuint id = 0;
+  glGenFramebuffers(1, &id);
+  handle_ = Handle<delete_framebuffer>(id);
+  glBindFramebuffer(GL_FRAMEBUFFER, id);
+  std::vector<GLenum> attachments;
+  for (const Texture* colour : colours) {
+    const GLenum attachment = GL_COLOR_ATTACHMENT0 + GLenum(attachments.size());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, colour->id(), 0);
+    attachments.push_back(attachment);
+  }
+  if (depth != nullptr) {
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth->id(), 0);
+  }
+  if (attachments.empty()) attachments.push_back(GL_NONE);
+  glDrawBuffers(GLsizei(attachments.size()), attachments.data());
+  if (colours.empty()) glReadBuffer(GL_NONE);
+  const Texture& first = colours.empty() ? *depth : *colours.front();
+  width_ = first.width();
+  height_ = first.height();
+  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    throw Error("OpenGL cannot draw into the buffer for " + std::string(what) + " of " +
+                std::to_string(width_) + " x " + std::to_string(height_) + " pixels (status " +
+                std::to_string(status) +
+                "); try a smaller picture, or Mesa's llvmpipe: LIBGL_ALWAYS_SOFTWARE=1");
+  }
+}
+
+void Framebuffer::bind() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, id());
+  glViewport(0, 0, width_, height_);
+}
+
+}  // namespace souple::render::gl

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "render/gl/texture.h"
+
+#include <string_view>
+#include <vector>
+
+namespace souple::render::gl {
+
+inline void delete_framebuffer(GLuint id) {
+  glDeleteFramebuffers(1, &id);
+}
+
+/// Textures to draw into; they have to outlive it.
+class Framebuffer {
+ public:
+  Framebuffer() = default;
+  /// Colour attachments 0, 1, ...; `depth` may be null. Throws Error, naming `what`, when the context cannot
+  /// draw into these formats.
+  Framebuffer(std::string_view what, const std::vector<const Texture*>& colours, const Texture* depth);
+
+  /// For drawing, with a viewport of its whole size.
+  void bind() const;
+  GLuint id() const { return handle_.id(); }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  Handle<delete_framebuffer> handle_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace souple::render::gl

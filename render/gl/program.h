@@ -1,0 +1,53 @@
+#pragma once
+
+#include "render/colour.h"
+#include "render/gl/texture.h"
+#include "render/mat4.h"
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace souple::render::gl {
+
+inline void delete_program(GLuint id) {
+  glDeleteProgram(id);
+}
+
+/// A vertex and a fragment shader. Their text, in the GLSL of OpenGL ES 3.00 without `#version`, lies in
+/// render/shaders and is built into the library; it may `#include "other.glsl"`, each once. The uniform
+/// block `Frame` is bound to `frame_binding`; each sampler NAME_map to
+/// its Unit in texture.h.
+class Program {
+ public:
+  static constexpr GLuint frame_binding = 0;
+
+  /// Names of files in render/shaders; the names in `defines` are #defined to 1. Throws Error with the
+  /// shader's name and what the compiler said.
+  Program(std::string_view vertex, std::string_view fragment, const std::vector<std::string>& defines = {});
+
+  void use() const { glUseProgram(handle_.id()); }
+
+  // Uniforms of this program, which has to be in use. A name the shaders do not use is ignored.
+  void set(std::string_view name, int value) const;
+  void set(std::string_view name, unsigned value) const;
+  void set(std::string_view name, float value) const;
+  void set(std::string_view name, float x, float y) const;
+  void set(std::string_view name, const Vec3f& value) const;
+  void set(std::string_view name, const Vec4& value) const;
+  void set(std::string_view name, const Colour& value) const;  ///< vec4
+  void set(std::string_view name, const Mat4& value) const;
+
+ private:
+  GLint location(std::string_view name) const;
+  void find_uniforms();
+
+  Handle<delete_program> handle_;
+  std::vector<std::pair<std::string, GLint>> uniforms_;
+};
+
+/// What the contexts we draw with have in common and where they differ.
+bool is_es();
+
+}  // namespace souple::render::gl

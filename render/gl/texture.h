@@ -1,0 +1,37 @@
+#pragma once
+
+#include "render/gl/handle.h"
+
+namespace souple::render::gl {
+
+inline void delete_texture(GLuint id) {
+  glDeleteTextures(1, &id);
+}
+
+/// Where shaders look for their textures: the sampler `shadow_map` reads unit `shadow`, and so on.
+enum class Unit : GLuint { shadow, sum, occlusion, albedo, normal, depth, colour, glyph, pick };
+
+/// A picture on the GPU with one level; clamped to its edge, read without interpolation unless `filter` says
+/// otherwise.
+class Texture {
+ public:
+  Texture() = default;
+  /// `internal_format` is a sized one: GL_RGBA8, GL_RGBA16F, GL_RGBA32F, GL_R8, GL_RG32UI,
+  /// GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT32F, ...
+  Texture(GLenum internal_format, int width, int height, GLenum filter = GL_NEAREST);
+
+  /// Fills a GL_R8 texture of this size; rows follow each other without padding.
+  void upload_bytes(const unsigned char* values) const;
+  void bind(Unit unit) const;
+  GLuint id() const { return handle_.id(); }
+  GLenum internal_format() const { return internal_format_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  Handle<delete_texture> handle_;
+  GLenum internal_format_ = 0;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace souple::render::gl

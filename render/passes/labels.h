@@ -1,0 +1,26 @@
+#pragma once
+
+#include "render/draw_list.h"
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace souple::render {
+
+/// Text over the finished picture: writes sRGB-encoded colours into the framebuffer that is bound.
+class LabelsPass {
+ public:
+  LabelsPass();
+  /// Without this font file (TrueType), with a plain font.
+  explicit LabelsPass(const std::filesystem::path& font);
+  ~LabelsPass();
+
+  void draw(std::span<const Label> labels, int width, int height);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace souple::render

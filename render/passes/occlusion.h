@@ -1,0 +1,37 @@
+#pragma once
+
+#include "render/gl/framebuffer.h"
+#include "render/gl/vertex_array.h"
+#include "render/passes/pass_context.h"
+
+#include <optional>
+
+namespace souple::render {
+
+/// Ambient occlusion in screen space, at half the resolution.
+class OcclusionPass {
+ public:
+  OcclusionPass() = default;
+
+  /// Fills in what its shaders and occlusion.glsl read of the uniform block.
+  static void aim(Frame& frame, const Bounds& bounds, bool on);
+  /// From the material pass's normals and depth; the camera's uniform block is bound.
+  void draw(const gl::Texture& normals, const gl::Texture& depth, const gl::VertexArray& nothing);
+  /// Binds the result for occlusion.glsl; some texture even if nothing was drawn yet.
+  void bind(const gl::Texture& otherwise) const;
+
+ private:
+  // Of half the picture's size.
+  struct Targets {
+    gl::Texture depth, rough, smooth;
+    gl::Framebuffer depth_target, rough_target, smooth_target;
+    Targets(int width, int height);
+  };
+
+  gl::Program half_depth_{"screen.vert.glsl", "half_depth.frag.glsl"};
+  gl::Program occlusion_{"screen.vert.glsl", "occlusion.frag.glsl"};
+  gl::Program blur_{"screen.vert.glsl", "occlusion_blur.frag.glsl"};
+  std::optional<Targets> targets_;
+};
+
+}  // namespace souple::render

@@ -1,0 +1,21 @@
+#include "render/passes/pass_context.h"
+
+namespace souple::render {
+
+std::string target_define(Target target) {
+  switch (target) {
+    case Target::material:
+      return "TARGET_MATERIAL";
+    case Target::depth:
+      return "TARGET_DEPTH";
+    case Target::pick:
+      return "TARGET_PICK";
+  }
+  return {};
+}
+
+void draw_screen() {
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace souple::render

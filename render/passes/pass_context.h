@@ -1,0 +1,62 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/draw_list.h"
+#include "render/gl/program.h"
+#include "render/mat4.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+// How a picture is made, once per sample:
+//   shadow     casters from the sun                              -> depth           (target depth)
+//   material   surfaces, spheres, ground                         -> albedo, normal, depth  (target material)
+//   occlusion  how much sky each pixel sees, from normal, depth
+//   lighting   one full-screen shader lights what it finds there -> colour (linear, HDR)
+//   lines      over that colour, hidden by that depth
+// and at the end the samples' mean is tone-mapped into the caller's framebuffer, and labels drawn over it.
+// A pass that draws geometry has one fragment shader for all targets, compiled with a #define for each.
+
+namespace souple::render {
+
+/// What is drawn into.
+enum class Target {
+  material,  ///< TARGET_MATERIAL: write_material() of material.glsl
+  depth,     ///< TARGET_DEPTH: depth only, seen from the sun
+  pick       ///< TARGET_PICK: layout(location = 0) out uvec2 of pick and element
+};
+inline constexpr int target_count = 3;
+std::string target_define(Target target);
+
+/// The uniform block of frame.glsl (std140), the same for all shaders of a pass: bound by the renderer before
+/// the pass is called. The eye may be the sun, and the projection orthographic: then projection.m[15] is 1.
+struct Frame {
+  Mat4 view, projection;           ///< world -> view -> clip
+  Mat4 inverse_view;               ///< view -> world
+  Mat4 inverse_projection;         ///< clip -> view
+  Mat4 shadow;                     ///< world -> (x, y, depth), each in [0, 1], of the shadow map
+  Vec4 eye;                        ///< world; w: 1
+  Vec4 size;                       ///< width, height, 1 / width, 1 / height [pixels]
+  Vec4 to_sun;                     ///< unit; w: irradiance times exposure
+  Vec4 sky, horizon, floor_light;  ///< light from above, the sides, below, times exposure
+  Vec4 shadow_size;  ///< width and depth of what the map covers [m], width of a texel [m], 1: on
+  Vec4 sun_size;     ///< tangent of the sun's apparent radius; how much of the softness is blurred
+  Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance where it becomes haze [m]
+  Vec4 ground_colour, ground_second;
+  Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs from sample to sample, 1: occlusion on
+  Vec4 occlusion;    ///< radius [m], strength
+};
+
+/// What passes are called with, beside the uniform block.
+struct PassContext {
+  int width = 0, height = 0;  ///< of what is drawn into
+  Target target = Target::material;
+  Mat4 view, projection;  ///< as in Frame
+  Vec3f eye{};
+};
+
+/// Draws the triangle that covers the screen; the vertex shader is screen.vert.glsl.
+void draw_screen();
+
+}  // namespace souple::render

@@ -1,0 +1,80 @@
+#include "render/passes/shadow.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple::render {
+
+namespace {
+
+constexpr int map_side = 2048;  // pixels
+
+// The next of 4 steps per doubling: so that the texels keep their size while things move a little.
+float stepped(float size) {
+  return std::exp2(std::ceil(4 * std::log2(size)) / 4);
+}
+
+// World -> the box of the sun's view, in [0, 1].
+Mat4 to_texture(const Mat4& clip) {
+  Mat4 half;
+  half.m = {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1};
+  return half * clip;
+}
+
+Vec3f moved(const Vec3f& to_sun, float x, float y) {
+  const Vec3f side = normalized(cross(to_sun, std::abs(to_sun.y) < 0.9f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0}));
+  return normalized(to_sun + side * x + cross(side, to_sun) * y);
+}
+
+}  // namespace
+
+ShadowPass::ShadowPass()
+    : map_(GL_DEPTH_COMPONENT32F, map_side, map_side), framebuffer_("the shadow map", {}, &map_) {}
+
+void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x,
+                     float offset_y) {
+  const float tangent = std::tan(std::clamp(light.sun_size, 0.0f, 45.0f) * float(pi / 180));
+  const Vec3f to_sun = moved(normalized(light.to_sun), tangent * offset_x, tangent * offset_y);
+  frame.to_sun = {to_sun.x, to_sun.y, to_sun.z, frame.to_sun.w};
+  frame.sun_size.x = tangent;
+  frame.shadow_size.w = 0;
+  const float radius = casters.radius();
+  if (casters.empty() || !(radius > 0) || !std::isfinite(radius)) return;
+  // A square around the ball around the casters, its middle on whole texels, from the sun.
+  const float half = stepped(radius * 1.02f), texel = 2 * half / map_side;
+  const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
+  view_ = look_at(Vec3f{}, -to_sun, up);
+  const Vec3f middle = casters.centre();
+  const Vec4 seen = view_ * Vec4{middle.x, middle.y, middle.z, 1};
+  const float x = std::round(seen.x / texel) * texel, y = std::round(seen.y / texel) * texel;
+  projection_ = orthographic(x - half, x + half, y - half, y + half, -seen.z - half, -seen.z + half);
+  frame.shadow = to_texture(projection_ * view_);
+  frame.shadow_size = {2 * half, 2 * half, texel, 1};
+}
+
+void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres) {
+  Frame sun = frame;
+  sun.view = view_;
+  sun.projection = projection_;
+  sun.inverse_view = inverse(view_);
+  sun.inverse_projection = inverse(projection_);
+  const auto side = float(map_side);
+  sun.size = {side, side, 1 / side, 1 / side};
+  sun.eye = {frame.to_sun.x, frame.to_sun.y, frame.to_sun.z, 0};
+  frame_buffer_.upload_one(sun);
+  glBindBufferBase(GL_UNIFORM_BUFFER, gl::Program::frame_binding, frame_buffer_.id());
+  framebuffer_.bind();
+  const float far = 1;
+  glClearBufferfv(GL_DEPTH, 0, &far);
+  if (frame.shadow_size.w == 0) return;
+  glEnable(GL_DEPTH_TEST);
+  const PassContext context{map_side, map_side, Target::depth, sun.view, sun.projection, {}};
+  surfaces.draw(context);
+  spheres.draw(context);
+}
+
+void ShadowPass::bind() const {
+  map_.bind(gl::Unit::shadow);
+}
+
+}  // namespace souple::render

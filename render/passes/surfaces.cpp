@@ -1,0 +1,183 @@
+#include "render/passes/surfaces.h"
+
+#include "render/gl/vertex_array.h"
+
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+#include <vector>
+
+namespace souple::render {
+
+namespace {
+
+enum Location : GLuint { position, normal, texture, colour };
+
+constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
+
+// The buffers of one surface. Indexed; for wireframes every triangle gets vertices of its own instead, so
+// that the vertex shader can tell its corners apart.
+struct Buffers {
+  gl::VertexArray array;
+  gl::Buffer positions, normals, texture, colours, indices;
+  std::uint64_t topology = 0, version = 0, last_used = 0;
+  bool expanded = false;
+  std::uint32_t vertices_needed = 0;  // largest index + 1
+  GLsizei count = 0;                  // of indices, or of vertices when expanded
+  bool has_normals = false, has_colours = false, has_texture = false;
+  bool fresh = true;
+};
+
+struct Item {
+  const Surface* surface;
+  const Buffers* buffers;
+};
+
+template <class T>
+void upload(gl::Buffer& buffer, std::span<const T> values, const Surface& surface, bool expanded) {
+  if (!expanded) {
+    buffer.upload(values);
+    return;
+  }
+  std::vector<T> corners;
+  corners.reserve(3 * surface.triangles.size());
+  for (const Triangle& triangle : surface.triangles) {
+    for (const std::uint32_t vertex : triangle) corners.push_back(values[vertex]);
+  }
+  buffer.upload(std::span<const T>(corners));
+}
+
+// An attribute that the surface may lack. Returns whether it has it.
+template <class T>
+bool upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& attribute,
+                     std::span<const T> values, const Surface& surface) {
+  const bool there = !values.empty() && values.size() == surface.positions.size();
+  if (there) {
+    upload(buffer, values, surface, buffers.expanded);
+    buffers.array.attribute(buffer, attribute);
+  } else {
+    buffers.array.without_attribute(attribute.location);
+  }
+  return there;
+}
+
+void upload_topology(Buffers& buffers, const Surface& surface) {
+  buffers.topology = surface.topology;
+  buffers.expanded = surface.wireframe;
+  buffers.count = GLsizei(3 * surface.triangles.size());
+  buffers.vertices_needed = 0;
+  for (const Triangle& triangle : surface.triangles) {
+    const std::uint32_t largest = std::max({triangle[0], triangle[1], triangle[2]});
+    buffers.vertices_needed = std::max(buffers.vertices_needed, largest + 1);
+  }
+  if (!buffers.expanded) {
+    buffers.indices.upload(surface.triangles);
+    buffers.array.elements(buffers.indices);
+  }
+}
+
+void upload_vertices(Buffers& buffers, const Surface& surface, bool all) {
+  buffers.version = surface.version;
+  upload(buffers.positions, surface.positions, surface, buffers.expanded);
+  buffers.array.attribute(buffers.positions, {.location = position});
+  buffers.has_normals =
+      upload_optional(buffers, buffers.normals, {.location = normal}, surface.normals, surface);
+  buffers.has_colours = upload_optional(buffers, buffers.colours,
+                                        {.location = colour, .components = 4, .type = GL_UNSIGNED_BYTE},
+                                        surface.colours, surface);
+  if (all) {
+    buffers.has_texture =
+        upload_optional(buffers, buffers.texture, {.location = texture}, surface.texture, surface);
+  }
+}
+
+bool can_be_drawn(const Buffers& buffers, const Surface& surface) {
+  return buffers.count > 0 && buffers.vertices_needed <= surface.positions.size();
+}
+
+void upload_changes(Buffers& buffers, const Surface& surface) {
+  const bool all =
+      buffers.fresh || buffers.topology != surface.topology || buffers.expanded != surface.wireframe;
+  if (all) upload_topology(buffers, surface);
+  if (!can_be_drawn(buffers, surface)) return;
+  if (all || buffers.version != surface.version) upload_vertices(buffers, surface, all);
+  buffers.fresh = false;
+}
+
+bool takes_part(const Surface& surface, Target target) {
+  if (target == Target::depth) return surface.casts_shadow;
+  if (target == Target::pick) return surface.pick != 0;
+  return true;
+}
+
+}  // namespace
+
+struct SurfacesPass::Impl {
+  // By target, then without and with wireframe.
+  std::array<std::array<gl::Program, 2>, target_count> programs{make(Target::material), make(Target::depth),
+                                                                make(Target::pick)};
+  std::unordered_map<std::uint64_t, Buffers> buffers;  // by key
+  std::vector<Item> items;
+  std::uint64_t frame = 0;
+
+  static std::array<gl::Program, 2> make(Target target) {
+    const auto program = [&](const std::vector<std::string>& defines) {
+      return gl::Program("surface.vert.glsl", "surface.frag.glsl", defines);
+    };
+    return {program({target_define(target)}), program({target_define(target), "WIREFRAME"})};
+  }
+
+  void draw(const Item& item, const gl::Program& program) const;
+};
+
+SurfacesPass::SurfacesPass() : impl_(std::make_unique<Impl>()) {}
+SurfacesPass::~SurfacesPass() = default;
+
+void SurfacesPass::update(std::span<const Surface> surfaces) {
+  Impl& m = *impl_;
+  ++m.frame;
+  m.items.clear();
+  for (const Surface& surface : surfaces) {
+    Buffers& buffers = m.buffers[surface.key];
+    buffers.last_used = m.frame;
+    upload_changes(buffers, surface);
+    if (can_be_drawn(buffers, surface)) m.items.push_back({&surface, &buffers});
+  }
+  std::erase_if(m.buffers, [&](const auto& entry) { return entry.second.last_used + frames_kept < m.frame; });
+}
+
+void SurfacesPass::Impl::draw(const Item& item, const gl::Program& program) const {
+  const Surface& surface = *item.surface;
+  const Look& look = surface.look;
+  program.set("pose", to_mat4(surface.pose));
+  program.set("pick", surface.pick);
+  program.set("colour_first", look.colour);
+  program.set("colour_second", look.second);
+  const float checker = item.buffers->has_texture ? look.checker_size : 0;
+  program.set("look", Vec4{look.roughness, look.metalness, look.sheen, checker});
+  program.set("has_colours", item.buffers->has_colours ? 1.0f : 0.0f);
+  program.set("has_normals", item.buffers->has_normals ? 1.0f : 0.0f);
+  item.buffers->array.bind();
+  if (item.buffers->expanded) {
+    glDrawArrays(GL_TRIANGLES, 0, item.buffers->count);
+  } else {
+    glDrawElements(GL_TRIANGLES, item.buffers->count, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
+void SurfacesPass::draw(const PassContext& context) {
+  const auto& programs = impl_->programs.at(std::size_t(context.target));
+  for (const bool expanded : {false, true}) {
+    const gl::Program& program = programs.at(expanded ? 1 : 0);
+    program.use();
+    program.set("wire_width", 1.1f);
+    for (const Item& item : impl_->items) {
+      if (item.buffers->expanded == expanded && takes_part(*item.surface, context.target)) {
+        impl_->draw(item, program);
+      }
+    }
+  }
+  glBindVertexArray(0);
+}
+
+}  // namespace souple::render

@@ -1,0 +1,12 @@
+// Distances along the view at half the resolution; 0 where there is nothing near.
+#include "frame.glsl"
+
+layout(location = 0) out float out_depth;
+uniform sampler2D depth_map;
+
+void main() {
+  float depth = texelFetch(depth_map, ivec2(gl_FragCoord.xy) * 2, 0).r;
+  // The floor before and behind the planes that enclose the scene was moved onto them.
+  bool near = depth > 0.0 && depth < 1.0;
+  out_depth = near ? frame.projection[3][2] / (2.0 * depth - 1.0 + frame.projection[2][2]) : 0.0;
+}

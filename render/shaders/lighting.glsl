@@ -1,0 +1,73 @@
+// How light is reflected.
+
+struct Material {
+  vec3 albedo;
+  float roughness, metalness, sheen;
+};
+
+const float pi = 3.14159265;
+// The sky lights less than it shows, as a photographer's backdrop does: shadows would be pale.
+const float ambient_strength = 0.42;
+
+// Radiance of the sky in a direction (unit).
+vec3 sky_light(vec3 direction) {
+  float height = direction.y;
+  vec3 colour = mix(frame.horizon.rgb, frame.sky.rgb, 1.0 - exp(-3.0 * max(height, 0.0)));
+  // The sun is not painted, but the air around it glows.
+  float cosine = max(dot(direction, frame.to_sun.xyz), 0.0);
+  colour += frame.horizon.rgb * (0.10 * pow(cosine, 6.0) + 0.18 * pow(cosine, 48.0));
+  return colour;
+}
+
+// Mean radiance that a rough surface facing `normal` receives from sky and floor.
+vec3 ambient_light(vec3 normal) {
+  float up = normal.y;
+  vec3 above = mix(frame.horizon.rgb, frame.sky.rgb, clamp(0.5 + 0.5 * up, 0.0, 1.0));
+  return mix(frame.floor_light.rgb * 0.75, above, smoothstep(-1.0, 0.8, up));
+}
+
+// How much of the floor is seen through the haze, in which it ends before the horizon.
+float ground_visibility(vec3 point) {
+  float distance = length(point - frame.eye.xyz) / frame.ground.w;
+  return exp(-distance * distance);
+}
+
+// The light that leaves towards `to_eye`. `sun` is how much of the sun is seen, `open` how much of the sky.
+vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
+  vec3 to_sun = frame.to_sun.xyz;
+  vec3 halfway = normalize(to_sun + to_eye);
+  float nl = max(dot(normal, to_sun), 0.0);
+  float nv = max(dot(normal, to_eye), 1e-3);
+  float nh = max(dot(normal, halfway), 0.0);
+  float vh = max(dot(to_eye, halfway), 0.0);
+
+  vec3 diffuse_albedo = m.albedo * (1.0 - m.metalness);
+  vec3 f0 = mix(vec3(0.04), m.albedo, m.metalness);
+
+  // GGX with Smith's joint visibility (Heitz 2014) and Schlick's Fresnel term.
+  float a = max(m.roughness * m.roughness, 0.01);
+  float a2 = a * a;
+  float d = nh * nh * (a2 - 1.0) + 1.0;
+  float distribution = a2 / (pi * d * d);
+  float visibility = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2) + 1e-5);
+  vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
+  vec3 specular = fresnel * (distribution * visibility);
+
+  // Sheen: cloth scatters at grazing angles (Estevez and Kulla 2017, roughness 0.5).
+  float sine2 = 1.0 - nh * nh;
+  float sheen = m.sheen * (2.0 + 2.0) * sine2 / (2.0 * pi) / (4.0 * (nl + nv - nl * nv) + 1e-4);
+  vec3 sheen_colour = mix(vec3(1.0), m.albedo, 0.6);
+
+  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl * sun);
+
+  // The sky: diffuse, and a rough mirror (Karis 2014, the analytic fit for mobile).
+  vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+  float a004 = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+  vec2 fit = vec2(-1.04, 1.04) * a004 + r.zw;
+  vec3 mirrored = reflect(-to_eye, normal);
+  vec3 around = mix(mirrored.y > 0.0 ? sky_light(mirrored) : frame.floor_light.rgb * 0.75, ambient_light(mirrored),
+                    m.roughness);
+  vec3 rim = sheen_colour * (m.sheen * 0.35 * pow(1.0 - nv, 3.0));
+  vec3 ambient = ambient_strength * (ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y));
+  return direct + ambient * open;
+}

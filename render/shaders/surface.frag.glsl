@@ -1,0 +1,61 @@
+#include "frame.glsl"
+#include "common.glsl"
+
+in vec3 world_point;
+in vec3 world_normal;
+in vec3 checker_point;
+in vec4 vertex_colour;
+
+#ifdef TARGET_PICK
+layout(location = 0) out uvec2 picked;
+uniform uint pick;
+
+void main() { picked = uvec2(pick, 0u); }
+#endif
+
+#ifdef TARGET_DEPTH
+void main() {}
+#endif
+
+#ifdef TARGET_MATERIAL
+#include "material.glsl"
+#include "checker.glsl"
+
+uniform vec4 colour_first;
+uniform vec4 colour_second;
+uniform vec4 look;          // roughness, metalness, sheen, edge of a checker's field or 0
+uniform float has_colours;  // 1 where every vertex brings its own
+uniform float has_normals;
+
+#ifdef WIREFRAME
+in vec3 corner;
+uniform float wire_width;  // pixels
+
+float wire() {
+  vec3 change = fwidth(corner);
+  vec3 distance = corner / max(change, vec3(1e-9));
+  float nearest = min(min(distance.x, distance.y), distance.z);
+  // Where triangles are smaller than a few pixels the lines would cover everything.
+  float density = max(max(change.x, change.y), change.z);
+  return (1.0 - smoothstep(0.5 * wire_width - 0.5, 0.5 * wire_width + 0.5, nearest)) * (1.0 - 0.85 * clamp(2.0 * density, 0.0, 1.0));
+}
+#endif
+
+void main() {
+  vec3 to_eye = frame.eye.xyz - world_point;
+  vec3 flat_normal = cross(dFdx(world_point), dFdy(world_point));
+  vec3 normal = has_normals > 0.5 ? world_normal : flat_normal;
+  normal = dot(normal, normal) > 0.0 ? normalize(normal) : normalize(to_eye);
+  // Both sides are lit. The face, not the interpolated normal, says which side is seen.
+  float side = dot(flat_normal, to_eye) * dot(flat_normal, normal);
+  if (side < 0.0) normal = -normal;
+
+  vec3 albedo = colour_first.rgb;
+  if (look.w > 0.0) albedo = mix(colour_second.rgb, albedo, checker(checker_point / look.w));
+  if (has_colours > 0.5) albedo = vertex_colour.rgb;
+#ifdef WIREFRAME
+  albedo = mix(albedo, albedo * 0.08, wire());
+#endif
+  write_material(albedo, normal, look.x, look.y, look.z);
+}
+#endif

@@ -1,0 +1,13 @@
+// From scene light to what a screen shows: colours below 0.76 are kept as they are, brighter ones are
+// compressed along with their hue and slowly turn white (after Khronos' PBR neutral tone mapper).
+vec3 tone_mapped(vec3 colour) {
+  const float start = 0.76;
+  const float desaturation = 0.15;
+  float peak = max(colour.r, max(colour.g, colour.b));
+  if (peak < start) return colour;
+  float d = 1.0 - start;
+  float new_peak = 1.0 - d * d / (peak + d - start);
+  colour *= new_peak / peak;
+  float g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
+  return mix(colour, vec3(new_peak), g);
+}
