@@ -375,6 +375,7 @@ TEST(CodePoints, FollowUtf8) {
 
 TEST_F(OverlayTest, TheSameListIsTheSamePictureInAnyRenderer) {
   std::vector<Vec3f> centres;
+  centres.reserve(50);
   for (int i = 0; i < 50; ++i)
     centres.push_back({0.01f * float(i * 7 % 50) - 0.25f, 0.008f * float(i) - 0.2f, 0.01f * float(i % 9)});
   DrawList list;
