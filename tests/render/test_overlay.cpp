@@ -344,10 +344,18 @@ TEST_F(OverlayTest, ThereIsTextWithoutAFontFile) {
   std::string pattern = (fs::temp_directory_path() / "souple_font_XXXXXX").string();
   const fs::path folder = mkdtemp(pattern.data());
   std::ofstream(folder / "text.ttf") << "no font";
-  std::vector<char> head{0, 1, 0, 0};
-  head.resize(4096);
-  std::ofstream(folder / "damaged.ttf", std::ios::binary).write(head.data(), std::streamsize(head.size()));
-  for (const char* name : {"missing.ttf", "text.ttf", "damaged.ttf"}) {
+  // One table that lies beyond the end of the file.
+  std::ofstream(folder / "cut.ttf", std::ios::binary) << std::string(
+      "\0\1\0\0\0\1\0\0\0\0\0\0"
+      "glyf\0\0\0\0\0\0\1\0\0\0\1\0",
+      28);
+  std::string empty(400, '\0');  // a table of zeros
+  empty.replace(0, 28,
+                std::string("\0\1\0\0\0\1\0\0\0\0\0\0"
+                            "glyf\0\0\0\0\0\0\0\100\0\0\0\100",
+                            28));
+  std::ofstream(folder / "empty.ttf", std::ios::binary) << empty;
+  for (const char* name : {"missing.ttf", "text.ttf", "cut.ttf", "empty.ttf"}) {
     Page page(folder / name);
     const Box box = page.box({label("Hgx 12 ms é", 40, 30, 20)});
     ASSERT_FALSE(box.empty()) << name;
