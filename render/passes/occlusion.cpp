@@ -1,6 +1,7 @@
 #include "render/passes/occlusion.h"
 
 #include <algorithm>
+#include <array>
 
 namespace souple::render {
 
@@ -33,6 +34,8 @@ void OcclusionPass::draw(const gl::Texture& normals, const gl::Texture& depth,
   draw_screen();
 
   targets_->rough_target.bind();
+  const std::array<float, 4> open{1, 0, 0, 0};
+  glClearBufferfv(GL_COLOR, 0, open.data());
   targets_->depth.bind(gl::Unit::depth);
   normals.bind(gl::Unit::normal);
   occlusion_.use();

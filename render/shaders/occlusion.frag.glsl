@@ -45,17 +45,17 @@ float arc(float horizon_angle, float n) {
   return 0.25 * (-cos(2.0 * horizon_angle - n) + cos(n) + 2.0 * horizon_angle * sin(n));
 }
 
+// The target was cleared to (1, 0).
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   float depth = texelFetch(depth_map, pixel, 0).r;
-  out_occlusion = vec2(1.0, depth);
-  if (depth <= 0.0) return;
+  if (depth <= 0.0) discard;
   vec3 point = view_point(place, depth);
   vec3 to_eye = -normalize(point);
   vec3 normal = normalize(texelFetch(normal_map, pixel * 2, 0).xyz) * mat3(frame.inverse_view);
   // The radius on screen, as a part of its height.
   float radius = min(0.5 * frame.occlusion.x * frame.projection[1][1] / depth, 0.25);
-  if (radius * frame.size.y < 1.5) return;
+  if (radius * frame.size.y < 1.5) discard;
 
   // 16 patterns in blocks of 4 x 4 pixels, which occlusion_blur.frag.glsl averages.
   ivec2 cell = pixel & 3;
@@ -81,5 +81,5 @@ void main() {
     open += long_ * (arc(h0, n) + arc(h1, n));
   }
   open = clamp(open / float(slices), 0.0, 1.0);
-  out_occlusion.x = pow(open, frame.occlusion.y);
+  out_occlusion = vec2(pow(open, frame.occlusion.y), depth);
 }
