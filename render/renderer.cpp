@@ -164,7 +164,7 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   f.floor_light = vec4(list.light.floor, options.exposure);
   const float reach = std::max(bounds.radius(), camera.distance());
   f.ground = {list.ground.height, std::max(list.ground.tile, 1e-6f), list.ground.shown ? 1.0f : 0.0f,
-              12 * reach};
+              8 * reach};
   f.ground_colour = vec4(list.ground.colour, 1);
   f.ground_second = vec4(list.ground.second, 1);
   f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;

@@ -15,6 +15,9 @@ void main() {
   float clip = frame.projection[3][2] / depth - frame.projection[2][2];
   // What lies beyond the planes that enclose the scene is kept: nothing else is there.
   gl_FragDepth = clamp(0.5 * clip + 0.5, 0.0, 1.0);
-  vec3 albedo = mix(frame.ground_second.rgb, frame.ground_colour.rgb, checker(point.xz / frame.ground.y));
+  // Tiles far away would only disturb.
+  float near = exp(-3.0 * depth / frame.ground.w);
+  float tile = mix(0.5, checker(point.xz / frame.ground.y), near);
+  vec3 albedo = mix(frame.ground_second.rgb, frame.ground_colour.rgb, tile);
   write_ground(albedo);
 }

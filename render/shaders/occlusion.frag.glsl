@@ -21,7 +21,7 @@ vec3 view_point(vec2 at, float depth) {
 }
 
 // The cosine of the horizon's angle to the eye, in direction `step_` on screen.
-float horizon(vec3 point, vec3 to_eye, vec2 step_, float first, float low) {
+float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, float low) {
   vec2 size = vec2(textureSize(depth_map, 0));
   float highest = low;
   for (int i = 0; i < steps; ++i) {
@@ -33,9 +33,12 @@ float horizon(vec3 point, vec3 to_eye, vec2 step_, float first, float low) {
     if (depth <= 0.0) continue;
     vec3 delta = view_point((vec2(pixel) + 0.5) / size, depth) - point;
     float distance2 = dot(delta, delta);
-    float cosine = dot(delta, to_eye) * inversesqrt(max(distance2, 1e-20));
-    // Things farther than the radius count less and less.
-    float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0);
+    float shorten = inversesqrt(max(distance2, 1e-20));
+    float cosine = dot(delta, to_eye) * shorten;
+    // Things farther than the radius count less and less. So does what hardly rises above the surface: the
+    // middles of pixels lie beside the direction, which lets a floor seen at a flat angle hide itself.
+    float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0) *
+                   smoothstep(0.02, 0.15, dot(delta, normal) * shorten);
     highest = max(highest, mix(low, cosine, weight));
   }
   return highest;
@@ -74,12 +77,12 @@ void main() {
     float cosine = clamp(dot(projected, to_eye) / long_, -1.0, 1.0);
     float n = (dot(across, projected) < 0.0 ? -1.0 : 1.0) * acos(cosine);
     vec2 step_ = direction.xy * radius * vec2(frame.size.y * frame.size.z, 1.0);
-    float right = horizon(point, to_eye, step_, start, cos(n + 0.5 * pi));
-    float left = horizon(point, to_eye, -step_, start, cos(n - 0.5 * pi));
+    float right = horizon(point, normal, to_eye, step_, start, cos(n + 0.5 * pi));
+    float left = horizon(point, normal, to_eye, -step_, start, cos(n - 0.5 * pi));
     float h0 = n + max(-acos(clamp(left, -1.0, 1.0)) - n, -0.5 * pi);
     float h1 = n + min(acos(clamp(right, -1.0, 1.0)) - n, 0.5 * pi);
     open += long_ * (arc(h0, n) + arc(h1, n));
   }
-  open = clamp(open / float(slices), 0.0, 1.0);
-  out_occlusion = vec2(pow(open, frame.occlusion.y), depth);
+  // One slice alone may see more than the whole sky: only their mean is bounded.
+  out_occlusion = vec2(open / float(slices), depth);
 }
