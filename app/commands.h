@@ -18,9 +18,32 @@ struct RunOptions {
   std::vector<std::string> settings;  ///< path=value
   std::filesystem::path resume;
   std::optional<std::uint32_t> checkpoint_every;
+  std::filesystem::path picture;  ///< of the last frame; empty: none
   bool quiet = false;
 };
 int run(const RunOptions& options);
+
+/// The words of the command line, as they were written; empty: the default.
+struct RenderRequest {
+  std::string source;  ///< a scene, a run's folder, or its run.json
+  std::filesystem::path out;
+  std::string frames, sheet, size, camera;
+  std::string display = "shaded", constraints = "none";
+  std::optional<std::uint32_t> samples;
+  std::vector<std::string> settings;  ///< path=value
+  bool quiet = false;
+};
+int render_frames(const RenderRequest& request);
+/// Two lines for `souple info`: whether pictures and films can be made, and what is missing.
+std::string picture_support();
+
+struct ViewRequest {
+  std::string source;  ///< a scene, a run's folder, or its run.json; empty: a shipped scene
+  std::string size;    ///< "1280x720"; empty: the default
+  std::optional<std::uint64_t> frames;
+  bool paused = false, debug = false;
+};
+int view(const ViewRequest& request);
 
 int list(bool as_json);
 

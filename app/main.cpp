@@ -1,5 +1,6 @@
 #include "app/commands.h"
 #include "app/exit_codes.h"
+#include "app/view/keys.h"
 #include "souple/error.h"
 #include "souple/version.h"
 
@@ -17,7 +18,9 @@ using souple::app::bad_input;
 using souple::app::failed;
 using souple::app::fine;
 using souple::app::InfoPart;
+using souple::app::RenderRequest;
 using souple::app::RunOptions;
+using souple::app::ViewRequest;
 
 constexpr const char* scene_help = "a scene file, or the name of a shipped scene (see `souple list`)";
 
@@ -26,6 +29,8 @@ constexpr const char* main_footer = R"(Examples:
   souple run flag                              simulates one, writes out/flag
   souple run my/scene.json --frames 100 --write pc2,obj --out renders/a
   souple run --resume out/flag                 goes on with a run that was interrupted
+  souple render flag                           simulates one, writes a picture of its end, out/flag.png
+  souple render out/flag --out flag.mp4        makes a film of a run
   souple check my/scene.json                   reads a scene and says what it holds
 
 Exit codes: 0 fine, 1 writing failed, 2 bad input, 3 the simulation went bad, 130 interrupted.)";
@@ -34,9 +39,34 @@ constexpr const char* run_footer = R"(Examples:
   souple run flag --set objects.flag.material.bending_stiffness=1e-5 --set substeps=20
   souple run scene.json --frames 600 --checkpoint-every 100 --out renders/a
   souple run --resume renders/a
+  souple run flag --picture flag.png
 
 Writes DIR/run.json and, for each object, a mesh and its cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
 the frame, writes a checkpoint and says how to go on; a second Ctrl-C ends at once.)";
+
+constexpr const char* render_footer = R"(Examples:
+  souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
+  souple render out/flag --out flag.mp4                      a film of all frames of a run
+  souple render flag --out flag.gif --frames 1-120 --size 320x180
+  souple render jelly_armada --out pictures --frames 10-100/10
+  souple render tablecloth --sheet 4x3 --display strain
+  souple render flag --camera "from 3,2,4 to 0,1.5,0 fov 30" --set substeps=40
+
+A scene is simulated meanwhile; the folder of a run (or its run.json) is read. --out decides what is written: a
+picture .png, a film .mp4 or .gif (made by the program ffmpeg), else a folder of pictures NAME_0001.png, numbered
+as their frames. Nothing but a picture of the last frame is written unless --frames, --sheet or --out ask for it.
+A .gif shows at most 50 pictures a second: of faster runs every second or third frame. No screen is needed, only
+EGL; the same frame is the same file each time. Ctrl-C finishes the picture and the film so far.
+
+displays:     shaded, plain, wireframe, strain, speed, particles, lattice, normals, contacts
+constraints:  none, kind, colour, strain, residual)";
+
+const std::string view_footer = R"(Examples:
+  souple view flag
+  souple view my/scene.json --paused
+  souple view out/flag                         plays a finished run, with a time slider
+
+)";
 
 constexpr const char* check_footer = R"(Example:
   souple check flag --set objects.flag.mesh.grid.columns=100
@@ -82,9 +112,68 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->type_name("DIR");
   command.add_option("--checkpoint-every", options->checkpoint_every, "write a checkpoint every N frames")
       ->type_name("N");
+  command.add_option("--picture", options->picture, "render the last frame into a picture, 1280x720")
+      ->type_name("FILE.png");
   command.add_flag("--quiet", options->quiet, "print nothing but errors");
   command.callback(
       [options, threads, &action] { action = [options] { return souple::app::run(*options); }; });
+}
+
+void add_render(CLI::App& app, std::function<int()>& action) {
+  auto request = std::make_shared<RenderRequest>();
+  CLI::App& command = *app.add_subcommand("render", "make pictures and films of a scene or of a run");
+  command.footer(render_footer);
+  command
+      .add_option("SOURCE", request->source,
+                  "a scene file, the name of a shipped scene, or the folder of a run or its run.json")
+      ->required();
+  command
+      .add_option(
+          "--out", request->out,
+          "a picture .png, a film .mp4 or .gif, or a folder [out/NAME.png; out/NAME.mp4 where --frames "
+          "means several]")
+      ->type_name("PATH");
+  command
+      .add_option("--frames", request->frames,
+                  "which frames: N, A-B, A-B/STEP, last, all; B may be last [a picture: last; else all]")
+      ->type_name("FRAMES");
+  command.add_option("--sheet", request->sheet, "frames of the run on one page, so many across and down")
+      ->type_name("COLUMNSxROWS");
+  command
+      .add_option("--size", request->size,
+                  "of a picture, in pixels [1280x720; .gif 640x360; each of a sheet 480x270]")
+      ->type_name("WIDTHxHEIGHT");
+  command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
+      ->type_name("N");
+  command
+      .add_option(
+          "--camera", request->camera,
+          "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: all objects fill the picture "
+          "[the scene's, else auto]")
+      ->type_name("CAMERA");
+  command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
+      ->type_name("DISPLAY");
+  command.add_option("--constraints", request->constraints, "how constraints are coloured, see below [none]")
+      ->type_name("CONSTRAINTS");
+  add_settings(command, request->settings);
+  command.add_flag("--quiet", request->quiet, "print nothing but errors");
+  command.callback(
+      [request, &action] { action = [request] { return souple::app::render_frames(*request); }; });
+}
+
+void add_view(CLI::App& app, std::function<int()>& action) {
+  auto request = std::make_shared<ViewRequest>();
+  CLI::App& command =
+      *app.add_subcommand("view", "show a scene while it runs, or a finished run, in a window");
+  command.footer(view_footer + souple::viewer::keys_text());
+  command.add_option(
+      "SOURCE", request->source,
+      "a scene file, the name of a shipped scene, or the folder of a run or its run.json [curtain]");
+  command.add_flag("--paused", request->paused, "do not start before Space is pressed");
+  command.add_option("--size", request->size, "of the window [1440x900]")->type_name("WIDTHxHEIGHT");
+  command.add_option("--frames", request->frames, "quit after so many pictures")->type_name("N");
+  command.add_flag("--debug", request->debug, "end with a message when OpenGL reports an error");
+  command.callback([request, &action] { action = [request] { return souple::app::view(*request); }; });
 }
 
 void add_list(CLI::App& app, std::function<int()>& action) {
@@ -137,10 +226,21 @@ int perform(const std::function<int()>& action) {
   }
 }
 
+/// "run, list, check or info"
+std::string command_names(const CLI::App& app) {
+  std::string names;
+  const std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App*) { return true; });
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (i > 0) names += i + 1 == commands.size() ? " or " : ", ";
+    names += commands[i]->get_name();
+  }
+  return names;
+}
+
 /// What is wrong with the command line, on one line.
 std::string complaint(CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && app.get_subcommands().empty()) {
-    const std::string commands = "run, list, check or info";
+    const std::string commands = command_names(app);
     if (argc < 2) return "expected a command: " + commands;
     const bool option = argv[1][0] == '-';
     return std::string(argv[1]) + ": there is no such " + (option ? "option" : "command") + "; expected " +
@@ -170,6 +270,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("souple ") + souple::version, "print the version");
   app.require_subcommand(1);
   add_run(app, action);
+  add_render(app, action);
+  add_view(app, action);
   add_list(app, action);
   add_check(app, action);
   add_info(app, action);

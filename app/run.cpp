@@ -2,7 +2,9 @@
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
 #include "app/interrupt.h"
+#include "app/last_picture.h"
 #include "app/progress.h"
+#include "app/went_bad.h"
 #include "souple/io/checkpoint_file.h"
 #include "souple/io/recorder.h"
 #include "souple/scene/nearest.h"
@@ -13,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <utility>
 
 namespace souple::app {
@@ -148,13 +151,9 @@ void print_summary(const Job& job, const Tally& tally, double seconds) {
 }
 
 int say_bad(const Job& job, const StepReport& report, std::uint64_t frame) {
-  std::fprintf(
-      stderr,
-      "souple: %s: the simulation went bad in frame %llu: object \"%s\", particle %lu is no longer finite; "
-      "the frames before are in %s. %s\n",
-      job.record.source.c_str(), static_cast<unsigned long long>(frame), report.bad_object.c_str(),
-      static_cast<unsigned long>(report.bad_vertex), job.out.string().c_str(),
-      std::string(advice(Flag::non_finite)).c_str());
+  std::fprintf(stderr, "souple: %s; the frames before are in %s. %s\n",
+               went_bad_text(job.record.source, report, frame).c_str(), job.out.string().c_str(),
+               std::string(advice(Flag::non_finite)).c_str());
   return went_bad;
 }
 
@@ -165,7 +164,7 @@ int say_interrupted(const Job& job, std::uint64_t frame) {
 }
 
 /// Simulates and records; every way out leaves whole files behind.
-int simulate(const Job& job, World& world, Recorder& recorder, bool quiet) {
+int simulate(const Job& job, World& world, Recorder& recorder, LastPicture* picture, bool quiet) {
   const double dt = 1 / job.scene.frame_rate;
   Tally tally;
   double seconds = 0;
@@ -176,6 +175,7 @@ int simulate(const Job& job, World& world, Recorder& recorder, bool quiet) {
       tally.add(report);
       if (!report.ok()) {
         recorder.finish();
+        if (picture != nullptr && frame > 1) picture->write(world, job.scene);
         return say_bad(job, report, frame);
       }
       recorder.capture();
@@ -197,6 +197,7 @@ int simulate(const Job& job, World& world, Recorder& recorder, bool quiet) {
   recorder.finish();
   std::error_code error;
   fs::remove(job.out / checkpoint_name, error);  // there is nothing left to go on with
+  if (picture != nullptr) picture->write(world, job.scene);
   if (!quiet) {
     print_remarks(tally, recorder);
     print_summary(job, tally, seconds);
@@ -230,6 +231,7 @@ int run(const RunOptions& options) {
                   ": does not fit the scene any more (has a mesh changed?): " + error.what());
     }
   }
+  const auto picture = options.picture.empty() ? nullptr : std::make_unique<LastPicture>(options.picture);
   // From here on files appear; an interrupt ends the run in good order.
   watch_interrupts();
   if (job.done == 0) {
@@ -238,7 +240,10 @@ int run(const RunOptions& options) {
   }
   Recorder recorder(world, job.out, recorder_options(job));
   try {
-    return simulate(job, world, recorder, options.quiet);
+    const int code = simulate(job, world, recorder, picture.get(), options.quiet);
+    if (code == fine && picture != nullptr && !options.quiet)
+      std::printf("%s: the last frame is shown in %s\n", job.record.name.c_str(), options.picture.c_str());
+    return code;
   } catch (const Error& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());
     return failed;

@@ -1,1 +1,370 @@
 #include "render/display.h"
+
+#include "render/body_drawing.h"
+#include "render/collider_mesh.h"
+#include "render/constraint_lines.h"
+#include "render/legend.h"
+#include "render/looks.h"
+#include "render/rope_strain.h"
+#include "souple/error.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace souple::render {
+namespace {
+
+constexpr std::array<std::string_view, display_count> display_names{
+    "shaded", "plain", "wireframe", "strain", "speed", "particles", "lattice", "normals", "contacts"};
+constexpr std::array<std::string_view, constraint_display_count> constraint_display_names{
+    "none", "kind", "colour", "strain", "residual"};
+
+const PackedColour against_collider = pack(srgb(0xd9480f)), against_object = pack(srgb(0x1864ab)),
+                   lattice_ink = pack(srgb(0x37474f));
+
+/// Keys are told apart by which drawing gave them: one renderer may draw several subjects.
+std::uint64_t next_key_base() {
+  static std::atomic<std::uint64_t> drawings{0};
+  return ++drawings << 32;
+}
+
+/// A collider and the mesh that was made for its shape.
+struct ColliderDrawing {
+  std::uint64_t key = 0, topology = 0;
+  Shape shape{};
+  ColliderMesh mesh;
+};
+
+bool same_vector(const Vec3f& a, const Vec3f& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+struct SameShape {
+  const Shape& other;
+
+  bool operator()(const Plane& a) const {
+    const auto* b = std::get_if<Plane>(&other);
+    return b && same_vector(a.normal, b->normal) && a.offset == b->offset;
+  }
+  bool operator()(const Sphere& a) const {
+    const auto* b = std::get_if<Sphere>(&other);
+    return b && same_vector(a.center, b->center) && a.radius == b->radius;
+  }
+  bool operator()(const Box& a) const {
+    const auto* b = std::get_if<Box>(&other);
+    return b && same_vector(a.center, b->center) && same_vector(a.half_extents, b->half_extents);
+  }
+  bool operator()(const Capsule& a) const {
+    const auto* b = std::get_if<Capsule>(&other);
+    return b && same_vector(a.center, b->center) && a.radius == b->radius && a.half_height == b->half_height;
+  }
+  bool operator()(const Cylinder& a) const {
+    const auto* b = std::get_if<Cylinder>(&other);
+    return b && same_vector(a.center, b->center) && a.radius == b->radius && a.half_height == b->half_height;
+  }
+};
+
+/// The height of a plane that is a level floor now.
+std::optional<float> floor_height(const ColliderBody& collider) {
+  const auto* plane = std::get_if<Plane>(collider.shape);
+  if (!plane) return {};
+  const Vec3d n(plane->normal);
+  const Vec3d up = normalized(collider.pose.direction(n));
+  if (up.y < 1 - 1e-9) return {};
+  return static_cast<float>(
+      collider.pose.point(n * (static_cast<double>(plane->offset) / length_squared(n))).y);
+}
+
+/// Half a metre for things of a few metres, and so on up and down in steps of two.
+float tile_for(float radius) {
+  return 0.5f * std::exp2(std::round(std::log2(std::clamp(radius, 1e-3f, 1e4f) / 2)));
+}
+
+}  // namespace
+
+std::string_view display_name(Display display) {
+  return display_names[static_cast<std::size_t>(display)];
+}
+
+Display display_of(std::string_view name) {
+  std::string known;
+  for (std::size_t i = 0; i < display_count; ++i) {
+    if (display_names[i] == name) return static_cast<Display>(i);
+    known += (i > 0 ? ", " : "") + std::string(display_names[i]);
+  }
+  throw Error("there is no display '" + std::string(name) + "', expected one of: " + known);
+}
+
+std::string_view constraint_display_name(ConstraintDisplay display) {
+  return constraint_display_names[static_cast<std::size_t>(display)];
+}
+
+struct SubjectDrawing::Impl {
+  DrawList list;
+  HeatScale heat;
+  Legend legend;
+  std::uint64_t next_key = next_key_base();
+  std::uint64_t topology = 0;
+  std::uint32_t next_index = 0;
+  std::map<std::uint32_t, BodyDrawing> bodies;         ///< by Body::id
+  std::map<std::uint32_t, ColliderDrawing> colliders;  ///< by ColliderBody::id
+  Bounds scene;                                        ///< when an object last came or went
+  std::uint64_t pins_key = 0, pins_version = 0, contacts_key = 0, contacts_version = 0;
+  std::vector<Vec3f> pins, contact_points;
+  std::vector<float> pin_radii;
+  std::vector<PackedColour> contact_colours;
+  std::vector<std::vector<float>> rope_strain;  ///< per body, per point
+
+  std::uint64_t take_key() { return next_key += 2; }
+  float size() const { return std::max(scene.radius(), 1e-3f); }
+
+  void forget();
+  void meet(const Subject& subject);
+  void meet_colliders(const Subject& subject);
+  void gather_particles(const Subject& subject, const Drawing& drawing);
+  void draw_colliders(const Subject& subject, const DisplayOptions& options);
+  void draw_collider(const ColliderBody& collider, std::uint32_t pick);
+  void draw_pins(const Subject& subject);
+  void draw_lattice(const World& world);
+  void draw_contacts(const World& world);
+  void explain(const Subject& subject, const DisplayOptions& options);
+  void update(const Subject& subject, const DisplayOptions& options);
+};
+
+void SubjectDrawing::Impl::forget() {
+  bodies.clear();
+  colliders.clear();
+  scene = {};
+  next_index = 0;
+}
+
+/// Makes drawings for objects that are new, drops those of objects that are gone.
+void SubjectDrawing::Impl::meet(const Subject& subject) {
+  bool changed = false;
+  std::map<std::uint32_t, BodyDrawing> present;
+  for (const Body& body : subject.bodies) {
+    auto known = bodies.extract(body.id);
+    if (known && known.mapped().fits(body)) {
+      present.insert(std::move(known));
+      continue;
+    }
+    changed = true;
+    present.try_emplace(body.id, body, next_index++, take_key());
+  }
+  changed = changed || !bodies.empty();
+  bodies = std::move(present);
+  if (!changed) return;
+  scene = {};
+  for (const Body& body : subject.bodies) scene.add(bodies.at(body.id).bounds(body));
+}
+
+void SubjectDrawing::Impl::meet_colliders(const Subject& subject) {
+  std::map<std::uint32_t, ColliderDrawing> present;
+  for (const ColliderBody& collider : subject.colliders) {
+    auto known = colliders.extract(collider.id);
+    ColliderDrawing drawing;
+    if (known) drawing = std::move(known.mapped());
+    if (drawing.key == 0) drawing.key = take_key();
+    if (drawing.topology == 0 || !std::visit(SameShape{*collider.shape}, drawing.shape)) {
+      drawing.shape = *collider.shape;
+      const Vec3d centre =
+          rotate(conjugate(collider.pose.rotation),
+                 Vec3d(scene.empty() ? Vec3f{} : scene.centre()) - collider.pose.translation);
+      drawing.mesh = collider_mesh(drawing.shape, centre, std::max(4.0 * static_cast<double>(size()), 1.0));
+      ++drawing.topology;
+    }
+    present.try_emplace(collider.id, std::move(drawing));
+  }
+  colliders = std::move(present);
+}
+
+/// In a world the particles are not the vertices; soft bodies have them inside.
+void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawing& drawing) {
+  const Display display = drawing.options.display;
+  if (!subject.world || (display != Display::particles && display != Display::lattice)) return;
+  for (auto& [id, body] : bodies) body.particles().clear();
+  DebugDraw draw;
+  draw.particle = [&](const DebugParticle& particle) {
+    const auto found = bodies.find(particle.object);
+    if (found == bodies.end() || !found->second.draws_particles(drawing)) return;
+    ParticleCloud& cloud = found->second.particles();
+    cloud.centres.push_back(particle.position);
+    // Lattice nodes outside the surface they carry have radii below zero: they touch nothing before it does.
+    const float dot = 0.006f * size();
+    cloud.radii.push_back(display == Display::lattice || particle.radius <= 0 ? dot : particle.radius);
+  };
+  subject.world->debug_draw(draw);
+}
+
+void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint32_t pick) {
+  const ColliderDrawing& drawing = colliders.at(collider.id);
+  Surface surface;
+  surface.key = drawing.key;
+  surface.topology = surface.version = drawing.topology;
+  surface.positions = drawing.mesh.positions;
+  surface.normals = drawing.mesh.normals;
+  surface.triangles = drawing.mesh.triangles;
+  surface.pose = collider.pose;
+  surface.look = collider_look();
+  surface.pick = pick;
+  list.surfaces.push_back(surface);
+}
+
+/// The first level floor is the ground; every other collider has a mesh.
+void SubjectDrawing::Impl::draw_colliders(const Subject& subject, const DisplayOptions& options) {
+  list.ground = {};
+  list.ground.shown = false;
+  if (!options.colliders) return;
+  auto pick = static_cast<std::uint32_t>(subject.bodies.size());
+  for (const ColliderBody& collider : subject.colliders) {
+    ++pick;
+    const std::optional<float> height = floor_height(collider);
+    if (!height || list.ground.shown) {
+      draw_collider(collider, pick);
+      continue;
+    }
+    list.ground.shown = true;
+    list.ground.height = *height;
+    list.ground.tile = tile_for(size());
+  }
+}
+
+void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
+  std::vector<Vec3f> centres;
+  pin_radii.clear();
+  for (const Body& body : subject.bodies) {
+    const float radius = body.kind == ObjectKind::rope || body.kind == ObjectKind::grains
+                             ? 1.5f * body.radius
+                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.015f * size());
+    for (const std::uint32_t v : subject.world->pinned({body.id})) {
+      centres.push_back(body.positions[v]);
+      pin_radii.push_back(radius);
+    }
+  }
+  if (centres.empty()) return;
+  if (pins_key == 0) pins_key = take_key();
+  if (centres != pins) {
+    pins = std::move(centres);
+    ++pins_version;
+  }
+  Spheres spheres;
+  spheres.key = pins_key;
+  spheres.version = pins_version;
+  spheres.centres = pins;
+  spheres.radii = pin_radii;
+  spheres.look = pin_look();
+  list.spheres.push_back(spheres);
+}
+
+void SubjectDrawing::Impl::draw_lattice(const World& world) {
+  DebugDraw draw;
+  draw.tet_edge = [&](const Vec3f& a, const Vec3f& b) { list.lines.push_back({a, b, lattice_ink, 1.2f}); };
+  world.debug_draw(draw);
+}
+
+/// Lines along the normals, as long as the root of their impulse, from a small ball.
+void SubjectDrawing::Impl::draw_contacts(const World& world) {
+  float strongest = 0;
+  std::array<std::size_t, 2> count{};
+  for (const ContactEvent& event : world.contacts()) strongest = std::max(strongest, event.impulse);
+  contact_points.clear();
+  contact_colours.clear();
+  for (const ContactEvent& event : world.contacts()) {
+    const PackedColour colour = event.other_is_collider ? against_collider : against_object;
+    const float share = strongest > 0 ? std::sqrt(std::max(event.impulse, 0.0f) / strongest) : 0;
+    const float reach = size() * (0.02f + 0.13f * share);
+    list.top_lines.push_back({event.point, event.point + event.normal * reach, colour, 2});
+    contact_points.push_back(event.point);
+    contact_colours.push_back(colour);
+    ++count[event.other_is_collider ? 0 : 1];
+  }
+  legend.title("contacts; longest line " + short_number(static_cast<double>(strongest)) + " N s");
+  legend.entry(against_collider, "with colliders  " + std::to_string(count[0]));
+  legend.entry(against_object, "between objects  " + std::to_string(count[1]));
+  if (contact_points.empty()) return;
+  if (contacts_key == 0) contacts_key = take_key();
+  Spheres spheres;
+  spheres.key = contacts_key;
+  spheres.version = ++contacts_version;
+  spheres.centres = contact_points;
+  spheres.radius = 0.006f * size();
+  spheres.colours = contact_colours;
+  spheres.casts_shadow = false;
+  list.spheres.push_back(spheres);
+}
+
+/// What the colours of the surfaces mean, and what a cache cannot show.
+void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions& options) {
+  const Display display = options.display;
+  if (display == Display::strain) {
+    legend.title("stretch of edges");
+    legend.scale(heat, 100 * options.largest_strain, "%");
+  }
+  if (display == Display::speed) {
+    legend.title("speed");
+    legend.scale(heat, options.largest_speed, "m/s");
+  }
+  if (display == Display::normals) legend.title("normals: x red, y green, z blue");
+  if (subject.world) return;
+  if (display == Display::lattice) legend.title("a recorded run holds no lattice");
+  if (display == Display::contacts) legend.title("a recorded run holds no contacts");
+  if (options.constraints != ConstraintDisplay::none) legend.title("a recorded run holds no constraints");
+}
+
+void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& options) {
+  if (subject.topology != topology) forget();
+  topology = subject.topology;
+  meet(subject);
+  meet_colliders(subject);
+
+  list.surfaces.clear();
+  list.spheres.clear();
+  list.lines.clear();
+  list.top_lines.clear();
+  list.labels.clear();
+  legend.clear();
+
+  const World* world = subject.world;
+  const Drawing drawing{options, heat, subject.frame, world != nullptr, list};
+  gather_particles(subject, drawing);
+  rope_strain.clear();
+  if (world && options.display == Display::strain) rope_strain = rope_strains(subject);
+  for (std::uint32_t i = 0; i < subject.bodies.size(); ++i)
+    bodies.at(subject.bodies[i].id)
+        .draw(subject.bodies[i], i + 1,
+              rope_strain.empty() ? std::span<const float>{} : std::span<const float>(rope_strain[i]),
+              drawing);
+  draw_colliders(subject, options);
+  explain(subject, options);
+  if (world && options.pins) draw_pins(subject);
+  if (world && options.display == Display::lattice) draw_lattice(*world);
+  if (world && options.display == Display::contacts) draw_contacts(*world);
+  if (world) draw_constraints(*world, options, heat, 0.01f * size(), list.top_lines, legend);
+  list.labels = legend.labels();
+}
+
+SubjectDrawing::SubjectDrawing() : impl_(std::make_unique<Impl>()) {}
+SubjectDrawing::~SubjectDrawing() = default;
+
+const DrawList& SubjectDrawing::update(const Subject& subject, const DisplayOptions& options) {
+  impl_->update(subject, options);
+  return impl_->list;
+}
+
+DrawList& SubjectDrawing::list() {
+  return impl_->list;
+}
+
+std::uint32_t SubjectDrawing::vertex_of(const Subject& subject, std::uint32_t pick,
+                                        std::uint32_t element) const {
+  if (pick == 0 || pick > subject.bodies.size()) return element;
+  const Body& body = subject.bodies[pick - 1];
+  const auto found = impl_->bodies.find(body.id);
+  return found == impl_->bodies.end() ? element : found->second.vertex_of(body, element);
+}
+
+}  // namespace souple::render

@@ -1,1 +1,406 @@
 #include "render/film.h"
+
+#include "souple/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <span>
+#include <spawn.h>
+#include <string>
+#include <string_view>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace souple::render {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Where a program lies: the folders of PATH, first to last. Empty when it is in none.
+fs::path find_program(const char* name) {
+  const char* listed = std::getenv("PATH");
+  const std::string_view folders = listed != nullptr ? listed : "/usr/bin:/bin";
+  for (std::size_t begin = 0; begin <= folders.size();) {
+    const std::size_t end = std::min(folders.find(':', begin), folders.size());
+    const fs::path file = fs::path(folders.substr(begin, end - begin)) / name;
+    std::error_code error;
+    // An empty entry would mean the working folder, from which nothing should be run unasked.
+    if (end > begin && fs::is_regular_file(file, error) && access(file.c_str(), X_OK) == 0) return file;
+    begin = end + 1;
+  }
+  return {};
+}
+
+std::string reason(int number) {
+  return std::generic_category().message(number);
+}
+
+/// A running ffmpeg that reads from us. Its arguments go to it as they are: no shell sees them.
+class Ffmpeg {
+ public:
+  explicit Ffmpeg(const std::vector<std::string>& arguments) : said_(std::tmpfile()) {
+    const fs::path program = find_program("ffmpeg");
+    if (program.empty()) {
+      throw Error(
+          "films are made by the program ffmpeg, which is not on the PATH: install the Debian package "
+          "ffmpeg, "
+          "or write single pictures into a folder instead");
+    }
+    // A socket instead of a pipe: writing to an ffmpeg that has died is then an error and no signal, whatever
+    // the program around us does with SIGPIPE.
+    std::array<int, 2> ends{-1, -1};
+    if (said_ == nullptr || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+      const int why = errno;
+      close_said();
+      throw Error("ffmpeg cannot be started: " + reason(why));
+    }
+    input_ = ends[0];
+    const int failure = spawn(program.string(), arguments, ends[1]);
+    close(ends[1]);
+    if (failure != 0) {
+      close_input();
+      close_said();
+      throw Error(program.string() + " cannot be started: " + reason(failure));
+    }
+  }
+  ~Ffmpeg() {
+    if (process_ > 0) {
+      kill(process_, SIGKILL);
+      close_input();
+      wait();
+    }
+    close_said();
+  }
+  Ffmpeg(const Ffmpeg&) = delete;
+  Ffmpeg& operator=(const Ffmpeg&) = delete;
+
+  /// False when it does not take any more: `finish` then says why.
+  bool write(std::span<const std::uint8_t> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t sent = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (sent < 0 && errno == EINTR) continue;
+      if (sent < 0) return false;
+      bytes = bytes.subspan(static_cast<std::size_t>(sent));
+    }
+    return true;
+  }
+
+  /// Ends its input and waits. Empty when all went well, else what it said last.
+  std::string finish() {
+    close_input();
+    const int status = wait();
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+    const std::string line = last_line();
+    if (!line.empty()) return line;
+    return WIFSIGNALED(status) ? "it was ended by signal " + std::to_string(WTERMSIG(status))
+                               : "exit code " + std::to_string(WEXITSTATUS(status));
+  }
+
+ private:
+  int spawn(const std::string& program, const std::vector<std::string>& arguments, int input) {
+    std::vector<std::string> words{program, "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&files, fileno(said_), STDERR_FILENO);
+    // A group of its own: Ctrl-C in the terminal is for us, who then finish the film in good order.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    const int failure = posix_spawn(&process_, program.c_str(), &files, &attributes, argv.data(), environ);
+    if (failure != 0) process_ = -1;
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+    return failure;
+  }
+
+  int wait() {
+    int status = 0;
+    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    process_ = -1;
+    return status;
+  }
+
+  /// Of what it complained about.
+  std::string last_line() {
+    std::string line, found;
+    std::rewind(said_);
+    for (int c = std::fgetc(said_); c != EOF; c = std::fgetc(said_)) {
+      if (c != '\n') line += static_cast<char>(c);
+      if (c == '\n' && !line.empty()) found = std::exchange(line, {});
+    }
+    return line.empty() ? found : line;
+  }
+
+  void close_input() {
+    if (input_ >= 0) close(input_);
+    input_ = -1;
+  }
+  void close_said() {
+    if (said_ != nullptr) std::fclose(said_);
+    said_ = nullptr;
+  }
+
+  std::FILE* said_;  ///< a file, not a pipe: it never fills up
+  int input_ = -1;
+  pid_t process_ = -1;
+};
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+/// "flag.mp4" -> "flag.part.mkv"
+fs::path part_of(const fs::path& file, const char* extension) {
+  return file.parent_path() / (file.stem().string() + ".part" + extension);
+}
+
+/// A name that ffmpeg takes for nothing but a file, whatever its letters (-x.mp4, a:b.mp4).
+std::string file_word(const fs::path& file) {
+  return "file:" + file.string();
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::string number_text(double number) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.9g", number);
+  return text;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error) throw Error(folder.string() + ": cannot be made: " + error.message());
+}
+
+/// Finds out now, not after minutes of work.
+void require_writable(const fs::path& file) {
+  std::FILE* const opened = std::fopen(file.c_str(), "wb");
+  if (opened == nullptr) throw Error(file.string() + ": cannot be written: " + reason(errno));
+  std::fclose(opened);
+}
+
+}  // namespace
+
+bool has_ffmpeg() {
+  return !find_program("ffmpeg").empty();
+}
+
+bool is_film(const fs::path& file) {
+  const std::string extension = lower_extension(file);
+  return extension == ".mp4" || extension == ".gif";
+}
+
+struct Film::Impl {
+  enum class Kind { mp4, gif, pictures };
+
+  fs::path file;
+  double rate;
+  Kind kind = Kind::pictures;
+  int width = 0, height = 0;            ///< of the first picture
+  int film_width = 0, film_height = 0;  ///< of what ffmpeg gets
+  std::uint64_t added = 0;
+  bool finished = false;
+  fs::path part;  ///< what ffmpeg writes while pictures come: the film, or of a .gif all pictures
+  std::vector<fs::path> spares;  ///< removed at the end, however it comes
+  std::unique_ptr<Ffmpeg> ffmpeg;
+  Image padded;
+
+  Impl(fs::path file_, double rate_) : file(std::move(file_)), rate(rate_) {
+    if (!(std::isfinite(rate) && rate > 0))
+      throw Error(file.string() + ": a film needs a frame rate above 0, not " + number_text(rate));
+    if (is_film(file)) kind = lower_extension(file) == ".gif" ? Kind::gif : Kind::mp4;
+    if (kind == Kind::pictures) {
+      make_folder(file);
+      return;
+    }
+    if (std::error_code error; fs::is_directory(file, error))
+      throw Error(file.string() + ": is a folder; expected the name of a film");
+    if (!has_ffmpeg()) Ffmpeg({});  // says what is missing
+    make_folder(file.parent_path());
+    part = part_of(file, kind == Kind::gif ? ".mkv" : ".mp4");
+    spares.push_back(part);
+    require_writable(part);
+  }
+  ~Impl() {
+    try {
+      if (added > 0) finish();
+    } catch (const std::exception&) {
+    }
+    ffmpeg.reset();
+    std::error_code error;
+    for (const fs::path& spare : spares) fs::remove(spare, error);
+  }
+
+  /// Of a .gif every so manieth picture is shown.
+  std::uint64_t stride() const {
+    constexpr double fastest_gif = 50;  // browsers show a picture for at least 2/100 s
+    return kind == Kind::gif ? static_cast<std::uint64_t>(std::ceil(rate / fastest_gif - 1e-9)) : 1;
+  }
+
+  void start() {
+    const int side = kind == Kind::mp4 ? 2 : 1;  // H.264 stores colours for 2 x 2 pixels
+    film_width = (width + side - 1) / side * side;
+    film_height = (height + side - 1) / side * side;
+    std::vector<std::string> words{"-f",
+                                   "rawvideo",
+                                   "-pixel_format",
+                                   "rgba",
+                                   "-video_size",
+                                   size_text(film_width, film_height),
+                                   "-framerate",
+                                   number_text(rate / static_cast<double>(stride())),
+                                   "-i",
+                                   "pipe:0",
+                                   "-an",
+                                   "-fflags",
+                                   "+bitexact",
+                                   "-flags:v",
+                                   "+bitexact"};
+    const std::vector<std::string> mp4{"-vf",
+                                       "scale=out_color_matrix=bt709:out_range=tv",
+                                       "-pix_fmt",
+                                       "yuv420p",
+                                       "-c:v",
+                                       "libx264",
+                                       "-crf",
+                                       "18",
+                                       "-color_range",
+                                       "tv",
+                                       "-colorspace",
+                                       "bt709",
+                                       "-color_primaries",
+                                       "bt709",
+                                       "-color_trc",
+                                       "iec61966-2-1",
+                                       "-movflags",
+                                       "+faststart",
+                                       "-f",
+                                       "mp4"};
+    // A .gif shares one palette, known only when all pictures are: until then they are kept, losslessly.
+    const std::vector<std::string> lossless{"-pix_fmt", "bgr0", "-c:v", "ffv1", "-f", "matroska"};
+    const std::vector<std::string>& encoding = kind == Kind::mp4 ? mp4 : lossless;
+    words.insert(words.end(), encoding.begin(), encoding.end());
+    words.push_back(file_word(part));
+    ffmpeg = std::make_unique<Ffmpeg>(words);
+  }
+
+  /// The picture, its last column and row repeated where the film is larger.
+  std::span<const std::uint8_t> frame_of(const Image& image) {
+    if (film_width == width && film_height == height) return image.pixels;
+    Image grown(film_width, film_height);
+    for (int y = 0; y < film_height; ++y) {
+      const std::uint8_t* const row = image.at(0, std::min(y, height - 1));
+      std::uint8_t* const end = std::copy(row, row + 4 * width, grown.at(0, y));
+      if (film_width > width) std::copy(row + 4 * (width - 1), row + 4 * width, end);
+    }
+    padded = std::move(grown);
+    return padded.pixels;
+  }
+
+  void add(const Image& image) {
+    if (finished) throw Error(file.string() + ": the film is finished");
+    if (image.width < 1 || image.height < 1) throw Error(file.string() + ": a picture has no pixels");
+    if (added == 0) {
+      width = image.width;
+      height = image.height;
+    }
+    if (image.width != width || image.height != height) {
+      throw Error(file.string() + ": the film began with pictures of " + size_text(width, height) +
+                  " pixels; one of " + size_text(image.width, image.height) + " cannot follow");
+    }
+    const std::uint64_t index = added++;
+    if (kind == Kind::pictures) {
+      write_png(file / picture_name(index + 1), image);
+      return;
+    }
+    if (index == 0) start();
+    if (index % stride() == 0 && !ffmpeg->write(frame_of(image))) fail(ffmpeg->finish());
+  }
+
+  std::string picture_name(std::uint64_t number) const {
+    char text[32];
+    std::snprintf(text, sizeof(text), "_%04llu.png", static_cast<unsigned long long>(number));
+    const fs::path folder = file.has_filename() ? file : file.parent_path();  // "films/" is called films
+    return folder.lexically_normal().filename().string() + text;
+  }
+
+  [[noreturn]] void fail(const std::string& why) {
+    finished = true;
+    ffmpeg.reset();
+    throw Error(file.string() + ": ffmpeg failed: " + why);
+  }
+
+  void run_to_end(const std::vector<std::string>& words) {
+    ffmpeg = std::make_unique<Ffmpeg>(words);
+    if (const std::string why = ffmpeg->finish(); !why.empty()) fail(why);
+    ffmpeg.reset();
+  }
+
+  void finish() {
+    if (finished) return;
+    if (added == 0) throw Error(file.string() + ": a film needs a picture");
+    finished = true;
+    if (kind == Kind::pictures) return;
+    if (const std::string why = ffmpeg->finish(); !why.empty()) fail(why);
+    ffmpeg.reset();
+    const fs::path whole = kind == Kind::gif ? make_gif() : part;
+    std::error_code error;
+    fs::rename(whole, file, error);
+    if (error) throw Error(file.string() + ": cannot be written: " + error.message());
+  }
+
+  /// Two passes: the palette that serves all pictures best, then the film in these colours.
+  fs::path make_gif() {
+    const fs::path colours = part_of(file, ".png"), gif = part_of(file, ".gif");
+    spares.push_back(colours);
+    spares.push_back(gif);
+    run_to_end({"-i", file_word(part), "-vf", "palettegen=stats_mode=full:reserve_transparent=0", "-frames:v",
+                "1", "-update", "1", "-fflags", "+bitexact", file_word(colours)});
+    run_to_end({"-i", file_word(part), "-f", "image2", "-pattern_type", "none", "-i", file_word(colours),
+                "-filter_complex", "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle",
+                "-fflags", "+bitexact", "-f", "gif", file_word(gif)});
+    return gif;
+  }
+};
+
+Film::Film(fs::path file, double frame_rate) : impl_(std::make_unique<Impl>(std::move(file), frame_rate)) {}
+
+Film::~Film() = default;
+
+void Film::add(const Image& image) {
+  impl_->add(image);
+}
+
+void Film::finish() {
+  impl_->finish();
+}
+
+}  // namespace souple::render

@@ -1,1 +1,29 @@
 #include "render/subject.h"
+
+namespace souple::render {
+
+Subject subject_of(const World& world, std::uint64_t world_number) {
+  Subject subject;
+  for (const ObjectId id : world.objects()) {
+    Body body;
+    body.id = id.value;
+    body.name = world.name(id);
+    body.kind = world.kind(id);
+    body.positions = world.positions(id);
+    body.normals = world.normals(id);
+    body.velocities = world.velocities(id);
+    body.triangles = world.triangles(id);
+    body.rest = world.mesh(id).positions;
+    body.radius = world.particle_radius(id);
+    subject.bodies.push_back(body);
+  }
+  for (const ColliderId id : world.colliders())
+    subject.colliders.push_back(
+        {id.value, world.collider_options(id).name, &world.shape(id), world.collider_pose(id)});
+  subject.frame = world.version();
+  subject.topology = world_number;
+  subject.world = &world;
+  return subject;
+}
+
+}  // namespace souple::render

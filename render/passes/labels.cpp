@@ -16,7 +16,7 @@ namespace souple::render {
 
 namespace {
 
-constexpr int smallest = 6, largest = 256;  // pixels a line is high
+constexpr int smallest = 6, largest = 128;  // pixels a line is high
 constexpr std::size_t most_sheets = 8;      // a window that is resized may ask for any size
 
 /// A rectangle of a glyph sheet on the picture.

@@ -316,6 +316,17 @@ Residual ColliderContacts::residual(const ParticleView& particles) const {
   return result;
 }
 
+void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
+      const std::uint32_t i = contacts_[c].particle;
+      const double C = gap(shape_of(body), contacts_[c], body.after.to_local(place(particles, i))).C;
+      visitor({{&i, 1}, static_cast<int>(b), 0, static_cast<float>(max(0.0, -C))});
+    }
+  }
+}
+
 void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   bodies_.clear();
   members_.clear();

@@ -62,6 +62,7 @@ class ColliderContacts final : public Projector {
   int colour_count() const override { return static_cast<int>(bodies_.size()); }
   void project(int colour, const ParticleView& particles, const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   /// Contacts live for one step; erasing between steps forgets them all.
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 

@@ -373,6 +373,15 @@ Residual ParticleContacts::residual(const ParticleView& particles) const {
   return result;
 }
 
+void ParticleContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  for (const Contact& contact : contacts_) {
+    Vec3f unused;
+    const float C = gap(contact, particles.difference(contact.i, contact.j), unused);
+    const std::uint32_t pair[] = {contact.i, contact.j};
+    visitor({pair, 0, 0, max(0.0f, -C)});
+  }
+}
+
 void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
   remember();
   std::size_t kept = 0;

@@ -58,6 +58,7 @@ class ParticleContacts final : public Projector {
   int colour_count() const override { return 1; }
   void project(int colour, const ParticleView& particles, const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:

@@ -43,6 +43,12 @@ Header read_header(ByteSource& source) {
   return header;
 }
 
+/// A .part has a table for the frames that were planned: its length says how many there are.
+std::uint64_t frames_within(const Header& header, std::uint64_t size) {
+  const std::uint64_t data = size - header_size - 4 * header.frames;
+  return std::min(header.frames, data / (12 * header.points));
+}
+
 std::vector<float> read_times(ByteSource& source, std::uint64_t count) {
   std::vector<std::byte> bytes(4 * count);
   source.read(header_size, bytes);
@@ -85,8 +91,7 @@ MddWriter MddWriter::resume(const std::filesystem::path& path, std::uint64_t poi
   {
     ByteSource source(existing);
     header = read_header(source);
-    const std::uint64_t data = source.size() - header_size - 4 * header.frames;
-    const std::uint64_t frames = std::min(header.frames, data / (12 * header.points));
+    const std::uint64_t frames = frames_within(header, source.size());
     point_cache::check_resume(source.name(), {header.points, frames}, points, keep_frames);
     times = read_times(source, keep_frames);
   }
@@ -155,19 +160,26 @@ void MddWriter::discard() {
   std::filesystem::remove(file_.path(), ignored);
 }
 
-MddReader::MddReader(ByteSource source) : source_(std::move(source)) {
+MddReader::MddReader(ByteSource source) : MddReader(std::move(source), false) {}
+
+MddReader MddReader::of_part(ByteSource source) {
+  return {std::move(source), true};
+}
+
+MddReader::MddReader(ByteSource source, bool is_part) : source_(std::move(source)) {
   const Header header = read_header(source_);
-  point_cache::check_size(source_.name(), {header.points, header.frames},
-                          source_.size() - header_size - 4 * header.frames);
+  first_frame_ = header_size + 4 * header.frames;
+  if (!is_part)
+    point_cache::check_size(source_.name(), {header.points, header.frames}, source_.size() - first_frame_);
   points_ = header.points;
-  times_ = read_times(source_, header.frames);
+  times_ = read_times(source_, frames_within(header, source_.size()));
 }
 
 void MddReader::read(std::uint64_t frame, std::span<Vec3f> positions) {
   point_cache::check_read(source_.name(), {points_, frames()}, frame, positions.size());
   buffer_.resize(12 * positions.size());
   const auto bytes = std::as_writable_bytes(std::span(buffer_));
-  source_.read(header_size + 4 * frames() + frame * bytes.size(), bytes);
+  source_.read(first_frame_ + frame * bytes.size(), bytes);
   load_points<order>(bytes.data(), positions);
 }
 

@@ -57,6 +57,8 @@ class MddReader {
  public:
   explicit MddReader(ByteSource source);
   explicit MddReader(const std::filesystem::path& path) : MddReader(ByteSource(path)) {}
+  /// A file that still grows, or did when its program was killed: the frames that are whole.
+  static MddReader of_part(ByteSource source);
 
   std::uint64_t points() const { return points_; }
   std::uint64_t frames() const { return times_.size(); }
@@ -66,8 +68,11 @@ class MddReader {
   void read(std::uint64_t frame, std::span<Vec3f> positions);
 
  private:
+  MddReader(ByteSource source, bool is_part);
+
   ByteSource source_;
   std::uint64_t points_ = 0;
+  std::uint64_t first_frame_ = 0;  ///< byte
   std::vector<float> times_;
   std::string buffer_;
 };

@@ -125,11 +125,18 @@ void Pc2Writer::discard() {
   std::filesystem::remove(file_.path(), ignored);
 }
 
-Pc2Reader::Pc2Reader(ByteSource source) : source_(std::move(source)) {
+Pc2Reader::Pc2Reader(ByteSource source) : Pc2Reader(std::move(source), false) {}
+
+Pc2Reader Pc2Reader::of_part(ByteSource source) {
+  return {std::move(source), true};
+}
+
+Pc2Reader::Pc2Reader(ByteSource source, bool is_part) : source_(std::move(source)) {
   const Header header = read_header(source_);
-  point_cache::check_size(source_.name(), {header.points, header.frames}, source_.size() - header_size);
+  if (!is_part)
+    point_cache::check_size(source_.name(), {header.points, header.frames}, source_.size() - header_size);
   points_ = header.points;
-  frames_ = header.frames;
+  frames_ = std::min(header.frames, frames_that_fit(source_.size(), header.points));
   start_frame_ = header.start_frame;
   sample_rate_ = header.sample_rate;
 }

@@ -61,6 +61,8 @@ class Pc2Reader {
  public:
   explicit Pc2Reader(ByteSource source);
   explicit Pc2Reader(const std::filesystem::path& path) : Pc2Reader(ByteSource(path)) {}
+  /// A file that still grows, or did when its program was killed: the frames that are whole.
+  static Pc2Reader of_part(ByteSource source);
 
   std::uint64_t points() const { return points_; }
   std::uint64_t frames() const { return frames_; }
@@ -70,6 +72,8 @@ class Pc2Reader {
   void read(std::uint64_t frame, std::span<Vec3f> positions);
 
  private:
+  Pc2Reader(ByteSource source, bool is_part);
+
   ByteSource source_;
   std::uint64_t points_ = 0;
   std::uint64_t frames_ = 0;

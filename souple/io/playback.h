@@ -12,15 +12,19 @@
 
 namespace souple {
 
-/// A finished or stopped run's folder, frame by frame: what a Recorder wrote.
+/// A finished or stopped run's folder, frame by frame in any order: what a Recorder wrote. Only the frame
+/// that was read last is in memory. Of a run that was killed, or still goes on, the frames that are whole
+/// when it is opened. PC2 is preferred, then MDD, PLY, OBJ.
 class Playback {
  public:
   struct Object {
-    std::string name, kind;           ///< as in run.json
-    std::vector<Triangle> triangles;  ///< of the mesh at rest; empty for ropes and grains
-    std::vector<Vec3d> rest;          ///< m; user order
-    std::vector<Vec3f> positions,
-        normals;  ///< of the frame that was read last; normals empty without triangles
+    std::string name, kind;  ///< as in run.json
+    /// Of the mesh at rest, empty for ropes and grains. In frames where an object of the same name has
+    /// another topology, those of that frame, and `rest` is its positions.
+    std::vector<Triangle> triangles;
+    std::vector<Vec3d> rest;  ///< m; user order. Without a rest mesh (sequences only): its first frame
+    /// Of the frame that was read last. Empty where the object is not there; normals also without triangles.
+    std::vector<Vec3f> positions, normals;
   };
 
   /// `path` is the folder or its run.json. Throws Error when the manifest or a file it names is missing or
@@ -32,8 +36,9 @@ class Playback {
 
   const RunManifest& manifest() const;
   std::uint64_t frames() const;            ///< that can be read; 0 is none
-  double time(std::uint64_t frame) const;  ///< s; frame 1 is the first that was captured
-  /// Reads the frame, in [1, frames()], into `objects`. Throws Error when a file cannot be read any more.
+  double time(std::uint64_t frame) const;  ///< s; of the world when it was captured
+  /// Reads the frame, in [1, frames()], into `objects`. Throws Error when a file cannot be read any more, or
+  /// holds what is no number; no object has positions then, and frame() is 0.
   void read(std::uint64_t frame);
   std::uint64_t frame() const;  ///< the one read last; 0 before the first
   std::span<const Object> objects() const;

@@ -119,14 +119,7 @@ class File : public Codec<std::string> {
     const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= longest &&
                         json.text.find('\0') == std::string::npos;
     if (!usable) place.unexpected("a file's name", json);
-    const std::filesystem::path path = place.reading().base / json.text;
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) {
-      place.fail("expected a file, but " + brief(json) + " is a folder: " + path.string());
-    }
-    if (!std::filesystem::exists(path, error)) {
-      place.fail("there is no file " + brief(json) + "; looked for " + path.string());
-    }
+    if (place.reading().files_exist) require_file(place, json);
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
@@ -135,6 +128,16 @@ class File : public Codec<std::string> {
   }
 
  private:
+  static void require_file(const Place& place, const Json& json) {
+    const std::filesystem::path path = place.reading().base / json.text;
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) {
+      place.fail("expected a file, but " + brief(json) + " is a folder: " + path.string());
+    }
+    if (!std::filesystem::exists(path, error)) {
+      place.fail("there is no file " + brief(json) + "; looked for " + path.string());
+    }
+  }
   static constexpr int longest = 1000;
 };
 

@@ -26,6 +26,7 @@ namespace souple::scene_format {
 struct Reading {
   std::string source;          ///< how messages call it
   std::filesystem::path base;  ///< where its relative files are looked for
+  bool files_exist = true;     ///< and have to be there
 };
 
 /// Where in a scene a value stands. Lives on the stack of the reader; the path is spelt out only for a

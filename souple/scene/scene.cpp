@@ -45,16 +45,27 @@ ObjectKind kind_of(const AnyObjectDescription& object) {
   return ObjectKind::grains;
 }
 
+namespace {
+
+SceneDescription read_scene(const scene_format::Json& json, const scene_format::Reading& reading) {
+  SceneDescription scene;
+  scene_format::scene_codec()->read(json, scene_format::Place(reading), scene);
+  scene.source = reading.source;
+  scene.folder = reading.base;
+  return scene;
+}
+
+}  // namespace
+
 SceneDescription parse_scene(std::string_view text, const std::filesystem::path& folder,
                              std::string_view source, std::span<const std::string> overrides) {
   scene_format::Json json = scene_format::parse_json(text, source);
   for (const std::string& setting : overrides) scene_format::apply_override(json, setting, source);
-  const scene_format::Reading reading{std::string(source), folder};
-  SceneDescription scene;
-  scene_format::scene_codec()->read(json, scene_format::Place(reading), scene);
-  scene.source = source;
-  scene.folder = folder;
-  return scene;
+  return read_scene(json, {std::string(source), folder});
+}
+
+SceneDescription parse_recorded_scene(std::string_view text, std::string_view source) {
+  return read_scene(scene_format::parse_json(text, source), {std::string(source), {}, false});
 }
 
 SceneDescription load_scene(const std::filesystem::path& file, std::span<const std::string> overrides) {

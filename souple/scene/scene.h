@@ -248,6 +248,9 @@ SceneDescription load_scene(const std::filesystem::path& file, std::span<const s
 SceneDescription parse_scene(std::string_view text, const std::filesystem::path& folder,
                              std::string_view source, std::span<const std::string> overrides = {});
 
+/// The scene that a run.json embeds, to look at rather than to build: its mesh files may be gone.
+SceneDescription parse_recorded_scene(std::string_view text, std::string_view source);
+
 /// Writes a scene back, normalised: keys in a fixed order, defaults left out, every object named.
 std::string to_json(const SceneDescription& scene);
 

@@ -120,6 +120,18 @@ Residual CustomProjector::residual(const ParticleView& particles) const {
   return result;
 }
 
+void CustomProjector::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  groups_.for_each([&](std::uint32_t i, int colour) {
+    Item& item = items_[i];
+    const std::string error = item.error;  // looking records none
+    float C = 0;
+    if (!evaluate(item, groups_[i], particles, C)) C = 0;
+    item.error = error;
+    const double violation = violation_of(hold_of(*item.constraint), static_cast<double>(C));
+    visitor({groups_[i], colour, 0, static_cast<float>(violation)});
+  });
+}
+
 void CustomProjector::erase_particles(std::uint32_t begin, std::uint32_t end) {
   keep_only(items_, groups_.erase_particles(begin, end));
 }

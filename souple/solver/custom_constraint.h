@@ -70,6 +70,7 @@ class CustomProjector final : public Projector {
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   void project(int colour, const ParticleView& particles, const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:

@@ -166,6 +166,14 @@ Residual EnclosedVolume::residual(const ParticleView& particles) const {
   return result;
 }
 
+void EnclosedVolume::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  groups_.for_each([&](std::uint32_t i, int colour) {
+    const Surface& surface = surfaces_[i];
+    const double C = surface.holds_volume ? volume(i, particles) - surface.wanted_volume : 0;
+    visitor({groups_[i], colour, 0, static_cast<float>(violation_of(surface.hold, C))});
+  });
+}
+
 double EnclosedVolume::volume(std::size_t i, const ParticleView& particles) const {
   return measure(surfaces_[i], groups_[i], particles);
 }

@@ -27,6 +27,13 @@ class ParticleGroups {
   /// The groups of colour c, ascending.
   std::span<const std::uint32_t> colour(int c) const;
 
+  /// Calls f(group i, colour), colour after colour.
+  template <class Function>
+  void for_each(const Function& f) const {
+    for (int c = 0; c < colour_count(); ++c)
+      for (const std::uint32_t i : colour(c)) f(i, c);
+  }
+
   /// Drops groups that name a particle of [begin, end), renumbers the rest; returns which were kept,
   /// ascending.
   std::vector<std::uint32_t> erase_particles(std::uint32_t begin, std::uint32_t end);

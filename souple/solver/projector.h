@@ -3,6 +3,7 @@
 #include "souple/state/particles.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -72,6 +73,15 @@ struct Residual {
   double largest_strain = 0;  ///< (l - l0) / l0, extension only; kinds that have one
 };
 
+/// One constraint as it is now, for those who show it.
+struct ConstraintState {
+  std::span<const std::uint32_t> particles;  ///< valid during the call
+  int colour = 0;
+  float strain = 0;    ///< (l - l0) / l0 of kinds that have one, else 0
+  float residual = 0;  ///< largest |C| of its rows, in the unit of C; 0 where an inequality holds
+};
+using ConstraintVisitor = std::function<void(const ConstraintState&)>;
+
 /// The one interface a solver sees: something that moves particles towards satisfying its constraints. It is
 /// called per set and colour, never per constraint. Constraints of one colour share no particle, so their
 /// order within it is free.
@@ -87,6 +97,8 @@ class Projector {
   virtual void begin_substep(const ParticleView&, const Substep&) {}
   virtual void project(int colour, const ParticleView&, const Substep&) = 0;
   virtual Residual residual(const ParticleView&) const = 0;
+  /// Calls the visitor for each constraint, colour after colour; unless a kind says how, for none.
+  virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
   /// Particles [begin, end) cease to exist: drop the constraints that name one of them, renumber the rest.
   virtual void erase_particles(std::uint32_t begin, std::uint32_t end) = 0;
 };

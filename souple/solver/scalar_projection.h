@@ -48,9 +48,14 @@ inline ScalarStep project_scalar(const ScalarState& state, const Hold& hold, dou
   return {dlambda, scale * dlambda};
 }
 
+/// How far C is from being satisfied.
+inline double violation_of(const Hold& hold, double C) {
+  return hold.sense == Sense::non_negative ? std::fmax(-C, 0.0) : std::fabs(C);
+}
+
 /// Counts one C into a residual.
 inline void add_to_residual(Residual& residual, const Hold& hold, double C) {
-  const double violation = hold.sense == Sense::non_negative ? std::fmax(-C, 0.0) : std::fabs(C);
+  const double violation = violation_of(hold, C);
   residual.largest = std::fmax(residual.largest, violation);
   residual.sum += violation;
   if (hold.compliance > 0)

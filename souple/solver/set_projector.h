@@ -86,21 +86,30 @@ class SetProjector final : public Projector {
     Residual result;
     result.count = set_.size() * rows_of<Kind>;
     for (std::size_t i = 0; i < set_.size(); ++i) {
-      ProjectionInput<Kind, float> in;
-      load(i, particles, in);
       float C[rows_of<Kind>];
-      Vec3f gradient[rows_of<Kind>][Kind::arity];
-      evaluate_rows<Kind, float>(in.x, set_.params[i], C, gradient);
+      evaluate(i, particles, C);
       for (const float c : C) {
-        const double violation = Kind::sense == Sense::non_negative ? std::fmax(-c, 0.0f) : std::fabs(c);
+        const double violation = violation_of(c);
         result.largest = std::fmax(result.largest, violation);
         result.sum += violation;
       }
       result.energy += energy(C, set_.compliance[i]);
-      if constexpr (requires { Kind::strain(set_.params[i], C[0]); })
-        result.largest_strain = std::fmax(result.largest_strain, Kind::strain(set_.params[i], C[0]));
+      result.largest_strain = std::fmax(result.largest_strain, strain_of(i, C));
     }
     return result;
+  }
+
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override {
+    for (int colour = 0; colour < colour_count(); ++colour) {
+      const auto c = static_cast<std::size_t>(colour);
+      for (std::size_t i = set_.colour_begin[c]; i < set_.colour_begin[c + 1]; ++i) {
+        float C[rows_of<Kind>];
+        evaluate(i, particles, C);
+        float largest = 0;
+        for (const float value : C) largest = std::fmax(largest, violation_of(value));
+        visitor({set_.indices[i], colour, strain_of(i, C), largest});
+      }
+    }
   }
 
   void erase_particles(std::uint32_t begin, std::uint32_t end) override {
@@ -150,6 +159,22 @@ class SetProjector final : public Projector {
         in.x[k] = particles.difference(particle, indices[0]);
       }
     }
+  }
+
+  void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {
+    ProjectionInput<Kind, float> in;
+    load(i, particles, in);
+    Vec3f gradient[rows_of<Kind>][Kind::arity];
+    evaluate_rows<Kind, float>(in.x, set_.params[i], C, gradient);
+  }
+
+  static float violation_of(float C) {
+    return Kind::sense == Sense::non_negative ? std::fmax(-C, 0.0f) : std::fabs(C);
+  }
+
+  float strain_of(std::size_t i, const float (&C)[rows_of<Kind>]) const {
+    if constexpr (requires { Kind::strain(set_.params[i], C[0]); }) return Kind::strain(set_.params[i], C[0]);
+    return 0;
   }
 
   // 1/2 C^T alpha^-1 C; rows of no compliance store nothing, nor does a satisfied inequality.

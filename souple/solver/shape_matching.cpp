@@ -188,16 +188,27 @@ void ShapeMatching::project(int colour, const ParticleView& particles, const Sub
   for (const std::uint32_t i : groups_.colour(colour)) project_one(i, particles, substep);
 }
 
+double ShapeMatching::distance(std::size_t i, const ParticleView& particles) const {
+  Region& region = regions_[i];
+  weigh(region, groups_[i], particles);
+  if (!(region.free_mass > 0)) return 0;
+  const Pose pose = fit(region, groups_[i], particles);
+  return std::sqrt(distance_squared(region, groups_[i], particles, pose));
+}
+
 Residual ShapeMatching::residual(const ParticleView& particles) const {
   Residual result;
   for (std::size_t i = 0; i < regions_.size(); ++i) {
-    Region& region = regions_[i];
-    weigh(region, groups_[i], particles);
-    if (!(region.free_mass > 0)) continue;
-    const Pose pose = fit(region, groups_[i], particles);
-    add_to_residual(result, region.hold, std::sqrt(distance_squared(region, groups_[i], particles, pose)));
+    const double C = distance(i, particles);
+    if (regions_[i].free_mass > 0) add_to_residual(result, regions_[i].hold, C);
   }
   return result;
+}
+
+void ShapeMatching::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  groups_.for_each([&](std::uint32_t i, int colour) {
+    visitor({groups_[i], colour, 0, static_cast<float>(distance(i, particles))});
+  });
 }
 
 void ShapeMatching::erase_particles(std::uint32_t begin, std::uint32_t end) {

@@ -49,6 +49,7 @@ class ShapeMatching final : public Projector {
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   void project(int colour, const ParticleView& particles, const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
@@ -76,6 +77,8 @@ class ShapeMatching final : public Projector {
                        const ParticleView& particles, const Pose& pose, std::size_t k);
   static double distance_squared(const Region& region, std::span<const std::uint32_t> group,
                                  const ParticleView& particles, const Pose& pose);
+  /// C of region i, 0 when all its particles are pinned. [m]
+  double distance(std::size_t i, const ParticleView& particles) const;
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
 
   ParticleGroups groups_;

@@ -107,7 +107,8 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
     world.place(i, object.rest[i - object.begin]);
   }
   set_motion(world, object, options);
-  world.dirty = true;
+  world.dirty_all();
+  world.forget_contacts();
   ++world.version;
   world.objects.push_back(std::move(draft.object));
   return world.objects.back()->id;
@@ -186,7 +187,8 @@ void remove_object(WorldState& world, const Object& object) {
   world.particle_contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
-  world.dirty = true;
+  world.dirty_all();
+  world.forget_contacts();
   ++world.version;
 }
 

@@ -3,6 +3,8 @@
 #include "souple/world/impl.h"
 #include "souple/world/stages.h"
 
+#include <cmath>
+
 namespace souple {
 namespace {
 
@@ -25,6 +27,7 @@ Surface surface_of(const Material& material) {
 
 void append_event(const WorldState& world, const ContactPush& push, bool against_collider,
                   std::vector<ContactEvent>& events) {
+  if (!std::isfinite(push.impulse)) return;  // pinned since
   const Object& object = *world.objects[world.object_of[push.particle]];
   ContactEvent event;
   event.object = object.name;
@@ -46,6 +49,8 @@ void append_event(const WorldState& world, const ContactPush& push, bool against
 }  // namespace
 
 void build_contact_tables(WorldState& world) {
+  world.collider_contacts.erase_particles(0, 0);  // they refer to the old tables
+  world.forget_contacts();
   ContactTables& tables = world.tables;
   tables.objects.clear();
   tables.colliders.clear();
@@ -103,9 +108,10 @@ void report_contacts(WorldState& world) {
 
 std::span<const ContactEvent> World::contacts() const {
   WorldState& world = impl_->state;
-  if (world.events_step == world.steps) return world.events;
-  world.events_step = world.steps;
+  if (world.events_known) return world.events;
   world.events.clear();
+  if (!world.contacts_known && !world.stepping) return world.events;
+  world.events_known = !world.stepping;
   const ParticleView view = world.view();
   std::vector<ContactPush> pushes;
   world.collider_contacts.events(view, pushes);

@@ -15,9 +15,11 @@ namespace souple {
 struct DebugConstraint {
   std::string_view kind;          ///< "distance", "neo_hookean", ...
   std::span<const Vec3f> points;  ///< where its particles are [m]; valid during the call
-  int colour = 0;                 ///< of the solver: constraints of one colour share no particle
-  float strain = 0;               ///< (l - l0) / l0 of kinds that have one, else 0
-  float residual = 0;             ///< largest |C| of its rows, in the unit of C; 0 where an inequality holds
+  /// Of the solver: constraints of one kind and colour share no particle (but contacts between particles,
+  /// which have one colour and are solved one after the other).
+  int colour = 0;
+  float strain = 0;    ///< (l - l0) / l0 of kinds that have one, else 0
+  float residual = 0;  ///< largest |C| of its rows, in the unit of C; 0 where an inequality holds
 };
 
 /// A contact that pushed in the last substep.

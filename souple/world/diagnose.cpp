@@ -75,14 +75,21 @@ Substep substep_of(const Settings& settings, double dt) {
           .count = settings.substeps};
 }
 
-void bring_up_to_date(WorldState& world) {
-  if (world.dirty) {
+void bring_constraints_up_to_date(WorldState& world) {
+  if (world.dirty_constraints) {
     build_constraints(world);
     build_contact_radii(world);
-    build_contact_tables(world);
-    world.dirty = false;
+    world.dirty_constraints = false;
   }
-  world.for_each_projector([&](Projector& projector) { projector.prepare(world.particles.size()); });
+  world.for_each_constraint_projector(
+      [&](Projector& projector) { projector.prepare(world.particles.size()); });
+}
+
+void bring_up_to_date(WorldState& world) {
+  bring_constraints_up_to_date(world);
+  if (!world.dirty_tables) return;
+  build_contact_tables(world);
+  world.dirty_tables = false;
 }
 
 bool begin_step(WorldState& world, double dt) {
@@ -109,6 +116,7 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   keep_last_good(world);
+  world.forget_contacts();
   world.first_bad.reset();
   report.step = ++world.steps;
   report.substeps = world.settings.substeps;
@@ -120,6 +128,7 @@ bool begin_step(WorldState& world, double dt) {
 void end_step(WorldState& world, bool good) {
   if (!good) restore_last_good(world);
   ++world.version;
+  world.contacts_known = true;
   world.report.time = world.time;
   report_contacts(world);
   report_custom_errors(world);

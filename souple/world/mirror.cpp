@@ -70,4 +70,8 @@ std::uint64_t World::hash() const {
   return hash;
 }
 
+std::uint64_t World::version() const {
+  return impl_->state.version;
+}
+
 }  // namespace souple

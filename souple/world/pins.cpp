@@ -265,8 +265,8 @@ ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
 ProjectorId WorldState::add_extra(Extra extra, std::unique_ptr<Projector> projector) {
   extra.id = {next_id++};
   extra.projector = std::move(projector);
+  dirty_tables = dirty_tables || extra.tie;  // contacts leave tied particles alone
   extras.push_back(std::move(extra));
-  dirty = true;
   return extras.back().id;
 }
 
@@ -284,8 +284,9 @@ std::size_t find_extra(const WorldState& world, ProjectorId id) {
 void World::remove(ProjectorId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
-  world.extras.erase(world.extras.begin() + static_cast<std::ptrdiff_t>(find_extra(world, id)));
-  world.dirty = true;
+  const std::size_t found = find_extra(world, id);
+  world.dirty_tables = world.dirty_tables || world.extras[found].tie;
+  world.extras.erase(world.extras.begin() + static_cast<std::ptrdiff_t>(found));
 }
 
 Projector& World::projector(ProjectorId id) {
@@ -313,7 +314,7 @@ Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
 void World::set_pressure(ObjectId id, float pascals) {
   if (!std::isfinite(pascals)) throw Error("set_pressure: the pressure is not finite");
   closed_cloth(impl_->state, id, "set_pressure").pressure = pascals;
-  impl_->state.dirty = true;
+  impl_->state.dirty_constraints = true;
 }
 
 void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
@@ -322,7 +323,7 @@ void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
                 ", expected a finite number above 0");
   require_compliance(compliance, "set_enclosed_volume");
   closed_cloth(impl_->state, id, "set_enclosed_volume").enclosed_volume = {factor, compliance};
-  impl_->state.dirty = true;
+  impl_->state.dirty_constraints = true;
 }
 
 }  // namespace souple

@@ -155,9 +155,9 @@ double World::potential_energy(ObjectId id) const {
 
 double World::elastic_energy() const {
   WorldState& world = impl_->state;
-  if (!world.stepping) bring_up_to_date(world);
+  if (!world.stepping) bring_constraints_up_to_date(world);
   double sum = 0;
-  world.for_each_projector(
+  world.for_each_constraint_projector(
       [&](const Projector& projector) { sum += projector.residual(world.view()).energy; });
   return sum;
 }

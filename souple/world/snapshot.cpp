@@ -98,6 +98,7 @@ void World::restore(const Snapshot& snapshot) {
   std::vector<FrictionMemory> memory(header.contacts);
   get(in, memory.data(), memory.size());
   world.particle_contacts.set_memory(memory);
+  world.forget_contacts();
   ++world.version;
 }
 

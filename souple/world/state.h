@@ -133,7 +133,9 @@ struct WorldState {
   ParticleContacts particle_contacts;
   ContactTables tables;
   PairTable pairs;
-  bool dirty = true;  ///< objects or materials changed: build before the next step
+  bool dirty_constraints = true;  ///< objects or materials changed: build before the next step
+  bool dirty_tables = true;       ///< so did what contacts look up
+  void dirty_all() { dirty_constraints = dirty_tables = true; }
 
   std::vector<ForceField> force_fields;
   std::array<std::vector<std::function<void(World&)>>, stage_count> before, after;
@@ -141,7 +143,9 @@ struct WorldState {
 
   StepReport report;
   std::vector<ContactEvent> events;
-  std::uint64_t events_step = 0;                                 ///< the step `events` are of
+  bool contacts_known = false;  ///< the contact projectors hold what the last step left, and may be read
+  bool events_known = false;    ///< `events` are made of them
+  void forget_contacts() { contacts_known = events_known = false; }
   std::vector<Vec4f> good_position, good_offset, good_velocity;  ///< the last good state
   mutable std::map<std::uint32_t, Mirror> mirrors;               ///< by object id
 
@@ -169,10 +173,16 @@ struct WorldState {
   /// Calls f(projector) for all of them in the order they are solved: standard, extras, contacts.
   template <class Function>
   void for_each_projector(const Function& f) {
-    for (const auto& projector : standard) f(*projector);
-    for (const Extra& extra : extras) f(*extra.projector);
+    for_each_constraint_projector(f);
     f(particle_contacts);
     f(collider_contacts);
+  }
+
+  /// All but the contacts, in the same order.
+  template <class Function>
+  void for_each_constraint_projector(const Function& f) {
+    for (const auto& projector : standard) f(*projector);
+    for (const Extra& extra : extras) f(*extra.projector);
   }
 
   ProjectorId add_extra(Extra extra, std::unique_ptr<Projector> projector);

@@ -120,7 +120,7 @@ void change_material(WorldState& world, ObjectId id, const M& material) {
     throw;
   }
   if (density_ratio != 1) scale_mass(world, object, density_ratio);
-  world.dirty = true;
+  world.dirty_all();
 }
 
 }  // namespace
@@ -270,7 +270,8 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   validate(Surface{.friction = options.friction, .restitution = options.restitution}, record.options.name);
   world.colliders.push_back(std::move(record));
   ++world.next_id;
-  world.dirty = true;
+  world.dirty_tables = true;
+  world.forget_contacts();
   return world.colliders.back().id;
 }
 
@@ -279,7 +280,8 @@ void World::remove(ColliderId id) {
   world.require_between_steps("remove");
   const ColliderRecord& record = world.collider(id);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
-  world.dirty = true;
+  world.dirty_tables = true;
+  world.forget_contacts();
 }
 
 void World::set_collider(ColliderId id, const Shape& shape, const ColliderOptions& options) {
@@ -293,7 +295,8 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   record.shape = shape;
   record.options = options;
   if (options.name.empty()) record.options.name = name;
-  world.dirty = true;
+  world.dirty_tables = true;
+  world.forget_contacts();
 }
 
 std::vector<ColliderId> World::colliders() const {
@@ -325,7 +328,7 @@ void World::set_pair(std::string_view a, std::string_view b, float friction, flo
   WorldState& world = impl_->state;
   world.require_between_steps("set_pair");
   world.pairs.set(a, b, {friction, friction, restitution});
-  world.dirty = true;
+  world.dirty_tables = true;
 }
 
 void World::add_force_field(ForceField field) {

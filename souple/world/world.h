@@ -8,6 +8,7 @@
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/transform.h"
 #include "souple/solver/projector.h"
+#include "souple/world/debug_draw.h"
 #include "souple/world/materials.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
@@ -217,7 +218,8 @@ class World {
   void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
   void add_force_field(ForceField field);
   void clear_force_fields();
-  /// Contacts of the last step; valid until the next.
+  /// Contacts of the last step; valid until the next, or until an object or collider is added, changed or
+  /// removed: there are none then.
   std::span<const ContactEvent> contacts() const;
   void set_log(std::function<void(LogLevel, std::string_view)> log);
 
@@ -231,6 +233,12 @@ class World {
   Vec3d momentum(ObjectId object) const;           ///< kg m/s
   Vec3d centre_of_mass(ObjectId object) const;     ///< m
 
+  // --- for renderers
+  // -------------------------------------------------------------------------------------------------
+  /// Hands out what is inside: constraints kind after kind and colour after colour, in the order in which
+  /// they are solved, contacts, particles, edges of tets. Changes nothing.
+  void debug_draw(const DebugDraw& draw) const;
+
   // --- state
   // ------------------------------------------------------------------------------------------------------
   /// Everything a step changes. Restoring into a world built the same way continues bitwise the same.
@@ -239,6 +247,8 @@ class World {
   void restore(const Snapshot& snapshot);
   /// FNV-1a 64 over the bytes of user-order positions, then velocities, of every object in order of name.
   std::uint64_t hash() const;
+  /// Grows whenever positions or velocities may have changed: what was made from them is out of date.
+  std::uint64_t version() const;
 
  private:
   struct Impl;

@@ -1,0 +1,113 @@
+#include "app/cache_subject.h"
+
+#include "souple/error.h"
+
+#include <string_view>
+#include <utility>
+
+namespace souple::app {
+
+namespace {
+
+std::optional<SceneDescription> embedded_scene(const RunManifest& manifest,
+                                               const std::filesystem::path& path) {
+  if (manifest.scene.empty()) return std::nullopt;
+  return parse_recorded_scene(manifest.scene, path.string() + ": embedded scene");
+}
+
+/// The scene's colliders alone.
+World stage_of(const std::optional<SceneDescription>& scene) {
+  SceneDescription colliders;
+  if (scene) {
+    colliders.source = scene->source;
+    colliders.colliders = scene->colliders;
+  }
+  return build_world(colliders);
+}
+
+ObjectKind kind_of_name(std::string_view name) {
+  for (const ObjectKind kind : {ObjectKind::cloth, ObjectKind::soft_body, ObjectKind::rope}) {
+    if (kind_name(kind) == name) return kind;
+  }
+  return ObjectKind::grains;
+}
+
+struct Radius {
+  float operator()(const ClothDescription& cloth) const { return cloth.material.thickness / 2; }
+  float operator()(const SoftBodyDescription& body) const { return body.material.thickness / 2; }
+  float operator()(const RopeDescription& rope) const { return rope.material.radius; }
+  float operator()(const GrainsDescription& grains) const { return grains.material.radius; }
+};
+
+}  // namespace
+
+CacheSubject::CacheSubject(const std::filesystem::path& path)
+    : playback_(path), scene_(embedded_scene(playback_.manifest(), path)), stage_(stage_of(scene_)) {
+  velocities_.resize(playback_.objects().size());
+}
+
+const render::Subject& CacheSubject::read(std::uint64_t frame, bool velocities) {
+  for (std::vector<Vec3f>& of_object : velocities_) of_object.clear();
+  if (velocities && frame > 1) {
+    playback_.read(frame - 1);
+    find_velocities(frame);
+  } else {
+    playback_.read(frame);
+  }
+  subject_.frame = frame;
+  describe_bodies();
+  const double time = playback_.time(frame);
+  subject_.colliders.clear();
+  for (const ColliderId collider : stage_.colliders()) {
+    const ColliderOptions& options = stage_.collider_options(collider);
+    subject_.colliders.push_back(
+        {collider.value, options.name, &stage_.shape(collider), options.motion.at(time)});
+  }
+  return subject_;
+}
+
+void CacheSubject::find_velocities(std::uint64_t frame) {
+  for (std::size_t i = 0; i < velocities_.size(); ++i) velocities_[i] = playback_.objects()[i].positions;
+  playback_.read(frame);
+  const auto rate = static_cast<float>(1 / (playback_.time(frame) - playback_.time(frame - 1)));
+  for (std::size_t i = 0; i < velocities_.size(); ++i) {
+    const std::vector<Vec3f>& now = playback_.objects()[i].positions;
+    if (now.size() != velocities_[i].size()) {  // it came or went between the two
+      velocities_[i].clear();
+      continue;
+    }
+    for (std::size_t v = 0; v < now.size(); ++v) velocities_[i][v] = (now[v] - velocities_[i][v]) * rate;
+  }
+}
+
+void CacheSubject::describe_bodies() {
+  std::vector<std::size_t> shape;
+  for (const Playback::Object& object : playback_.objects()) {
+    shape.push_back(object.positions.size());
+    shape.push_back(object.triangles.size());
+  }
+  if (shape != shape_) ++subject_.topology;  // an object came, went or was cut
+  shape_ = std::move(shape);
+  subject_.bodies.clear();
+  for (std::size_t i = 0; i < playback_.objects().size(); ++i) {
+    const Playback::Object& object = playback_.objects()[i];
+    if (object.positions.empty()) continue;
+    render::Body body;
+    body.id = static_cast<std::uint32_t>(i + 1);
+    body.name = object.name;
+    body.kind = kind_of_name(object.kind);
+    body.positions = object.positions;
+    body.normals = object.normals;
+    body.velocities = velocities_[i];
+    body.triangles = object.triangles;
+    if (!object.triangles.empty()) body.rest = object.rest;
+    if (scene_) {
+      for (const AnyObjectDescription& description : scene_->objects) {
+        if (common(description).name == object.name) body.radius = std::visit(Radius{}, description);
+      }
+    }
+    subject_.bodies.push_back(body);
+  }
+}
+
+}  // namespace souple::app

@@ -1,0 +1,118 @@
+#include "app/frame_source.h"
+
+#include "app/cache_subject.h"
+#include "app/find_scene.h"
+#include "app/went_bad.h"
+#include "souple/error.h"
+
+#include <optional>
+#include <utility>
+
+namespace souple::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+class SceneFrames : public FrameSource {
+ public:
+  SceneFrames(const fs::path& file, const std::vector<std::string>& settings)
+      : name_(file.stem().string()), scene_(load_scene(file, settings)), world_(build_world(scene_)) {}
+
+  std::string name() const override { return name_; }
+  std::uint64_t frames() const override { return scene_.frames; }
+  double frame_rate() const override { return scene_.frame_rate; }
+  const CameraDescription* camera() const override { return &scene_.camera; }
+  bool has_world() const override { return true; }
+
+  Arrival go_to(std::uint64_t frame, const GoOn& go_on) override {
+    while (frame_ < frame) {
+      if (frame_ > 0 && !go_on(frame_)) return Arrival::stopped;
+      const StepReport& report = world_.step(1 / scene_.frame_rate);
+      if (!report.ok()) {
+        trouble_ = went_bad_text(scene_.source, report, frame_ + 1);
+        return Arrival::went_bad;
+      }
+      ++frame_;
+    }
+    return Arrival::there;
+  }
+  std::uint64_t frame() const override { return frame_; }
+  double time() const override { return static_cast<double>(frame_) / scene_.frame_rate; }
+  const render::Subject& subject() override {
+    subject_ = render::subject_of(world_);
+    return subject_;
+  }
+  std::string trouble() const override { return trouble_; }
+
+ private:
+  std::string name_, trouble_;
+  SceneDescription scene_;
+  World world_;
+  std::uint64_t frame_ = 0;
+  render::Subject subject_;
+};
+
+class CacheFrames : public FrameSource {
+ public:
+  CacheFrames(const fs::path& path, bool velocities) : cache_(path), velocities_(velocities) {
+    const fs::path folder = fs::absolute(path.filename() == "run.json" ? path.parent_path() : path);
+    const fs::path plain = folder.lexically_normal();
+    name_ = (plain.has_filename() ? plain : plain.parent_path()).filename().string();
+    if (cache_.frames() == 0) throw Error(path.string() + ": holds no frame yet; expected at least one");
+  }
+
+  std::string name() const override { return name_; }
+  std::uint64_t frames() const override { return cache_.frames(); }
+  double frame_rate() const override { return cache_.playback().manifest().frame_rate; }
+  const CameraDescription* camera() const override {
+    return cache_.scene() ? &cache_.scene()->camera : nullptr;
+  }
+  bool has_world() const override { return false; }
+
+  Arrival go_to(std::uint64_t frame, const GoOn& go_on) override {
+    if (frame_ > 0 && !go_on(frame_)) return Arrival::stopped;
+    subject_ = &cache_.read(frame, velocities_);
+    frame_ = frame;
+    return Arrival::there;
+  }
+  std::uint64_t frame() const override { return frame_; }
+  double time() const override { return frame_ > 0 ? cache_.playback().time(frame_) : 0; }
+  const render::Subject& subject() override { return *subject_; }
+
+ private:
+  std::string name_;
+  CacheSubject cache_;
+  bool velocities_;
+  std::uint64_t frame_ = 0;
+  const render::Subject* subject_ = nullptr;
+};
+
+/// The folder (or run.json) when it is one of a run, else nothing.
+bool is_run(const fs::path& path) {
+  std::error_code error;
+  if (path.filename() == "run.json") return fs::exists(path, error);
+  return fs::is_directory(path, error) && fs::exists(path / "run.json", error);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_source(const SourceWish& wish) {
+  if (is_run(wish.what)) {
+    if (!wish.settings.empty()) {
+      throw Error("--set is for scenes: " + wish.what +
+                  " is a run that is over; render the scene, or run it again with other settings");
+    }
+    return std::make_unique<CacheFrames>(wish.what, wish.velocities);
+  }
+  std::error_code error;
+  if (fs::is_directory(wish.what, error)) {
+    for (const ShippedScene& scene : shipped_scenes()) {
+      if (scene.name == wish.what) return std::make_unique<SceneFrames>(scene.file, wish.settings);
+    }
+    throw Error(wish.what + ": the folder has no run.json; expected the folder of a run, or a scene");
+  }
+  return std::make_unique<SceneFrames>(find_scene(wish.what), wish.settings);
+}
+
+}  // namespace souple::app

@@ -1,0 +1,44 @@
+#include "app/last_picture.h"
+
+#include "app/picture_sink.h"
+#include "app/pictures.h"
+#include "souple/error.h"
+
+#include <utility>
+
+namespace souple::app {
+
+namespace {
+
+SinkWish sink_wish(const std::filesystem::path& file) {
+  if (output_kind(file, false) != OutputKind::picture)
+    throw Error("--picture " + file.string() + ": expected the name of a picture, ending in .png");
+  SinkWish wish;
+  wish.out = file;
+  return wish;
+}
+
+}  // namespace
+
+struct LastPicture::Impl {
+  PictureMaker maker;
+  std::unique_ptr<PictureSink> sink;
+};
+
+LastPicture::LastPicture(std::filesystem::path file) {
+  const SinkWish wish = sink_wish(file);
+  impl_ = std::make_unique<Impl>();
+  impl_->sink = open_sink(wish);
+}
+
+LastPicture::~LastPicture() = default;
+
+void LastPicture::write(const World& world, const SceneDescription& scene) {
+  PictureStyle style;
+  style.display.pins = false;
+  const render::Subject subject = render::subject_of(world);
+  const render::Camera camera = camera_for({}, &scene.camera, subject, style.aspect());
+  impl_->sink->add(impl_->maker.picture(subject, camera, style), 0);
+}
+
+}  // namespace souple::app

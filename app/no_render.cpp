@@ -1,0 +1,40 @@
+#include "app/commands.h"
+#include "app/last_picture.h"
+#include "souple/error.h"
+
+// In the place of render.cpp and last_picture.cpp where the packages of render/ were missing.
+
+namespace souple::app {
+
+namespace {
+
+[[noreturn]] void refuse() {
+  throw Error(
+      "this program was built without pictures: install the Debian packages libepoxy-dev libegl-dev "
+      "libpng-dev "
+      "libimgui-dev and build it again");
+}
+
+}  // namespace
+
+struct LastPicture::Impl {};
+
+LastPicture::LastPicture(std::filesystem::path) {
+  refuse();
+}
+
+LastPicture::~LastPicture() = default;
+
+void LastPicture::write(const World&, const SceneDescription&) {
+  refuse();
+}
+
+int render_frames(const RenderRequest&) {
+  refuse();
+}
+
+std::string picture_support() {
+  return "pictures: no (not built in)\nfilms: no (not built in)\n";
+}
+
+}  // namespace souple::app

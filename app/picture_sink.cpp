@@ -1,0 +1,132 @@
+#include "app/picture_sink.h"
+
+#include "render/contact_sheet.h"
+#include "render/film.h"
+#include "souple/error.h"
+#include "souple/io/atomic_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+namespace souple::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error) throw Error(folder.string() + ": the folder cannot be made: " + error.message());
+}
+
+/// A disk that is full or a folder that is someone else's is found now, not after minutes of work.
+void require_writable(const fs::path& file) {
+  make_folder(file.parent_path());
+  if (std::error_code error; fs::is_directory(file, error))
+    throw Error(file.string() + ": is a folder; expected the name of a picture");
+  const AtomicFile probe(file);  // never committed
+}
+
+class OnePicture : public PictureSink {
+ public:
+  explicit OnePicture(fs::path file) : file_(std::move(file)) { require_writable(file_); }
+  void add(const render::Image& image, std::uint64_t) override { render::write_png(file_, image); }
+  void finish() override {}
+
+ private:
+  fs::path file_;
+};
+
+class Sheet : public PictureSink {
+ public:
+  Sheet(fs::path file, SheetShape shape) : file_(std::move(file)), shape_(shape) { require_writable(file_); }
+  void add(const render::Image& image, std::uint64_t) override { pictures_.push_back(image); }
+  void finish() override {
+    if (!pictures_.empty())
+      render::write_png(file_, render::contact_sheet(pictures_, shape_.columns, shape_.rows));
+  }
+
+ private:
+  fs::path file_;
+  SheetShape shape_;
+  std::vector<render::Image> pictures_;
+};
+
+class FilmFile : public PictureSink {
+ public:
+  FilmFile(const fs::path& file, double rate) : film_(file, rate) {}
+  void add(const render::Image& image, std::uint64_t) override {
+    film_.add(image);
+    empty_ = false;
+  }
+  void finish() override {
+    if (!empty_) film_.finish();
+  }
+
+ private:
+  render::Film film_;
+  bool empty_ = true;
+};
+
+/// Pictures carry the numbers of their frames: a frame rendered again replaces its picture.
+class Folder : public PictureSink {
+ public:
+  Folder(fs::path folder, std::string name) : folder_(std::move(folder)), name_(std::move(name)) {
+    require_writable(folder_ / (name_ + "_0001.png"));
+  }
+  void add(const render::Image& image, std::uint64_t frame) override {
+    std::array<char, 32> number{};
+    std::snprintf(number.data(), number.size(), "_%04llu.png", static_cast<unsigned long long>(frame));
+    render::write_png(folder_ / (name_ + number.data()), image);
+  }
+  void finish() override {}
+
+ private:
+  fs::path folder_;
+  std::string name_;
+};
+
+}  // namespace
+
+OutputKind output_kind(const fs::path& out, bool sheet) {
+  static const std::array<const char*, 14> foreign{".jpg",  ".jpeg", ".bmp", ".tga",  ".tif",
+                                                   ".tiff", ".exr",  ".ppm", ".webp", ".avi",
+                                                   ".webm", ".mov",  ".mkv", ".apng"};
+  const std::string extension = lower_extension(out);
+  const auto refuse = [&](const std::string& expected) {
+    throw Error("--out " + out.string() + ": expected " + expected);
+  };
+  if (std::find(foreign.begin(), foreign.end(), extension) != foreign.end())
+    refuse("a picture .png, a film .mp4 or .gif, or a folder");
+  if (sheet && extension != ".png") refuse("a picture .png: --sheet makes one page");
+  if (sheet) return OutputKind::sheet;
+  if (extension == ".png") return OutputKind::picture;
+  return render::is_film(out) ? OutputKind::film : OutputKind::folder;
+}
+
+std::unique_ptr<PictureSink> open_sink(const SinkWish& wish) {
+  switch (wish.kind) {
+    case OutputKind::picture:
+      return std::make_unique<OnePicture>(wish.out);
+    case OutputKind::sheet:
+      return std::make_unique<Sheet>(wish.out, wish.sheet);
+    case OutputKind::film:
+      return std::make_unique<FilmFile>(wish.out, wish.film_rate);
+    case OutputKind::folder:
+      break;
+  }
+  return std::make_unique<Folder>(wish.out, wish.name);
+}
+
+}  // namespace souple::app

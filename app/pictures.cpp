@@ -1,0 +1,63 @@
+#include "app/pictures.h"
+
+#include "souple/error.h"
+
+#include <algorithm>
+
+namespace souple::app {
+
+namespace {
+
+/// A scene without the key `camera` has these values.
+bool is_given(const CameraDescription& camera) {
+  const CameraDescription standard;
+  return !(camera.from == standard.from && camera.to == standard.to && camera.fov == standard.fov);
+}
+
+}  // namespace
+
+render::Bounds bounds_of(const render::Subject& subject) {
+  render::Bounds bounds;
+  for (const render::Body& body : subject.bodies) {
+    for (const Vec3f& x : body.positions) bounds.add(x, body.radius);
+  }
+  return bounds;
+}
+
+render::Camera camera_for(const CameraWish& wish, const CameraDescription* scene,
+                          const render::Subject& subject, float aspect) {
+  render::Camera camera;
+  const bool given = scene != nullptr && is_given(*scene);
+  if (given) {
+    camera.from = Vec3f(scene->from);
+    camera.to = Vec3f(scene->to);
+    camera.fov = static_cast<float>(scene->fov);
+  }
+  camera.from = wish.from.value_or(camera.from);
+  camera.to = wish.to.value_or(camera.to);
+  camera.fov = wish.fov.value_or(camera.fov);
+  if (camera.from == camera.to) throw Error("--camera: it stands at the very point that it looks at");
+  const bool placed = given || wish.from || wish.to;
+  const render::Bounds bounds = bounds_of(subject);
+  if ((wish.automatic || !placed) && !bounds.empty()) camera.frame(bounds, aspect);
+  return camera;
+}
+
+render::Image PictureMaker::picture(const render::Subject& subject, const render::Camera& camera,
+                                    const PictureStyle& style, const std::string& label) {
+  const render::DrawList& list = drawing_.update(subject, style.display);
+  if (!label.empty()) {
+    render::Label words;
+    words.text = label;
+    words.size = std::max(12.0f, static_cast<float>(style.size.height) / 16);
+    words.x = 0.4f * words.size;
+    words.y = static_cast<float>(style.size.height) - 1.4f * words.size;
+    words.background = render::Colour{0, 0, 0, 0.5f};
+    drawing_.list().labels.push_back(words);
+  }
+  render::RenderOptions options;
+  options.samples = style.samples;
+  return renderer_.picture(list, camera, options, style.size.width, style.size.height);
+}
+
+}  // namespace souple::app

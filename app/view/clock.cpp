@@ -1,0 +1,33 @@
+#include "app/view/clock.h"
+
+#include <algorithm>
+
+namespace souple::viewer {
+
+void Clock::tick(double seconds) {
+  if (!(seconds > 0)) return;
+  due_ += seconds;
+  real_ += seconds;
+  measure();
+}
+
+bool Clock::take(double dt) {
+  // A step is made when most of it is due: a screen of 59.94 Hz would else skip one now and then.
+  if (due_ < 0.5 * dt) return false;
+  due_ -= dt;
+  simulated_ += dt;
+  return true;
+}
+
+void Clock::drop() {
+  due_ = std::min(due_, 0.0);
+}
+
+void Clock::measure() {
+  constexpr double window = 0.5;  // s
+  if (real_ < window) return;
+  speed_ = simulated_ / real_;
+  real_ = simulated_ = 0;
+}
+
+}  // namespace souple::viewer

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+// The one table of the viewer's keys: what is obeyed, listed on screen, printed by `souple view --help` and
+// written in docs/viewer.md.
+
+namespace souple::viewer {
+
+enum class Action {
+  pause,
+  step_frame,
+  step_substep,
+  reset,
+  next_scene,
+  previous_scene,
+  frame_all,
+  wireframe,
+  constraints,
+  display,
+  screenshot,
+  film,
+  hide_panel,
+  quit
+};
+
+struct Key {
+  std::string_view key;    ///< how it is called
+  std::string_view brief;  ///< in a word or two, for the list on screen
+  std::string_view does;   ///< in words
+  Action action;
+  char character = 0;    ///< what it types, lower case: letters stand where the keyboard's layout has them
+  bool repeats = false;  ///< while it is held down
+};
+
+/// ASCII's escape: how the window passes the key Esc on, so that a press shorter than a picture is not lost.
+inline constexpr char escape = 27;
+
+inline constexpr std::array<Key, 14> keys{{
+    {"Space", "pause", "pause and go on", Action::pause, ' '},
+    {".", "frame", "one frame", Action::step_frame, '.', true},
+    {",", "substep", "one substep; of a recording, one frame back", Action::step_substep, ',', true},
+    {"R", "reset", "reset: back to the start", Action::reset, 'r'},
+    {"N", "next", "next scene", Action::next_scene, 'n'},
+    {"P", "previous", "previous scene", Action::previous_scene, 'p'},
+    {"F", "frame all", "frame all", Action::frame_all, 'f'},
+    {"W", "wireframe", "wireframe on and off", Action::wireframe, 'w'},
+    {"C", "constraints", "next display of constraints", Action::constraints, 'c'},
+    {"1-9", "display", "display mode", Action::display},
+    {"S", "screenshot", "screenshot", Action::screenshot, 's'},
+    {"V", "film", "film on and off", Action::film, 'v'},
+    {"H", "hide", "hide or show the panels", Action::hide_panel, 'h'},
+    {"Esc", "quit", "quit", Action::quit, escape},
+}};
+
+struct Gesture {
+  std::string_view gesture, gesture_brief, brief, does;
+};
+inline constexpr std::array<Gesture, 5> gestures{{
+    {"Left drag on an object", "drag", "grab", "grab it"},
+    {"Left drag on empty space", "drag beside", "orbit", "orbit"},
+    {"Right drag", "right drag", "pan", "pan"},
+    {"Wheel", "wheel", "zoom", "zoom"},
+    {"Double click", "double click", "pin", "pin or unpin a particle"},
+}};
+
+/// Both tables as text, one line each.
+inline std::string keys_text() {
+  constexpr std::size_t column = 26;
+  std::string text = "Keys:\n";
+  const auto add = [&](std::string_view name, std::string_view does) {
+    std::string line = "  ";
+    line += name;
+    line.resize(column, ' ');
+    line += does;
+    text += line + "\n";
+  };
+  for (const Key& key : keys) add(key.key, key.does);
+  text += "Mouse:\n";
+  for (const Gesture& gesture : gestures) add(gesture.gesture, gesture.does);
+  return text;
+}
+
+}  // namespace souple::viewer

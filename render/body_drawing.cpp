@@ -1,0 +1,232 @@
+#include "render/body_drawing.h"
+
+#include "render/looks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple::render {
+namespace {
+
+/// Mean length of the first few hundred triangles' sides: enough to size marks by. [m]
+float mean_edge_length(const Body& body) {
+  double sum = 0;
+  const std::size_t count = std::min<std::size_t>(body.triangles.size(), 300);
+  for (const Triangle& t : body.triangles.first(count))
+    for (std::size_t k = 0; k < 3; ++k)
+      sum += static_cast<double>(length(body.positions[t[k]] - body.positions[t[(k + 1) % 3]]));
+  return count > 0 ? static_cast<float>(sum / static_cast<double>(3 * count)) : 2 * body.radius;
+}
+
+float polyline_length(std::span<const Vec3f> points) {
+  float sum = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) sum += length(points[i + 1] - points[i]);
+  return sum;
+}
+
+bool is_measured(Display display) {
+  return display == Display::strain || display == Display::speed || display == Display::normals;
+}
+
+}  // namespace
+
+BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t key)
+    : kind_(body.kind),
+      index_(index),
+      key_(key),
+      vertices_(body.positions.size()),
+      triangle_count_(body.triangles.size()),
+      triangles_(body.triangles.data()),
+      mean_edge_(mean_edge_length(body)) {
+  if (kind_ == ObjectKind::rope) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
+  if (kind_ == ObjectKind::grains) grain_colours_ = grain_colours(vertices_, index_);
+}
+
+bool BodyDrawing::fits(const Body& body) const {
+  return body.kind == kind_ && body.positions.size() == vertices_ && body.triangles.data() == triangles_ &&
+         body.triangles.size() == triangle_count_;
+}
+
+Bounds BodyDrawing::bounds(const Body& body) const {
+  Bounds result;
+  for (const Vec3f& x : body.positions) result.add(x, body.radius);
+  return result;
+}
+
+bool BodyDrawing::draws_particles(const Drawing& drawing) const {
+  const Display display = drawing.options.display;
+  return display == Display::particles ||
+         (display == Display::lattice && kind_ == ObjectKind::soft_body && drawing.has_world);
+}
+
+Look BodyDrawing::look(const Drawing& drawing) const {
+  const Display display = drawing.options.display;
+  Look result = body_look(kind_, index_);
+  if (!colours_.empty() && is_measured(display)) return measured_look();
+  const bool behind_lines = drawing.options.constraints != ConstraintDisplay::none ||
+                            display == Display::contacts || display == Display::lattice ||
+                            is_measured(display);
+  if (behind_lines) return pale(result);
+  if (display == Display::shaded) result.checker_size = 1;
+  return result;
+}
+
+void BodyDrawing::draw(const Body& body, std::uint32_t pick, std::span<const float> rope_strain,
+                       const Drawing& drawing) {
+  if (body.positions.empty()) return;
+  as_particles_ = draws_particles(drawing);
+  refresh(body, rope_strain, drawing);
+  if (as_particles_) {
+    draw_particles(body, pick, drawing);
+  } else if (kind_ == ObjectKind::rope) {
+    draw_tube(pick, drawing);
+  } else if (kind_ == ObjectKind::grains || body.triangles.empty()) {
+    draw_grains(body, pick, drawing);
+  } else {
+    draw_surface(body, pick, drawing);
+  }
+}
+
+/// Makes anew what depends on the frame or on what is shown, and nothing when both are as before.
+void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, const Drawing& drawing) {
+  const DisplayOptions& options = drawing.options;
+  Shown now{drawing.frame, body.positions.data(), options.display};
+  now.pale = options.constraints != ConstraintDisplay::none;
+  now.radius = body.radius;
+  if (options.display == Display::strain) now.largest = options.largest_strain;
+  if (options.display == Display::speed) now.largest = options.largest_speed;
+  if (version_ > 0 && now == shown_) return;
+  shown_ = now;
+  ++version_;
+  if (kind_ == ObjectKind::rope && !as_particles_) tube_.update(body.positions, body.radius);
+  set_colours(body, rope_strain, drawing);
+}
+
+/// What a measuring display shows per vertex; empty where it is not known.
+std::span<const float> BodyDrawing::values(const Body& body, std::span<const float> rope_strain,
+                                           Display display) {
+  if (display == Display::speed) {
+    if (body.velocities.size() != body.positions.size()) return {};
+    values_.resize(body.velocities.size());
+    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = length(body.velocities[i]);
+    return values_;
+  }
+  if (kind_ == ObjectKind::rope) return rope_strain;
+  if (body.triangles.empty() || body.rest.size() != body.positions.size()) return {};
+  if (!has_strain_) strain_ = EdgeStrain(body.rest, body.triangles);
+  has_strain_ = true;
+  strain_.evaluate(body.positions, values_);
+  return values_;
+}
+
+void BodyDrawing::set_colours(const Body& body, std::span<const float> rope_strain, const Drawing& drawing) {
+  colours_.clear();
+  const Display display = drawing.options.display;
+  const bool is_tube = kind_ == ObjectKind::rope;
+  if (display == Display::normals) colour_normals(is_tube ? tube_.normals() : body.normals, colours_);
+  if (display != Display::strain && display != Display::speed) return;
+  const std::span<const float> known = values(body, rope_strain, display);
+  if (known.size() != body.positions.size()) return;
+  if (!is_tube) return drawing.heat.colour(known, shown_.largest, colours_);
+  std::vector<float> along(tube_.positions().size());
+  for (std::size_t v = 0; v < along.size(); ++v) {
+    const float place = tube_.parameter(v);
+    const auto i = static_cast<std::size_t>(place);
+    const float part = place - static_cast<float>(i);
+    along[v] = known[i] * (1 - part) + known[std::min(i + 1, known.size() - 1)] * part;
+  }
+  drawing.heat.colour(along, shown_.largest, colours_);
+}
+
+void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const Drawing& drawing) {
+  const Look seen = look(drawing);
+  if (seen.checker_size > 0 && kind_ == ObjectKind::cloth && checker_.texture.empty() &&
+      body.rest.size() == vertices_) {
+    checker_ = cloth_checker(body.rest, body.triangles);
+    ++topology_;
+  }
+  Surface surface;
+  surface.key = key_;
+  surface.topology = topology_;
+  surface.version = version_;
+  surface.positions = body.positions;
+  surface.normals = body.normals;
+  surface.triangles = body.triangles;
+  surface.texture = checker_.texture;
+  surface.colours = colours_;
+  surface.look = seen;
+  if (checker_.texture.empty()) surface.look.checker_size = 0;
+  surface.wireframe = drawing.options.wireframe || drawing.options.display == Display::wireframe;
+  surface.pick = pick;
+  drawing.list.surfaces.push_back(surface);
+  if (drawing.options.display == Display::normals) draw_normals(body, drawing.list);
+}
+
+void BodyDrawing::draw_tube(std::uint32_t pick, const Drawing& drawing) {
+  Surface surface;
+  surface.key = key_;
+  surface.topology = topology_;
+  surface.version = version_;
+  surface.positions = tube_.positions();
+  surface.normals = tube_.normals();
+  surface.triangles = tube_.triangles();
+  surface.texture = tube_.texture();
+  surface.colours = colours_;
+  surface.look = look(drawing);
+  surface.wireframe = drawing.options.wireframe || drawing.options.display == Display::wireframe;
+  surface.pick = pick;
+  drawing.list.surfaces.push_back(surface);
+}
+
+void BodyDrawing::draw_grains(const Body& body, std::uint32_t pick, const Drawing& drawing) {
+  Spheres spheres;
+  spheres.key = key_ + 1;
+  spheres.version = version_;
+  spheres.centres = body.positions;
+  spheres.radius = body.radius;
+  spheres.look = look(drawing);
+  const bool as_sand =
+      drawing.options.display <= Display::wireframe && drawing.options.constraints == ConstraintDisplay::none;
+  if (as_sand) spheres.colours = grain_colours_;
+  if (!colours_.empty()) spheres.colours = colours_;
+  spheres.pick = pick;
+  drawing.list.spheres.push_back(spheres);
+}
+
+void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const Drawing& drawing) {
+  Spheres spheres;
+  spheres.key = key_ + 1;
+  spheres.version = version_;
+  const bool of_world = drawing.has_world;
+  spheres.centres = of_world ? std::span<const Vec3f>(particles_.centres) : body.positions;
+  if (of_world) spheres.radii = particles_.radii;
+  spheres.radius = body.radius;
+  spheres.look = body_look(kind_ == ObjectKind::rope ? ObjectKind::soft_body : kind_, index_);
+  if (drawing.options.constraints != ConstraintDisplay::none) spheres.look = pale(spheres.look);
+  spheres.pick = pick;
+  drawing.list.spheres.push_back(spheres);
+}
+
+void BodyDrawing::draw_normals(const Body& body, DrawList& list) const {
+  if (body.normals.size() != body.positions.size()) return;
+  const PackedColour ink = pack(srgb(0x20262c));
+  for (std::size_t i = 0; i < body.positions.size(); ++i)
+    list.lines.push_back(
+        {body.positions[i], body.positions[i] + body.normals[i] * (0.6f * mean_edge_), ink, 1});
+}
+
+std::uint32_t BodyDrawing::vertex_of(const Body& body, std::uint32_t element) const {
+  if (!as_particles_)
+    return kind_ == ObjectKind::rope && element < tube_.positions().size() ? tube_.point_of(element)
+                                                                           : element;
+  if (element >= particles_.centres.size()) return element;
+  // A particle has no place in the user's order: the vertex on it, or nearest to it, is meant.
+  std::uint32_t best = 0;
+  for (std::uint32_t v = 1; v < body.positions.size(); ++v)
+    if (length_squared(body.positions[v] - particles_.centres[element]) <
+        length_squared(body.positions[best] - particles_.centres[element]))
+      best = v;
+  return best;
+}
+
+}  // namespace souple::render

@@ -1,0 +1,95 @@
+#pragma once
+
+#include "render/checker.h"
+#include "render/display.h"
+#include "render/tube.h"
+#include "render/vertex_colours.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple::render {
+
+/// Balls that stand for an object's particles.
+struct ParticleCloud {
+  std::vector<Vec3f> centres;
+  std::vector<float> radii;
+
+  void clear() {
+    centres.clear();
+    radii.clear();
+  }
+};
+
+/// What drawing one object needs to know of the whole picture.
+struct Drawing {
+  const DisplayOptions& options;
+  const HeatScale& heat;
+  std::uint64_t frame = 0;  ///< of the subject
+  bool has_world = false;
+  DrawList& list;
+};
+
+/// Draws one object and keeps its buffers from picture to picture.
+class BodyDrawing {
+ public:
+  /// `index` chooses its colours; `key` and `key` + 1 are those of its surface and its balls.
+  BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t key);
+
+  /// Whether the body still has the mesh it had.
+  bool fits(const Body& body) const;
+  /// Adds the object to the list. `particles()` has to be filled where they are shown; `rope_strain` per
+  /// point where it is known.
+  void draw(const Body& body, std::uint32_t pick, std::span<const float> rope_strain, const Drawing& drawing);
+
+  /// Which vertex of the body an element of what was drawn stands for.
+  std::uint32_t vertex_of(const Body& body, std::uint32_t element) const;
+
+  ParticleCloud& particles() { return particles_; }
+  Bounds bounds(const Body& body) const;
+  float mean_edge() const { return mean_edge_; }       ///< of the mesh, 2 radii without one [m]
+  bool draws_particles(const Drawing& drawing) const;  ///< of the world, instead of its surface
+
+ private:
+  /// What the buffers on the GPU were made from.
+  struct Shown {
+    std::uint64_t frame = 0;
+    const Vec3f* positions = nullptr;
+    Display display = Display::shaded;
+    bool pale = false;
+    float largest = 0, radius = 0;
+    friend bool operator==(const Shown&, const Shown&) = default;
+  };
+
+  Look look(const Drawing& drawing) const;
+  void refresh(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
+  std::span<const float> values(const Body& body, std::span<const float> rope_strain, Display display);
+  void set_colours(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
+  void draw_surface(const Body& body, std::uint32_t pick, const Drawing& drawing);
+  void draw_tube(std::uint32_t pick, const Drawing& drawing);
+  void draw_grains(const Body& body, std::uint32_t pick, const Drawing& drawing);
+  void draw_particles(const Body& body, std::uint32_t pick, const Drawing& drawing);
+  void draw_normals(const Body& body, DrawList& list) const;
+
+  ObjectKind kind_;
+  std::uint32_t index_;
+  std::uint64_t key_;
+  std::size_t vertices_, triangle_count_;
+  const Triangle* triangles_;
+  float mean_edge_ = 0;
+
+  std::uint64_t version_ = 0, topology_ = 0;
+  Shown shown_;
+  bool as_particles_ = false;
+  Checker checker_;
+  Tube tube_;
+  EdgeStrain strain_;
+  bool has_strain_ = false;
+  std::vector<float> values_;          ///< per vertex
+  std::vector<PackedColour> colours_;  ///< per vertex or per vertex of the tube; or empty
+  std::vector<PackedColour> grain_colours_;
+  ParticleCloud particles_;
+};
+
+}  // namespace souple::render

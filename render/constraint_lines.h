@@ -1,0 +1,20 @@
+#pragma once
+
+#include "render/display.h"
+#include "render/legend.h"
+#include "souple/world/world.h"
+
+#include <vector>
+
+namespace souple::render {
+
+/// The colour that constraints of a kind are drawn in.
+PackedColour kind_colour(std::string_view kind);
+
+/// Draws every constraint of a world as lines, and says in `legend` what their colours mean: two particles as
+/// a segment, three as a triangle, four as a hinge across its edge or as a tet, one as a cross, any other
+/// number as a star. `size` is that of the crosses [m].
+void draw_constraints(const World& world, const DisplayOptions& options, const HeatScale& heat, float size,
+                      std::vector<Line>& lines, Legend& legend);
+
+}  // namespace souple::render

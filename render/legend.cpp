@@ -1,0 +1,63 @@
+#include "render/legend.h"
+
+#include "render/looks.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace souple::render {
+namespace {
+
+constexpr float margin = 14, line_height = 22, text_size = 15;  // pixels
+
+/// Black or white, whichever reads better.
+Colour ink_on(const Colour& background) {
+  const float luminance = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
+  return luminance > 0.2f ? srgb(0x101418) : srgb(0xffffff);
+}
+
+}  // namespace
+
+void Legend::add(std::string text, const Colour& colour, const Colour& background) {
+  labels_.push_back({.text = " " + std::move(text) + " ",
+                     .x = margin,
+                     .y = margin + line_height * static_cast<float>(labels_.size()),
+                     .size = text_size,
+                     .colour = colour,
+                     .background = background});
+}
+
+void Legend::title(std::string text) {
+  add(std::move(text), srgb(0xffffff), srgb(0x20262c, 0.8f));
+}
+
+void Legend::entry(PackedColour colour, std::string text) {
+  Colour background = unpack(colour);
+  background.a = 1;
+  add(std::move(text), ink_on(background), background);
+}
+
+void Legend::scale(const HeatScale& heat, float largest, const std::string& unit) {
+  constexpr int steps = 4;
+  for (int i = steps; i >= 0; --i) {
+    const float t = static_cast<float>(i) / steps;
+    entry(heat(t), short_number(static_cast<double>(t * largest)) + " " + unit);
+  }
+}
+
+Colour unpack(PackedColour colour) {
+  Colour result = srgb((colour & 0xff) << 16 | (colour & 0xff00) | (colour >> 16 & 0xff));
+  result.a = static_cast<float>(colour >> 24) / 255;
+  return result;
+}
+
+std::string short_number(double value) {
+  char text[32];
+  const double size = std::abs(value);
+  const bool plain = size == 0 || (size >= 1e-3 && size < 1e6);
+  std::snprintf(text, sizeof text, plain ? "%.3g" : "%.1e", value);
+  return text;
+}
+
+}  // namespace souple::render

@@ -1,0 +1,87 @@
+#include "render/looks.h"
+
+#include <array>
+#include <cmath>
+
+namespace souple::render {
+namespace {
+
+const Colour linen = srgb(0xf4ede0), hemp = srgb(0xe8d9bd);
+
+/// A number in [0, 1) from an index: the same on every machine. The mixing is that of SplitMix64.
+float noise(std::uint64_t index) {
+  std::uint64_t z = (index + 1) * 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<float>((z ^ (z >> 31)) >> 40) / static_cast<float>(1 << 24);
+}
+
+Colour scaled(const Colour& colour, float s) {
+  return {colour.r * s, colour.g * s, colour.b * s, colour.a};
+}
+
+}  // namespace
+
+Colour mix(const Colour& a, const Colour& b, float t) {
+  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t, a.a + (b.a - a.a) * t};
+}
+
+Look body_look(ObjectKind kind, std::uint32_t index) {
+  const Colour colour = palette(index);
+  switch (kind) {
+    case ObjectKind::cloth:
+      return {.colour = colour, .second = mix(colour, linen, 0.72f), .roughness = 0.8f, .sheen = 0.4f};
+    case ObjectKind::soft_body:
+      return {.colour = colour, .second = colour, .roughness = 0.3f};
+    case ObjectKind::rope:
+      return {.colour = hemp, .second = mix(colour, hemp, 0.15f), .roughness = 0.7f, .sheen = 0.2f};
+    case ObjectKind::grains:
+      break;
+  }
+  const Colour sand = srgb(0xd2ab6d);
+  return {.colour = sand, .second = sand, .roughness = 0.9f};
+}
+
+Look pale(const Look& look) {
+  Look result = measured_look();
+  result.colour = result.second = mix(srgb(0xd9dcdf), look.colour, 0.18f);
+  return result;
+}
+
+Look measured_look() {
+  return {.colour = srgb(0xc4c8cc), .second = srgb(0xc4c8cc), .roughness = 0.75f};
+}
+
+Look collider_look() {
+  return {.colour = srgb(0xcfd1d3), .second = srgb(0xcfd1d3), .roughness = 0.6f};
+}
+
+Look pin_look() {
+  return {.colour = srgb(0xd8a23c), .second = srgb(0xd8a23c), .roughness = 0.3f, .metalness = 0.9f};
+}
+
+std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index) {
+  static constexpr std::array<std::uint32_t, 6> sand{0xd9b679, 0xc79d5e, 0xe8cf9c,
+                                                     0xb68a55, 0xf0dfb6, 0xcfa872};
+  const Colour tint = palette(index);
+  std::vector<PackedColour> result(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Colour colour = srgb(sand[static_cast<std::size_t>(noise(2 * i) * sand.size()) % sand.size()]);
+    result[i] = pack(scaled(mix(colour, tint, 0.08f), 0.85f + 0.3f * noise(2 * i + 1)));
+  }
+  return result;
+}
+
+PackedColour distinct_colour(std::uint32_t index) {
+  // Hues a golden angle apart, in three lightnesses.
+  const float hue = std::fmod(static_cast<float>(index) * 0.61803399f, 1.0f) * 6;
+  const float light = 0.55f + 0.2f * static_cast<float>(index % 3);
+  const auto channel = [&](float shift) {
+    const float place = std::abs(std::fmod(hue + shift, 6.0f) - 3) - 1;
+    const float pure = place < 0 ? 0.0f : (place > 1 ? 1.0f : place);
+    return light * (0.15f + 0.85f * pure);
+  };
+  return pack({channel(0), channel(4), channel(2), 1});
+}
+
+}  // namespace souple::render

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "render/draw_list.h"
+#include "souple/world/world.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+// What things are made of, to the eye.
+
+namespace souple::render {
+
+/// The look of the index-th object.
+Look body_look(ObjectKind kind, std::uint32_t index);
+/// The same, pale: behind lines that are to be read.
+Look pale(const Look& look);
+/// Under colours of vertices: they alone have to be seen.
+Look measured_look();
+Look collider_look();
+Look pin_look();
+
+/// Grains differ a little, and each keeps its colour.
+std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index);
+
+/// (1 - t) a + t b, in linear light.
+Colour mix(const Colour& a, const Colour& b, float t);
+
+/// Colours for any number of things, well apart for neighbouring numbers; for lines.
+PackedColour distinct_colour(std::uint32_t index);
+
+}  // namespace souple::render

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "souple/geometry/triangle_mesh.h"
+#include "souple/math/vec3.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple::render {
+
+/// The skin of a rope: a closed tube with round caps around a smooth curve through the rope's points.
+///
+/// Each row is a ring of `sides` + 1 vertices, the last on top of the first, so that a pattern can run around
+/// the tube; apart from that seam the surface is closed and wound outward.
+class Tube {
+ public:
+  static constexpr std::uint32_t sides = 16;
+
+  /// A tube for this many points (a single one makes a ball). Sets triangles and texture; `radius` and
+  /// `length` [m] of the rope say how many fields of the pattern fit on it.
+  void resize(std::size_t points, float radius, float length);
+  /// Positions and normals around these points, as many as `resize` was told. Points may coincide.
+  void update(std::span<const Vec3f> points, float radius);
+
+  std::span<const Vec3f> positions() const { return positions_; }
+  std::span<const Vec3f> normals() const { return normals_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+  /// A checker of size 1 at these coordinates winds two strands around the rope.
+  std::span<const Vec3f> texture() const { return texture_; }
+
+  /// Where along the rope a vertex lies: point index plus fraction.
+  float parameter(std::size_t vertex) const;
+  /// The rope's point nearest to a vertex, along the rope.
+  std::uint32_t point_of(std::size_t vertex) const;
+
+ private:
+  /// A cross-section: its centre, the directions that span it, and the way along the rope.
+  struct Frame {
+    Vec3f centre, along, across, up;
+  };
+
+  std::size_t ring_count() const { return frames_.size() + 2 * (cap_rings - 1); }
+  void sample_curve(std::span<const Vec3f> points);
+  void set_tangents();
+  void turn_frames();
+  void set_ring(std::size_t ring, const Frame& frame, float angle, float radius);
+
+  static constexpr std::uint32_t cap_rings = 4;  ///< steps from a rim to its pole
+  static constexpr std::uint32_t row = sides + 1;
+
+  std::size_t points_ = 0;
+  std::uint32_t steps_ = 1;  ///< rings per segment
+  std::vector<Frame> frames_;
+  std::vector<Vec3f> positions_, normals_, texture_;
+  std::vector<Triangle> triangles_;
+};
+
+}  // namespace souple::render

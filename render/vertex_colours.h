@@ -1,0 +1,44 @@
+#pragma once
+
+#include "render/colour.h"
+#include "souple/geometry/adjacency.h"
+#include "souple/math/vec3.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace souple::render {
+
+/// `heat` by table: colours of many values.
+class HeatScale {
+ public:
+  HeatScale();
+  PackedColour operator()(float t) const;  ///< t in [0, 1], clamped; NaN stands out
+  /// out[i] = colour of values[i] / largest.
+  void colour(std::span<const float> values, float largest, std::vector<PackedColour>& out) const;
+
+ private:
+  std::array<PackedColour, 256> colours_{};
+  PackedColour not_a_number_ = 0;
+};
+
+/// How much a surface or a line is stretched at its vertices.
+class EdgeStrain {
+ public:
+  EdgeStrain() = default;
+  /// Edges of triangles over these rest positions [m]; edges without length are left out.
+  EdgeStrain(std::span<const Vec3d> rest, std::span<const Triangle> triangles);
+
+  /// out[v] = the largest (l - l0) / l0 of the edges at v; 0 where all are compressed or there is none.
+  void evaluate(std::span<const Vec3f> positions, std::vector<float>& out) const;
+
+ private:
+  std::vector<Edge> edges_;
+  std::vector<float> inverse_rest_;  ///< 1 / l0 [1/m]
+};
+
+/// Directions as colours: x, y, z in [-1, 1] as red, green, blue.
+void colour_normals(std::span<const Vec3f> normals, std::vector<PackedColour>& out);
+
+}  // namespace souple::render

@@ -1,0 +1,58 @@
+#include "souple/world/debug_draw.h"
+
+#include "souple/geometry/adjacency.h"
+#include "souple/world/diagnose.h"
+#include "souple/world/impl.h"
+
+namespace souple {
+namespace {
+
+void draw_constraints(WorldState& world, const std::function<void(const DebugConstraint&)>& draw) {
+  if (!world.stepping) bring_constraints_up_to_date(world);
+  const ParticleView view = world.view();
+  std::vector<Vec3f> points;
+  const auto visit = [&](const Projector& projector) {
+    const std::string_view kind = projector.kind();
+    projector.visit(view, [&](const ConstraintState& constraint) {
+      points.clear();
+      for (const std::uint32_t i : constraint.particles) points.push_back(Vec3f(world.exact_position(i)));
+      draw({kind, points, constraint.colour, constraint.strain, constraint.residual});
+    });
+  };
+  if (world.contacts_known || world.stepping) {
+    world.for_each_projector(visit);
+  } else {
+    world.for_each_constraint_projector(visit);
+  }
+}
+
+void draw_particles(const WorldState& world, const std::function<void(const DebugParticle&)>& draw) {
+  for (const auto& object : world.objects)
+    for (std::uint32_t i = object->begin; i < object->end; ++i) {
+      const float w = world.particles.position[i].w;
+      draw({Vec3f(world.exact_position(i)), world.particles.radius[i], w, w == 0, object->id.value});
+    }
+}
+
+void draw_tet_edges(const WorldState& world, const std::function<void(const Vec3f&, const Vec3f&)>& draw) {
+  for (const auto& object : world.objects)
+    for (const Edge& edge : unique_edges(object->tets.tets))
+      draw(Vec3f(world.exact_position(object->begin + edge[0])),
+           Vec3f(world.exact_position(object->begin + edge[1])));
+}
+
+}  // namespace
+
+void World::debug_draw(const DebugDraw& draw) const {
+  WorldState& world = impl_->state;
+  if (draw.constraint) draw_constraints(world, draw.constraint);
+  if (draw.contact)
+    for (const ContactEvent& event : contacts()) draw.contact({event.point, event.normal, event.impulse});
+  if (draw.particle) {
+    if (!world.stepping) bring_constraints_up_to_date(world);  // and the radii
+    draw_particles(world, draw.particle);
+  }
+  if (draw.tet_edge) draw_tet_edges(world, draw.tet_edge);
+}
+
+}  // namespace souple

@@ -1,0 +1,272 @@
+#include "render/film.h"
+#include "tests/expect_error.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// Films are judged by what ffprobe and ffmpeg, as any player, find in them.
+
+namespace souple::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Films : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("souple-film-" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    path_before_ = std::getenv("PATH");
+  }
+  void TearDown() override {
+    setenv("PATH", path_before_.c_str(), 1);
+    fs::remove_all(folder_);
+  }
+
+  std::set<std::string> names() const {
+    std::set<std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder_)) found.insert(entry.path().filename().string());
+    return found;
+  }
+
+  /// A program of that name becomes the only one on the PATH beside those of the system.
+  void put_first_on_path(const std::string& name, const std::string& script) {
+    fs::create_directories(folder_ / "bin");
+    std::ofstream(folder_ / "bin" / name) << "#!/bin/sh\n" << script << "\n";
+    fs::permissions(folder_ / "bin" / name, fs::perms::owner_all);
+    setenv("PATH", ((folder_ / "bin").string() + ":" + path_before_).c_str(), 1);
+  }
+
+  fs::path folder_;
+  std::string path_before_;
+};
+
+#define NEEDS_FFMPEG \
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed"
+
+std::string output_of(const std::string& command) {
+  std::string text;
+  std::FILE* const pipe = popen(command.c_str(), "r");
+  std::array<char, 4096> piece{};
+  for (std::size_t n = 0; (n = fread(piece.data(), 1, piece.size(), pipe)) > 0;) text.append(piece.data(), n);
+  pclose(pipe);
+  return text;
+}
+
+/// "width,height,rate,frames"
+std::string probe(const fs::path& film) {
+  return output_of(
+      "ffprobe -v error -count_frames -select_streams v -show_entries "
+      "stream=width,height,r_frame_rate,nb_read_frames -of csv=p=0 '" +
+      film.string() + "'");
+}
+
+/// The pixels of all frames as a player shows them.
+std::string decoded(const fs::path& film) {
+  return output_of("ffmpeg -v error -i '" + film.string() + "' -f rawvideo -pix_fmt rgba pipe:1");
+}
+
+std::string bytes_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+/// Four fields of one colour each, which change places with every step.
+Image fields(int width, int height, int step) {
+  constexpr std::array<std::array<std::uint8_t, 3>, 4> colours{
+      {{200, 30, 40}, {40, 160, 60}, {30, 60, 190}, {230, 220, 210}}};
+  Image image(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto field = static_cast<std::size_t>(2 * (2 * y / height) + 2 * x / width + step) % 4;
+      std::uint8_t* const pixel = image.at(x, y);
+      for (std::size_t i = 0; i < 3; ++i) pixel[i] = colours[field][i];
+      pixel[3] = 255;
+    }
+  }
+  return image;
+}
+
+void make_film(const fs::path& file, double rate, int frames, int width = 64, int height = 48) {
+  Film film(file, rate);
+  for (int i = 0; i < frames; ++i) film.add(fields(width, height, i));
+  film.finish();
+}
+
+/// Largest difference in the middle of the four fields.
+int worst_in_fields(const std::uint8_t* pixels, int width, const Image& expected) {
+  int worst = 0;
+  for (const int y : {expected.height / 4, 3 * expected.height / 4}) {
+    for (const int x : {expected.width / 4, 3 * expected.width / 4}) {
+      const std::uint8_t* const found = pixels + 4 * (y * width + x);
+      for (int i = 0; i < 3; ++i)
+        worst = std::max(worst, std::abs(int(found[i]) - int(expected.at(x, y)[i])));
+    }
+  }
+  return worst;
+}
+
+TEST_F(Films, Mp4HasEveryPictureInItsColours) {
+  NEEDS_FFMPEG;
+  make_film(folder_ / "a.mp4", 24, 10);
+  EXPECT_EQ(probe(folder_ / "a.mp4"), "64,48,24/1,10\n");
+  EXPECT_EQ(names(), std::set<std::string>{"a.mp4"});
+  const std::string pixels = decoded(folder_ / "a.mp4");
+  ASSERT_EQ(pixels.size(), 10u * 4 * 64 * 48);
+  for (int i = 0; i < 10; ++i) {
+    const auto* const frame = reinterpret_cast<const std::uint8_t*>(pixels.data()) + i * 4 * 64 * 48;
+    EXPECT_LE(worst_in_fields(frame, 64, fields(64, 48, i)), 6) << "frame " << i;
+  }
+}
+
+TEST_F(Films, Mp4OfOddSizesRepeatsTheEdge) {
+  NEEDS_FFMPEG;
+  make_film(folder_ / "odd.mp4", 30, 3, 63, 47);
+  EXPECT_EQ(probe(folder_ / "odd.mp4"), "64,48,30/1,3\n");
+  const std::string pixels = decoded(folder_ / "odd.mp4");
+  ASSERT_EQ(pixels.size(), 3u * 4 * 64 * 48);
+  const auto* const corner = reinterpret_cast<const std::uint8_t*>(pixels.data()) + 4 * (48 * 64 - 1);
+  EXPECT_NEAR(corner[0], 230, 8);  // not black
+  make_film(folder_ / "dot.mp4", 30, 2, 1, 1);
+  EXPECT_EQ(probe(folder_ / "dot.mp4"), "2,2,30/1,2\n");
+}
+
+TEST_F(Films, GifShowsTheVeryColours) {
+  NEEDS_FFMPEG;
+  make_film(folder_ / "a.gif", 25, 8, 63, 47);
+  EXPECT_EQ(probe(folder_ / "a.gif"), "63,47,25/1,8\n");
+  EXPECT_EQ(names(), std::set<std::string>{"a.gif"});
+  const std::string pixels = decoded(folder_ / "a.gif");
+  ASSERT_EQ(pixels.size(), 8u * 4 * 63 * 47);
+  for (int i = 0; i < 8; ++i) {
+    const auto* const frame = reinterpret_cast<const std::uint8_t*>(pixels.data()) + i * 4 * 63 * 47;
+    EXPECT_LE(worst_in_fields(frame, 63, fields(63, 47, i)), 3) << "frame " << i;
+  }
+}
+
+TEST_F(Films, FastGifKeepsItsSpeed) {
+  NEEDS_FFMPEG;
+  make_film(folder_ / "a.gif", 60, 9);  // every second: 30 a second for 5/30 s
+  const std::string found = probe(folder_ / "a.gif");
+  EXPECT_EQ(found.substr(found.rfind(',')), ",5\n");
+  make_film(folder_ / "b.gif", 120, 9);
+  EXPECT_EQ(probe(folder_ / "b.gif").substr(found.rfind(',')), ",3\n");
+}
+
+TEST_F(Films, TwiceTheSameBytes) {
+  NEEDS_FFMPEG;
+  for (const char* extension : {".mp4", ".gif"}) {
+    make_film(folder_ / (std::string("a") + extension), 30, 12);
+    make_film(folder_ / (std::string("b") + extension), 30, 12);
+    EXPECT_EQ(bytes_of(folder_ / (std::string("a") + extension)),
+              bytes_of(folder_ / (std::string("b") + extension)))
+        << extension;
+  }
+}
+
+TEST_F(Films, NamesAreNotReadByAnyShell) {
+  NEEDS_FFMPEG;
+  for (const std::string name :
+       {"-y.mp4", "a:b.mp4", "a b'$(touch x)\";%03d.mp4", "CAPITALS.MP4", "%d.gif"}) {
+    make_film(folder_ / name, 30, 2);
+    EXPECT_EQ(names(), std::set<std::string>{name});
+    fs::rename(folder_ / name, folder_ / "plain");
+    EXPECT_NE(probe(folder_ / "plain").find(",2\n"), std::string::npos) << name;
+    fs::remove(folder_ / "plain");
+  }
+}
+
+TEST_F(Films, OtherNamesAreFoldersOfPictures) {
+  EXPECT_FALSE(is_film("film"));
+  EXPECT_FALSE(is_film("mp4"));
+  make_film(folder_ / "way/film", 60, 3);
+  for (int i = 0; i < 3; ++i) {
+    const fs::path file = folder_ / "way/film" / ("film_000" + std::to_string(i + 1) + ".png");
+    EXPECT_EQ(read_png(file), fields(64, 48, i));
+  }
+  make_film(folder_ / "slash/", 60, 1);
+  EXPECT_TRUE(fs::exists(folder_ / "slash/slash_0001.png"));
+}
+
+TEST_F(Films, SizesMayNotChange) {
+  NEEDS_FFMPEG;
+  Film film(folder_ / "a.mp4", 30);
+  film.add(fields(64, 48, 0));
+  expect_error([&] { film.add(fields(64, 50, 0)); }, {"64x48", "64x50"});
+}
+
+TEST_F(Films, AnUnfinishedFilmIsFinishedAndAnEmptyOneIsNot) {
+  NEEDS_FFMPEG;
+  {
+    Film film(folder_ / "a.mp4", 30);
+    film.add(fields(64, 48, 0));
+    EXPECT_FALSE(fs::exists(folder_ / "a.mp4"));
+  }
+  EXPECT_EQ(probe(folder_ / "a.mp4"), "64,48,30/1,1\n");
+  { Film film(folder_ / "b.gif", 30); }
+  {
+    Film film(folder_ / "c.mp4", 30);
+    expect_error([&] { film.finish(); }, {"c.mp4"});
+  }
+  EXPECT_EQ(names(), std::set<std::string>{"a.mp4"});
+}
+
+TEST_F(Films, WithoutFfmpegThePackageIsNamed) {
+  for (const char* path : {"/nonexistent", "", ":"}) {
+    setenv("PATH", path, 1);
+    EXPECT_FALSE(has_ffmpeg());
+    expect_error([&] { Film(folder_ / "a.mp4", 30); }, {"Debian package ffmpeg"});
+  }
+  EXPECT_TRUE(names().empty());
+}
+
+TEST_F(Films, WhatFfmpegComplainsOfIsPassedOn) {
+  put_first_on_path("ffmpeg", "echo first >&2; echo Unknown encoder libx264 >&2; exit 1");
+  const std::string old = "an older film";
+  std::ofstream(folder_ / "a.mp4") << old;
+  {
+    Film film(folder_ / "a.mp4", 30);
+    // It may take some pictures into the pipe before it is seen to be gone.
+    expect_error(
+        [&] {
+          for (int i = 0; i < 1000; ++i) film.add(fields(640, 480, i));
+        },
+        {"a.mp4", "ffmpeg failed", "Unknown encoder libx264"});
+  }
+  EXPECT_EQ(names(), (std::set<std::string>{"a.mp4", "bin"}));
+  EXPECT_EQ(bytes_of(folder_ / "a.mp4"), old);
+}
+
+TEST_F(Films, AnFfmpegThatIsKilledIsNotSilent) {
+  put_first_on_path("ffmpeg", "cat > /dev/null; kill -9 $$");
+  Film film(folder_ / "a.mp4", 30);
+  film.add(fields(64, 48, 0));
+  expect_error([&] { film.finish(); }, {"signal 9"});
+  EXPECT_FALSE(fs::exists(folder_ / "a.mp4"));
+}
+
+TEST_F(Films, WhereNothingCanBeWrittenIsSaidAtOnce) {
+  NEEDS_FFMPEG;
+  std::ofstream(folder_ / "file") << "mine";
+  expect_error([&] { Film(folder_ / "file/a.mp4", 30); }, {"file"});
+  expect_error([&] { Film(folder_ / "file/pictures", 30); }, {"file"});
+  fs::create_directories(folder_ / "folder.mp4");
+  expect_error([&] { Film(folder_ / "folder.mp4", 30); }, {"folder.mp4", "is a folder"});
+  expect_error([&] { Film(folder_ / "a.mp4", 0); }, {"frame rate"});
+  expect_error([&] { Film(folder_ / "a.mp4", std::nan("")); }, {"frame rate"});
+}
+
+}  // namespace
+}  // namespace souple::render
