@@ -2,8 +2,8 @@
 
 #include "souple/error.h"
 
-#include <array>
 #include <string_view>
+#include <utility>
 
 namespace souple::app {
 
@@ -43,9 +43,7 @@ struct Radius {
 
 CacheSubject::CacheSubject(const std::filesystem::path& path)
     : playback_(path), scene_(embedded_scene(playback_.manifest(), path)), stage_(stage_of(scene_)) {
-  const Playback& playback = playback_;
-  velocities_.resize(playback.objects().size());
-  subject_.topology = 1;
+  velocities_.resize(playback_.objects().size());
 }
 
 const render::Subject& CacheSubject::read(std::uint64_t frame, bool velocities) {
@@ -83,9 +81,17 @@ void CacheSubject::find_velocities(std::uint64_t frame) {
 }
 
 void CacheSubject::describe_bodies() {
+  std::vector<std::size_t> shape;
+  for (const Playback::Object& object : playback_.objects()) {
+    shape.push_back(object.positions.size());
+    shape.push_back(object.triangles.size());
+  }
+  if (shape != shape_) ++subject_.topology;  // an object came, went or was cut
+  shape_ = std::move(shape);
   subject_.bodies.clear();
   for (std::size_t i = 0; i < playback_.objects().size(); ++i) {
     const Playback::Object& object = playback_.objects()[i];
+    if (object.positions.empty()) continue;
     render::Body body;
     body.id = static_cast<std::uint32_t>(i + 1);
     body.name = object.name;

@@ -34,6 +34,7 @@ class CacheSubject {
   std::optional<SceneDescription> scene_;
   World stage_;                                 ///< holds the colliders, and nothing else
   std::vector<std::vector<Vec3f>> velocities_;  ///< by object [m/s]
+  std::vector<std::size_t> shape_;              ///< how many vertices and triangles each object has
   render::Subject subject_;
 };
 

@@ -34,6 +34,16 @@ struct RenderRequest {
   bool quiet = false;
 };
 int render_frames(const RenderRequest& request);
+/// Two lines for `souple info`: whether pictures and films can be made, and what is missing.
+std::string picture_support();
+
+struct ViewRequest {
+  std::string source;  ///< a scene, a run's folder, or its run.json; empty: a shipped scene
+  std::string size;    ///< "1280x720"; empty: the default
+  std::optional<std::uint64_t> frames;
+  bool paused = false, debug = false;
+};
+int view(const ViewRequest& request);
 
 int list(bool as_json);
 

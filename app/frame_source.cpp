@@ -27,13 +27,13 @@ class SceneFrames : public FrameSource {
 
   Arrival go_to(std::uint64_t frame, const GoOn& go_on) override {
     while (frame_ < frame) {
+      if (frame_ > 0 && !go_on(frame_)) return Arrival::stopped;
       const StepReport& report = world_.step(1 / scene_.frame_rate);
       if (!report.ok()) {
         trouble_ = went_bad_text(scene_.source, report, frame_ + 1);
         return Arrival::went_bad;
       }
       ++frame_;
-      if (!go_on(frame_) && frame_ < frame) return Arrival::stopped;
     }
     return Arrival::there;
   }

@@ -30,7 +30,7 @@ class FrameSource {
   virtual bool has_world() const = 0;                   ///< for constraints, contacts and lattices
 
   using GoOn = std::function<bool(std::uint64_t frame)>;
-  /// Moves on to a later frame. `go_on` is asked after every frame on the way whether to. Throws Error when a
+  /// Moves on to a later frame. `go_on` is asked at every frame it leaves whether to. Throws Error when a
   /// file cannot be read any more.
   virtual Arrival go_to(std::uint64_t frame, const GoOn& go_on) = 0;
   virtual std::uint64_t frame() const = 0;  ///< the present one; 0 before the first

@@ -48,6 +48,7 @@ int info(InfoPart part) {
   std::printf("other mesh files, through assimp: %s\n",
               mesh_import_has_assimp() ? "yes" : "no (not built in)");
   std::printf("caches: PC2, MDD, OBJ, PLY\n");
+  std::fputs(picture_support().c_str(), stdout);
   print_folders();
   return fine;
 }

@@ -33,4 +33,8 @@ int render_frames(const RenderRequest&) {
   refuse();
 }
 
+std::string picture_support() {
+  return "pictures: no (not built in)\nfilms: no (not built in)\n";
+}
+
 }  // namespace souple::app

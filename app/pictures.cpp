@@ -29,8 +29,8 @@ render::Camera camera_for(const CameraWish& wish, const CameraDescription* scene
   render::Camera camera;
   const bool given = scene != nullptr && is_given(*scene);
   if (given) {
-    camera.from = scene->from;
-    camera.to = scene->to;
+    camera.from = Vec3f(scene->from);
+    camera.to = Vec3f(scene->to);
     camera.fov = static_cast<float>(scene->fov);
   }
   camera.from = wish.from.value_or(camera.from);

@@ -6,6 +6,7 @@
 #include "app/pictures.h"
 #include "app/progress.h"
 #include "render/contact_sheet.h"
+#include "render/film.h"
 #include "souple/error.h"
 #include "souple/scene/nearest.h"
 
@@ -264,6 +265,11 @@ int render_frames(const RenderRequest& request) {
     std::fprintf(stderr, "souple: %s\n", error.what());
     return failed;
   }
+}
+
+std::string picture_support() {
+  return std::string("pictures: yes\nfilms: ") +
+         (render::has_ffmpeg() ? "yes" : "no (the program ffmpeg is missing: Debian package ffmpeg)") + "\n";
 }
 
 }  // namespace souple::app

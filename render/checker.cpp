@@ -71,7 +71,7 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
   const Reach along_u = reach(rest, u), along_v = reach(rest, v);
   const double size = std::min(along_u.size(), along_v.size()) / fields_across;
   // Whole fields from side to side: they may be a little off square, and those at the rim end a little early,
-  // or a smooth border between fields would edge the cloth. Across, the middle of a field.
+  // or a smooth border between fields would edge the cloth. Across, inside a field.
   const auto scale = [size](const Reach& side) {
     return (std::max(1.0, std::round(side.size() / size)) - 2 * rim) / side.size();
   };
@@ -79,7 +79,7 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
   Checker result;
   for (const Vec3d& x : rest)
     result.texture.push_back(
-        Vec3f(Vec3d{rim + (dot(x, u) - along_u.lo) * per_u, rim + (dot(x, v) - along_v.lo) * per_v, 0.5}));
+        Vec3f(Vec3d{rim + (dot(x, u) - along_u.lo) * per_u, 0.25, rim + (dot(x, v) - along_v.lo) * per_v}));
   return result;
 }
 

@@ -241,7 +241,7 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
   for (const Body& body : subject.bodies) {
     const float radius = body.kind == ObjectKind::rope || body.kind == ObjectKind::grains
                              ? 1.5f * body.radius
-                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.015f * size());
+                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
     for (const std::uint32_t v : subject.world->pinned({body.id})) {
       centres.push_back(body.positions[v]);
       pin_radii.push_back(radius);

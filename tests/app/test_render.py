@@ -1,0 +1,456 @@
+#!/usr/bin/env python3
+"""Tests of `souple render` and `souple run --picture`: test_render.py PROGRAM SOURCE_FOLDER [unittest's arguments]."""
+
+import json
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import time
+import unittest
+import zlib
+
+from test_cli import EXPLODING, PROGRAM, SMALL, SOURCE, Case
+
+QUICK = ["--size", "160x90", "--samples", "1"]
+SCENE = dict(SMALL, camera={"from": [1, 1.5, 3], "to": [0, 1, 0]})
+
+
+def png_size(path):
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND", f"{path} is no whole PNG"
+    return struct.unpack(">II", data[16:24])
+
+
+def png_pixels(path):
+    """Rows of (r, g, b) of an 8 bit PNG in true colour, with or without alpha."""
+    data, at, packed = path.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, colours, _, _, interlaced = struct.unpack(">IIBBBBB", body)
+            assert depth == 8 and colours in (2, 6) and not interlaced
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + length
+    step = 3 if colours == 2 else 4
+    raw, rows, before = zlib.decompress(packed), [], bytes(width * step)
+    for y in range(height):
+        start = y * (width * step + 1)
+        how, row = raw[start], bytearray(raw[start + 1:start + 1 + width * step])
+        for i in range(len(row)):
+            a, b, c = (row[i - step] if i >= step else 0), before[i], (before[i - step] if i >= step else 0)
+            nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+            row[i] = (row[i] + [0, a, b, (a + b) // 2, nearest][how]) & 255
+        rows.append([tuple(row[x:x + 3]) for x in range(0, len(row), step)])
+        before = row
+    return rows
+
+
+def difference(one, other):
+    """How many pixels differ by more than a hair, as a fraction."""
+    a, b = png_pixels(one), png_pixels(other)
+    pairs = [(p, q) for row, other_row in zip(a, b) for p, q in zip(row, other_row)]
+    return sum(max(abs(i - j) for i, j in zip(p, q)) > 8 for p, q in pairs) / len(pairs)
+
+
+def probe(path):
+    """(width, height, pictures a second, pictures)"""
+    said = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries",
+                           "stream=width,height,r_frame_rate,nb_read_frames", "-of", "csv=p=0", str(path)],
+                          capture_output=True, text=True, check=True).stdout
+    width, height, rate, frames = said.strip().split(",")
+    above, below = rate.split("/")
+    return int(width), int(height), int(above) / int(below), int(frames)
+
+
+def built_in():
+    said = subprocess.run([PROGRAM, "info"], capture_output=True, text=True, check=True).stdout
+    return "pictures: yes" in said
+
+
+class RenderCase(Case):
+    def setUp(self):
+        if not built_in():
+            self.skipTest("built without pictures")
+        super().setUp()
+
+    def render(self, *arguments, code=0):
+        return self.souple("render", *arguments, *QUICK, code=code)
+
+    def needs_ffmpeg(self):
+        if not shutil.which("ffmpeg") or not shutil.which("ffprobe"):
+            self.skipTest("ffmpeg is not installed")
+
+
+class Pictures(RenderCase):
+    def test_the_last_frame_by_default(self):
+        done = self.render(self.scene(SCENE))
+        self.assert_one_line(done.stdout)
+        self.assertRegex(done.stdout, r"^small: frame 20 of 160x90 in [\d.]+ s, in out/small.png\n$")
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(png_size(self.folder / "out/small.png"), (160, 90))
+        self.assertEqual(self.names(), ["out", "out/small.png", "small.json"])
+
+    def test_something_is_seen(self):
+        self.render(self.scene(SCENE), "--out", "a.png")
+        colours = {pixel for row in png_pixels(self.folder / "a.png") for pixel in row}
+        self.assertGreater(len(colours), 200)
+        self.render(self.scene(dict(SCENE, objects=[])), "--out", "b.png")
+        self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)
+
+    def test_twice_the_same_file(self):
+        scene = self.scene(SCENE)
+        for name in "a.png", "b.png":
+            self.souple("render", scene, "--out", name, "--size", "200x100", "--samples", "4")
+        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "b.png").read_bytes())
+
+    def test_a_frame_alone_is_the_frame_of_many(self):
+        scene = self.scene(SCENE)
+        self.render(scene, "--out", "a.png", "--frames", "13")
+        self.render(scene, "--out", "all")
+        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "all/small_0013.png").read_bytes())
+
+    def test_quiet(self):
+        done = self.render(self.scene(SCENE), "--quiet")
+        self.assertEqual(done.stdout + done.stderr, "")
+
+    def test_settings(self):
+        scene = self.scene(SCENE)
+        self.render(scene, "--out", "a.png")
+        self.render(scene, "--out", "b.png", "--set", "objects.flag.transform.translate=[0.4,1.2,0]")
+        self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)
+
+    def test_odd_and_tiny_sizes(self):
+        scene = self.scene(SCENE)
+        for size in "1x1", "7x301", "333x5":
+            self.souple("render", scene, "--out", "a.png", "--size", size, "--samples", "1", "--frames", "1")
+            self.assertEqual("%dx%d" % png_size(self.folder / "a.png"), size)
+
+    def test_every_display(self):
+        scene = self.scene(SCENE)
+        said = self.souple("render", "--help").stdout
+        displays = re.search(r"displays: +(.*)", said).group(1).split(", ")
+        constraints = re.search(r"constraints: +(.*)", said).group(1).split(", ")
+        self.assertEqual((len(displays), len(constraints)), (9, 5))
+        pictures = set()
+        for display in displays:
+            self.render(scene, "--out", "a.png", "--display", display, "--frames", "10")
+            pictures.add((self.folder / "a.png").read_bytes())
+        for how in constraints[1:]:
+            self.render(scene, "--out", "a.png", "--constraints", how, "--frames", "10")
+            pictures.add((self.folder / "a.png").read_bytes())
+        self.assertEqual(len(pictures), 13, "two of them look alike")
+        for option, names in ("--display", displays), ("--constraints", constraints):
+            refused = self.render(scene, option, "nothing", code=2).stderr
+            for name in names:
+                self.assertIn(name, refused)
+
+    def test_camera(self):
+        scene = self.scene(SCENE)
+        self.render(scene, "--out", "a.png")
+        self.render(scene, "--out", "same.png", "--camera", "from 1,1.5,3 to 0 1 0")
+        self.render(scene, "--out", "near.png", "--camera", "fov 15")
+        self.render(scene, "--out", "auto.png", "--camera", "auto")
+        a = (self.folder / "a.png").read_bytes()
+        self.assertEqual(a, (self.folder / "same.png").read_bytes())
+        self.assertNotEqual(a, (self.folder / "near.png").read_bytes())
+        self.assertNotEqual(a, (self.folder / "auto.png").read_bytes())
+
+    def test_without_a_camera_the_objects_fill_the_picture(self):
+        far = json.loads(json.dumps(SMALL))
+        far["objects"] = [dict(far["objects"][0], transform={"translate": [70, 30, -50]})]
+        far["colliders"], far["wind"] = [], {}
+        for name, scene in ("far.png", far), ("empty.png", dict(far, objects=[])):
+            self.render(self.scene(scene), "--out", name, "--frames", "1", "--camera",
+                        "auto" if scene is far else "from 71,31,-47 to 70,30,-50")
+        self.render(self.scene(far), "--out", "default.png", "--frames", "1")
+        self.assertEqual((self.folder / "far.png").read_bytes(), (self.folder / "default.png").read_bytes())
+        self.assertGreater(difference(self.folder / "far.png", self.folder / "empty.png"), 0.05)
+
+    def test_sheet(self):
+        done = self.souple("render", self.scene(SCENE), "--sheet", "4x3", "--size", "120x80", "--samples", "1")
+        self.assertIn("12 pictures of 120x80", done.stdout)
+        width, height = png_size(self.folder / "out/small.png")
+        self.assertTrue(4 * 120 <= width <= 4 * 120 + 40 and 3 * 80 <= height <= 3 * 80 + 40, (width, height))
+        # Every cell is written on: its lower left corner is not that of the frame alone.
+        self.souple("render", self.scene(SCENE), "--out", "last.png", "--size", "120x80", "--samples", "1")
+        page, last = png_pixels(self.folder / "out/small.png"), png_pixels(self.folder / "last.png")
+        cell = [row[width - 120:] for row in page[height - 80:]]
+        changed = [(x, y) for y in range(80) for x in range(120) if cell[y][x] != last[y][x]]
+        self.assertTrue(changed)
+        self.assertTrue(all(y > 55 for _, y in changed), "the label lies at the bottom, the rest is the frame")
+
+    def test_sheet_of_fewer_frames_than_cells(self):
+        self.render(self.scene(SCENE), "--sheet", "3x2", "--frames", "1-4")
+        width, height = png_size(self.folder / "out/small.png")
+        page = png_pixels(self.folder / "out/small.png")
+        self.assertEqual(page[height - 10][width - 10], (255, 255, 255))
+        self.assertNotEqual(page[height - 10][10], (255, 255, 255))
+
+    def test_folder_of_pictures(self):
+        done = self.render(self.scene(SCENE), "--out", "pictures", "--frames", "5-last/5")
+        self.assertIn("4 pictures of 160x90", done.stdout)
+        names = [n for n in self.names() if n.startswith("pictures/")]
+        self.assertEqual(names, [f"pictures/small_{n:04}.png" for n in (5, 10, 15, 20)])
+
+    def test_progress_only_on_a_terminal(self):
+        done = self.render(self.scene(SCENE), "--out", "pictures")
+        self.assertNotIn("\r", done.stdout + done.stderr)
+
+
+class Runs(RenderCase):
+    """A run's folder looks like its scene."""
+
+    def test_folder_and_scene_look_alike(self):
+        moving = dict(SCENE, colliders=SCENE["colliders"] + [
+            {"name": "ball", "shape": {"sphere": {"radius": 0.3}},
+             "keyframes": [{"time": 0, "translate": [-1, 0.5, 0]}, {"time": 0.5, "translate": [1, 0.5, 0]}]}])
+        scene = self.scene(moving)
+        for formats in "pc2", "mdd":
+            self.souple("run", scene, "--out", "run", "--write", formats)
+            for frame in "1", "12", "last":
+                self.render(scene, "--out", "a.png", "--frames", frame)
+                for source in "run", "run/run.json":
+                    self.render(source, "--out", "b.png", "--frames", frame)
+                    self.assertLess(difference(self.folder / "a.png", self.folder / "b.png"), 0.002)
+            self.render(scene, "--out", "b.png", "--frames", "1")
+            self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)  # it can tell
+
+    def test_speed_comes_from_two_frames(self):
+        scene = self.scene(SCENE)
+        self.souple("run", scene, "--out", "run")
+        for source, name in (scene, "a.png"), ("run", "b.png"):
+            self.render(source, "--out", name, "--frames", "15", "--display", "speed")
+        self.render(scene, "--out", "c.png", "--frames", "15")
+        self.assertGreater(difference(self.folder / "a.png", self.folder / "c.png"), 0.03)
+        self.assertLess(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)
+
+    def test_default_name(self):
+        self.souple("run", self.scene(SCENE), "--frames", "2")
+        self.render("out/small/")
+        self.assertTrue((self.folder / "out/small.png").is_file())
+
+    def test_a_run_whose_meshes_are_gone(self):
+        (self.folder / "cloth.obj").write_text("v 0 1 0\nv 1 1 0\nv 0 1 1\nf 1 2 3\n")
+        scene = json.loads(json.dumps(SCENE))
+        scene["objects"][0] = {"name": "flag", "kind": "cloth", "mesh": {"file": "cloth.obj"}}
+        self.souple("run", self.scene(scene), "--out", "run")
+        (self.folder / "cloth.obj").unlink()
+        self.render("run", "--out", "a.png")
+        self.assertTrue((self.folder / "a.png").is_file())
+
+    def test_what_a_folder_cannot_show(self):
+        self.souple("run", self.scene(SCENE), "--out", "run")
+        for arguments in (["--display", "lattice"], ["--display", "contacts"], ["--constraints", "kind"]):
+            said = self.render("run", *arguments, code=2).stderr
+            self.assertIn(" ".join(arguments) + ": run holds positions only", said)
+            self.assert_one_line(said)
+        self.assertIn("--set is for scenes", self.render("run", "--set", "substeps=3", code=2).stderr)
+
+    def test_run_with_picture(self):
+        scene = self.scene(SCENE)
+        done = self.souple("run", scene, "--out", "run", "--picture", "pictures/end.png")
+        self.assertIn("small: the last frame is shown in pictures/end.png\n", done.stdout)
+        self.assertEqual(png_size(self.folder / "pictures/end.png"), (1280, 720))
+        self.souple("render", scene, "--out", "end.png")
+        self.assertEqual((self.folder / "pictures/end.png").read_bytes(), (self.folder / "end.png").read_bytes())
+        for name in "end.jpg", "end", "end.mp4":
+            said = self.souple("run", scene, "--out", "other", "--picture", name, code=2).stderr
+            self.assertIn(".png", said)
+        self.assertFalse((self.folder / "other").exists())
+
+
+class Films(RenderCase):
+    def test_mp4(self):
+        self.needs_ffmpeg()
+        scene = self.scene(SCENE)
+        done = self.souple("render", scene, "--out", "a.mp4", "--size", "161x91", "--samples", "1")
+        self.assertIn("20 pictures of 161x91", done.stdout)
+        self.assertEqual(probe(self.folder / "a.mp4"), (162, 92, 60, 20))
+        self.assertEqual(self.names(), ["a.mp4", "small.json"])
+
+    def test_every_fifth_frame_keeps_the_speed(self):
+        self.needs_ffmpeg()
+        self.render(self.scene(SCENE), "--frames", "1-last/5")
+        self.assertEqual(probe(self.folder / "out/small.mp4"), (160, 90, 12, 4))
+
+    def test_gif(self):
+        self.needs_ffmpeg()
+        self.souple("run", self.scene(SCENE), "--out", "run")
+        self.render("run", "--out", "a.gif")
+        self.assertEqual(probe(self.folder / "a.gif")[:2], (160, 90))
+        self.assertEqual(probe(self.folder / "a.gif")[3], 10)  # 60 a second are too many for a .gif: 30
+        self.assertEqual(sorted(n for n in self.names() if n.startswith("a.")), ["a.gif"])
+
+    def test_same_film_twice(self):
+        self.needs_ffmpeg()
+        for name in "a.mp4", "b.mp4":
+            self.render(self.scene(SCENE), "--out", name)
+        self.assertEqual((self.folder / "a.mp4").read_bytes(), (self.folder / "b.mp4").read_bytes())
+
+    def test_without_ffmpeg(self):
+        scene = self.scene(SCENE)
+        self.environment["PATH"] = ""
+        said = self.render(scene, "--out", "films/a.mp4", code=2).stderr
+        self.assertIn("Debian package ffmpeg", said)
+        self.assert_one_line(said)
+        self.assertEqual(self.names(), ["small.json"])
+        self.render(scene, "--out", "a.png")  # which needs none
+        self.assertIn("films: no", self.souple("info").stdout)
+
+
+class Refused(RenderCase):
+    def refused(self, *arguments, said):
+        before = self.names()
+        done = self.souple("render", *arguments, code=2)
+        self.assertEqual(self.names(), before, "something was left behind")
+        self.assertEqual(done.stdout, "")
+        self.assert_one_line(done.stderr)
+        self.assertIn(said, done.stderr)
+
+    def test_options(self):
+        scene = self.scene(SCENE)
+        for size in "0x7", "7", "8193x1", "-1x5", "axb", "1x2x3", "4 x 5", "1e3x2":
+            self.refused(scene, "--size=" + size, said=f'--size "{size}": expected WIDTHxHEIGHT')
+        for sheet in "0x3", "4", "99x1":
+            self.refused(scene, "--sheet", sheet, said=f'--sheet "{sheet}": expected COLUMNSxROWS')
+        self.refused(scene, "--sheet", "64x64", said="--size")
+        for frames in "0", "x", "1-", "3/2", "1-5/0", "1-2-3", "1,2":
+            self.refused(scene, "--frames", frames, said=f'--frames "{frames}": expected N, A-B')
+        self.refused(scene, "--frames", "21", said="from 1 to 20")
+        self.refused(scene, "--frames", "5-2", said="first frame before the last")
+        for camera in "from 1,2", "1 2 3", "fov 0", "fov 180", "from 1,2,x", "to nan,0,0", "from 1,2,3 from 1,2,3":
+            self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
+        self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
+        self.refused(scene, "--samples", "x", said="expected a whole number")
+
+    def test_outputs(self):
+        scene = self.scene(SCENE)
+        for name in "a.jpg", "a.webm", "a.AVI":
+            self.refused(scene, "--out", name, said=f"--out {name}: expected a picture .png")
+        self.refused(scene, "--out", "a.png", "--frames", "1-3", said="3 frames do not fit into one picture")
+        self.refused(scene, "--out", "a.mp4", "--sheet", "2x2", said="--sheet makes one page")
+        (self.folder / "file").write_text("mine")
+        for name in "file/a.png", "file/a.mp4", "file/folder":
+            self.refused(scene, "--out", name, said="file")
+        (self.folder / "folder.png").mkdir()
+        self.refused(scene, "--out", "folder.png", said="is a folder")
+
+    def test_sources(self):
+        self.refused("flga", said='did you mean "flag"')
+        self.refused("no/such.json", said="no such file")
+        (self.folder / "empty").mkdir()
+        self.refused("empty", said="has no run.json")
+        (self.folder / "broken").mkdir()
+        (self.folder / "broken/run.json").write_text("{")
+        self.refused("broken", said="run.json")
+        done = self.souple("render", code=2)
+        self.assertIn("SOURCE", done.stderr)
+
+    def test_a_run_without_frames(self):
+        self.souple("run", self.scene(SCENE), "--out", "run", "--frames", "1")
+        manifest = json.loads((self.folder / "run/run.json").read_text())
+        manifest["frames"] = 0
+        manifest["reports"] = []
+        for item in manifest["objects"]:
+            item["files"] = [f for f in item["files"] if not f["frames"]]
+        (self.folder / "run/run.json").write_text(json.dumps(manifest))
+        self.refused("run", said="frame")
+
+    def test_without_egl(self):
+        self.environment["__EGL_VENDOR_LIBRARY_FILENAMES"] = "/nonexistent"
+        self.refused(self.scene(SCENE), "--out", "new/a.png", said="libegl-mesa0")
+        said = self.souple("run", self.scene(SCENE), "--picture", "new/a.png", code=2).stderr
+        self.assertIn("libegl-mesa0", said)
+        self.assertEqual(self.names(), ["small.json"])
+
+
+class Trouble(RenderCase):
+    def test_a_simulation_that_goes_bad(self):
+        self.needs_ffmpeg()
+        scene = self.scene(EXPLODING)
+        said = self.souple("run", scene, "--out", "run", code=3).stderr
+        bad = int(re.search(r"went bad in frame (\d+)", said).group(1))
+        self.assertGreater(bad, 1)
+        done = self.render(scene, "--out", "a.png", code=3)
+        self.assertRegex(done.stderr, rf"went bad in frame {bad}: object .*; a.png shows the last good frame, {bad - 1}\.")
+        self.assert_one_line(done.stderr)
+        self.assertEqual(png_size(self.folder / "a.png"), (160, 90))
+        done = self.render(scene, "--out", "a.mp4", code=3)
+        self.assertIn(f"a.mp4 shows {bad - 1} frame", done.stderr)
+        self.assertEqual(probe(self.folder / "a.mp4")[3], bad - 1)
+        self.render(scene, "--sheet", "2x2", "--frames", "1-60", "--out", "sheet.png", code=3)
+        self.assertTrue((self.folder / "sheet.png").is_file())
+        self.souple("run", scene, "--out", "run", "--picture", "b.png", code=3)
+        self.assertTrue((self.folder / "b.png").is_file())
+
+    def interrupted(self, *arguments, wait_for):
+        run = subprocess.Popen([PROGRAM, "render", *map(str, arguments)], cwd=self.folder, env=self.environment,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(3000):
+            if wait_for() or run.poll() is not None:
+                break
+            time.sleep(0.01)
+        self.addCleanup(run.kill)
+        run.send_signal(signal.SIGINT)
+        out, error = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130, out + error)
+        self.assert_one_line(error)
+        self.assertFalse([n for n in self.names() if ".part" in n], self.names())
+        return error
+
+    def test_interrupt_while_a_film_grows(self):
+        self.needs_ffmpeg()
+        scene = self.scene(dict(SCENE, frames=100000))
+        part = self.folder / "a.part.mp4"
+        said = self.interrupted(scene, "--out", "a.mp4", *QUICK,
+                                wait_for=lambda: part.exists() and time.sleep(1) is None)
+        pictures = int(re.search(r"interrupted after frame \d+; a.mp4 holds (\d+) pictures?", said).group(1))
+        self.assertEqual(probe(self.folder / "a.mp4")[3], pictures)
+
+    def test_interrupt_between_pictures(self):
+        scene = self.scene(dict(SCENE, frames=100000))
+        self.interrupted(scene, "--out", "all", *QUICK,
+                         wait_for=lambda: (self.folder / "all/small_0003.png").exists())
+        pictures = sorted((self.folder / "all").iterdir())
+        self.assertGreaterEqual(len(pictures), 3)
+        for picture in pictures:
+            self.assertEqual(png_size(picture), (160, 90))
+
+    def test_interrupt_before_there_is_a_picture(self):
+        scene = self.scene(dict(SCENE, frames=1000000))
+        started = time.time()
+        said = self.interrupted(scene, "--out", "new/a.png", *QUICK, wait_for=lambda: time.time() > started + 1.5)
+        self.assertIn("nothing was written", said)
+        self.assertFalse([n for n in self.names() if n.endswith(".png")])
+
+
+class Documents(RenderCase):
+    def test_the_page_names_every_option_and_display(self):
+        said = self.souple("render", "--help").stdout
+        page = (SOURCE / "docs/rendering.md").read_text()
+        for option in re.findall(r"^  (--[a-z]+)", said, re.M):
+            self.assertIn(f"`{option}", page)
+        for line in re.findall(r"^(?:displays|constraints): +(.*)", said, re.M):
+            for name in line.split(", "):
+                self.assertIn(f"`{name}`", page)
+        for option in set(re.findall(r"`(--[a-z]+)", page)):
+            self.assertIn(option, said + self.souple("run", "--help").stdout)
+
+
+class Absent(Case):
+    def test_a_program_without_pictures_says_so(self):
+        if built_in():
+            self.skipTest("built with pictures")
+        for arguments in (["render", "flag"], ["run", "flag", "--picture", "a.png"]):
+            done = self.souple(*arguments, code=2)
+            self.assert_one_line(done.stderr)
+            self.assertIn("libepoxy-dev", done.stderr)
+        self.assertEqual(self.names(), [])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
