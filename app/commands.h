@@ -37,6 +37,14 @@ int render_frames(const RenderRequest& request);
 /// Two lines for `souple info`: whether pictures and films can be made, and what is missing.
 std::string picture_support();
 
+struct ViewRequest {
+  std::string source;  ///< a scene, a run's folder, or its run.json; empty: a shipped scene
+  std::string size;    ///< "1280x720"; empty: the default
+  std::optional<std::uint64_t> frames;
+  bool paused = false, debug = false;
+};
+int view(const ViewRequest& request);
+
 int list(bool as_json);
 
 int check(const std::string& scene, const std::vector<std::string>& settings);

@@ -1,5 +1,6 @@
 #include "app/commands.h"
 #include "app/exit_codes.h"
+#include "app/view/keys.h"
 #include "souple/error.h"
 #include "souple/version.h"
 
@@ -19,6 +20,7 @@ using souple::app::fine;
 using souple::app::InfoPart;
 using souple::app::RenderRequest;
 using souple::app::RunOptions;
+using souple::app::ViewRequest;
 
 constexpr const char* scene_help = "a scene file, or the name of a shipped scene (see `souple list`)";
 
@@ -58,6 +60,13 @@ EGL; the same frame is the same file each time. Ctrl-C finishes the picture and 
 
 displays:     shaded, plain, wireframe, strain, speed, particles, lattice, normals, contacts
 constraints:  none, kind, colour, strain, residual)";
+
+const std::string view_footer = R"(Examples:
+  souple view flag
+  souple view my/scene.json --paused
+  souple view out/flag                         plays a finished run, with a time slider
+
+)";
 
 constexpr const char* check_footer = R"(Example:
   souple check flag --set objects.flag.mesh.grid.columns=100
@@ -156,6 +165,21 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       [request, &action] { action = [request] { return souple::app::render_frames(*request); }; });
 }
 
+void add_view(CLI::App& app, std::function<int()>& action) {
+  auto request = std::make_shared<ViewRequest>();
+  CLI::App& command =
+      *app.add_subcommand("view", "show a scene while it runs, or a finished run, in a window");
+  command.footer(view_footer + souple::viewer::keys_text());
+  command.add_option(
+      "SOURCE", request->source,
+      "a scene file, the name of a shipped scene, or the folder of a run or its run.json [curtain]");
+  command.add_flag("--paused", request->paused, "do not start before Space is pressed");
+  command.add_option("--size", request->size, "of the window [1440x900]")->type_name("WIDTHxHEIGHT");
+  command.add_option("--frames", request->frames, "quit after so many pictures")->type_name("N");
+  command.add_flag("--debug", request->debug, "end with a message when OpenGL reports an error");
+  command.callback([request, &action] { action = [request] { return souple::app::view(*request); }; });
+}
+
 void add_list(CLI::App& app, std::function<int()>& action) {
   auto as_json = std::make_shared<bool>(false);
   CLI::App& command = *app.add_subcommand("list", "list the shipped scenes");
@@ -251,6 +275,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   add_run(app, action);
   add_render(app, action);
+  add_view(app, action);
   add_list(app, action);
   add_check(app, action);
   add_info(app, action);

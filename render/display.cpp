@@ -193,8 +193,9 @@ void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawin
     if (found == bodies.end() || !found->second.draws_particles(drawing)) return;
     ParticleCloud& cloud = found->second.particles();
     cloud.centres.push_back(particle.position);
-    cloud.radii.push_back(display == Display::lattice ? std::min(0.35f * particle.radius, 0.006f * size())
-                                                      : particle.radius);
+    // Lattice nodes outside the surface they carry have radii below zero: they touch nothing before it does.
+    const float dot = 0.006f * size();
+    cloud.radii.push_back(display == Display::lattice || particle.radius <= 0 ? dot : particle.radius);
   };
   subject.world->debug_draw(draw);
 }

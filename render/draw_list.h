@@ -65,10 +65,10 @@ struct Line {
 /// Words on the picture.
 struct Label {
   std::string text;    ///< UTF-8; '\n' starts a line
-  float x = 0, y = 0;  ///< top left corner [pixels]
-  float size = 16;     ///< height of a line [pixels]
+  float x = 0, y = 0;  ///< top left corner, rounded to whole pixels
+  float size = 16;     ///< height of a line, rounded to a whole number in [6, 128] [pixels]
   Colour colour = srgb(0xffffff);
-  Colour background{0, 0, 0, 0};  ///< a box behind it
+  Colour background{0, 0, 0, 0};  ///< a box behind it, reaching a little beyond the text
 };
 
 /// The endless floor y = height.

@@ -34,6 +34,25 @@ bool is_true_type(const std::vector<char>& data) {
   return data.size() >= least && std::equal(magic.begin(), magic.end(), data.begin());
 }
 
+/// With the font in `data`, or the built-in one when that is empty. False for a damaged font.
+bool rasterise(ImFontAtlas& atlas, const std::vector<char>& data, int size, const ImVector<ImWchar>& ranges) {
+  atlas.Flags = ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
+  ImFontConfig config;
+  config.SizePixels = float(size);
+  config.GlyphRanges = ranges.Data;
+  config.OversampleH = 1;  // text starts at whole pixels, so nothing between them is needed
+  config.OversampleV = 1;
+  config.PixelSnapH = true;
+  if (data.empty()) {
+    atlas.AddFontDefault(&config);
+  } else {
+    config.FontDataOwnedByAtlas = false;
+    auto* bytes = const_cast<char*>(data.data());  // which it only reads
+    atlas.AddFontFromMemoryTTF(bytes, int(data.size()), float(size), &config);
+  }
+  return atlas.Build();
+}
+
 GlyphSheet::Glyph glyph_of(const ImFontGlyph& glyph) {
   return {glyph.X0, glyph.Y0, glyph.X1, glyph.Y1, glyph.U0, glyph.V0, glyph.U1, glyph.V1, glyph.AdvanceX};
 }
@@ -72,30 +91,18 @@ GlyphSheet Font::sheet(int size, const std::vector<char32_t>& characters) const 
   for (const char32_t character : characters) builder.AddChar(ImWchar(character));
   ImVector<ImWchar> ranges;
   builder.BuildRanges(&ranges);
-
-  ImFontConfig config;
-  config.SizePixels = float(size);
-  config.GlyphRanges = ranges.Data;
-  config.OversampleH = 1;  // text starts at whole pixels, so nothing between them is needed
-  config.OversampleV = 1;
-  config.PixelSnapH = true;
   ImFontAtlas atlas;
-  atlas.Flags = ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
-  ImFont* font = nullptr;
-  if (built_in()) {
-    font = atlas.AddFontDefault(&config);
-  } else {
-    config.FontDataOwnedByAtlas = false;
-    auto* data = const_cast<char*>(data_.data());  // which it only reads
-    font = atlas.AddFontFromMemoryTTF(data, int(data_.size()), float(size), &config, ranges.Data);
+  if (built_in() || !rasterise(atlas, data_, size, ranges)) {
+    atlas.Clear();
+    rasterise(atlas, {}, size, ranges);
   }
-
   GlyphSheet sheet;
   unsigned char* coverage = nullptr;
   atlas.GetTexDataAsAlpha8(&coverage, &sheet.width, &sheet.height);
   sheet.coverage.assign(coverage, coverage + std::size_t(sheet.width) * std::size_t(sheet.height));
   sheet.solid_u = atlas.TexUvWhitePixel.x;
   sheet.solid_v = atlas.TexUvWhitePixel.y;
+  ImFont* font = atlas.Fonts[0];
   const ImFontGlyph* unknown = font->FindGlyphNoFallback(ImWchar('?'));
   for (const char32_t character : characters) {
     const ImFontGlyph* glyph = font->FindGlyphNoFallback(ImWchar(character));

@@ -4,6 +4,7 @@
 #include "render/gl/framebuffer.h"
 #include "render/gl/program.h"
 #include "render/gl/vertex_array.h"
+#include "render/passes/finish.h"
 #include "render/passes/labels.h"
 #include "render/passes/lines.h"
 #include "render/passes/occlusion.h"
@@ -38,15 +39,11 @@ void require_extensions() {
   }
 }
 
-bool can_blend_floats() {
-  return !gl::is_es() || epoxy_has_gl_extension("GL_EXT_float_blend");
-}
-
 // What depends on the size of the picture alone.
 struct Targets {
   int width, height;
-  gl::Texture albedo, normal, depth, colour, sum;
-  gl::Framebuffer material, lighting, accumulation;
+  gl::Texture albedo, normal, depth, colour;
+  gl::Framebuffer material, lighting;
 
   Targets(int w, int h)
       : width(w),
@@ -57,12 +54,6 @@ struct Targets {
         colour(GL_RGBA16F, w, h),
         material("materials", {&albedo, &normal}, &depth),
         lighting("light", {&colour}, &depth) {}
-
-  void need_sum() {
-    if (sum.id() != 0) return;
-    sum = gl::Texture(GL_RGBA32F, width, height);
-    accumulation = gl::Framebuffer("the mean of samples", {&sum}, nullptr);
-  }
 };
 
 // The fractional part of i times the golden ratio's powers: well spread points (Roberts 2018, R2 sequence).
@@ -111,17 +102,15 @@ struct Renderer::Impl {
   gl::Buffer frame_buffer;
   gl::Program ground{"screen.vert.glsl", "ground.frag.glsl"};
   gl::Program lighting{"screen.vert.glsl", "lighting.frag.glsl"};
-  gl::Program copy{"screen.vert.glsl", "copy.frag.glsl"};
-  gl::Program resolve{"screen.vert.glsl", "resolve.frag.glsl"};
   SurfacesPass surfaces;
   SpheresPass spheres;
   LinesPass lines;
   ShadowPass shadow;
   OcclusionPass occlusion;
+  FinishPass finish;
   LabelsPass labels;
   PickPass picking;
   std::optional<Targets> targets;
-  bool blends_floats = can_blend_floats();
 
   Targets& targets_of(int width, int height);
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
@@ -129,8 +118,6 @@ struct Renderer::Impl {
   void bind(const Frame& frame);
   void draw_material(const DrawList& list, const PassContext& context);
   void draw_lighting(const DrawList& list, const PassContext& context);
-  void accumulate(bool first);
-  void finish(int samples, std::uint32_t framebuffer);
 };
 
 namespace {
@@ -212,44 +199,19 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   targets->lighting.bind();
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
-  targets->albedo.bind(3);
-  targets->normal.bind(4);
-  targets->depth.bind(5);
+  targets->albedo.bind(gl::Unit::albedo);
+  targets->normal.bind(gl::Unit::normal);
+  targets->depth.bind(gl::Unit::depth);
   shadow.bind();
   occlusion.bind(targets->normal);
   lighting.use();
   nothing.bind();
   draw_screen();
-  ShadowPass::unbind();
   glEnable(GL_DEPTH_TEST);
   lines.draw(list.lines, context);
   glDisable(GL_DEPTH_TEST);
   lines.draw(list.top_lines, context);
   glDepthMask(GL_TRUE);
-}
-
-void Renderer::Impl::accumulate(bool first) {
-  targets->need_sum();
-  targets->accumulation.bind();
-  targets->colour.bind(6);
-  if (!first) {
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
-  }
-  copy.use();
-  nothing.bind();
-  draw_screen();
-  glDisable(GL_BLEND);
-}
-
-void Renderer::Impl::finish(int samples, std::uint32_t framebuffer) {
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, targets->width, targets->height);
-  (samples > 1 ? targets->sum : targets->colour).bind(6);
-  resolve.use();
-  resolve.set("scale", 1.0f / float(samples));
-  nothing.bind();
-  draw_screen();
 }
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
@@ -276,9 +238,9 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     m.draw_material(list, context);
     if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
     m.draw_lighting(list, context);
-    if (samples > 1) m.accumulate(sample == 0);
+    if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
   }
-  m.finish(samples, framebuffer);
+  m.finish.draw(m.targets->colour, samples, framebuffer, m.nothing);
   m.labels.draw(list.labels, width, height);
   default_state();
   glBindVertexArray(0);

@@ -31,6 +31,11 @@ Vec3f perpendicular(const Vec3f& along) {
   return fixed - sum * (dot(fixed, sum) / c);  // Rodrigues, with fixed . pole = 0
 }
 
+/// Where a curve through c, b, a, evenly spaced, goes on to: as bent as it was.
+Vec3f beyond(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  return (a - b) * 3.0f + c;
+}
+
 Vec3f reflected(const Vec3f& v, const Vec3f& mirror) {
   const float square = length_squared(mirror);
   return square > 0 ? v - mirror * (2 * dot(mirror, v) / square) : v;
@@ -86,9 +91,10 @@ void Tube::sample_curve(std::span<const Vec3f> points) {
   const std::size_t n = points.size();
   frames_.back().centre = points[n - 1];
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    // Beyond its ends the rope goes on straight.
-    const Vec3f before = i > 0 ? points[i - 1] : points[i] * 2.0f - points[i + 1];
-    const Vec3f after = i + 2 < n ? points[i + 2] : points[i + 1] * 2.0f - points[i];
+    const Vec3f before =
+        i > 0 ? points[i - 1] : beyond(points[i], points[i + 1], points[std::min(i + 2, n - 1)]);
+    const Vec3f after =
+        i + 2 < n ? points[i + 2] : beyond(points[i + 1], points[i], points[i > 0 ? i - 1 : 0]);
     for (std::uint32_t k = 0; k < steps_; ++k)
       frames_[i * steps_ + k].centre = catmull_rom({before, points[i], points[i + 1], after},
                                                    static_cast<float>(k) / static_cast<float>(steps_));
@@ -101,8 +107,10 @@ void Tube::set_tangents() {
   const std::size_t n = frames_.size();
   Vec3f along{};
   for (std::size_t j = 0; j < n; ++j) {
-    const Vec3f step = frames_[std::min(j + 1, n - 1)].centre - frames_[j > 0 ? j - 1 : 0].centre;
-    const Vec3f direction = normalized(step);
+    const auto at = [&](std::size_t k) { return frames_[std::min(k, n - 1)].centre; };
+    const Vec3f before = j > 0 ? at(j - 1) : beyond(at(0), at(1), at(2));
+    const Vec3f after = j + 1 < n ? at(j + 1) : beyond(at(j), at(n > 1 ? n - 2 : 0), at(n > 2 ? n - 3 : 0));
+    const Vec3f direction = normalized(after - before);
     const bool first = along == Vec3f{};
     if (length_squared(direction) > 0.5f) along = direction;
     frames_[j].along = along;

@@ -28,8 +28,9 @@ enum class Action {
 };
 
 struct Key {
-  std::string_view key;   ///< how it is called
-  std::string_view does;  ///< in words
+  std::string_view key;    ///< how it is called
+  std::string_view brief;  ///< in a word or two, for the list on screen
+  std::string_view does;   ///< in words
   Action action;
   char character = 0;    ///< what it types, lower case: letters stand where the keyboard's layout has them
   bool repeats = false;  ///< while it is held down
@@ -39,31 +40,31 @@ struct Key {
 inline constexpr char escape = 27;
 
 inline constexpr std::array<Key, 14> keys{{
-    {"Space", "pause and go on", Action::pause, ' '},
-    {".", "one frame", Action::step_frame, '.', true},
-    {",", "one substep; of a recording, one frame back", Action::step_substep, ',', true},
-    {"R", "reset: back to the start", Action::reset, 'r'},
-    {"N", "next scene", Action::next_scene, 'n'},
-    {"P", "previous scene", Action::previous_scene, 'p'},
-    {"F", "frame all", Action::frame_all, 'f'},
-    {"W", "wireframe on and off", Action::wireframe, 'w'},
-    {"C", "next display of constraints", Action::constraints, 'c'},
-    {"1-9", "display mode", Action::display},
-    {"S", "screenshot", Action::screenshot, 's'},
-    {"V", "film on and off", Action::film, 'v'},
-    {"H", "hide or show the panels", Action::hide_panel, 'h'},
-    {"Esc", "quit", Action::quit, escape},
+    {"Space", "pause", "pause and go on", Action::pause, ' '},
+    {".", "frame", "one frame", Action::step_frame, '.', true},
+    {",", "substep", "one substep; of a recording, one frame back", Action::step_substep, ',', true},
+    {"R", "reset", "reset: back to the start", Action::reset, 'r'},
+    {"N", "next", "next scene", Action::next_scene, 'n'},
+    {"P", "previous", "previous scene", Action::previous_scene, 'p'},
+    {"F", "frame all", "frame all", Action::frame_all, 'f'},
+    {"W", "wireframe", "wireframe on and off", Action::wireframe, 'w'},
+    {"C", "constraints", "next display of constraints", Action::constraints, 'c'},
+    {"1-9", "display", "display mode", Action::display},
+    {"S", "screenshot", "screenshot", Action::screenshot, 's'},
+    {"V", "film", "film on and off", Action::film, 'v'},
+    {"H", "hide", "hide or show the panels", Action::hide_panel, 'h'},
+    {"Esc", "quit", "quit", Action::quit, escape},
 }};
 
 struct Gesture {
-  std::string_view gesture, does;
+  std::string_view gesture, gesture_brief, brief, does;
 };
 inline constexpr std::array<Gesture, 5> gestures{{
-    {"Left drag on an object", "grab it"},
-    {"Left drag on empty space", "orbit"},
-    {"Right drag", "pan"},
-    {"Wheel", "zoom"},
-    {"Double click", "pin or unpin a particle"},
+    {"Left drag on an object", "drag", "grab", "grab it"},
+    {"Left drag on empty space", "drag beside", "orbit", "orbit"},
+    {"Right drag", "right drag", "pan", "pan"},
+    {"Wheel", "wheel", "zoom", "zoom"},
+    {"Double click", "double click", "pin", "pin or unpin a particle"},
 }};
 
 /// Both tables as text, one line each.

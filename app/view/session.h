@@ -3,12 +3,17 @@
 #include "render/camera.h"
 #include "render/subject.h"
 #include "souple/math/vec3.h"
+#include "souple/scene/scene.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
 
 namespace souple::viewer {
+
+inline render::Camera camera_of(const CameraDescription& scene) {
+  return {Vec3f(scene.from), Vec3f(scene.to), static_cast<float>(scene.fov)};
+}
 
 /// What stopped a simulation, and where.
 struct Trouble {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace souple::viewer {
@@ -36,8 +37,8 @@ bool holds(const std::vector<std::uint32_t>& vertices, std::uint32_t vertex) {
 
 }  // namespace
 
-Simulation::Simulation(const std::filesystem::path& scene, std::span<const std::string> settings)
-    : Simulation(load_scene(scene, settings), scene.stem().string()) {}
+Simulation::Simulation(const std::filesystem::path& scene)
+    : Simulation(load_scene(scene), scene.stem().string()) {}
 
 Simulation::Simulation(SceneDescription scene, std::string name)
     : name_(std::move(name)), scene_(std::move(scene)), world_(build_world(scene_)) {
@@ -70,11 +71,7 @@ render::Subject Simulation::subject() const {
 }
 
 std::optional<render::Camera> Simulation::camera() const {
-  render::Camera camera;
-  camera.from = Vec3f(scene_.camera.from);
-  camera.to = Vec3f(scene_.camera.to);
-  camera.fov = static_cast<float>(scene_.camera.fov);
-  return camera;
+  return camera_of(scene_.camera);
 }
 
 // --- time

@@ -10,7 +10,6 @@
 #include <deque>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -24,8 +23,8 @@ using StageTimes = std::array<double, stage_count>;
 class Simulation : public Session {
  public:
   /// Throws Error when the scene cannot be read or built.
-  explicit Simulation(const std::filesystem::path& scene, std::span<const std::string> settings = {});
-  explicit Simulation(SceneDescription scene, std::string name);
+  explicit Simulation(const std::filesystem::path& scene);
+  Simulation(SceneDescription scene, std::string name);
 
   const std::string& name() const override { return name_; }
   const std::string& description() const override { return scene_.description; }

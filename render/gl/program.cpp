@@ -18,17 +18,15 @@ inline void delete_shader(GLuint id) {
 }
 using Shader = Handle<delete_shader>;
 
-// The units that passes bind their textures to.
-constexpr std::array<std::pair<std::string_view, int>, 10> sampler_units{{{"shadow_map", 0},
-                                                                          {"shadow_depth", 1},
-                                                                          {"occlusion_map", 2},
-                                                                          {"albedo_map", 3},
-                                                                          {"normal_map", 4},
-                                                                          {"depth_map", 5},
-                                                                          {"colour_map", 6},
-                                                                          {"glyph_map", 7},
-                                                                          {"noise_map", 8},
-                                                                          {"pick_map", 9}}};
+constexpr std::array<std::pair<std::string_view, Unit>, 9> sampler_units{{{"shadow_map", Unit::shadow},
+                                                                          {"sum_map", Unit::sum},
+                                                                          {"occlusion_map", Unit::occlusion},
+                                                                          {"albedo_map", Unit::albedo},
+                                                                          {"normal_map", Unit::normal},
+                                                                          {"depth_map", Unit::depth},
+                                                                          {"colour_map", Unit::colour},
+                                                                          {"glyph_map", Unit::glyph},
+                                                                          {"pick_map", Unit::pick}}};
 
 // The text of a shader, with `#include "name"` lines replaced by the text they name, each once.
 std::string expand(std::string_view name, std::vector<std::string>& included) {
@@ -111,7 +109,7 @@ Program::Program(std::string_view vertex, std::string_view fragment,
   const GLuint frame = glGetUniformBlockIndex(id, "Frame");
   if (frame != GL_INVALID_INDEX) glUniformBlockBinding(id, frame, frame_binding);
   use();
-  for (const auto& [name, unit] : sampler_units) set(name, unit);
+  for (const auto& [name, unit] : sampler_units) set(name, int(unit));
   glUseProgram(0);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/colour.h"
-#include "render/gl/handle.h"
+#include "render/gl/texture.h"
 #include "render/mat4.h"
 
 #include <string>
@@ -17,7 +17,8 @@ inline void delete_program(GLuint id) {
 
 /// A vertex and a fragment shader. Their text, in the GLSL of OpenGL ES 3.00 without `#version`, lies in
 /// render/shaders and is built into the library; it may `#include "other.glsl"`, each once. The uniform
-/// block `Frame` is bound to `frame_binding`; the samplers named in program.cpp to their units.
+/// block `Frame` is bound to `frame_binding`; each sampler NAME_map to
+/// its Unit in texture.h.
 class Program {
  public:
   static constexpr GLuint frame_binding = 0;

@@ -17,7 +17,9 @@ Texture::Texture(GLenum internal_format, int width, int height, GLenum filter)
     case GL_RG8:
       format = GL_RG;
       break;
-    case GL_RG16F: format = GL_RG, type = GL_FLOAT; break;
+    case GL_RG16F:
+      format = GL_RG, type = GL_FLOAT;
+      break;
     case GL_RG32UI:
       format = GL_RG_INTEGER, type = GL_UNSIGNED_INT;
       break;
@@ -58,23 +60,9 @@ void Texture::upload_bytes(const unsigned char* values) const {
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-void Texture::bind(GLuint unit) const {
-  glActiveTexture(GL_TEXTURE0 + unit);
+void Texture::bind(Unit unit) const {
+  glActiveTexture(GL_TEXTURE0 + GLuint(unit));
   glBindTexture(GL_TEXTURE_2D, id());
-}
-
-Sampler::Sampler(Kind kind) {
-  GLuint id = 0;
-  glGenSamplers(1, &id);
-  handle_ = Handle<delete_sampler>(id);
-  const GLint filter = kind == Kind::nearest ? GL_NEAREST : GL_LINEAR;
-  glSamplerParameteri(id, GL_TEXTURE_MIN_FILTER, filter);
-  glSamplerParameteri(id, GL_TEXTURE_MAG_FILTER, filter);
-  glSamplerParameteri(id, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glSamplerParameteri(id, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  if (kind != Kind::depth_comparison) return;
-  glSamplerParameteri(id, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-  glSamplerParameteri(id, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 }
 
 }  // namespace souple::render::gl

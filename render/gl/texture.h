@@ -7,12 +7,12 @@ namespace souple::render::gl {
 inline void delete_texture(GLuint id) {
   glDeleteTextures(1, &id);
 }
-inline void delete_sampler(GLuint id) {
-  glDeleteSamplers(1, &id);
-}
 
-/// A picture on the GPU with one level; clamped to its edge, read without interpolation unless `filter` or a
-/// Sampler says otherwise.
+/// Where shaders look for their textures: the sampler `shadow_map` reads unit `shadow`, and so on.
+enum class Unit : GLuint { shadow, sum, occlusion, albedo, normal, depth, colour, glyph, pick };
+
+/// A picture on the GPU with one level; clamped to its edge, read without interpolation unless `filter` says
+/// otherwise.
 class Texture {
  public:
   Texture() = default;
@@ -22,7 +22,7 @@ class Texture {
 
   /// Fills a GL_R8 texture of this size; rows follow each other without padding.
   void upload_bytes(const unsigned char* values) const;
-  void bind(GLuint unit) const;
+  void bind(Unit unit) const;
   GLuint id() const { return handle_.id(); }
   GLenum internal_format() const { return internal_format_; }
   int width() const { return width_; }
@@ -32,17 +32,6 @@ class Texture {
   Handle<delete_texture> handle_;
   GLenum internal_format_ = 0;
   int width_ = 0, height_ = 0;
-};
-
-/// Another way to read a texture that is bound to the same unit.
-class Sampler {
- public:
-  enum class Kind { nearest, linear, depth_comparison };
-  explicit Sampler(Kind kind);
-  void bind(GLuint unit) const { glBindSampler(unit, handle_.id()); }
-
- private:
-  Handle<delete_sampler> handle_;
 };
 
 }  // namespace souple::render::gl

@@ -16,9 +16,8 @@ namespace souple::render {
 
 namespace {
 
-constexpr int smallest = 6, largest = 256;  // pixels a line is high
+constexpr int smallest = 6, largest = 128;  // pixels a line is high
 constexpr std::size_t most_sheets = 8;      // a window that is resized may ask for any size
-constexpr GLuint glyph_unit = 7;
 
 /// A rectangle of a glyph sheet on the picture.
 struct Quad {
@@ -103,7 +102,7 @@ struct LabelsPass::Impl {
 
   void flush(const gl::Texture& texture) {
     buffer.upload(std::span<const Quad>(quads));
-    texture.bind(glyph_unit);
+    texture.bind(gl::Unit::glyph);
     array.bind();
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, GLsizei(quads.size()));
     quads.clear();

@@ -28,24 +28,24 @@ void OcclusionPass::draw(const gl::Texture& normals, const gl::Texture& depth,
   glDisable(GL_DEPTH_TEST);
   nothing.bind();
   targets_->depth_target.bind();
-  depth.bind(5);
+  depth.bind(gl::Unit::depth);
   half_depth_.use();
   draw_screen();
 
   targets_->rough_target.bind();
-  targets_->depth.bind(5);
-  normals.bind(4);
+  targets_->depth.bind(gl::Unit::depth);
+  normals.bind(gl::Unit::normal);
   occlusion_.use();
   draw_screen();
 
   targets_->smooth_target.bind();
-  targets_->rough.bind(2);
+  targets_->rough.bind(gl::Unit::occlusion);
   blur_.use();
   draw_screen();
 }
 
 void OcclusionPass::bind(const gl::Texture& otherwise) const {
-  (targets_ ? targets_->smooth : otherwise).bind(2);
+  (targets_ ? targets_->smooth : otherwise).bind(gl::Unit::occlusion);
 }
 
 }  // namespace souple::render

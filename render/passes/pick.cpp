@@ -15,8 +15,6 @@ namespace souple::render {
 
 namespace {
 
-constexpr GLuint depth_unit = 5, pick_unit = 9;
-
 /// Who is where, and the same with depth in a form that can be read back: OpenGL ES reads no depth buffers,
 /// and of integers only four at once.
 struct Buffers {
@@ -109,8 +107,8 @@ std::vector<Texel> PickPass::Impl::read(SurfacesPass& surfaces, SpheresPass& sph
 
   buffers->reading.bind();
   glDisable(GL_DEPTH_TEST);
-  buffers->who.bind(pick_unit);
-  buffers->depth.bind(depth_unit);
+  buffers->who.bind(gl::Unit::pick);
+  buffers->depth.bind(gl::Unit::depth);
   program.use();
   nothing.bind();
   draw_screen();

@@ -74,15 +74,7 @@ void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& s
 }
 
 void ShadowPass::bind() const {
-  map_.bind(0);
-  map_.bind(1);
-  comparing_.bind(0);
-  plain_.bind(1);
-}
-
-void ShadowPass::unbind() {
-  glBindSampler(0, 0);
-  glBindSampler(1, 0);
+  map_.bind(gl::Unit::shadow);
 }
 
 }  // namespace souple::render

@@ -20,12 +20,10 @@ class ShadowPass {
   void draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres);
   /// Binds the map for shadow.glsl.
   void bind() const;
-  static void unbind();
 
  private:
   gl::Texture map_;
   gl::Framebuffer framebuffer_;
-  gl::Sampler comparing_{gl::Sampler::Kind::depth_comparison}, plain_{gl::Sampler::Kind::nearest};
   gl::Buffer frame_buffer_;
   Mat4 view_, projection_;  // of the sun
 };

@@ -15,6 +15,11 @@ uniform uint pick;
 uniform vec4 look;  // roughness, metalness, sheen
 #endif
 
+// z and w in clip space of what lies at z in view space.
+vec2 clip_depth(float z) {
+  return vec2(frame.projection[2][2] * z + frame.projection[3][2], frame.projection[2][3] * z + frame.projection[3][3]);
+}
+
 void main() {
   bool parallel = frame.projection[3][3] == 1.0;
   vec3 origin = parallel ? vec3(plane_place, 0.0) : vec3(0.0);
@@ -29,13 +34,13 @@ void main() {
   half_chord = sqrt(half_chord);
 
   float side = -1.0;
-  vec4 clip = frame.projection * vec4(origin + (foot - half_chord) * direction, 1.0);
-  if (clip.z < -clip.w) {  // cut open by the near plane: its inside is seen
+  vec2 clip = clip_depth((foot - half_chord) * direction.z);
+  if (clip.x < -clip.y) {  // cut open by the near plane: its inside is seen
     side = 1.0;
-    clip = frame.projection * vec4(origin + (foot + half_chord) * direction, 1.0);
-    if (clip.z < -clip.w) discard;
+    clip = clip_depth((foot + half_chord) * direction.z);
+    if (clip.x < -clip.y) discard;
   }
-  gl_FragDepth = 0.5 * clip.z / clip.w + 0.5;
+  gl_FragDepth = 0.5 * clip.x / clip.y + 0.5;
 
 #ifdef TARGET_PICK
   picked = uvec2(pick, ball_index);

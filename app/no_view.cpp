@@ -1,0 +1,15 @@
+#include "app/commands.h"
+#include "souple/error.h"
+
+// In the place of view.cpp where the viewer's packages were missing.
+
+namespace souple::app {
+
+int view(const ViewRequest&) {
+  throw Error(
+      "this program was built without its viewer: install the Debian packages libepoxy-dev libegl-dev "
+      "libpng-dev "
+      "libimgui-dev libglfw3-dev and build it again");
+}
+
+}  // namespace souple::app

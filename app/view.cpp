@@ -1,0 +1,48 @@
+#include "app/commands.h"
+#include "app/exit_codes.h"
+#include "app/find_scene.h"
+#include "app/picture_words.h"
+#include "app/view/scene_list.h"
+#include "app/view/window.h"
+#include "souple/error.h"
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+namespace souple::app {
+
+namespace {
+
+/// A folder or a file as it stands, else the name of a shipped scene.
+std::filesystem::path what_to_view(const std::string& what) {
+  std::error_code error;
+  if (!what.empty())
+    return std::filesystem::is_directory(what, error) ? std::filesystem::path(what) : find_scene(what);
+  const std::vector<ShippedScene> shipped = shipped_scenes();
+  if (shipped.empty()) throw Error("no scenes found; name a scene file, or see `souple info`");
+  for (const ShippedScene& scene : shipped) {
+    if (scene.name == "curtain") return scene.file;
+  }
+  return shipped.front().file;
+}
+
+}  // namespace
+
+int view(const ViewRequest& request) {
+  viewer::WindowOptions window;
+  if (!request.size.empty()) {
+    const PictureSize size = parse_size(request.size);
+    window.width = size.width, window.height = size.height;
+  }
+  window.frames = request.frames;
+  window.debug = request.debug;
+  window.viewer.paused = request.paused;
+  viewer::SceneList scenes(shipped_scenes());
+  // Before any window: what is wrong with a scene is said in the terminal it was named in.
+  std::unique_ptr<viewer::Session> session = scenes.open(what_to_view(request.source));
+  viewer::run_window(std::move(scenes), std::move(session), window);
+  return fine;
+}
+
+}  // namespace souple::app

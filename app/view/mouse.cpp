@@ -1,0 +1,89 @@
+#include "app/view/mouse.h"
+
+#include "app/view/simulation.h"
+#include "souple/host/grab.h"
+
+#include <cmath>
+#include <imgui.h>
+
+namespace souple::viewer {
+
+namespace {
+
+constexpr float radians_per_unit = 0.008f;
+constexpr float zoom_per_notch = 0.88f;
+
+/// In pixels of the area.
+ImVec2 in_area(const ImVec2& at, const ViewArea& area) {
+  return {at.x * area.scale - static_cast<float>(area.x), at.y * area.scale - static_cast<float>(area.y)};
+}
+
+/// Where the ray under the mouse meets the plane at this depth, parallel to the picture.
+Vec3f at_depth(const render::Camera& camera, const ViewArea& area, const ImVec2& mouse, float depth) {
+  const ImVec2 at = in_area(mouse, area);
+  const render::Ray ray = camera.ray(at.x, at.y, area.width, area.height);
+  return ray.origin + ray.direction * (depth / dot(ray.direction, camera.forward()));
+}
+
+}  // namespace
+
+Mouse::Mouse() = default;
+Mouse::~Mouse() = default;
+
+void Mouse::forget() {
+  grab_.reset();
+  drag_ = Drag::none;
+}
+
+Vec3f Mouse::grabbed_at() const {
+  return grab_ ? grab_->point() : pulled_to_;
+}
+
+void Mouse::update(render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick) {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (area.empty()) return forget();
+  const bool held = ImGui::IsMouseDown(drag_ == Drag::pan ? 1 : 0);
+  if (drag_ != Drag::none && !held) forget();
+  if (io.WantCaptureMouse && drag_ == Drag::none) return;
+  press(camera, simulation, area, pick);
+  drag(camera, area);
+  if (io.MouseWheel != 0) camera.zoom(std::pow(zoom_per_notch, io.MouseWheel));
+}
+
+void Mouse::press(const render::Camera& camera, Simulation* simulation, const ViewArea& area,
+                  const Pick& pick) {
+  if (drag_ != Drag::none) return;
+  if (ImGui::IsMouseClicked(1)) drag_ = Drag::pan;
+  if (!ImGui::IsMouseClicked(0)) return;
+  drag_ = Drag::orbit;
+  const ImVec2 mouse = ImGui::GetIO().MouseClickedPos[0], at = in_area(mouse, area);
+  const std::optional<Found> found = pick(static_cast<int>(at.x), static_cast<int>(at.y));
+  if (!found || simulation == nullptr) return;
+  drag_ = Drag::none;
+  if (ImGui::IsMouseDoubleClicked(0)) {
+    simulation->toggle_pin(found->object, found->vertex);
+    return;
+  }
+  grab_ = std::make_unique<Grab>(simulation->world(), found->object, found->vertex, found->point);
+  depth_ = dot(found->point - camera.from, camera.forward());
+  pulled_to_ = found->point;
+  drag_ = Drag::grab;
+}
+
+void Mouse::drag(render::Camera& camera, const ViewArea& area) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const float dx = io.MouseDelta.x, dy = io.MouseDelta.y;
+  switch (drag_) {
+    case Drag::none:
+      return;
+    case Drag::orbit:
+      return camera.orbit(-dx * radians_per_unit, dy * radians_per_unit);
+    case Drag::pan:
+      return camera.pan(dx * area.scale, dy * area.scale, area.height);
+    case Drag::grab:
+      pulled_to_ = at_depth(camera, area, io.MousePos, depth_);
+      grab_->move_to(pulled_to_);
+  }
+}
+
+}  // namespace souple::viewer

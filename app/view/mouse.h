@@ -1,0 +1,66 @@
+#pragma once
+
+#include "app/view/session.h"
+#include "render/camera.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace souple {
+class Grab;
+}
+
+namespace souple::viewer {
+
+class Simulation;
+
+/// The part of the window that shows the scene. [pixels, from the upper left corner]
+struct ViewArea {
+  int x = 0, y = 0, width = 0, height = 0;
+  float scale = 1;  ///< pixels per unit of the mouse's coordinates
+
+  bool empty() const { return width < 1 || height < 1; }
+};
+
+/// What the mouse means in the scene: it grabs objects, pins particles, moves the camera.
+class Mouse {
+ public:
+  /// A vertex of an object under the mouse.
+  struct Found {
+    ObjectId object;
+    std::uint32_t vertex = 0;
+    Vec3f point{};  ///< m
+  };
+  /// Looks under a pixel of the area; nothing where no object is.
+  using Pick = std::function<std::optional<Found>(int x, int y)>;
+
+  Mouse();
+  ~Mouse();
+  Mouse(const Mouse&) = delete;
+  Mouse& operator=(const Mouse&) = delete;
+
+  /// One picture's worth of the mouse, read from ImGui. `simulation` is nullptr when a recording is shown.
+  /// Throws Error when what was asked for cannot be done.
+  void update(render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick);
+  /// Lets go of everything: the scene is another one, or its world is.
+  void forget();
+
+  bool grabbing() const { return grab_ != nullptr; }
+  Vec3f grabbed_at() const;                       ///< where the grabbed point is now [m]
+  Vec3f pulled_to() const { return pulled_to_; }  ///< where the mouse wants it [m]
+
+ private:
+  enum class Drag { none, grab, orbit, pan };
+
+  void press(const render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick);
+  void drag(render::Camera& camera, const ViewArea& area);
+
+  Drag drag_ = Drag::none;
+  std::unique_ptr<Grab> grab_;
+  Vec3f pulled_to_{};
+  float depth_ = 0;  // of the grabbed point when it was taken [m]
+};
+
+}  // namespace souple::viewer

@@ -1,0 +1,53 @@
+#include "app/view/panels.h"
+#include "app/view/widgets.h"
+
+#include <string>
+#include <vector>
+
+namespace souple::viewer {
+
+namespace {
+
+/// Names as the command line has them, shown with the key that chooses each.
+template <class Value, class Name>
+std::vector<std::string> names_of(std::size_t count, Name name, bool numbered) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string text(name(static_cast<Value>(i)));
+    names.push_back(numbered ? std::to_string(i + 1) + "  " + text : text);
+  }
+  return names;
+}
+
+std::vector<const char*> pointers(const std::vector<std::string>& names) {
+  std::vector<const char*> list;
+  for (const std::string& name : names) list.push_back(name.c_str());
+  return list;
+}
+
+}  // namespace
+
+void display_panel(render::DisplayOptions& display, render::RenderOptions& rendering, bool has_world) {
+  if (!section("Display")) return;
+  const auto displays = names_of<render::Display>(render::display_count, render::display_name, true);
+  int shown = static_cast<int>(display.display);
+  if (choice_row("Mode", "##display", shown, pointers(displays)))
+    display.display = static_cast<render::Display>(shown);
+  if (has_world) {
+    const auto kinds = names_of<render::ConstraintDisplay>(render::constraint_display_count,
+                                                           render::constraint_display_name, false);
+    int constraints = static_cast<int>(display.constraints);
+    if (choice_row("Constraints", "##constraints", constraints, pointers(kinds)))
+      display.constraints = static_cast<render::ConstraintDisplay>(constraints);
+  }
+  slider_row("Hottest strain", "##largest_strain", display.largest_strain, {0.001f, 1, true}, "",
+             "What the warmest colour of a strain means; 0.1 is 10 %.");
+  slider_row("Hottest speed", "##largest_speed", display.largest_speed, {0.01f, 100, true}, "m/s");
+  check_row("Wireframe", "##wireframe", display.wireframe);
+  check_row("Pins", "##pins", display.pins);
+  check_row("Colliders", "##colliders", display.colliders);
+  check_row("Shadows", "##shadows", rendering.shadows);
+  check_row("Occlusion", "##occlusion", rendering.ambient_occlusion);
+}
+
+}  // namespace souple::viewer

@@ -1,0 +1,30 @@
+#include "app/view/panels.h"
+#include "app/view/widgets.h"
+
+#include <imgui.h>
+
+namespace souple::viewer {
+
+void solver_panel(Simulation& simulation) {
+  if (!section("Solver")) return;
+  Settings settings = simulation.scene().settings;
+  int mode = static_cast<int>(settings.mode), integrator = static_cast<int>(settings.integrator);
+  int form = static_cast<int>(settings.form);
+  bool changed = count_row("Substeps", "##substeps", settings.substeps, 1, 100,
+                           "Parts of one frame. More is stiffer, more exact, and costs in proportion.");
+  changed |= count_row("Iterations", "##iterations", settings.iterations, 1, 100,
+                       "Of the solver in each substep. More substeps usually serve better.");
+  changed |= choice_row("Mode", "##mode", mode, {"small steps", "XPBD", "PBD"},
+                        "PBD knows stiffnesses from 0 to 1 instead of a material.");
+  changed |= choice_row("Integrator", "##integrator", integrator,
+                        {"semi-implicit", "explicit Euler", "implicit Euler"});
+  changed |= choice_row("Numbers", "##form", form, {"displacements", "positions"},
+                        "What the solver moves. Displacements keep the digits that small steps need.");
+  if (!changed) return;
+  settings.mode = static_cast<Mode>(mode);
+  settings.integrator = static_cast<Integrator>(integrator);
+  settings.form = static_cast<Form>(form);
+  simulation.set_settings(settings);
+}
+
+}  // namespace souple::viewer

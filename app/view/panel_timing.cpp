@@ -1,0 +1,156 @@
+#include "app/view/panels.h"
+#include "app/view/ui.h"
+#include "app/view/widgets.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <imgui.h>
+#include <string>
+
+namespace souple::viewer {
+
+namespace {
+
+// Told apart by the colour-blind too; in the order of Stage.
+constexpr std::array<unsigned, stage_count> stage_colours{0x5b8def, 0x8d97a6, 0xf0a35e,
+                                                          0x4fb6a8, 0xd7dbe2, 0xc983d6};
+
+double sum(const StageTimes& times) {
+  double total = 0;
+  for (const double ms : times) total += ms;
+  return total;
+}
+
+/// Of the last half second or so.
+StageTimes recent_mean(const std::deque<StageTimes>& history) {
+  StageTimes mean{};
+  const std::size_t count = std::min<std::size_t>(history.size(), 30);
+  if (count == 0) return mean;
+  for (std::size_t i = history.size() - count; i < history.size(); ++i) {
+    for (std::size_t stage = 0; stage < stage_count; ++stage) mean[stage] += history[i][stage];
+  }
+  for (double& ms : mean) ms /= static_cast<double>(count);
+  return mean;
+}
+
+/// The stages side by side, as wide as the panel.
+void stage_bar(const StageTimes& mean) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 0.8f;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_colour(theme::field), 3);
+  const double total = std::max(sum(mean), 1e-9);
+  float x = at.x;
+  for (std::size_t stage = 0; stage < stage_count; ++stage) {
+    const float part = width * static_cast<float>(mean[stage] / total);
+    if (part >= 0.5f)
+      draw.AddRectFilled({x, at.y}, {x + part, at.y + height}, ui_colour(stage_colours[stage]));
+    x += part;
+  }
+  ImGui::Dummy({width, height});
+}
+
+/// One column for each frame, the newest on the right; a line where real time ends.
+void history_chart(const std::deque<StageTimes>& history, double budget) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 4;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_colour(theme::field), 3);
+  double top = 0;
+  for (const StageTimes& times : history) top = std::max(top, sum(times));
+  if (top > 0.4 * budget) top = std::max(top, budget * 1.05);
+  top = std::max(top, 0.02);
+  const float column = width / static_cast<float>(Simulation::history_length);
+  float x = at.x + width - column * static_cast<float>(history.size());
+  for (const StageTimes& times : history) {
+    float y = at.y + height;
+    for (std::size_t stage = 0; stage < stage_count; ++stage) {
+      const float part = (height - 2) * static_cast<float>(times[stage] / top);
+      draw.AddRectFilled({x, y - part}, {x + std::max(column, 1.0f), y}, ui_colour(stage_colours[stage]));
+      y -= part;
+    }
+    x += column;
+  }
+  if (budget <= top) {
+    const float y = at.y + height - (height - 2) * static_cast<float>(budget / top);
+    draw.AddLine({at.x, y}, {at.x + width, y}, ui_colour(theme::bad, 0.9f));
+    draw.AddText({at.x + 4, y + 1}, ui_colour(theme::bad), "real time");
+  }
+  ImGui::Dummy({width, height});
+}
+
+void legend(const StageTimes& mean) {
+  for (std::size_t stage = 0; stage < stage_count; ++stage) {
+    if (stage % 2 == 1)
+      ImGui::SameLine(ImGui::GetWindowContentRegionMin().x + ImGui::GetWindowContentRegionMax().x * 0.5f);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float size = ImGui::GetFontSize() * 0.6f, drop = ImGui::GetFontSize() * 0.25f;
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + drop}, {at.x + size, at.y + drop + size},
+                                              ui_colour(stage_colours[stage]), 2);
+    ImGui::Dummy({size, size});
+    ImGui::SameLine();
+    std::string name(stage_name(static_cast<Stage>(stage)));
+    std::replace(name.begin(), name.end(), '_', ' ');
+    ImGui::TextDisabled("%s", name.c_str());
+    ImGui::SameLine();
+    ImGui::Text("%.2f", mean[stage]);
+  }
+}
+
+std::string text(const char* format, double value) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof(buffer), format, value);
+  return buffer;
+}
+
+void residual_table(const StepReport& report) {
+  if (report.kinds.empty() || !ImGui::BeginTable("##residuals", 4, ImGuiTableFlags_SizingStretchProp)) return;
+  ImGui::TableSetupColumn("constraint", 0, 2.4f);
+  for (const char* name : {"count", "largest |C|", "mean"}) ImGui::TableSetupColumn(name, 0, 1.3f);
+  ImGui::PushStyleColor(ImGuiCol_TableHeaderBg, 0);
+  ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::dim));
+  ImGui::TableHeadersRow();
+  ImGui::PopStyleColor(2);
+  for (const KindReport& kind : report.kinds) {
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(std::string(kind.kind).c_str());
+    ImGui::TableNextColumn();
+    ImGui::Text("%zu", kind.count);
+    ImGui::TableNextColumn();
+    ImGui::Text("%.2g", kind.largest);
+    ImGui::TableNextColumn();
+    ImGui::Text("%.2g", kind.mean);
+  }
+  ImGui::EndTable();
+}
+
+}  // namespace
+
+void timing_panel(const Simulation& simulation) {
+  if (!section("Time per frame")) return;
+  const StageTimes mean = recent_mean(simulation.history());
+  ImGui::Text("%.2f ms", sum(mean));
+  ImGui::SameLine();
+  ImGui::TextDisabled("of %.1f ms that real time allows", 1e3 / simulation.frame_rate());
+  stage_bar(mean);
+  history_chart(simulation.history(), 1e3 / simulation.frame_rate());
+  legend(mean);
+}
+
+void numbers_panel(const Simulation& simulation) {
+  if (!section("Numbers")) return;
+  const StepReport& report = simulation.report();
+  value_row("Particles", std::to_string(report.particles));
+  value_row("Constraints", std::to_string(report.constraints));
+  value_row("Contacts", std::to_string(report.contacts));
+  value_row("Deepest contact", text("%.2g mm", 1e3 * report.deepest_contact));
+  value_row("Largest strain", text("%.2g %%", 100 * report.largest_strain));
+  residual_table(report);
+  if (report.message.empty() || simulation.trouble()) return;
+  ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::warm));
+  ImGui::TextWrapped("%s", report.message.c_str());
+  ImGui::PopStyleColor();
+}
+
+}  // namespace souple::viewer

@@ -1,0 +1,80 @@
+#include "app/view/recording.h"
+
+#include "app/view/simulation.h"
+#include "souple/error.h"
+
+#include <algorithm>
+
+namespace souple::viewer {
+
+namespace {
+
+// A picture that came late catches up by at most so many frames at once.
+constexpr int most_frames = 8;
+
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  std::filesystem::path folder = path.filename() == "run.json" ? path.parent_path() : path;
+  if (!folder.has_filename()) folder = folder.parent_path();  // "out/flag/"
+  return folder;
+}
+
+}  // namespace
+
+Recording::Recording(const std::filesystem::path& path)
+    : name_(folder_of(path).filename().string()), cache_(path) {
+  if (cache_.frames() == 0) {
+    throw Error(path.string() +
+                ": holds no frame that can be played; `souple run` writes frames as PC2, MDD, "
+                "OBJ or PLY");
+  }
+  rate_ = cache_.playback().manifest().frame_rate;
+  description_ =
+      cache_.scene() ? cache_.scene()->description : "A run of " + std::to_string(frames()) + " frames.";
+  seek(1);
+}
+
+std::optional<render::Camera> Recording::camera() const {
+  if (!cache_.scene()) return std::nullopt;
+  return camera_of(cache_.scene()->camera);
+}
+
+void Recording::advance(double seconds) {
+  if (!playing_) return;
+  clock_.tick(seconds);
+  std::uint64_t wanted = frame();
+  for (int steps = 0; clock_.take(1 / rate_); ++steps) {
+    ++wanted;
+    if (steps + 1 >= most_frames) clock_.drop();
+  }
+  if (wanted != frame()) seek(wanted);
+  if (frame() == frames()) playing_ = false;
+}
+
+void Recording::step_frame() {
+  playing_ = false;
+  seek(frame() + 1);
+}
+
+void Recording::step_fine() {
+  playing_ = false;
+  seek(frame() - 1);
+}
+
+void Recording::reset() {
+  clock_.restart();
+  seek(1);
+}
+
+void Recording::set_playing(bool playing) {
+  if (playing && !playing_) {
+    clock_.restart();
+    if (frame() == frames()) seek(1);
+  }
+  playing_ = playing;
+}
+
+void Recording::seek(std::uint64_t frame) {
+  subject_ = cache_.read(std::clamp<std::uint64_t>(frame, 1, frames()), true);
+}
+
+}  // namespace souple::viewer

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "app/find_scene.h"
+#include "app/view/session.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace souple::viewer {
+
+/// What can be looked at: the shipped scenes, and whatever was opened since.
+class SceneList {
+ public:
+  explicit SceneList(std::vector<app::ShippedScene> scenes) : entries_(std::move(scenes)) {}
+
+  const std::vector<app::ShippedScene>& entries() const { return entries_; }
+  /// The one that was opened last, whether that went well or not; entries().size() before the first.
+  std::size_t current() const { return current_; }
+
+  /// A scene file, a finished run's folder, or its run.json. Joins the list. Throws Error.
+  std::unique_ptr<Session> open(const std::filesystem::path& path);
+  std::unique_ptr<Session> open(std::size_t entry);
+  /// The entry `by` places on; comes round at the ends.
+  std::size_t neighbour(int by) const;
+
+ private:
+  std::vector<app::ShippedScene> entries_;
+  std::size_t current_ = std::size_t(-1);
+};
+
+}  // namespace souple::viewer

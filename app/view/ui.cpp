@@ -1,0 +1,130 @@
+#include "app/view/ui.h"
+
+#include "souple/error.h"
+
+#include <array>
+#include <backends/imgui_impl_opengl3.h>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <imgui.h>
+#include <iterator>
+#include <vector>
+
+namespace souple::viewer {
+
+namespace {
+
+constexpr std::array<const char*, 4> font_files{
+    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
+    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
+constexpr float font_size = 15;
+
+/// The file's bytes, if it is a TrueType font: ImGui asserts on anything else.
+std::vector<char> font_bytes(const char* file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return {};
+  std::vector<char> bytes(std::istreambuf_iterator<char>(stream), {});
+  constexpr char magic[] = {0, 1, 0, 0};
+  const bool good = bytes.size() > 1000 && std::memcmp(bytes.data(), magic, sizeof(magic)) == 0;
+  return good ? bytes : std::vector<char>();
+}
+
+std::string add_font(float scale) {
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  for (const char* file : font_files) {
+    std::vector<char> bytes = font_bytes(file);
+    if (bytes.empty()) continue;
+    // The atlas frees what it is given with its own allocator.
+    void* copy = ImGui::MemAlloc(bytes.size());
+    std::memcpy(copy, bytes.data(), bytes.size());
+    atlas.AddFontFromMemoryTTF(copy, static_cast<int>(bytes.size()), font_size * scale);
+    return file;
+  }
+  ImFontConfig config;
+  config.SizePixels = 13 * scale;
+  atlas.AddFontDefault(&config);
+  return "built in";
+}
+
+ImVec4 colour(unsigned hex, float alpha = 1) {
+  const auto part = [&](unsigned shift) { return static_cast<float>((hex >> shift) & 255u) / 255; };
+  return {part(16), part(8), part(0), alpha};
+}
+
+void set_colours(ImGuiStyle& style) {
+  ImVec4* c = style.Colors;
+  c[ImGuiCol_Text] = colour(theme::text);
+  c[ImGuiCol_TextDisabled] = colour(theme::dim);
+  c[ImGuiCol_WindowBg] = colour(theme::background);
+  c[ImGuiCol_PopupBg] = colour(theme::raised, 0.98f);
+  c[ImGuiCol_Border] = colour(theme::line, 0.6f);
+  c[ImGuiCol_FrameBg] = colour(theme::field);
+  c[ImGuiCol_FrameBgHovered] = colour(0x343b48);
+  c[ImGuiCol_FrameBgActive] = colour(0x3a4250);
+  c[ImGuiCol_ScrollbarBg] = colour(theme::background, 0);
+  c[ImGuiCol_ScrollbarGrab] = colour(theme::line);
+  c[ImGuiCol_ScrollbarGrabHovered] = colour(0x454d5b);
+  c[ImGuiCol_ScrollbarGrabActive] = colour(0x545d6d);
+  c[ImGuiCol_CheckMark] = colour(theme::accent);
+  c[ImGuiCol_SliderGrab] = colour(theme::accent);
+  c[ImGuiCol_SliderGrabActive] = colour(0x73d6c8);
+  c[ImGuiCol_Button] = colour(theme::field);
+  c[ImGuiCol_ButtonHovered] = colour(0x3a4250);
+  c[ImGuiCol_ButtonActive] = colour(theme::accent, 0.7f);
+  c[ImGuiCol_Header] = colour(theme::raised);
+  c[ImGuiCol_HeaderHovered] = colour(0x2d3440);
+  c[ImGuiCol_HeaderActive] = colour(0x343b48);
+  c[ImGuiCol_Separator] = colour(theme::line, 0.6f);
+  c[ImGuiCol_TextSelectedBg] = colour(theme::accent, 0.35f);
+}
+
+void set_style(float scale) {
+  ImGuiStyle& style = ImGui::GetStyle();
+  ImGui::StyleColorsDark();
+  style.WindowPadding = {14, 12};
+  style.FramePadding = {8, 4};
+  style.ItemSpacing = {8, 6};
+  style.ItemInnerSpacing = {6, 4};
+  style.WindowRounding = 0;
+  style.PopupRounding = style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = 4;
+  style.WindowBorderSize = style.FrameBorderSize = 0;
+  style.ScrollbarSize = 10;
+  style.GrabMinSize = 8;
+  set_colours(style);
+  style.ScaleAllSizes(scale);
+}
+
+}  // namespace
+
+Ui::Ui(float scale) {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // nothing is left behind in the folder one happens to be in
+  font_ = add_font(scale);
+  set_style(scale);
+  if (!ImGui_ImplOpenGL3_Init("#version 330")) {
+    ImGui::DestroyContext();
+    throw Error("the panels cannot be drawn with this OpenGL; expected OpenGL 3.3");
+  }
+}
+
+Ui::~Ui() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void Ui::begin() {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Ui::draw() {
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+unsigned ui_colour(unsigned hex, float alpha) {
+  return ImGui::ColorConvertFloat4ToU32(colour(hex, alpha));
+}
+
+}  // namespace souple::viewer

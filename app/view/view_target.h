@@ -1,0 +1,35 @@
+#pragma once
+
+#include "render/image.h"
+
+#include <cstdint>
+
+namespace souple::viewer {
+
+/// Where the scene is drawn before it is put beside the panel: the part of the window that is left for it.
+class ViewTarget {
+ public:
+  ViewTarget() = default;
+  ~ViewTarget();
+  ViewTarget(const ViewTarget&) = delete;
+  ViewTarget& operator=(const ViewTarget&) = delete;
+
+  /// At least 1 x 1. Throws Error when the graphics card has no room for it.
+  void resize(int width, int height);
+  int width() const { return width_; }
+  int height() const { return height_; }
+  std::uint32_t framebuffer() const { return framebuffer_; }
+  /// Into another framebuffer, its lower left corner at (x, y) from the lower left.
+  void copy_to(std::uint32_t framebuffer, int x, int y) const;
+
+ private:
+  void release();
+
+  std::uint32_t framebuffer_ = 0, colour_ = 0, depth_ = 0;
+  int width_ = 0, height_ = 0;
+};
+
+/// What a framebuffer of this size holds.
+render::Image read_framebuffer(std::uint32_t framebuffer, int width, int height);
+
+}  // namespace souple::viewer

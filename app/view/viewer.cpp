@@ -1,0 +1,301 @@
+#include "app/view/viewer.h"
+
+#include "app/pictures.h"
+#include "app/view/recording.h"
+#include "app/view/simulation.h"
+#include "app/view/ui.h"
+#include "souple/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <epoxy/gl.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+#include <utility>
+
+namespace souple::viewer {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr float panel_width = 350;  // at most, in units of an ordinary screen
+constexpr int still_samples = 8;    // of screenshots and films
+constexpr int largest_picture = 8192;
+
+}  // namespace
+
+Viewer::Viewer(SceneList scenes, std::unique_ptr<Session> session, ViewerOptions options)
+    : scenes_(std::move(scenes)), options_(std::move(options)) {
+  show(std::move(session));
+  if (options_.paused) session_->set_playing(false);
+}
+
+Viewer::~Viewer() {
+  mouse_.forget();  // a grab lets go of a world that still exists
+}
+
+Simulation* Viewer::simulation() {
+  return dynamic_cast<Simulation*>(session_.get());
+}
+Recording* Viewer::recording() {
+  return dynamic_cast<Recording*>(session_.get());
+}
+
+/// What the user asked for and cannot be done is said on screen; the viewer goes on.
+void Viewer::guarded(const std::function<void()>& what) {
+  try {
+    what();
+  } catch (const Error& error) {
+    notices_.complain(error.what());
+  }
+}
+
+// --- one picture
+// ---------------------------------------------------------------------------------------------
+
+void Viewer::frame(double seconds, std::uint32_t framebuffer) {
+  Ui::begin();
+  lay_out();
+  notices_.pass(seconds);
+  guarded([&] { obey_keys(); });
+  guarded([&] { use_mouse(); });
+  // A film has every frame, however long a picture takes.
+  guarded([&] { session_->advance(film_ ? 1 / session_->frame_rate() : seconds); });
+  announce_trouble();
+  if (panels_shown_) {
+    draw_panel();
+    draw_key_list();
+  }
+  draw_time_slider();
+  update_list();
+  draw_status();
+  draw_trouble();
+  notices_.draw(static_cast<float>(area_.x) / area_.scale + 12, 12,
+                std::max(static_cast<float>(area_.width) / area_.scale - 24, 1.0f));
+  ImGui::Render();
+  guarded([&] { add_to_film(); });
+  draw_scene(framebuffer);
+}
+
+void Viewer::lay_out() {
+  const ImGuiIO& io = ImGui::GetIO();
+  area_.scale = io.DisplayFramebufferScale.x > 0 ? io.DisplayFramebufferScale.x : 1;
+  width_ = static_cast<int>(std::lround(io.DisplaySize.x * area_.scale));
+  height_ = static_cast<int>(std::lround(io.DisplaySize.y * area_.scale));
+  const float wished = panel_width * ImGui::GetFontSize() / 15 * area_.scale;
+  area_.x = panels_shown_ ? static_cast<int>(std::min(wished, 0.45f * static_cast<float>(width_))) : 0;
+  area_.y = 0;
+  area_.width = width_ - area_.x;
+  area_.height =
+      height_ -
+      (panels_shown_ ? static_cast<int>(std::min(bar_height_, 0.4f * static_cast<float>(height_))) : 0);
+}
+
+void Viewer::update_list() {
+  subject_ = session_->subject();
+  drawing_.update(subject_, display_);
+  if (mouse_.grabbing()) {
+    const render::PackedColour colour = render::pack(render::srgb(theme::warm));
+    drawing_.list().top_lines.push_back({mouse_.grabbed_at(), mouse_.pulled_to(), colour, 2.5f});
+  }
+}
+
+void Viewer::draw_scene(std::uint32_t framebuffer) {
+  if (width_ < 1 || height_ < 1) return;
+  if (!area_.empty()) {
+    target_.resize(area_.width, area_.height);
+    renderer_.draw(drawing_.list(), camera_, rendering_, area_.width, area_.height, target_.framebuffer());
+    target_.copy_to(framebuffer, area_.x, height_ - area_.y - area_.height);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, width_, height_);
+  Ui::draw();
+}
+
+// --- what is shown
+// -------------------------------------------------------------------------------------------
+
+void Viewer::show(std::unique_ptr<Session> session) {
+  mouse_.forget();
+  subject_ = {};
+  session_ = std::move(session);
+  chosen_object_ = 0;
+  trouble_told_ = false;
+  if (const std::optional<render::Camera> camera = session_->camera()) {
+    camera_ = *camera;
+  } else {
+    frame_all();
+  }
+}
+
+void Viewer::open(const fs::path& path) {
+  guarded([&] { show(scenes_.open(path)); });
+}
+
+void Viewer::open_entry(std::size_t entry) {
+  guarded([&] { show(scenes_.open(entry)); });
+}
+
+void Viewer::announce_trouble() {
+  const bool trouble = session_->trouble().has_value();
+  if (trouble && !trouble_told_) notices_.complain(session_->name() + ": " + session_->trouble()->message);
+  trouble_told_ = trouble;
+}
+
+void Viewer::frame_all() {
+  const render::Bounds bounds = app::bounds_of(session_->subject());
+  const float aspect =
+      area_.empty() ? 1.6f : static_cast<float>(area_.width) / static_cast<float>(area_.height);
+  if (!bounds.empty()) camera_.frame(bounds, aspect);
+}
+
+// --- keys
+// ----------------------------------------------------------------------------------------------------
+
+void Viewer::obey_keys() {
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool any_down =
+      std::any_of(std::begin(io.KeysDown), std::end(io.KeysDown), [](bool down) { return down; });
+  if (!io.WantTextInput) {
+    for (const ImWchar character : io.InputQueueCharacters) obey_character(character);
+  }
+  if (!any_down) held_ = 0;
+}
+
+/// Letters come as what they type, so they are where the keyboard's layout has them. A key that is held types
+/// again and again, which most keys do not want.
+void Viewer::obey_character(unsigned character) {
+  const bool again = character == held_;
+  held_ = character;
+  if (character > 127) return;
+  const char lower = static_cast<char>(std::tolower(static_cast<int>(character)));
+  if (lower >= '1' && lower <= '9') display_.display = static_cast<render::Display>(lower - '1');
+  for (const Key& key : keys) {
+    if (key.character == lower && key.character != 0 && (!again || key.repeats)) act(key.action);
+  }
+}
+
+void Viewer::act(Action action) {
+  switch (action) {
+    case Action::pause:
+      return session_->set_playing(!session_->playing());
+    case Action::step_frame:
+      return session_->step_frame();
+    case Action::step_substep:
+      return session_->step_fine();
+    case Action::reset:
+      mouse_.forget();
+      return session_->reset();
+    case Action::next_scene:
+      return open_entry(scenes_.neighbour(1));
+    case Action::previous_scene:
+      return open_entry(scenes_.neighbour(-1));
+    case Action::frame_all:
+      return frame_all();
+    case Action::wireframe:
+      display_.wireframe = !display_.wireframe;
+      return;
+    case Action::constraints: {
+      const std::size_t next =
+          (static_cast<std::size_t>(display_.constraints) + 1) % render::constraint_display_count;
+      display_.constraints = static_cast<render::ConstraintDisplay>(next);
+      return;
+    }
+    case Action::display:
+      return;  // the digit says which
+    case Action::screenshot:
+      return take_screenshot();
+    case Action::film:
+      return switch_film();
+    case Action::hide_panel:
+      panels_shown_ = !panels_shown_;
+      return;
+    case Action::quit:
+      // First what lies on top.
+      if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return ImGui::ClosePopupToLevel(0, true);
+      done_ = true;
+      return;
+  }
+}
+
+// --- mouse
+// ---------------------------------------------------------------------------------------------------
+
+void Viewer::use_mouse() {
+  mouse_.update(camera_, simulation(), area_, [this](int x, int y) { return pick(x, y); });
+}
+
+std::optional<Mouse::Found> Viewer::pick(int x, int y) {
+  if (x < 0 || y < 0 || x >= area_.width || y >= area_.height) return std::nullopt;
+  subject_ = session_->subject();
+  const render::DrawList& list = drawing_.update(subject_, display_);
+  const render::Picked picked = renderer_.pick(list, camera_, x, y, area_.width, area_.height);
+  if (picked.pick == 0 || picked.pick > subject_.bodies.size()) return std::nullopt;
+  const render::Body& body = subject_.bodies[picked.pick - 1];
+  const std::uint32_t vertex = drawing_.vertex_of(subject_, picked.pick, picked.element);
+  return Mouse::Found{ObjectId{body.id}, vertex, picked.point};
+}
+
+// --- pictures
+// ------------------------------------------------------------------------------------------------
+
+/// souple-NAME-0001.png, or the first number that is free: nothing is ever overwritten.
+fs::path Viewer::new_file(const std::string& ending) const {
+  for (int number = 1; number < 10000; ++number) {
+    std::array<char, 16> digits{};
+    std::snprintf(digits.data(), digits.size(), "-%04d", number);
+    const fs::path file = options_.folder / ("souple-" + session_->name() + digits.data() + ending);
+    if (std::error_code error; !fs::exists(fs::symlink_status(file, error))) return file.lexically_normal();
+  }
+  throw Error(options_.folder.string() + ": holds 9999 pictures of " + session_->name() + "; move some away");
+}
+
+/// The scene alone, smoother than on screen: panels are no part of it.
+void Viewer::take_screenshot() {
+  if (area_.empty()) throw Error("the window is too small for a picture");
+  const fs::path file = new_file(".png");
+  render::RenderOptions rendering = rendering_;
+  rendering.samples = still_samples;
+  update_list();
+  render::write_png(
+      file, renderer_.picture(drawing_.list(), camera_, rendering, std::min(area_.width, largest_picture),
+                              std::min(area_.height, largest_picture)));
+  notices_.say("screenshot: " + file.string());
+}
+
+void Viewer::switch_film() {
+  if (film_) {
+    const std::unique_ptr<render::Film> finished = std::move(film_);
+    finished->finish();
+    notices_.say("film: " + film_file_.string() + ", " + std::to_string(film_frames_) + " frames");
+    return;
+  }
+  film_width_ = std::min(area_.width, largest_picture) / 2 * 2;
+  film_height_ = std::min(area_.height, largest_picture) / 2 * 2;
+  if (film_width_ < 2 || film_height_ < 2) throw Error("the window is too small for a film");
+  film_file_ = new_file(".mp4");
+  film_ = std::make_unique<render::Film>(film_file_, session_->frame_rate());
+  film_frame_ = ~std::uint64_t{0};
+  film_frames_ = 0;
+}
+
+/// Each frame of the simulation once.
+void Viewer::add_to_film() {
+  if (!film_ || session_->frame() == film_frame_) return;
+  film_frame_ = session_->frame();
+  render::RenderOptions rendering = rendering_;
+  rendering.samples = still_samples;
+  try {
+    film_->add(renderer_.picture(drawing_.list(), camera_, rendering, film_width_, film_height_));
+  } catch (const Error&) {
+    film_.reset();  // said once, not with every picture
+    throw;
+  }
+  ++film_frames_;
+}
+
+}  // namespace souple::viewer

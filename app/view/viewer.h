@@ -1,0 +1,123 @@
+#pragma once
+
+#include "app/view/keys.h"
+#include "app/view/mouse.h"
+#include "app/view/notices.h"
+#include "app/view/scene_list.h"
+#include "app/view/session.h"
+#include "app/view/view_target.h"
+#include "render/camera.h"
+#include "render/display.h"
+#include "render/film.h"
+#include "render/image.h"
+#include "render/renderer.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace souple::viewer {
+
+class Recording;
+class Simulation;
+
+struct ViewerOptions {
+  std::filesystem::path folder = ".";  ///< where screenshots and films are written
+  bool paused = false;
+};
+
+/// The viewer without its window: what is shown, how it answers to mouse and keys, its panels. Reads input
+/// from ImGui's IO only, and draws into any framebuffer, so tests drive it off-screen as a window would.
+class Viewer {
+ public:
+  /// For the OpenGL context that is current; a Ui has to exist. Throws Error when it cannot be drawn with.
+  Viewer(SceneList scenes, std::unique_ptr<Session> session, ViewerOptions options = {});
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  /// One picture of the size ImGui's IO tells: obeys the input, goes on by `seconds` of real time, draws.
+  /// Of a window without area everything but the drawing is done. Throws Error when OpenGL fails.
+  void frame(double seconds, std::uint32_t framebuffer = 0);
+  /// Esc was pressed.
+  bool done() const { return done_; }
+
+  /// Shows another scene or run; if it cannot be opened, says so and leaves what is shown.
+  void open(const std::filesystem::path& path);
+  void act(Action action);
+
+  const Session& session() const { return *session_; }
+  Simulation* simulation();  ///< nullptr when a recording is shown
+  Recording* recording();    ///< nullptr when a simulation is shown
+  const SceneList& scenes() const { return scenes_; }
+  const Mouse& mouse() const { return mouse_; }
+  render::Camera& camera() { return camera_; }
+  const render::DisplayOptions& display() const { return display_; }
+  std::vector<std::string> notices() const { return notices_.texts(); }
+  const ViewArea& area() const { return area_; }
+  bool panels_shown() const { return panels_shown_; }
+  bool filming() const { return film_ != nullptr; }
+
+ private:
+  void guarded(const std::function<void()>& what);
+  void show(std::unique_ptr<Session> session);
+  void open_entry(std::size_t entry);
+  void announce_trouble();
+
+  // input
+  void obey_keys();
+  void obey_character(unsigned character);
+  void use_mouse();
+  std::optional<Mouse::Found> pick(int x, int y);
+  void frame_all();
+
+  // pictures
+  std::filesystem::path new_file(const std::string& ending) const;
+  void take_screenshot();
+  void switch_film();
+  void add_to_film();
+  void lay_out();
+  void update_list();
+  void draw_scene(std::uint32_t framebuffer);
+
+  // panels
+  void draw_panel();
+  void scene_section();
+  void transport_section();
+  void recording_section(const Recording& recording);
+  void simulation_sections(Simulation& simulation);
+  void draw_status();
+  void draw_trouble();
+  void draw_time_slider();
+  void draw_key_list();
+
+  SceneList scenes_;
+  std::unique_ptr<Session> session_;
+  ViewerOptions options_;
+  render::Camera camera_;
+  render::DisplayOptions display_;
+  render::RenderOptions rendering_;
+  render::Renderer renderer_;
+  render::SubjectDrawing drawing_;
+  render::Subject subject_;
+  ViewTarget target_;
+  Mouse mouse_;
+  Notices notices_;
+  ViewArea area_;
+  int width_ = 0, height_ = 0;  // of the window [pixels]
+  float bar_height_ = 0;        // of the list of keys [pixels]
+  bool panels_shown_ = true, done_ = false, trouble_told_ = false;
+  unsigned held_ = 0;  // the character of a key that is still down
+  std::size_t chosen_object_ = 0;
+
+  std::unique_ptr<render::Film> film_;
+  std::filesystem::path film_file_;
+  int film_width_ = 0, film_height_ = 0;
+  std::uint64_t film_frame_ = 0, film_frames_ = 0;
+};
+
+}  // namespace souple::viewer

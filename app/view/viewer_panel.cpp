@@ -1,0 +1,250 @@
+#include "app/view/panels.h"
+#include "app/view/recording.h"
+#include "app/view/simulation.h"
+#include "app/view/ui.h"
+#include "app/view/viewer.h"
+#include "app/view/widgets.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <imgui.h>
+#include <string>
+
+// The panel on the left, and what is written over the scene.
+
+namespace souple::viewer {
+
+namespace {
+
+bool wide_button(const char* name, float width, bool lit = false) {
+  if (lit) ImGui::PushStyleColor(ImGuiCol_Button, ui_colour(theme::accent, 0.55f));
+  const bool pressed = ImGui::Button(name, {width, 0});
+  if (lit) ImGui::PopStyleColor();
+  return pressed;
+}
+
+float share_of_line(int buttons) {
+  const float gaps = ImGui::GetStyle().ItemSpacing.x * static_cast<float>(buttons - 1);
+  return (ImGui::GetContentRegionAvail().x - gaps) / static_cast<float>(buttons);
+}
+
+void dim_text(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::dim));
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+std::string formatted(const char* format, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
+
+/// Words with a dark ground, from their upper right corner.
+void text_from_right(float right, float y, unsigned colour, const std::string& text) {
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const float padding = ImGui::GetFontSize() * 0.5f;
+  const ImVec2 lo{right - size.x - 2 * padding, y}, hi{right, y + size.y + padding};
+  draw.AddRectFilled(lo, hi, ui_colour(theme::background, 0.72f), 4);
+  draw.AddText({lo.x + padding, y + padding * 0.5f}, colour, text.c_str());
+}
+
+}  // namespace
+
+void Viewer::draw_panel() {
+  const float width = static_cast<float>(area_.x) / area_.scale;
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize(
+      {std::max(width, 1.0f), std::max(static_cast<float>(height_) / area_.scale, 1.0f)});
+  constexpr ImGuiWindowFlags flags = ImGuiWindowFlags_NoDecoration & ~ImGuiWindowFlags_NoScrollbar;
+  ImGui::Begin("##panel", nullptr,
+               flags | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
+  guarded([&] { scene_section(); });
+  guarded([&] { transport_section(); });
+  if (Simulation* simulated = simulation()) {
+    simulation_sections(*simulated);
+  } else if (const Recording* recorded = recording()) {
+    recording_section(*recorded);
+  }
+  ImGui::Dummy({0, 8});
+  ImGui::End();
+}
+
+void Viewer::scene_section() {
+  const float arrow = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemSpacing.x;
+  std::size_t wanted = scenes_.entries().size();
+  if (ImGui::ArrowButton("##previous", ImGuiDir_Left)) wanted = scenes_.neighbour(-1);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - arrow - gap);
+  if (ImGui::BeginCombo("##scene", session_->name().c_str(), ImGuiComboFlags_HeightLarge)) {
+    for (std::size_t i = 0; i < scenes_.entries().size(); ++i) {
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::Selectable(scenes_.entries()[i].name.c_str(), i == scenes_.current())) wanted = i;
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::SameLine();
+  if (ImGui::ArrowButton("##next", ImGuiDir_Right)) wanted = scenes_.neighbour(1);
+  dim_text(session_->description());
+  if (wanted < scenes_.entries().size()) open_entry(wanted);
+}
+
+void Viewer::transport_section() {
+  const float quarter = share_of_line(4);
+  const bool recorded = recording() != nullptr;
+  ImGui::Dummy({0, 2});
+  const bool pause =
+      wide_button(session_->playing() ? "Pause##play" : "Play##play", quarter, session_->playing());
+  ImGui::SameLine();
+  const bool fine = wide_button(recorded ? "Back##fine" : "Substep##fine", quarter);
+  ImGui::SameLine();
+  const bool frame = wide_button("Frame##frame", quarter);
+  ImGui::SameLine();
+  const bool reset = wide_button("Reset##reset", quarter);
+  const float half = share_of_line(2);
+  const bool screenshot = wide_button("Screenshot##screenshot", half);
+  ImGui::SameLine();
+  const bool film = wide_button(film_ ? "Stop film##film" : "Film##film", half, film_ != nullptr);
+  if (pause) act(Action::pause);
+  if (fine) act(Action::step_substep);
+  if (frame) act(Action::step_frame);
+  if (reset) act(Action::reset);
+  if (screenshot) act(Action::screenshot);
+  if (film) act(Action::film);
+}
+
+void Viewer::simulation_sections(Simulation& simulation) {
+  guarded([&] { solver_panel(simulation); });
+  guarded([&] { material_panel(simulation, chosen_object_); });
+  guarded([&] { forces_panel(simulation); });
+  timing_panel(simulation);
+  numbers_panel(simulation);
+  display_panel(display_, rendering_, true);
+  ImGui::Dummy({0, 6});
+  if (wide_button("Copy as scene file##copy", share_of_line(1))) {
+    simulation.set_camera(camera_);
+    ImGui::SetClipboardText(simulation.scene_text().c_str());
+    notices_.say("the scene as it is set now is in the clipboard");
+  }
+}
+
+void Viewer::recording_section(const Recording& recording) {
+  if (section("Recording")) {
+    value_row("Frames", std::to_string(recording.frames()));
+    value_row("Frame rate", formatted("%.4g frames/s", recording.frame_rate()));
+    std::size_t points = 0;
+    for (const render::Body& body : recording.subject().bodies) points += body.positions.size();
+    value_row("Points", std::to_string(points));
+  }
+  display_panel(display_, rendering_, false);
+}
+
+void Viewer::draw_status() {
+  const float right = static_cast<float>(width_) / area_.scale - 12;
+  const float line = ImGui::GetFontSize() * 1.5f + 6;
+  std::string text = formatted("%.2f s", session_->time()) + "   frame " + std::to_string(session_->frame());
+  text_from_right(right, 12, ui_colour(theme::text), text);
+  if (film_) {
+    text_from_right(right, 12 + line, ui_colour(theme::bad), "filming " + film_file_.filename().string());
+  } else if (!session_->playing()) {
+    text_from_right(right, 12 + line, ui_colour(theme::warm), "paused");
+  } else if (session_->speed() < 0.9) {
+    text_from_right(right, 12 + line, ui_colour(theme::warm),
+                    formatted("slowed down to %.2g of real time", session_->speed()));
+  } else {
+    text_from_right(right, 12 + line, ui_colour(theme::dim), "real time");
+  }
+}
+
+/// A ring about the particle that went bad first, and its name.
+void Viewer::draw_trouble() {
+  if (!session_->trouble() || area_.empty()) return;
+  const Trouble& trouble = *session_->trouble();
+  const auto seen = camera_.project(trouble.place, area_.width, area_.height);
+  if (!seen) return;
+  const ImVec2 at{(static_cast<float>(area_.x) + seen->x) / area_.scale,
+                  (static_cast<float>(area_.y) + seen->y) / area_.scale};
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const float radius = ImGui::GetFontSize();
+  draw.AddCircle(at, radius, ui_colour(theme::background, 0.8f), 32, 5);
+  draw.AddCircle(at, radius, ui_colour(theme::bad), 32, 2.5f);
+  const std::string name = trouble.object + ", particle " + std::to_string(trouble.vertex);
+  const ImVec2 size = ImGui::CalcTextSize(name.c_str());
+  const ImVec2 corner{at.x + radius + 6, at.y - size.y / 2};
+  draw.AddRectFilled({corner.x - 5, corner.y - 3}, {corner.x + size.x + 5, corner.y + size.y + 3},
+                     ui_colour(theme::background, 0.85f), 4);
+  draw.AddText(corner, ui_colour(theme::bad), name.c_str());
+}
+
+void Viewer::draw_time_slider() {
+  Recording* recorded = recording();
+  if (recorded == nullptr || area_.empty()) return;
+  const float scale = area_.scale, height = ImGui::GetFrameHeight() + 16;
+  ImGui::SetNextWindowPos(
+      {static_cast<float>(area_.x) / scale, static_cast<float>(area_.height) / scale - height});
+  ImGui::SetNextWindowSize({static_cast<float>(area_.width) / scale, height});
+  ImGui::SetNextWindowBgAlpha(0.75f);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {14, 8});
+  ImGui::Begin("##time", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PopStyleVar();
+  int frame = static_cast<int>(recorded->frame());
+  const std::string text = "frame %d of " + std::to_string(recorded->frames());
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderInt("##frame_shown", &frame, 1, static_cast<int>(recorded->frames()), text.c_str())) {
+    guarded([&] {
+      recorded->set_playing(false);
+      recorded->seek(static_cast<std::uint64_t>(std::max(frame, 1)));
+    });
+  }
+  ImGui::End();
+}
+
+namespace {
+
+struct Cap {
+  std::string_view key, brief;
+};
+
+/// Keys, then what the mouse does.
+std::vector<Cap> caps() {
+  std::vector<Cap> all;
+  for (const Key& key : keys) all.push_back({key.key, key.brief});
+  for (const Gesture& gesture : gestures) all.push_back({gesture.gesture_brief, gesture.brief});
+  return all;
+}
+
+}  // namespace
+
+/// A bar below the scene: each key as a cap with a word beside it, in as many lines as it takes.
+void Viewer::draw_key_list() {
+  const float scale = area_.scale, font = ImGui::GetFontSize() * 0.87f;
+  const float left = static_cast<float>(area_.x) / scale, top = static_cast<float>(area_.height) / scale;
+  const float right = static_cast<float>(width_) / scale, bottom = static_cast<float>(height_) / scale;
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  ImFont& letters = *ImGui::GetFont();
+  const auto width_of = [&](std::string_view text) {
+    return letters.CalcTextSizeA(font, 1e9f, 0, text.data(), text.data() + text.size()).x;
+  };
+  const float margin = 14, line = font * 1.75f, pad = font * 0.45f;
+  draw.AddRectFilled({left, top}, {right, bottom}, ui_colour(theme::background));
+  float x = left + margin, y = top + font * 0.6f;
+  for (const Cap& cap : caps()) {
+    const float key = width_of(cap.key) + 2 * pad, whole = key + pad + width_of(cap.brief);
+    if (x + whole > right - margin && x > left + margin) x = left + margin, y += line;
+    draw.AddRectFilled({x, y}, {x + key, y + font + pad}, ui_colour(theme::field), 3);
+    const auto write = [&](float at, unsigned colour, std::string_view text) {
+      draw.AddText(&letters, font, {at, y + pad * 0.5f}, colour, text.data(), text.data() + text.size());
+    };
+    write(x + pad, ui_colour(theme::text), cap.key);
+    write(x + key + pad, ui_colour(theme::dim), cap.brief);
+    x += whole + font * 1.1f;
+  }
+  bar_height_ = (y + line + font * 0.25f - top) * scale;
+}
+
+}  // namespace souple::viewer

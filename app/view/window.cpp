@@ -1,0 +1,156 @@
+#include "app/view/window.h"
+
+#include "app/view/keys.h"
+#include "app/view/ui.h"
+#include "render/context.h"
+#include "souple/error.h"
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+// GLFW's own OpenGL header would clash with epoxy's.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <epoxy/gl.h>
+#include <imgui.h>
+
+namespace souple::viewer {
+
+namespace {
+
+constexpr const char* elsewhere =
+    "; `souple render` makes pictures and films without a screen, and `ssh -X` brings this one's windows to "
+    "another";
+
+/// What GLFW said last, in words.
+std::string complaint() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "no reason was given";
+}
+
+/// GLFW for as long as it lives.
+class Glfw {
+ public:
+  Glfw() {
+    if (glfwInit() != GLFW_TRUE) throw Error("no window can be opened: " + complaint() + elsewhere);
+  }
+  ~Glfw() { glfwTerminate(); }
+  Glfw(const Glfw&) = delete;
+  Glfw& operator=(const Glfw&) = delete;
+};
+
+/// What the callbacks of a window write to.
+struct Inbox {
+  std::vector<std::filesystem::path> dropped;
+};
+
+class Window {
+ public:
+  Window(int width, int height, bool debug) {
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, debug ? GLFW_TRUE : GLFW_FALSE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    window_ = glfwCreateWindow(width, height, "Souple", nullptr, nullptr);
+    if (window_ == nullptr) {
+      throw Error("no window with OpenGL 3.3 can be opened: " + complaint() +
+                  "; expected a graphics driver, such as the package libgl1-mesa-dri" + elsewhere);
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    glfwSetWindowUserPointer(window_, &inbox_);
+    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+      auto& inbox = *static_cast<Inbox*>(glfwGetWindowUserPointer(window));
+      for (int i = 0; i < count; ++i) inbox.dropped.emplace_back(paths[i]);
+    });
+    // As a character, so that a press shorter than a picture is not lost. ImGui's own callback calls this
+    // one.
+    glfwSetKeyCallback(window_, [](GLFWwindow*, int key, int, int action, int) {
+      if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) ImGui::GetIO().AddInputCharacter(escape);
+    });
+  }
+  ~Window() { glfwDestroyWindow(window_); }
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  GLFWwindow* get() { return window_; }
+  std::vector<std::filesystem::path> dropped() { return std::exchange(inbox_.dropped, {}); }
+
+  bool iconified() const { return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE; }
+
+  /// How much larger than on an ordinary screen letters have to be, in units of the mouse.
+  float scale() const {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(window_, &x, &y);
+    int width = 0, pixels = 0, height = 0;
+    glfwGetWindowSize(window_, &width, &height);
+    glfwGetFramebufferSize(window_, &pixels, &height);
+    const float per_unit =
+        width > 0 && pixels > 0 ? static_cast<float>(pixels) / static_cast<float>(width) : 1;
+    return x / per_unit;
+  }
+
+ private:
+  GLFWwindow* window_ = nullptr;
+  Inbox inbox_;
+};
+
+/// ImGui's part that reads the window.
+class WindowInput {
+ public:
+  explicit WindowInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForOpenGL(window, true); }
+  ~WindowInput() { ImGui_ImplGlfw_Shutdown(); }
+  WindowInput(const WindowInput&) = delete;
+  WindowInput& operator=(const WindowInput&) = delete;
+};
+
+/// Seconds since it was asked last.
+class FrameTimer {
+ public:
+  double lap() {
+    const Clock::time_point now = Clock::now();
+    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
+};
+
+void loop(Window& window, Viewer& viewer, const WindowOptions& options) {
+  FrameTimer timer;
+  for (std::uint64_t picture = 0; !options.frames || picture < *options.frames; ++picture) {
+    glfwPollEvents();
+    for (const std::filesystem::path& path : window.dropped()) viewer.open(path);
+    ImGui_ImplGlfw_NewFrame();
+    viewer.frame(timer.lap());
+    if (options.debug) render::throw_gl_errors();
+    glfwSetWindowTitle(window.get(), ("Souple: " + viewer.session().name()).c_str());
+    if (viewer.done() || glfwWindowShouldClose(window.get()) != 0) return;
+    glfwSwapBuffers(window.get());
+    // Nothing is waited for while nothing is shown.
+    if (window.iconified()) std::this_thread::sleep_for(std::chrono::milliseconds(15));
+  }
+}
+
+}  // namespace
+
+void run_window(SceneList scenes, std::unique_ptr<Session> session, const WindowOptions& options) {
+  const Glfw glfw;
+  Window window(options.width, options.height, options.debug);
+  if (options.debug) render::watch_gl_errors();
+  const Ui ui(window.scale());
+  const WindowInput input(window.get());
+  Viewer viewer(std::move(scenes), std::move(session), options.viewer);
+  loop(window, viewer, options);
+}
+
+}  // namespace souple::viewer

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "app/view/scene_list.h"
+#include "app/view/session.h"
+#include "app/view/viewer.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace souple::viewer {
+
+struct WindowOptions {
+  int width = 1440, height = 900;
+  std::optional<std::uint64_t> frames;  ///< ends after so many pictures
+  bool debug = false;                   ///< an OpenGL error ends the program with its message
+  ViewerOptions viewer{};
+};
+
+/// Opens a window and shows the session in it until the user closes it. Throws Error when there is no screen,
+/// or none that OpenGL 3.3 can draw to, saying which.
+void run_window(SceneList scenes, std::unique_ptr<Session> session, const WindowOptions& options);
+
+}  // namespace souple::viewer

@@ -1,0 +1,78 @@
+#include "render/passes/finish.h"
+
+#include <utility>
+
+namespace souple::render {
+
+namespace {
+
+// Desktop OpenGL blends floats since 3.0.
+bool can_blend_floats() {
+  return !gl::is_es() || epoxy_has_gl_extension("GL_EXT_float_blend");
+}
+
+bool is_size_of(const gl::Texture& texture, const gl::Texture& other) {
+  return texture.width() == other.width() && texture.height() == other.height();
+}
+
+}  // namespace
+
+FinishPass::Sum::Sum(int width, int height, bool two)
+    : now(GL_RGBA32F, width, height), now_target("the sum of samples", {&now}, nullptr) {
+  if (!two) return;
+  next = gl::Texture(GL_RGBA32F, width, height);
+  next_target = gl::Framebuffer("the sum of samples", {&next}, nullptr);
+}
+
+FinishPass::Encoded::Encoded(int width, int height)
+    : colour(GL_RGBA8, width, height, GL_LINEAR), target("a picture", {&colour}, nullptr) {}
+
+FinishPass::FinishPass() : blends_(can_blend_floats()) {}
+
+void FinishPass::add(const gl::Texture& colour, bool first, const gl::VertexArray& nothing) {
+  if (!sum_ || !is_size_of(sum_->now, colour)) {
+    sum_.reset();
+    sum_.emplace(colour.width(), colour.height(), !blends_);
+  }
+  nothing.bind();
+  colour.bind(gl::Unit::colour);
+  if (first || blends_) {
+    sum_->now_target.bind();
+    if (!first) glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    add_.use();
+  } else {
+    sum_->next_target.bind();
+    sum_->now.bind(gl::Unit::sum);
+    add_to_.use();
+  }
+  draw_screen();
+  glDisable(GL_BLEND);
+  if (first || blends_) return;
+  std::swap(sum_->now, sum_->next);
+  std::swap(sum_->now_target, sum_->next_target);
+}
+
+void FinishPass::draw(const gl::Texture& colour, int samples, std::uint32_t framebuffer,
+                      const gl::VertexArray& nothing) {
+  const bool one = samples <= 1;
+  if (one && (!encoded_ || !is_size_of(encoded_->colour, colour))) {
+    encoded_.reset();
+    encoded_.emplace(colour.width(), colour.height());
+  }
+  nothing.bind();
+  glBindFramebuffer(GL_FRAMEBUFFER, one ? encoded_->target.id() : framebuffer);
+  glViewport(0, 0, colour.width(), colour.height());
+  (one ? colour : sum_->now).bind(gl::Unit::colour);
+  resolve_.use();
+  resolve_.set("scale", 1.0f / float(one ? 1 : samples));
+  resolve_.set("alpha_is_luma", one ? 1.0f : 0.0f);
+  draw_screen();
+  if (!one) return;
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  encoded_->colour.bind(gl::Unit::colour);
+  smooth_edges_.use();
+  draw_screen();
+}
+
+}  // namespace souple::render

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "render/gl/framebuffer.h"
+#include "render/gl/vertex_array.h"
+#include "render/passes/pass_context.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace souple::render {
+
+/// From the colours of one or many samples to the caller's framebuffer.
+class FinishPass {
+ public:
+  /// Whether sums are made by blending; where the context cannot, the sum goes to and fro between two
+  /// buffers.
+  FinishPass();
+
+  /// Adds a sample's colours to those before it.
+  void add(const gl::Texture& colour, bool first, const gl::VertexArray& nothing);
+  /// Writes the encoded mean of `samples` samples; of one, `colour` itself with its edges smoothed.
+  void draw(const gl::Texture& colour, int samples, std::uint32_t framebuffer,
+            const gl::VertexArray& nothing);
+
+ private:
+  struct Sum {
+    gl::Texture now, next;  // `next` is empty when sums are made by blending
+    gl::Framebuffer now_target, next_target;
+    Sum(int width, int height, bool two);
+  };
+  struct Encoded {
+    gl::Texture colour;
+    gl::Framebuffer target;
+    Encoded(int width, int height);
+  };
+
+  gl::Program add_{"screen.vert.glsl", "add.frag.glsl"};
+  gl::Program add_to_{"screen.vert.glsl", "add.frag.glsl", {"ADD_TO_SUM"}};
+  gl::Program resolve_{"screen.vert.glsl", "resolve.frag.glsl"};
+  gl::Program smooth_edges_{"screen.vert.glsl", "smooth_edges.frag.glsl"};
+  bool blends_;
+  std::optional<Sum> sum_;
+  std::optional<Encoded> encoded_;
+};
+
+}  // namespace souple::render

@@ -1,0 +1,68 @@
+// Smooths the jaggies of a picture with one sample per pixel: FXAA (Lottes 2009, "FXAA"), its edge search. Where
+// luma jumps, it walks along the edge to both ends; how far the pixel is from the nearer end says how much of
+// the colour beyond the edge it gets.
+in vec2 place;
+layout(location = 0) out vec4 out_colour;
+uniform sampler2D colour_map;  // encoded; alpha is luma; interpolated
+
+const float least_contrast = 0.045;
+const int steps = 7;
+
+float luma(vec2 at) { return textureLod(colour_map, at, 0.0).a; }
+
+void main() {
+  vec2 pixel = 1.0 / vec2(textureSize(colour_map, 0));
+  vec4 here = textureLod(colour_map, place, 0.0);
+  float up = luma(place + vec2(0.0, pixel.y)), down = luma(place - vec2(0.0, pixel.y));
+  float right = luma(place + vec2(pixel.x, 0.0)), left = luma(place - vec2(pixel.x, 0.0));
+  float highest = max(here.a, max(max(up, down), max(left, right)));
+  float lowest = min(here.a, min(min(up, down), min(left, right)));
+  float contrast = highest - lowest;
+  out_colour = vec4(here.rgb, 1.0);
+  if (contrast < max(least_contrast, 0.12 * highest)) return;
+
+  float up_right = luma(place + pixel), down_left = luma(place - pixel);
+  float up_left = luma(place + vec2(-pixel.x, pixel.y)), down_right = luma(place + vec2(pixel.x, -pixel.y));
+  float across_rows = abs(up_left + down_left - 2.0 * left) + 2.0 * abs(up + down - 2.0 * here.a) +
+                      abs(up_right + down_right - 2.0 * right);
+  float across_columns = abs(up_left + up_right - 2.0 * up) + 2.0 * abs(left + right - 2.0 * here.a) +
+                         abs(down_left + down_right - 2.0 * down);
+  bool horizontal = across_rows >= across_columns;
+
+  // The edge lies between this pixel and the neighbour that differs most.
+  float before = horizontal ? down : left, after = horizontal ? up : right;
+  bool to_before = abs(before - here.a) >= abs(after - here.a);
+  vec2 normal = (horizontal ? vec2(0.0, pixel.y) : vec2(pixel.x, 0.0)) * (to_before ? -1.0 : 1.0);
+  float mean = 0.5 * (here.a + (to_before ? before : after));
+  float enough = 0.25 * max(abs(before - here.a), abs(after - here.a));
+
+  vec2 along = horizontal ? vec2(pixel.x, 0.0) : vec2(0.0, pixel.y);
+  vec2 middle = place + 0.5 * normal;
+  float reach_a = 0.0, reach_b = 0.0, end_a = 0.0, end_b = 0.0;
+  bool done_a = false, done_b = false;
+  float stride = 1.0;
+  for (int i = 0; i < steps && !(done_a && done_b); ++i) {
+    if (!done_a) {
+      reach_a += stride;
+      end_a = luma(middle - along * reach_a) - mean;
+      done_a = abs(end_a) >= enough;
+    }
+    if (!done_b) {
+      reach_b += stride;
+      end_b = luma(middle + along * reach_b) - mean;
+      done_b = abs(end_b) >= enough;
+    }
+    stride = i < 3 ? 1.0 : 2.0;
+  }
+  float nearer = min(reach_a, reach_b);
+  float end = reach_a < reach_b ? end_a : end_b;
+  // At the end where this side's colour goes on, the edge has not moved over this pixel.
+  bool moved = (end < 0.0) != (here.a - mean < 0.0);
+  float shift = moved ? 0.5 - nearer / (reach_a + reach_b) : 0.0;
+
+  // Spots smaller than an edge.
+  float around = (2.0 * (up + down + left + right) + up_left + up_right + down_left + down_right) / 12.0;
+  float spot = smoothstep(0.0, 1.0, clamp(abs(around - here.a) / contrast, 0.0, 1.0));
+  shift = max(shift, 0.6 * spot * spot);
+  out_colour = vec4(textureLod(colour_map, place + normal * shift, 0.0).rgb, 1.0);
+}

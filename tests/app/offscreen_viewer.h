@@ -1,0 +1,155 @@
+#pragma once
+
+#include "app/view/recording.h"
+#include "app/view/simulation.h"
+#include "app/view/ui.h"
+#include "app/view/view_target.h"
+#include "app/view/viewer.h"
+#include "render/context.h"
+#include "render/image.h"
+
+#include <backends/imgui_impl_opengl3.h>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <imgui.h>
+#include <imgui_internal.h>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace souple::viewer {
+
+/// A folder of its own, removed at the end.
+class TestFolder {
+ public:
+  TestFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "souple-view-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~TestFolder() {
+    std::error_code error;
+    std::filesystem::remove_all(path_, error);
+  }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path write(const std::string& name, std::string_view text) const {
+    std::ofstream(path_ / name) << text;
+    return path_ / name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The viewer in a window that is only memory, and a hand on its mouse and keys. Every picture is checked for
+/// OpenGL errors.
+class OffscreenViewer {
+ public:
+  explicit OffscreenViewer(const std::filesystem::path& scene, int width = 1000, int height = 700,
+                           std::vector<app::ShippedScene> shipped = {})
+      : context_(render::Api::gl33) {
+    render::watch_gl_errors();
+    ui_ = std::make_unique<Ui>();
+    resize(width, height);
+    io().MousePos = {-1, -1};
+    // What the window's backend does: which key ImGui calls by which name.
+    io().KeyMap[ImGuiKey_Enter] = 257;
+    SceneList scenes(std::move(shipped));
+    std::unique_ptr<Session> session = scenes.open(scene);
+    viewer_ =
+        std::make_unique<Viewer>(std::move(scenes), std::move(session), ViewerOptions{folder_.path(), false});
+  }
+
+  Viewer& viewer() { return *viewer_; }
+  Simulation& simulation() { return *viewer_->simulation(); }
+  const TestFolder& folder() const { return folder_; }
+  static ImGuiIO& io() { return ImGui::GetIO(); }
+
+  void resize(int width, int height) {
+    width_ = width, height_ = height;
+    io().DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+    if (width > 0 && height > 0) window_.resize(width, height);
+  }
+
+  /// One picture, 1/60 s after the last.
+  void picture(double seconds = 1 / 60.0) {
+    io().DeltaTime = static_cast<float>(seconds > 0 ? seconds : 1e-3);
+    viewer_->frame(seconds, window_.framebuffer());
+    render::throw_gl_errors();
+  }
+  void pictures(int count) {
+    for (int i = 0; i < count; ++i) picture();
+  }
+  render::Image image() const { return read_framebuffer(window_.framebuffer(), width_, height_); }
+
+  /// A key that types a character: pressed, and released before the next picture.
+  void type(const char* characters) {
+    for (const char* c = characters; *c != '\0'; ++c) {
+      io().AddInputCharacter(static_cast<unsigned char>(*c));
+      picture();
+    }
+  }
+
+  void move(float x, float y) {
+    io().MousePos = {x, y};
+    picture();
+  }
+  void press(int button = 0) {
+    io().MouseDown[button] = true;
+    picture();
+  }
+  void release(int button = 0) {
+    io().MouseDown[button] = false;
+    picture();
+  }
+  void click(float x, float y) {
+    move(x, y);
+    press();
+    release();
+  }
+  void double_click(float x, float y) {
+    click(x, y);
+    press();
+    release();
+    pictures(30);  // the next click is not a third
+  }
+
+  /// Where a point of the scene is seen in the window.
+  ImVec2 seen(const Vec3f& point) {
+    const ViewArea& area = viewer_->area();
+    const auto at = viewer_->camera().project(point, area.width, area.height);
+    return {static_cast<float>(area.x) + at->x, static_cast<float>(area.y) + at->y};
+  }
+
+  /// The middle of a control of a window of ImGui's, found as a user does: by pointing at it.
+  ImVec2 control(const char* id, const char* window = "##panel", float x = -1) {
+    const ImGuiWindow* found = ImGui::FindWindowByName(window);
+    if (found == nullptr) return {-1, -1};
+    const ImGuiID wanted = ImHashStr(id, 0, found->ID);
+    float first = -1, last = -1;
+    if (x < 0) x = found->Pos.x + 0.75f * found->Size.x;
+    for (float y = found->Pos.y + 1; y < found->Pos.y + found->Size.y; y += 3) {
+      io().MousePos = {x, y};
+      picture(0);
+      if (ImGui::GetHoveredID() != wanted) continue;
+      if (first < 0) first = y;
+      last = y;
+    }
+    return first < 0 ? ImVec2{-1, -1} : ImVec2{x, (first + last) / 2};
+  }
+
+ private:
+  TestFolder folder_;
+  render::OffscreenContext context_;
+  std::unique_ptr<Ui> ui_;
+  ViewTarget window_;
+  std::unique_ptr<Viewer> viewer_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace souple::viewer

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "render/camera.h"
+#include "souple/math/vec3.h"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+// Balls seen through a camera by casting rays on the CPU, in double: what the renderer has to agree with.
+
+namespace souple::render {
+
+struct Ball {
+  Vec3d centre;
+  double radius = 0;
+};
+
+struct BallHit {
+  int ball = -1;     ///< -1: none
+  double depth = 0;  ///< along the view [m]
+  Vec3d point{};     ///< m
+};
+
+/// The first ball on the ray through a point of the picture.
+inline BallHit cast(std::span<const Ball> balls, const Camera& camera, double x, double y, int width,
+                    int height) {
+  const Vec3d forward = normalized(Vec3d(camera.to) - Vec3d(camera.from));
+  const Vec3d right = normalized(cross(forward, Vec3d{0, 1, 0}));
+  const Vec3d up = cross(right, forward);
+  const double slope = 2 * std::tan(double(camera.fov) * pi / 360) / height;
+  const Vec3d direction =
+      normalized(forward + right * ((x - 0.5 * width) * slope) + up * ((0.5 * height - y) * slope));
+  BallHit best;
+  double least = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const Vec3d to_centre = balls[i].centre - Vec3d(camera.from);
+    const double foot = dot(to_centre, direction);
+    const double off = length_squared(to_centre - direction * foot);
+    const double square = balls[i].radius * balls[i].radius - off;
+    if (square < 0) continue;
+    const double t = foot - std::sqrt(square);
+    if (t <= 0 || t >= least) continue;
+    least = t;
+    best = {int(i), t * dot(direction, forward), Vec3d(camera.from) + direction * t};
+  }
+  return best;
+}
+
+/// The ball that fills a pixel and all within `reach` pixels of its centre, or -1 for none; nothing where
+/// they differ.
+inline std::optional<int> sure(std::span<const Ball> balls, const Camera& camera, int x, int y, int width,
+                               int height, double reach) {
+  const int middle = cast(balls, camera, x + 0.5, y + 0.5, width, height).ball;
+  for (int i = 0; i < 8; ++i) {
+    const double angle = i * pi / 4;
+    const double px = x + 0.5 + reach * std::cos(angle), py = y + 0.5 + reach * std::sin(angle);
+    if (cast(balls, camera, px, py, width, height).ball != middle) return std::nullopt;
+  }
+  return middle;
+}
+
+}  // namespace souple::render

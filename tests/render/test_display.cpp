@@ -1,0 +1,502 @@
+#include "../expect_error.h"
+#include "render/constraint_lines.h"
+#include "render/display.h"
+#include "render/vertex_colours.h"
+#include "souple/geometry/builders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace souple::render {
+namespace {
+
+/// One object of each kind and one collider of each shape.
+struct Everything {
+  World world{{.substeps = 4}};
+  ObjectId cloth, lump, box, rope, grains;
+  ColliderId floor, ball;
+
+  Everything() {
+    cloth = world.add_cloth(grid(8, 6, 1.0), {}, {.transform = {.translation = {0, 1, 0}}});
+    world.pin(cloth, vertices({0, 7}));
+    world.attach(cloth, vertices({40}));
+    lump =
+        world.add_soft_body(sphere(2, 0.2), {}, {.cells = 80}, {.transform = {.translation = {2, 0.18, 0}}});
+    box = world.add_soft_body(tet_bar(2, 2, 2, {0.3, 0.3, 0.3}), {.model = SoftBodyModel::shape_matching},
+                              {.transform = {.translation = {3, 0.14, 0}}});
+    rope = world.add_rope(std::vector<Vec3d>{{-1, 1, 0}, {-1, 1, 1}}, 10,
+                          {.radius = 0.02f, .bending_stiffness = 1e-4f});
+    world.pin(rope, vertices({0}));
+    world.add_tethers(rope);
+    grains = world.add_grains(std::vector<Vec3d>{{-2, 0.02, 0}, {-2, 0.06, 0}, {-2, 0.1, 0.01}},
+                              {.radius = 0.02f});
+    floor = world.add_collider(Plane{{0, 1, 0}, 0.01f});
+    ball = world.add_collider(Sphere{{0, 0.6f, 0}, 0.3f});
+    world.add_collider(Box{{5, 0, 0}});
+    world.add_collider(Capsule{{6, 0, 0}});
+    world.add_collider(Cylinder{{7, 0, 0}});
+    world.add_collider(Plane{{1, 1, 0}, -20});
+  }
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) world.step(1.0 / 60);
+  }
+};
+
+constexpr std::size_t bodies = 5, colliders = 6;
+
+std::vector<ConstraintDisplay> all_constraint_displays() {
+  std::vector<ConstraintDisplay> result;
+  for (std::size_t i = 0; i < constraint_display_count; ++i)
+    result.push_back(static_cast<ConstraintDisplay>(i));
+  return result;
+}
+
+void expect_sound(const DrawList& list, const std::string& where) {
+  for (const Surface& s : list.surfaces) {
+    EXPECT_TRUE(s.normals.empty() || s.normals.size() == s.positions.size()) << where;
+    EXPECT_TRUE(s.texture.empty() || s.texture.size() == s.positions.size()) << where;
+    EXPECT_TRUE(s.colours.empty() || s.colours.size() == s.positions.size()) << where;
+    EXPECT_FALSE(s.triangles.empty()) << where;
+    EXPECT_NE(s.key, 0u) << where;
+    for (const Vec3f& x : s.positions) EXPECT_TRUE(is_finite(x)) << where;
+    for (const Vec3f& n : s.normals) EXPECT_TRUE(is_finite(n)) << where;
+    for (const Vec3f& t : s.texture) EXPECT_TRUE(is_finite(t)) << where;
+    for (const Triangle& t : s.triangles)
+      for (const std::uint32_t v : t) EXPECT_LT(v, s.positions.size()) << where;
+    EXPECT_GT(s.look.roughness, 0) << where;
+  }
+  for (const Spheres& s : list.spheres) {
+    EXPECT_TRUE(s.radii.empty() || s.radii.size() == s.centres.size()) << where;
+    EXPECT_TRUE(s.colours.empty() || s.colours.size() == s.centres.size()) << where;
+    for (const Vec3f& x : s.centres) EXPECT_TRUE(is_finite(x)) << where;
+    for (const float r : s.radii) EXPECT_GT(r, 0) << where;
+    EXPECT_GT(s.radius, 0) << where;
+  }
+  for (const auto* lines : {&list.lines, &list.top_lines})
+    for (const Line& line : *lines)
+      EXPECT_TRUE(is_finite(line.a) && is_finite(line.b) && line.width > 0) << where;
+  for (const Label& label : list.labels) EXPECT_FALSE(label.text.empty()) << where;
+}
+
+template <class T>
+bool same(std::span<const T> a, std::span<const T> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+bool legend_names(const DrawList& list, const std::string& word) {
+  return std::any_of(list.labels.begin(), list.labels.end(),
+                     [&](const Label& label) { return label.text.find(word) != std::string::npos; });
+}
+
+/// What is drawn for a body.
+const Surface* surface_of(const DrawList& list, std::uint32_t pick) {
+  for (const Surface& s : list.surfaces)
+    if (s.pick == pick) return &s;
+  return nullptr;
+}
+const Spheres* spheres_of(const DrawList& list, std::uint32_t pick) {
+  for (const Spheres& s : list.spheres)
+    if (s.pick == pick) return &s;
+  return nullptr;
+}
+
+TEST(Display, NamesAreFoundAgain) {
+  for (std::size_t i = 0; i < display_count; ++i) {
+    const auto display = static_cast<Display>(i);
+    EXPECT_EQ(display_of(display_name(display)), display);
+  }
+  expect_error([] { display_of("shiny"); }, {"'shiny'", "shaded", "contacts"});
+}
+
+TEST(Display, EveryDisplayOfEveryKindIsSound) {
+  Everything all;
+  all.run(5);
+  const Subject subject = subject_of(all.world);
+  ASSERT_EQ(subject.bodies.size(), bodies);
+  ASSERT_EQ(subject.colliders.size(), colliders);
+  SubjectDrawing drawing;
+  for (std::size_t i = 0; i < display_count; ++i)
+    for (const ConstraintDisplay constraints : all_constraint_displays()) {
+      const auto display = static_cast<Display>(i);
+      const std::string where =
+          std::string(display_name(display)) + " " + std::string(constraint_display_name(constraints));
+      const DrawList& list = drawing.update(subject, {.display = display, .constraints = constraints});
+      expect_sound(list, where);
+      // Every body and every collider but the ground can be picked, once, by its number.
+      std::multiset<std::uint32_t> picks;
+      for (const Surface& s : list.surfaces) picks.insert(s.pick);
+      for (const Spheres& s : list.spheres) picks.insert(s.pick);
+      for (std::uint32_t pick = 1; pick <= bodies + colliders; ++pick)
+        EXPECT_EQ(picks.count(pick), pick == bodies + 1 ? 0u : 1u) << where << " pick " << pick;
+      std::set<std::uint64_t> keys;
+      for (const Surface& s : list.surfaces) EXPECT_TRUE(keys.insert(s.key).second) << where;
+      keys.clear();
+      for (const Spheres& s : list.spheres) EXPECT_TRUE(keys.insert(s.key).second) << where;
+    }
+}
+
+TEST(Display, ACacheWithoutAWorldIsDrawnInEveryDisplay) {
+  Everything all;
+  all.run(2);
+  Subject subject = subject_of(all.world);
+  subject.world = nullptr;
+  for (Body& body : subject.bodies) body.velocities = {};
+  SubjectDrawing drawing;
+  for (std::size_t i = 0; i < display_count; ++i) {
+    const DisplayOptions options{.display = static_cast<Display>(i), .constraints = ConstraintDisplay::kind};
+    const DrawList& list = drawing.update(subject, options);
+    expect_sound(list, std::string(display_name(options.display)));
+    EXPECT_TRUE(list.top_lines.empty());
+    EXPECT_TRUE(legend_names(list, "no constraints"));
+    for (std::uint32_t pick = 1; pick <= bodies; ++pick)
+      EXPECT_TRUE(surface_of(list, pick) || spheres_of(list, pick)) << display_name(options.display);
+  }
+}
+
+TEST(Display, TheSameStateGivesTheSameList) {
+  Everything a, b;
+  a.run(4);
+  b.run(4);
+  SubjectDrawing first, second;
+  for (std::size_t i = 0; i < display_count; ++i)
+    for (const ConstraintDisplay constraints : all_constraint_displays()) {
+      const DisplayOptions options{.display = static_cast<Display>(i), .constraints = constraints};
+      const DrawList& x = first.update(subject_of(a.world), options);
+      const DrawList& y = second.update(subject_of(b.world), options);
+      ASSERT_EQ(x.surfaces.size(), y.surfaces.size());
+      for (std::size_t s = 0; s < x.surfaces.size(); ++s) {
+        EXPECT_TRUE(same(x.surfaces[s].positions, y.surfaces[s].positions));
+        EXPECT_TRUE(same(x.surfaces[s].colours, y.surfaces[s].colours));
+        EXPECT_TRUE(same(x.surfaces[s].texture, y.surfaces[s].texture));
+        EXPECT_EQ(x.surfaces[s].look.colour, y.surfaces[s].look.colour);
+        EXPECT_NE(x.surfaces[s].key, y.surfaces[s].key);  // two drawings may share a renderer
+      }
+      ASSERT_EQ(x.spheres.size(), y.spheres.size());
+      for (std::size_t s = 0; s < x.spheres.size(); ++s) {
+        EXPECT_TRUE(same(x.spheres[s].centres, y.spheres[s].centres));
+        EXPECT_TRUE(same(x.spheres[s].colours, y.spheres[s].colours));
+      }
+      ASSERT_EQ(x.top_lines.size(), y.top_lines.size());
+      for (std::size_t l = 0; l < x.top_lines.size(); ++l) {
+        EXPECT_EQ(x.top_lines[l].a, y.top_lines[l].a);
+        EXPECT_EQ(x.top_lines[l].colour, y.top_lines[l].colour);
+      }
+      ASSERT_EQ(x.labels.size(), y.labels.size());
+      for (std::size_t l = 0; l < x.labels.size(); ++l) EXPECT_EQ(x.labels[l].text, y.labels[l].text);
+    }
+}
+
+TEST(Display, VersionsChangeWhenAndOnlyWhenSomethingDid) {
+  Everything all;
+  SubjectDrawing drawing;
+  const DisplayOptions shaded;
+  const auto look = [&](const DisplayOptions& options) {
+    const DrawList& list = drawing.update(subject_of(all.world), options);
+    std::vector<std::array<std::uint64_t, 3>> result;
+    for (const Surface& s : list.surfaces) result.push_back({s.key, s.topology, s.version});
+    for (const Spheres& s : list.spheres) result.push_back({s.key, 0, s.version});
+    return result;
+  };
+  const auto before = look(shaded);
+  EXPECT_EQ(look(shaded), before);  // nothing to upload
+  all.world.step(1.0 / 60);
+  const auto after = look(shaded);
+  ASSERT_EQ(after.size(), before.size());
+  EXPECT_EQ(after[0][1], before[0][1]);              // the same triangles
+  EXPECT_NE(after[0][2], before[0][2]);              // moved
+  EXPECT_EQ(after[bodies - 1], before[bodies - 1]);  // a collider, after the four with surfaces
+  EXPECT_NE(look({.display = Display::speed})[0][2], after[0][2]);  // other colours
+  const auto paused = look(shaded);
+  std::vector<Vec3f> moved(all.world.positions(all.cloth).begin(), all.world.positions(all.cloth).end());
+  moved[3].y += 0.1f;
+  all.world.set_positions(all.cloth, moved);
+  EXPECT_NE(look(shaded)[0][2], paused[0][2]);  // without a step
+}
+
+TEST(Display, ObjectsAndCollidersComeAndGo) {
+  Everything all;
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(all.world), {});
+  const Colour lump = surface_of(list, 2)->look.colour;
+  const std::uint64_t key = surface_of(list, 2)->key;
+  all.world.remove(all.cloth);
+  all.world.remove(all.floor);
+  drawing.update(subject_of(all.world), {});
+  expect_sound(list, "removed");
+  EXPECT_FALSE(list.ground.shown);
+  EXPECT_EQ(surface_of(list, 1)->look.colour, lump);  // it moved up in the order and kept its looks
+  EXPECT_EQ(surface_of(list, 1)->key, key);
+  const ObjectId added = all.world.add_cloth(grid(5, 5, 0.5));
+  drawing.update(subject_of(all.world), {});
+  expect_sound(list, "added");
+  EXPECT_EQ(surface_of(list, bodies)->positions.data(), all.world.positions(added).data());
+  all.world.set_collider(all.ball, Sphere{{0, 0, 0}, 0.7f}, {});
+  drawing.update(subject_of(all.world), {});
+  const Surface* ball = surface_of(list, bodies + 1);
+  for (const Vec3f& x : ball->positions) ASSERT_NEAR(length(x), 0.7f, 1e-5);
+}
+
+TEST(Display, AnotherWorldIsDrawnAfresh) {
+  Everything all;
+  World other;
+  const ObjectId sheet = other.add_cloth(grid(3, 3, 1.0));
+  SubjectDrawing drawing;
+  drawing.update(subject_of(all.world, 1), {});
+  const DrawList& list = drawing.update(subject_of(other, 2), {});
+  ASSERT_EQ(list.surfaces.size(), 1u);
+  EXPECT_EQ(list.surfaces[0].positions.data(), other.positions(sheet).data());
+  EXPECT_EQ(list.surfaces[0].texture.size(), 9u);
+}
+
+TEST(Display, StretchedClothIsHotAndClothAtRestIsCold) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(6, 6, 1.0));
+  SubjectDrawing drawing;
+  const DisplayOptions options{.display = Display::strain, .largest_strain = 0.1f};
+  const DrawList& list = drawing.update(subject_of(world), options);
+  for (const PackedColour c : list.surfaces[0].colours) EXPECT_EQ(c, pack(heat(0)));
+  std::vector<Vec3f> x(world.positions(cloth).begin(), world.positions(cloth).end());
+  for (Vec3f& p : x) p.x *= 1.1001f;
+  world.set_positions(cloth, x);
+  drawing.update(subject_of(world), options);
+  for (const PackedColour c : list.surfaces[0].colours) EXPECT_EQ(c, pack(heat(1)));
+  EXPECT_TRUE(legend_names(list, "10 %"));
+  for (Vec3f& p : x) p.x *= 0.5f;  // compressed
+  world.set_positions(cloth, x);
+  drawing.update(subject_of(world), options);
+  for (const PackedColour c : list.surfaces[0].colours) EXPECT_EQ(c, pack(heat(0)));
+}
+
+TEST(Display, AStretchedRopeIsHotWhereItIsStretched) {
+  World world;
+  const ObjectId rope = world.add_rope(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}}, 10);
+  std::vector<Vec3f> x(world.positions(rope).begin(), world.positions(rope).end());
+  for (std::size_t i = 6; i < x.size(); ++i) x[i].x += 0.02f;  // the segment from 5 to 6, by 20 %
+  world.set_positions(rope, x);
+  SubjectDrawing drawing;
+  const Subject subject = subject_of(world);
+  const Surface tube =
+      drawing.update(subject, {.display = Display::strain, .largest_strain = 0.1f}).surfaces.at(0);
+  for (std::uint32_t v = 0; v < tube.positions.size(); ++v) {
+    const std::uint32_t point = drawing.vertex_of(subject, 1, v);
+    const float away = std::abs(tube.positions[v].x - 0.51f);
+    if (away < 0.05f) {
+      EXPECT_EQ(tube.colours[v], pack(heat(1))) << point;
+    }
+    if (away > 0.2f) {
+      EXPECT_EQ(tube.colours[v], pack(heat(0))) << point;
+    }
+  }
+}
+
+TEST(Display, SpeedIsShownOnItsScale) {
+  World world({.gravity = {}});
+  world.add_cloth(grid(4, 4, 1.0), {}, {.velocity = {0, 1.5f, 0}});
+  world.add_grains(std::vector<Vec3d>{{5, 0, 0}}, {}, {.velocity = {3, 0, 0}});
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(world), {.display = Display::speed, .largest_speed = 3});
+  const HeatScale scale;
+  for (const PackedColour c : list.surfaces.at(0).colours) EXPECT_EQ(c, scale(0.5f));
+  EXPECT_EQ(list.spheres.at(0).colours[0], scale(1));
+  EXPECT_TRUE(legend_names(list, "3 m/s"));
+}
+
+TEST(Display, NormalsAreColoursAndLines) {
+  World world;
+  world.add_cloth(grid(4, 4, 1.0));
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(world), {.display = Display::normals});
+  for (const PackedColour c : list.surfaces.at(0).colours) {
+    EXPECT_NEAR(static_cast<int>(c & 0xff), 127, 1);
+    EXPECT_EQ(c >> 8 & 0xff, 255u);  // +y
+    EXPECT_NEAR(static_cast<int>(c >> 16 & 0xff), 127, 1);
+  }
+  ASSERT_EQ(list.lines.size(), 16u);
+  for (const Line& line : list.lines) {
+    const Vec3f along = normalized(line.b - line.a);
+    EXPECT_NEAR(along.y, 1, 1e-5);
+  }
+}
+
+TEST(Display, ALevelFloorIsTheGroundAtItsHeight) {
+  World world;
+  world.add_cloth(grid(4, 4, 1.0));
+  world.add_collider(Plane{{0, 2, 0}, 0.6f},
+                     {.motion = ColliderMotion::fixed({.translation = {3, 0.25, 0}})});
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(world), {});
+  EXPECT_TRUE(list.ground.shown);
+  EXPECT_NEAR(list.ground.height, 0.55, 1e-6);
+  EXPECT_EQ(list.surfaces.size(), 1u);
+  drawing.update(subject_of(world), {.colliders = false});
+  EXPECT_FALSE(list.ground.shown);
+}
+
+TEST(Display, ATiltedPlaneIsASquareOnItUnderTheObjects) {
+  World world;
+  world.add_cloth(grid(4, 4, 1.0), {}, {.transform = {.translation = {8, 3, 0}}});
+  const double angle = 0.3;
+  world.add_collider(
+      Plane{}, {.motion = ColliderMotion::fixed(
+                    {.translation = {1, 0.5, 0}, .rotation = Quatd::from_axis_angle({0, 0, 1}, angle)})});
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(world), {});
+  EXPECT_FALSE(list.ground.shown);
+  const Surface* plane = surface_of(list, 2);
+  ASSERT_NE(plane, nullptr);
+  const Vec3d normal{-std::sin(angle), std::cos(angle), 0}, on{1, 0.5, 0};
+  Vec3d middle{};
+  for (const Vec3f& x : plane->positions) {
+    const Vec3d p = plane->pose.point(Vec3d(x));
+    EXPECT_NEAR(dot(p - on, normal), 0, 1e-5);
+    middle += p / 4.0;
+  }
+  const Vec3d cloth{8, 3, 0};
+  EXPECT_NEAR(length(middle - (cloth - normal * dot(cloth - on, normal))), 0, 0.1);
+}
+
+TEST(Display, CollidersAreDrawnWhereTheyAre) {
+  World world;
+  const ColliderId ball =
+      world.add_collider(Sphere{{}, 0.5f}, {.motion = ColliderMotion::fixed({.translation = {1, 2, 3}})});
+  SubjectDrawing drawing;
+  const Surface surface = drawing.update(subject_of(world), {}).surfaces.at(0);
+  for (const Vec3f& x : surface.positions)
+    EXPECT_NEAR(length(surface.pose.point(Vec3d(x)) - Vec3d{1, 2, 3}), 0.5, 1e-5);
+  EXPECT_EQ(surface.pose.translation, world.collider_pose(ball).translation);
+}
+
+TEST(Display, ParticlesAreTheWorlds) {
+  Everything all;
+  const Subject subject = subject_of(all.world);
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject, {.display = Display::particles, .pins = false});
+  std::size_t drawn = 0, known = 0;
+  for (const Spheres& s : list.spheres) drawn += s.centres.size();
+  DebugDraw count;
+  count.particle = [&](const DebugParticle&) { ++known; };
+  all.world.debug_draw(count);
+  EXPECT_EQ(drawn, known);
+  for (std::size_t i = 0; i < list.surfaces.size(); ++i) EXPECT_GT(list.surfaces[i].pick, bodies);
+  // A particle of the cloth is found again as the vertex that lies on it.
+  const Spheres* cloth = spheres_of(list, 1);
+  for (std::uint32_t i = 0; i < cloth->centres.size(); ++i)
+    EXPECT_EQ(subject.bodies[0].positions[drawing.vertex_of(subject, 1, i)], cloth->centres[i]);
+}
+
+TEST(Display, TheLatticeShowsEveryTetEdge) {
+  Everything all;
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(all.world), {.display = Display::lattice});
+  std::size_t edges = 0;
+  DebugDraw count;
+  count.tet_edge = [&](const Vec3f&, const Vec3f&) { ++edges; };
+  all.world.debug_draw(count);
+  EXPECT_GT(edges, 100u);
+  EXPECT_EQ(list.lines.size(), edges);
+}
+
+TEST(Display, ContactsPointFromTheColliderToTheObject) {
+  World world;
+  world.add_cloth(grid(6, 6, 0.4), {}, {.transform = {.translation = {0, 0.003, 0}}});
+  world.add_collider(Plane{});
+  for (int i = 0; i < 10; ++i) world.step(1.0 / 60);
+  ASSERT_FALSE(world.contacts().empty());
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(world), {.display = Display::contacts});
+  EXPECT_EQ(list.top_lines.size(), world.contacts().size());
+  for (const Line& line : list.top_lines) EXPECT_GT(line.b.y, line.a.y);
+  EXPECT_TRUE(legend_names(list, "with colliders  " + std::to_string(world.contacts().size())));
+}
+
+TEST(Display, PinnedVerticesHaveBallsThatCannotBePicked) {
+  Everything all;
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(all.world), {});
+  const Spheres* pins = spheres_of(list, 0);
+  ASSERT_NE(pins, nullptr);
+  ASSERT_EQ(pins->centres.size(), 3u);
+  EXPECT_EQ(pins->centres[0], all.world.positions(all.cloth)[0]);
+  EXPECT_EQ(pins->centres[2], all.world.positions(all.rope)[0]);
+  drawing.update(subject_of(all.world), {.pins = false});
+  EXPECT_EQ(spheres_of(list, 0), nullptr);
+}
+
+TEST(Display, TheLegendNamesEveryKindOfConstraint) {
+  Everything all;
+  all.run(3);
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(all.world), {.constraints = ConstraintDisplay::kind});
+  std::set<std::string> kinds;
+  DebugDraw draw;
+  draw.constraint = [&](const DebugConstraint& c) { kinds.emplace(c.kind); };
+  all.world.debug_draw(draw);
+  EXPECT_GE(kinds.size(), 6u);
+  std::set<PackedColour> colours, in_use;
+  for (const std::string& kind : kinds) {
+    EXPECT_TRUE(legend_names(list, kind)) << kind;
+    colours.insert(kind_colour(kind));
+  }
+  EXPECT_EQ(colours.size(), kinds.size());  // told apart
+  for (const Line& line : list.top_lines) in_use.insert(line.colour);
+  EXPECT_EQ(in_use, colours);
+}
+
+TEST(Display, SegmentsOfDistancesLieOnTheEdgesOfTheCloth) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(4, 3, 1.0), {.bending_stiffness = 0});
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject_of(world), {.constraints = ConstraintDisplay::kind});
+  const auto x = world.positions(cloth);
+  std::size_t edges = 0;
+  for (const Line& line : list.top_lines) {
+    EXPECT_NE(std::find(x.begin(), x.end(), line.a), x.end());
+    EXPECT_NE(std::find(x.begin(), x.end(), line.b), x.end());
+    ++edges;
+  }
+  EXPECT_EQ(edges, 3u * 3 + 4 * 2 + 6);  // along, across, diagonals
+}
+
+TEST(Display, RopesAreHitOnTheTubeAndFoundAsPoints) {
+  Everything all;
+  const Subject subject = subject_of(all.world);
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject, {});
+  const std::uint32_t pick = 4;
+  const Surface* tube = surface_of(list, pick);
+  const Body& rope = subject.bodies[pick - 1];
+  ASSERT_EQ(rope.kind, ObjectKind::rope);
+  for (std::uint32_t v = 0; v < tube->positions.size(); ++v) {
+    const std::uint32_t point = drawing.vertex_of(subject, pick, v);
+    ASSERT_LT(point, rope.positions.size());
+    EXPECT_LT(length(tube->positions[v] - rope.positions[point]), 0.055f);  // half a segment and a radius
+  }
+  EXPECT_EQ(drawing.vertex_of(subject, 1, 17), 17u);  // a cloth's vertices are drawn as they are
+}
+
+TEST(Display, TheCheckerOfAFlatClothHasSquareFieldsAlongItsSides) {
+  World world;
+  const Transform turned{.translation = {1, 2, 3}, .rotation = Quatd::from_euler_xyz({0.4, 0.8, -0.3})};
+  const ObjectId cloth = world.add_cloth(grid(17, 9, 2.0), {}, {.transform = turned});
+  SubjectDrawing drawing;
+  const Surface surface = drawing.update(subject_of(world), {}).surfaces.at(0);
+  ASSERT_EQ(surface.texture.size(), 17u * 9);
+  EXPECT_GT(surface.look.checker_size, 0);
+  // Fields are an eighth of the shorter side, 1 m; lengths are kept.
+  const auto x = world.positions(cloth);
+  EXPECT_NEAR(length(surface.texture[16] - surface.texture[0]), 8 * length(x[16] - x[0]), 1e-3);
+  for (const Vec3f& t : surface.texture) EXPECT_FLOAT_EQ(t.z - std::floor(t.z), 0.5f);  // between borders
+  for (const std::size_t corner : {0u, 16u, 136u, 152u})
+    for (const float c : {surface.texture[corner].x, surface.texture[corner].y})
+      EXPECT_NEAR(c, std::round(c), 1e-3);  // whole fields
+  EXPECT_EQ(drawing.update(subject_of(world), {.display = Display::plain}).surfaces[0].look.checker_size, 0);
+}
+
+}  // namespace
+}  // namespace souple::render
