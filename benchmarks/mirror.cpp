@@ -11,8 +11,8 @@
 namespace souple {
 namespace {
 
-/// Hangs from two corners, some frames after it was let go. Its step's cost does not matter: teleport makes
-/// the mirror stale as well.
+/// Hangs from two corners, some frames after it was let go. An impulse of nothing makes its mirror as stale
+/// as a step does.
 struct HangingCloth {
   World world{{.substeps = 2}};
   ObjectId cloth;
@@ -24,7 +24,7 @@ struct HangingCloth {
   void make_stale() { world.apply_impulse(cloth, vertices({5000}), {}); }
 };
 
-void Mirror(benchmark::State& state) {
+void mirror(benchmark::State& state) {
   HangingCloth hanging(static_cast<int>(state.range(0)));
   for (auto _ : state) {
     hanging.make_stale();
@@ -32,30 +32,30 @@ void Mirror(benchmark::State& state) {
     benchmark::DoNotOptimize(hanging.world.normals(hanging.cloth).data());
   }
 }
-BENCHMARK(Mirror)->Arg(200)->Unit(benchmark::kMillisecond);
+BENCHMARK(mirror)->Arg(200)->Unit(benchmark::kMillisecond);
 
-void Normals(benchmark::State& state) {
+void normals(benchmark::State& state) {
   HangingCloth hanging(static_cast<int>(state.range(0)));
   const auto x = hanging.world.positions(hanging.cloth);
   const auto triangles = hanging.world.triangles(hanging.cloth);
-  std::vector<Vec3f> normals(x.size());
+  std::vector<Vec3f> result(x.size());
   for (auto _ : state) {
-    vertex_normals<float>(x, triangles, normals);
-    benchmark::DoNotOptimize(normals.data());
+    vertex_normals<float>(x, triangles, result);
+    benchmark::DoNotOptimize(result.data());
   }
 }
-BENCHMARK(Normals)->Arg(200)->Unit(benchmark::kMillisecond);
+BENCHMARK(normals)->Arg(200)->Unit(benchmark::kMillisecond);
 
 /// A grab starts with a click: it has to be there before the next frame.
-void GrabAndRelease(benchmark::State& state) {
+void grab_and_release(benchmark::State& state) {
   HangingCloth hanging(static_cast<int>(state.range(0)));
   const Vec3f point = hanging.world.positions(hanging.cloth)[20100];
   for (auto _ : state) Grab(hanging.world, hanging.cloth, 20100, point);
 }
-BENCHMARK(GrabAndRelease)->Arg(200)->Unit(benchmark::kMillisecond);
+BENCHMARK(grab_and_release)->Arg(200)->Unit(benchmark::kMillisecond);
 
 /// All constraints as a renderer asks for them.
-void DebugDrawConstraints(benchmark::State& state) {
+void debug_draw_constraints(benchmark::State& state) {
   HangingCloth hanging(static_cast<int>(state.range(0)));
   std::size_t points = 0;
   DebugDraw draw;
@@ -63,7 +63,7 @@ void DebugDrawConstraints(benchmark::State& state) {
   for (auto _ : state) hanging.world.debug_draw(draw);
   benchmark::DoNotOptimize(points);
 }
-BENCHMARK(DebugDrawConstraints)->Arg(200)->Unit(benchmark::kMillisecond);
+BENCHMARK(debug_draw_constraints)->Arg(200)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace souple
