@@ -383,6 +383,7 @@ TEST(Display, ParticlesAreTheWorlds) {
   count.particle = [&](const DebugParticle&) { ++known; };
   all.world.debug_draw(count);
   EXPECT_EQ(drawn, known);
+  EXPECT_TRUE(legend_names(list, "particles: " + std::to_string(known)));
   for (std::size_t i = 0; i < list.surfaces.size(); ++i) EXPECT_GT(list.surfaces[i].pick, bodies);
   // A particle of the cloth is found again as the vertex that lies on it.
   const Spheres* cloth = spheres_of(list, 1);
@@ -400,6 +401,7 @@ TEST(Display, TheLatticeShowsEveryTetEdge) {
   all.world.debug_draw(count);
   EXPECT_GT(edges, 100u);
   EXPECT_EQ(list.lines.size(), edges);
+  EXPECT_TRUE(legend_names(list, std::to_string(edges) + " edges"));
 }
 
 TEST(Display, ContactsPointFromTheColliderToTheObject) {
