@@ -30,7 +30,7 @@ Look body_look(ObjectKind kind, std::uint32_t index) {
   const Colour colour = palette(index);
   switch (kind) {
     case ObjectKind::cloth:
-      return {.colour = colour, .second = mix(colour, linen, 0.72f), .roughness = 0.8f, .sheen = 0.4f};
+      return {.colour = colour, .second = mix(colour, linen, 0.86f), .roughness = 0.8f, .sheen = 0.4f};
     case ObjectKind::soft_body:
       return {.colour = colour, .second = colour, .roughness = 0.3f};
     case ObjectKind::rope:
