@@ -30,7 +30,7 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>
   const Colour colour = chosen.value_or(palette(index));
   switch (kind) {
     case ObjectKind::cloth:
-      return {.colour = colour, .second = mix(colour, linen, 0.72f), .roughness = 0.8f, .sheen = 0.4f};
+      return {.colour = colour, .second = mix(colour, linen, 0.86f), .roughness = 0.8f, .sheen = 0.4f};
     case ObjectKind::soft_body:
       return {.colour = colour, .second = colour, .roughness = 0.3f};
     case ObjectKind::rope:
@@ -47,7 +47,7 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>
 
 Look pale(const Look& look) {
   Look result = measured_look();
-  result.colour = result.second = mix(srgb(0xd9dcdf), look.colour, 0.18f);
+  result.colour = result.second = mix(srgb(0xc6cbd0), look.colour, 0.2f);
   return result;
 }
 
