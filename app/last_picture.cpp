@@ -4,8 +4,6 @@
 #include "app/pictures.h"
 #include "souple/error.h"
 
-#include <utility>
-
 namespace souple::app {
 
 namespace {
@@ -25,7 +23,7 @@ struct LastPicture::Impl {
   std::unique_ptr<PictureSink> sink;
 };
 
-LastPicture::LastPicture(std::filesystem::path file) {
+LastPicture::LastPicture(const std::filesystem::path& file) {
   const SinkWish wish = sink_wish(file);
   impl_ = std::make_unique<Impl>();
   impl_->sink = open_sink(wish);
