@@ -193,9 +193,11 @@ void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawin
     if (found == bodies.end() || !found->second.draws_particles(drawing)) return;
     ParticleCloud& cloud = found->second.particles();
     cloud.centres.push_back(particle.position);
-    // Lattice nodes outside the surface they carry have radii below zero: they touch nothing before it does.
+    // Thin cloth would hardly be seen. Lattice nodes outside the surface they carry have radii below zero:
+    // they touch nothing before it does.
     const float dot = 0.006f * size();
-    cloud.radii.push_back(display == Display::lattice || particle.radius <= 0 ? dot : particle.radius);
+    const float least = particle.radius > 0 ? 0.12f * found->second.mean_edge() : dot;
+    cloud.radii.push_back(display == Display::lattice ? dot : std::max(particle.radius, least));
   };
   subject.world->debug_draw(draw);
 }
@@ -239,7 +241,7 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
   for (const Body& body : subject.bodies) {
     const float radius = body.kind == ObjectKind::rope || body.kind == ObjectKind::grains
                              ? 1.5f * body.radius
-                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.015f * size());
+                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
     for (const std::uint32_t v : subject.world->pinned({body.id})) {
       centres.push_back(body.positions[v]);
       pin_radii.push_back(radius);
@@ -343,7 +345,7 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
   if (world && options.pins) draw_pins(subject);
   if (world && options.display == Display::lattice) draw_lattice(*world);
   if (world && options.display == Display::contacts) draw_contacts(*world);
-  if (world) draw_constraints(*world, options, heat, 0.01f * size(), list.top_lines, legend);
+  if (world) draw_constraints(*world, options, heat, 0.004f * size(), list.top_lines, legend);
   list.labels = legend.labels();
 }
 

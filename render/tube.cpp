@@ -57,7 +57,7 @@ void Tube::resize(std::size_t points, float radius, float length) {
     const float along = points_ > 1 ? parameter(v) / static_cast<float>(points_ - 1) : 0;
     const bool pole = v < 1 || v + 1 == texture_.size();
     const auto side = static_cast<float>(pole ? 0 : (v - 1) % row);
-    texture_[v] = {along * fields + 2 * side / static_cast<float>(sides), 0.5f, 0.5f};
+    texture_[v] = {along * fields + 2 * side / static_cast<float>(sides), 0.25f, 0.25f};
   }
 
   triangles_.clear();

@@ -12,8 +12,9 @@ namespace souple::viewer {
 
 namespace {
 
-// A picture waits for at most so many steps, and starts none when so much time is gone [s].
-constexpr int most_steps = 4;
+// A picture waits for at most so many steps, and starts none when so much time is gone [s]. Where drawing is
+// what takes long, a picture has to bring many steps.
+constexpr int most_steps = 20;
 constexpr double time_for_steps = 0.025;
 
 class Stopwatch {

@@ -62,6 +62,7 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   lay_out();
   notices_.pass(seconds);
   guarded([&] { obey_keys(); });
+  lay_out();  // a key may have hidden the panels
   guarded([&] { use_mouse(); });
   // A film has every frame, however long a picture takes.
   guarded([&] { session_->advance(film_ ? 1 / session_->frame_rate() : seconds); });
@@ -90,9 +91,10 @@ void Viewer::lay_out() {
   area_.x = panels_shown_ ? static_cast<int>(std::min(wished, 0.45f * static_cast<float>(width_))) : 0;
   area_.y = 0;
   area_.width = width_ - area_.x;
-  area_.height =
-      height_ -
-      (panels_shown_ ? static_cast<int>(std::min(bar_height_, 0.4f * static_cast<float>(height_))) : 0);
+  area_.height = height_;
+  if (!panels_shown_) return;
+  const float bar = key_list_height(static_cast<float>(area_.width) / area_.scale) * area_.scale;
+  area_.height -= static_cast<int>(std::min(bar, 0.4f * static_cast<float>(height_)));
 }
 
 void Viewer::update_list() {

@@ -21,7 +21,7 @@ vec3 view_point(vec2 at, float depth) {
 }
 
 // The cosine of the horizon's angle to the eye, in direction `step_` on screen.
-float horizon(vec3 point, vec3 to_eye, vec2 step_, float first, float low) {
+float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, float low) {
   vec2 size = vec2(textureSize(depth_map, 0));
   float highest = low;
   for (int i = 0; i < steps; ++i) {
@@ -33,9 +33,12 @@ float horizon(vec3 point, vec3 to_eye, vec2 step_, float first, float low) {
     if (depth <= 0.0) continue;
     vec3 delta = view_point((vec2(pixel) + 0.5) / size, depth) - point;
     float distance2 = dot(delta, delta);
-    float cosine = dot(delta, to_eye) * inversesqrt(max(distance2, 1e-20));
-    // Things farther than the radius count less and less.
-    float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0);
+    float shorten = inversesqrt(max(distance2, 1e-20));
+    float cosine = dot(delta, to_eye) * shorten;
+    // Things farther than the radius count less and less. So does what hardly rises above the surface: the
+    // middles of pixels lie beside the direction, which lets a floor seen at a flat angle hide itself.
+    float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0) *
+                   smoothstep(0.02, 0.15, dot(delta, normal) * shorten);
     highest = max(highest, mix(low, cosine, weight));
   }
   return highest;
@@ -45,17 +48,17 @@ float arc(float horizon_angle, float n) {
   return 0.25 * (-cos(2.0 * horizon_angle - n) + cos(n) + 2.0 * horizon_angle * sin(n));
 }
 
+// The target was cleared to (1, 0).
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   float depth = texelFetch(depth_map, pixel, 0).r;
-  out_occlusion = vec2(1.0, depth);
-  if (depth <= 0.0) return;
+  if (depth <= 0.0) discard;
   vec3 point = view_point(place, depth);
   vec3 to_eye = -normalize(point);
   vec3 normal = normalize(texelFetch(normal_map, pixel * 2, 0).xyz) * mat3(frame.inverse_view);
   // The radius on screen, as a part of its height.
   float radius = min(0.5 * frame.occlusion.x * frame.projection[1][1] / depth, 0.25);
-  if (radius * frame.size.y < 1.5) return;
+  if (radius * frame.size.y < 1.5) discard;
 
   // 16 patterns in blocks of 4 x 4 pixels, which occlusion_blur.frag.glsl averages.
   ivec2 cell = pixel & 3;
@@ -74,12 +77,12 @@ void main() {
     float cosine = clamp(dot(projected, to_eye) / long_, -1.0, 1.0);
     float n = (dot(across, projected) < 0.0 ? -1.0 : 1.0) * acos(cosine);
     vec2 step_ = direction.xy * radius * vec2(frame.size.y * frame.size.z, 1.0);
-    float right = horizon(point, to_eye, step_, start, cos(n + 0.5 * pi));
-    float left = horizon(point, to_eye, -step_, start, cos(n - 0.5 * pi));
+    float right = horizon(point, normal, to_eye, step_, start, cos(n + 0.5 * pi));
+    float left = horizon(point, normal, to_eye, -step_, start, cos(n - 0.5 * pi));
     float h0 = n + max(-acos(clamp(left, -1.0, 1.0)) - n, -0.5 * pi);
     float h1 = n + min(acos(clamp(right, -1.0, 1.0)) - n, 0.5 * pi);
     open += long_ * (arc(h0, n) + arc(h1, n));
   }
-  open = clamp(open / float(slices), 0.0, 1.0);
-  out_occlusion.x = pow(open, frame.occlusion.y);
+  // One slice alone may see more than the whole sky: only their mean is bounded.
+  out_occlusion = vec2(open / float(slices), depth);
 }

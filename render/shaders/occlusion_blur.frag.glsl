@@ -17,5 +17,5 @@ void main() {
       sum += vec2(other.x, 1.0) * weight;
     }
   }
-  out_occlusion = vec2(sum.x / sum.y, depth);
+  out_occlusion = vec2(pow(clamp(sum.x / sum.y, 0.0, 1.0), frame.occlusion.y), depth);
 }

@@ -249,13 +249,35 @@ void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& im
   ++world.version;
 }
 
+namespace {
+
+void require_vertex(const Object& object, std::uint32_t vertex, const char* what) {
+  if (vertex >= object.vertex_count())
+    throw Error(std::string(what) + ": " + object.name + " has " + std::to_string(object.vertex_count()) +
+                " vertices, no number " + std::to_string(vertex));
+}
+
+}  // namespace
+
 std::uint32_t World::particle(ObjectId id, std::uint32_t vertex) const {
   const Object& object = impl_->state.object(id);
   require_particle_vertices(object, "particle");
-  if (vertex >= object.vertex_count())
-    throw Error("particle: " + object.name + " has " + std::to_string(object.vertex_count()) +
-                " vertices, no number " + std::to_string(vertex));
+  require_vertex(object, vertex, "particle");
   return object.begin + object.particle_of[vertex];
+}
+
+std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
+  const Object& object = impl_->state.object(id);
+  require_vertex(object, vertex, "carriers");
+  const auto carrier = [&](std::uint32_t local, double weight) -> Carrier {
+    const std::uint32_t i = object.begin + local;
+    return {i, weight, impl_->state.particles.position[i].w, impl_->state.exact_position(i)};
+  };
+  if (!object.embedding) return {carrier(object.particle_of[vertex], 1)};
+  std::vector<Carrier> result;
+  for (std::size_t k = 0; k < 4; ++k)
+    result.push_back(carrier(object.embedding->vertices[vertex][k], object.embedding->weights[vertex][k]));
+  return result;
 }
 
 // --- colliders, forces, events

@@ -72,6 +72,14 @@ struct VertexRef {
   std::uint32_t vertex = 0;
 };
 
+/// A particle that carries a vertex, and its share in the vertex' position.
+struct Carrier {
+  std::uint32_t particle = 0;
+  double weight = 1;
+  float inverse_mass = 0;  ///< 1/kg; 0: it is pinned
+  Vec3d position{};        ///< m
+};
+
 /// What a ray or a closest-point query found.
 struct Hit {
   bool found = false;
@@ -203,6 +211,9 @@ class World {
   Projector& projector(ProjectorId projector);
   /// The particle index of a vertex, for constraints of one's own. Changes when objects are removed.
   std::uint32_t particle(ObjectId object, std::uint32_t vertex) const;
+  /// The same for any vertex: one particle, or the four of the lattice's tet in which it is embedded. Weights
+  /// sum up to 1; they are negative where the vertex lies a little outside its tet.
+  std::vector<Carrier> carriers(ObjectId object, std::uint32_t vertex) const;
 
   // --- colliders, forces, events
   // ----------------------------------------------------------------------------------
