@@ -266,6 +266,7 @@ void SubjectDrawing::Impl::draw_lattice(const World& world) {
   DebugDraw draw;
   draw.tet_edge = [&](const Vec3f& a, const Vec3f& b) { list.lines.push_back({a, b, lattice_ink, 1.2f}); };
   world.debug_draw(draw);
+  legend.title("lattice: " + std::to_string(list.lines.size()) + " edges of tets");
 }
 
 /// Lines along the normals, as long as the root of their impulse, from a small ball.
@@ -309,6 +310,11 @@ void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions&
   if (display == Display::speed) {
     legend.title("speed");
     legend.scale(heat, options.largest_speed, "m/s");
+  }
+  if (display == Display::particles) {
+    std::size_t count = 0;
+    for (const Spheres& spheres : list.spheres) count += spheres.centres.size();
+    legend.title("particles: " + std::to_string(count));
   }
   if (display == Display::normals) legend.title("normals: x red, y green, z blue");
   if (subject.world) return;

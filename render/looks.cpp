@@ -44,7 +44,7 @@ Look body_look(ObjectKind kind, std::uint32_t index) {
 
 Look pale(const Look& look) {
   Look result = measured_look();
-  result.colour = result.second = mix(srgb(0xd9dcdf), look.colour, 0.18f);
+  result.colour = result.second = mix(srgb(0xc6cbd0), look.colour, 0.2f);
   return result;
 }
 
