@@ -5,8 +5,6 @@
 #include "app/scene_colours.h"
 #include "souple/error.h"
 
-#include <utility>
-
 namespace souple::app {
 
 namespace {
@@ -26,7 +24,7 @@ struct LastPicture::Impl {
   std::unique_ptr<PictureSink> sink;
 };
 
-LastPicture::LastPicture(std::filesystem::path file) {
+LastPicture::LastPicture(const std::filesystem::path& file) {
   const SinkWish wish = sink_wish(file);
   impl_ = std::make_unique<Impl>();
   impl_->sink = open_sink(wish);
