@@ -12,7 +12,7 @@
 namespace souple::render {
 namespace {
 
-constexpr float width = 1.4f;    ///< pixels
+constexpr float width = 1.2f;    ///< pixels
 constexpr float shrunk = 0.85f;  ///< elements are drawn smaller, so that neighbours do not cover each other
 
 struct KindStyle {
@@ -45,6 +45,11 @@ Vec3f centroid(std::span<const Vec3f> points) {
   Vec3f sum{};
   for (const Vec3f& p : points) sum += p;
   return sum / static_cast<float>(points.size());
+}
+
+/// Tethers reach across everything: what lies behind them has to be seen.
+PackedColour thinned(std::string_view kind, PackedColour colour) {
+  return kind == "tether" ? (colour & 0x00ffffffu) | 0x50000000u : colour;
 }
 
 /// Adds the lines of one constraint.
@@ -156,7 +161,7 @@ void explain(const Summary& summary, const DisplayOptions& options, const HeatSc
       legend.scale(heat, 100 * options.largest_strain, "%");
       return;
     case ConstraintDisplay::residual:
-      legend.title("constraints by residual |C|, hottest:");
+      legend.title("constraints by residual |C|, from 0 (dark) to");
       for (const auto& [kind, of] : summary)
         legend.entry(heat(of.residual > 0 ? 1.0f : 0.0f),
                      kind + "  " + short_number(static_cast<double>(of.residual)));
@@ -181,7 +186,7 @@ void draw_constraints(const World& world, const DisplayOptions& options, const H
   Pen pen(lines, size);
   DebugDraw draw;
   draw.constraint = [&](const DebugConstraint& c) {
-    pen.draw(c.kind, c.points, colour_of(c, options, heat, summary));
+    pen.draw(c.kind, c.points, thinned(c.kind, colour_of(c, options, heat, summary)));
   };
   world.debug_draw(draw);
   explain(summary, options, heat, legend);

@@ -100,8 +100,8 @@ struct Renderer::Impl {
 
   gl::VertexArray nothing;  // for draw_screen
   gl::Buffer frame_buffer;
-  gl::Program ground{"screen.vert.glsl", "ground.frag.glsl"};
-  gl::Program lighting{"screen.vert.glsl", "lighting.frag.glsl"};
+  gl::Program ground{"ray.vert.glsl", "ground.frag.glsl"};
+  gl::Program lighting{"ray.vert.glsl", "lighting.frag.glsl"};
   SurfacesPass surfaces;
   SpheresPass spheres;
   LinesPass lines;
@@ -164,7 +164,7 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   f.floor_light = vec4(list.light.floor, options.exposure);
   const float reach = std::max(bounds.radius(), camera.distance());
   f.ground = {list.ground.height, std::max(list.ground.tile, 1e-6f), list.ground.shown ? 1.0f : 0.0f,
-              12 * reach};
+              8 * reach};
   f.ground_colour = vec4(list.ground.colour, 1);
   f.ground_second = vec4(list.ground.second, 1);
   f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
@@ -202,7 +202,6 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   targets->albedo.bind(gl::Unit::albedo);
   targets->normal.bind(gl::Unit::normal);
   targets->depth.bind(gl::Unit::depth);
-  shadow.bind();
   occlusion.bind(targets->normal);
   lighting.use();
   nothing.bind();
@@ -237,6 +236,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
     m.draw_material(list, context);
     if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
+    m.shadow.draw_sunlight(frame, m.targets->normal, m.targets->depth, m.nothing);
     m.draw_lighting(list, context);
     if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
   }

@@ -1,6 +1,7 @@
 #include "render/passes/shadow.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace souple::render {
@@ -73,8 +74,25 @@ void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& s
   spheres.draw(context);
 }
 
-void ShadowPass::bind() const {
-  map_.bind(gl::Unit::shadow);
+void ShadowPass::draw_sunlight(const Frame& frame, const gl::Texture& normals, const gl::Texture& depth,
+                               const gl::VertexArray& nothing) {
+  if (sunlight_.width() != depth.width() || sunlight_.height() != depth.height()) {
+    sunlight_ = gl::Texture(GL_R8, depth.width(), depth.height());
+    sunlight_target_ = gl::Framebuffer("sunlight", {&sunlight_}, nullptr);
+  }
+  sunlight_target_.bind();
+  const std::array<float, 4> one{1, 1, 1, 1};
+  glClearBufferfv(GL_COLOR, 0, one.data());
+  if (frame.shadow_size.w != 0) {
+    glDisable(GL_DEPTH_TEST);
+    normals.bind(gl::Unit::normal);
+    depth.bind(gl::Unit::depth);
+    map_.bind(gl::Unit::shadow);
+    sunlight_program_.use();
+    nothing.bind();
+    draw_screen();
+  }
+  sunlight_.bind(gl::Unit::sunlight);
 }
 
 }  // namespace souple::render

@@ -7,7 +7,7 @@ struct Material {
 
 const float pi = 3.14159265;
 // The sky lights less than it shows, as a photographer's backdrop does: shadows would be pale.
-const float ambient_strength = 0.42;
+const float ambient_strength = 0.5;
 
 // Radiance of the sky in a direction (unit).
 vec3 sky_light(vec3 direction) {

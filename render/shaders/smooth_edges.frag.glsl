@@ -1,6 +1,6 @@
 // Smooths the jaggies of a picture with one sample per pixel: FXAA (Lottes 2009, "FXAA"), its edge search. Where
 // luma jumps, it walks along the edge to both ends; how far the pixel is from the nearer end says how much of
-// the colour beyond the edge it gets.
+// the colour beyond the edge it gets. Drawn over a copy of the picture: pixels on no edge are left alone.
 in vec2 place;
 layout(location = 0) out vec4 out_colour;
 uniform sampler2D colour_map;  // encoded; alpha is luma; interpolated
@@ -10,19 +10,21 @@ const int steps = 7;
 
 float luma(vec2 at) { return textureLod(colour_map, at, 0.0).a; }
 
+float luma_of(ivec2 at, ivec2 last) { return texelFetch(colour_map, clamp(at, ivec2(0), last), 0).a; }
+
 void main() {
-  vec2 pixel = 1.0 / vec2(textureSize(colour_map, 0));
-  vec4 here = textureLod(colour_map, place, 0.0);
-  float up = luma(place + vec2(0.0, pixel.y)), down = luma(place - vec2(0.0, pixel.y));
-  float right = luma(place + vec2(pixel.x, 0.0)), left = luma(place - vec2(pixel.x, 0.0));
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  ivec2 last = textureSize(colour_map, 0) - 1;
+  vec2 pixel = 1.0 / vec2(last + 1);
+  vec4 here = texelFetch(colour_map, at, 0);
+  float up = luma_of(at + ivec2(0, 1), last), down = luma_of(at + ivec2(0, -1), last), right = luma_of(at + ivec2(1, 0), last), left = luma_of(at + ivec2(-1, 0), last);
   float highest = max(here.a, max(max(up, down), max(left, right)));
   float lowest = min(here.a, min(min(up, down), min(left, right)));
   float contrast = highest - lowest;
-  out_colour = vec4(here.rgb, 1.0);
-  if (contrast < max(least_contrast, 0.12 * highest)) return;
+  if (contrast < max(least_contrast, 0.12 * highest)) discard;
 
-  float up_right = luma(place + pixel), down_left = luma(place - pixel);
-  float up_left = luma(place + vec2(-pixel.x, pixel.y)), down_right = luma(place + vec2(pixel.x, -pixel.y));
+  float up_right = luma_of(at + ivec2(1, 1), last), down_left = luma_of(at + ivec2(-1, -1), last);
+  float up_left = luma_of(at + ivec2(-1, 1), last), down_right = luma_of(at + ivec2(1, -1), last);
   float across_rows = abs(up_left + down_left - 2.0 * left) + 2.0 * abs(up + down - 2.0 * here.a) +
                       abs(up_right + down_right - 2.0 * right);
   float across_columns = abs(up_left + up_right - 2.0 * up) + 2.0 * abs(left + right - 2.0 * here.a) +

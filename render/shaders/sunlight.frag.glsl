@@ -1,4 +1,14 @@
-// How much of the sun a point sees.
+// How much of the sun each pixel sees: percentage-closer soft shadows (Fernando 2005). The mean distance of what
+// hides the sun says how blurred its shadow is. Samples of one picture see the sun at other places each, so
+// that many of them need little blur.
+//
+// The target was cleared to 1. A pixel leaves by `discard` as soon as it is known to be lit: a software
+// renderer goes on through the rest of the shader after any other exit.
+#include "frame.glsl"
+#include "surface_point.glsl"
+
+in vec3 ray;
+layout(location = 0) out float out_visibility;
 
 // Depth as the sun sees it. Compared here, without interpolation: on a CPU that costs half as much as the
 // sampler's comparison of four texels, and the turned patterns hide the difference.
@@ -22,20 +32,19 @@ float pixel_noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))) + frame.sample_info.z);
 }
 
-// 1 lit, 0 dark. Percentage-closer soft shadows (Fernando 2005): the mean distance of what hides the sun says
-// how blurred its shadow is. Samples of one picture see the sun at other places each, so that many of them
-// need little blur. `normal` is the surface's, `angle` turns the pattern.
-float sun_visibility(vec3 point, vec3 normal, float angle) {
-  if (frame.shadow_size.w < 0.5) return 1.0;
+void main() {
+  SurfacePoint surface = surface_point(ivec2(gl_FragCoord.xy), ray);
+  float facing = dot(surface.normal, frame.to_sun.xyz);
+  if (surface.kind == kind_sky || facing <= 0.0) discard;
   float texel = frame.shadow_size.z;
-  float slant = 1.0 - clamp(dot(normal, frame.to_sun.xyz), 0.0, 1.0);
-  vec3 p = (frame.shadow * vec4(point + normal * (texel * (0.6 + 1.6 * slant)), 1.0)).xyz;
-  if (any(greaterThan(abs(p.xy - 0.5), vec2(0.5)))) return 1.0;
+  vec3 lifted = surface.point + surface.normal * (texel * (2.2 - 1.6 * facing));
+  vec3 p = (frame.shadow * vec4(lifted, 1.0)).xyz;
+  if (any(greaterThan(abs(p.xy - 0.5), vec2(0.5)))) discard;
 
   // The plane of the surface in the map: z changes by dot(slope, xy). Without it, wide filters see the
   // surface itself as its own blocker.
   vec2 extent = frame.shadow_size.xy;  // width and depth of the map in metres
-  vec3 plane = (mat3(frame.shadow) * normal) * vec3(extent.x * extent.x, extent.x * extent.x, extent.y * extent.y);
+  vec3 plane = (mat3(frame.shadow) * surface.normal) * vec3(extent.x * extent.x, extent.x * extent.x, extent.y * extent.y);
   vec2 slope = clamp(-plane.xy / min(plane.z, -1e-6), vec2(-4.0 * extent.x / extent.y), vec2(4.0 * extent.x / extent.y));
 
   // How far blockers move in the map with the sun, per depth in the map.
@@ -44,6 +53,7 @@ float sun_visibility(vec3 point, vec3 normal, float angle) {
   float search = max(spread * clamp(p.z, 0.0, 1.0), 2.0 * texel_uv);
   float bias = 0.5 * texel / extent.y;
   float sum = 0.0, count = 0.0;
+  float angle = 6.2831853 * pixel_noise(gl_FragCoord.xy);
   mat2 turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle));
   for (int i = 0; i < blocker_taps; ++i) {
     vec2 offset = search * (turn * blocker_disk[i]);
@@ -54,7 +64,7 @@ float sun_visibility(vec3 point, vec3 normal, float angle) {
       count += 1.0;
     }
   }
-  if (count == 0.0) return 1.0;
+  if (count == 0.0) discard;
   float radius = max(spread * frame.sun_size.y * max(sum / count, 0.0), 1.2 * texel_uv);
   float lit = 0.0;
   for (int i = 0; i < shadow_taps; ++i) {
@@ -62,5 +72,5 @@ float sun_visibility(vec3 point, vec3 normal, float angle) {
     float limit = min(p.z + dot(slope, offset) - bias, 1.0);
     lit += step(limit, textureLod(shadow_map, p.xy + offset, 0.0).r);
   }
-  return lit / float(shadow_taps);
+  out_visibility = lit / float(shadow_taps);
 }
