@@ -150,12 +150,6 @@ class Window(unittest.TestCase):
         _, errors = viewer.communicate(timeout=PATIENCE)
         self.assertEqual((viewer.returncode, errors), (0, ""))
 
-    def test_closing_the_window_ends_it(self):
-        viewer = self.start("curtain", "--size", "200x150")
-        window = self.window_called("Souple: curtain")
-        self.hand("windowquit", window)
-        self.assertEqual(viewer.wait(timeout=PATIENCE), 0)
-
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
