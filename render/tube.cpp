@@ -155,7 +155,7 @@ void Tube::update(std::span<const Vec3f> points, float radius) {
   set_tangents();
   turn_frames();
   for (std::size_t j = 0; j < frames_.size(); ++j) set_ring(cap_rings - 1 + j, frames_[j], 0, radius);
-  for (std::uint32_t c = 1; c < cap_rings; ++c) {
+  for (std::size_t c = 1; c < cap_rings; ++c) {
     const float angle = 0.5f * pi * static_cast<float>(c) / static_cast<float>(cap_rings);
     set_ring(cap_rings - 1 - c, frames_.front(), -angle, radius);
     set_ring(cap_rings - 2 + frames_.size() + c, frames_.back(), angle, radius);
