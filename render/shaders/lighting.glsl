@@ -8,6 +8,8 @@ struct Material {
 const float pi = 3.14159265;
 // The sky lights less than it shows, as a photographer's backdrop does: shadows would be pale.
 const float ambient_strength = 0.5;
+// A little warmer than the sky, so that shadows look cool and what is lit looks neutral.
+const vec3 sun_colour = vec3(1.05, 1.0, 0.92);
 
 // Radiance of the sky in a direction (unit).
 vec3 sky_light(vec3 direction) {
@@ -60,7 +62,7 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
   float sheen = m.sheen * (2.0 + 2.0) * sine2 / (2.0 * pi) / (4.0 * (nl + nv - nl * nv) + 1e-4);
   vec3 sheen_colour = mix(vec3(1.0), m.albedo, 0.6);
 
-  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl * sun);
+  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl * sun) * sun_colour;
 
   // The sky: diffuse, and a rough mirror (Karis 2014, the analytic fit for mobile).
   vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
