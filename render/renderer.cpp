@@ -217,6 +217,7 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   targets->albedo.bind(gl::Unit::albedo);
   targets->normal.bind(gl::Unit::normal);
   targets->depth.bind(gl::Unit::depth);
+  shadow.bind();
   occlusion.bind(targets->normal);
   lighting.use();
   nothing.bind();
@@ -251,7 +252,6 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
     m.draw_material(list, context);
     if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
-    m.shadow.draw_sunlight(frame, m.targets->normal, m.targets->depth, m.nothing);
     m.draw_lighting(list, context);
     if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
   }

@@ -1,7 +1,6 @@
 #include "render/passes/shadow.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace souple::render {
@@ -41,8 +40,8 @@ void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, fl
   frame.shadow_size.w = 0;
   const float radius = casters.radius();
   if (casters.empty() || !(radius > 0) || !std::isfinite(radius)) return;
-  // A cube around the ball around the casters, its middle on whole texels, from the sun; with room for what the
-  // size of the sun adds to shadows.
+  // A cube around the ball around the casters, its middle on whole texels, from the sun; with room for what
+  // the size of the sun adds to shadows.
   const float half = stepped(radius * (1.02f + 4 * std::min(tangent, 0.25f))), texel = 2 * half / map_side;
   const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
   view_ = look_at(Vec3f{}, -to_sun, up);
@@ -75,25 +74,8 @@ void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& s
   spheres.draw(context);
 }
 
-void ShadowPass::draw_sunlight(const Frame& frame, const gl::Texture& normals, const gl::Texture& depth,
-                               const gl::VertexArray& nothing) {
-  if (sunlight_.width() != depth.width() || sunlight_.height() != depth.height()) {
-    sunlight_ = gl::Texture(GL_R8, depth.width(), depth.height());
-    sunlight_target_ = gl::Framebuffer("sunlight", {&sunlight_}, nullptr);
-  }
-  sunlight_target_.bind();
-  const std::array<float, 4> one{1, 1, 1, 1};
-  glClearBufferfv(GL_COLOR, 0, one.data());
-  if (frame.shadow_size.w != 0) {
-    glDisable(GL_DEPTH_TEST);
-    normals.bind(gl::Unit::normal);
-    depth.bind(gl::Unit::depth);
-    map_.bind(gl::Unit::shadow);
-    sunlight_program_.use();
-    nothing.bind();
-    draw_screen();
-  }
-  sunlight_.bind(gl::Unit::sunlight);
+void ShadowPass::bind() const {
+  map_.bind(gl::Unit::shadow);
 }
 
 }  // namespace souple::render

@@ -1,14 +1,9 @@
-// How much of the sun each pixel sees: percentage-closer soft shadows (Fernando 2005). The mean distance of what
+// How much of the sun a surface sees: percentage-closer soft shadows (Fernando 2005). The mean distance of what
 // hides the sun says how blurred its shadow is. Samples of one picture see the sun at other places each, so
 // that many of them need little blur.
 //
 // A software renderer computes both sides of a branch; only loops end when no pixel goes on. So all that costs
 // stands in loops, which make no turn where the sun's visibility is known.
-#include "frame.glsl"
-#include "surface_point.glsl"
-
-in vec3 ray;
-layout(location = 0) out float out_visibility;
 
 // Depth as the sun sees it. Compared here, without interpolation: on a CPU that costs half as much as the
 // sampler's comparison of four texels, and the turned patterns hide the difference.
@@ -27,8 +22,8 @@ const int shadow_taps = 14;
 // are spread evenly over the unit disk (Vogel's spiral). Arrays of constants would be kept in memory per pixel.
 const mat2 golden_turn = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 
-void main() {
-  SurfacePoint surface = surface_point(ivec2(gl_FragCoord.xy), ray);
+// 1 lit to 0 dark, at the pixel that is drawn.
+float sun_visibility(SurfacePoint surface) {
   float facing = dot(surface.normal, frame.to_sun.xyz);
   float texel = frame.shadow_size.z;
   vec3 lifted = surface.point + surface.normal * (texel * (2.2 - 1.6 * facing));
@@ -38,7 +33,7 @@ void main() {
   float texel_uv = texel / frame.shadow_size.x;
   float search = max(spread * clamp(p.z, 0.0, 1.0), 2.0 * texel_uv);
   // The map is wide enough that nothing is dark near its rim.
-  bool inside = surface.kind != kind_sky && facing > 0.0 && all(lessThan(abs(p.xy - 0.5), vec2(0.5 - search)));
+  bool inside = frame.shadow_size.w > 0.5 && surface.kind != kind_sky && facing > 0.0 && all(lessThan(abs(p.xy - 0.5), vec2(0.5 - search)));
 
   // The plane of the surface in the map: z changes by dot(slope, xy). Without it, wide filters see the
   // surface itself as its own blocker.
@@ -68,5 +63,5 @@ void main() {
     if (blocker < min(depth + dot(slope, offset), 1.0)) dark += 1.0;
     direction = golden_turn * direction;
   }
-  out_visibility = 1.0 - dark / float(shadow_taps);
+  return 1.0 - dark / float(shadow_taps);
 }
