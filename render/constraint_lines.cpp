@@ -102,7 +102,7 @@ class Pen {
 /// What the legend has to know of the constraints of one kind.
 struct KindSummary {
   std::size_t count = 0;
-  float residual = 0;  ///< the largest
+  float residual = 0, strain = 0;  ///< the largest
   int colours = 0;
 };
 using Summary = std::map<std::string, KindSummary, std::less<>>;
@@ -118,10 +118,16 @@ Summary summarise(const World& world) {
     KindSummary& kind = place->second;
     ++kind.count;
     kind.residual = std::max(kind.residual, c.residual);
+    kind.strain = std::max(kind.strain, std::abs(c.strain));
     kind.colours = std::max(kind.colours, c.colour + 1);
   };
   world.debug_draw(draw);
   return summary;
+}
+
+/// Kinds without a strain would hide those that have one.
+bool has_strain(const Summary& summary, std::string_view kind) {
+  return kind == "distance" || summary.find(kind)->second.strain > 0;
 }
 
 PackedColour colour_of(const DebugConstraint& c, const DisplayOptions& options, const HeatScale& heat,
@@ -159,6 +165,8 @@ void explain(const Summary& summary, const DisplayOptions& options, const HeatSc
     case ConstraintDisplay::strain:
       legend.title("constraints by |strain|");
       legend.scale(heat, 100 * options.largest_strain, "%");
+      for (const auto& [kind, of] : summary)
+        if (has_strain(summary, kind)) legend.title(kind + "  " + std::to_string(of.count));
       return;
     case ConstraintDisplay::residual:
       legend.title("constraints by residual |C|, from 0 (dark) to");
@@ -186,6 +194,7 @@ void draw_constraints(const World& world, const DisplayOptions& options, const H
   Pen pen(lines, size);
   DebugDraw draw;
   draw.constraint = [&](const DebugConstraint& c) {
+    if (options.constraints == ConstraintDisplay::strain && !has_strain(summary, c.kind)) return;
     pen.draw(c.kind, c.points, thinned(c.kind, colour_of(c, options, heat, summary)));
   };
   world.debug_draw(draw);
