@@ -33,6 +33,7 @@ bool is_measured(Display display) {
 BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t key)
     : kind_(body.kind),
       index_(index),
+      chosen_(body.colour),
       key_(key),
       vertices_(body.positions.size()),
       triangle_count_(body.triangles.size()),
@@ -41,12 +42,12 @@ BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t ke
   if (kind_ == ObjectKind::rope) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
   if (kind_ == ObjectKind::soft_body && body.rest.size() == vertices_)
     creased_ = CreasedSurface(body.rest, body.triangles);
-  if (kind_ == ObjectKind::grains) grain_colours_ = grain_colours(vertices_, index_);
+  if (kind_ == ObjectKind::grains) grain_colours_ = grain_colours(vertices_, index_, chosen_);
 }
 
 bool BodyDrawing::fits(const Body& body) const {
-  return body.kind == kind_ && body.positions.size() == vertices_ && body.triangles.data() == triangles_ &&
-         body.triangles.size() == triangle_count_;
+  return body.kind == kind_ && body.colour == chosen_ && body.positions.size() == vertices_ &&
+         body.triangles.data() == triangles_ && body.triangles.size() == triangle_count_;
 }
 
 Bounds BodyDrawing::bounds(const Body& body) const {
@@ -63,7 +64,7 @@ bool BodyDrawing::draws_particles(const Drawing& drawing) const {
 
 Look BodyDrawing::look(const Drawing& drawing) const {
   const Display display = drawing.options.display;
-  Look result = body_look(kind_, index_);
+  Look result = body_look(kind_, index_, chosen_);
   if (!colours_.empty() && is_measured(display)) return measured_look();
   const bool behind_lines = drawing.options.constraints != ConstraintDisplay::none ||
                             display == Display::contacts || display == Display::lattice ||
@@ -208,7 +209,7 @@ void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const Dra
   spheres.centres = of_world ? std::span<const Vec3f>(particles_.centres) : body.positions;
   if (of_world) spheres.radii = particles_.radii;
   spheres.radius = body.radius;
-  spheres.look = body_look(kind_ == ObjectKind::rope ? ObjectKind::soft_body : kind_, index_);
+  spheres.look = body_look(kind_ == ObjectKind::rope ? ObjectKind::soft_body : kind_, index_, chosen_);
   if (drawing.options.constraints != ConstraintDisplay::none) spheres.look = pale(spheres.look);
   spheres.pick = pick;
   drawing.list.spheres.push_back(spheres);

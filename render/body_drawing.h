@@ -75,6 +75,7 @@ class BodyDrawing {
 
   ObjectKind kind_;
   std::uint32_t index_;
+  std::optional<Colour> chosen_;
   std::uint64_t key_;
   std::size_t vertices_, triangle_count_;
   const Triangle* triangles_;

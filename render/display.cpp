@@ -215,7 +215,7 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.normals = drawing.mesh.normals;
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
-  surface.look = collider_look();
+  surface.look = collider_look(collider.colour);
   surface.pick = pick;
   list.surfaces.push_back(surface);
 }

@@ -16,7 +16,7 @@ OcclusionPass::Targets::Targets(int width, int height)
 void OcclusionPass::aim(Frame& frame, const Bounds& bounds, bool on) {
   frame.sample_info.w = on && !bounds.empty() ? 1.0f : 0.0f;
   // Near enough to show contacts, far enough to be seen: a part of the scene.
-  frame.occlusion = {std::max(0.2f * bounds.radius(), 1e-6f), 1.2f, 0, 0};
+  frame.occlusion = {std::max(0.2f * bounds.radius(), 1e-6f), 1.5f, 0, 0};
 }
 
 void OcclusionPass::draw(const gl::Texture& normals, const gl::Texture& depth,

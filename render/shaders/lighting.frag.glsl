@@ -25,7 +25,7 @@ void main() {
   material.metalness = surface.kind == kind_surface ? floor(surface.code - 1.0) / 15.0 : 0.0;
   material.sheen = surface.kind == kind_surface ? fract(surface.code) / 0.9 : 0.0;
 
-  float open = sky_visibility(gl_FragCoord.xy, surface.depth);
+  float open = sky_visibility(gl_FragCoord.xy, surface.normal, ray, surface.depth);
   float sun = texelFetch(sunlight_map, pixel, 0).r;
   vec3 colour = lit(material, surface.normal, to_eye, sun, open);
   float visible = surface.kind == kind_sky ? 0.0 : (surface.kind == kind_ground ? ground_visibility(surface.point) : 1.0);

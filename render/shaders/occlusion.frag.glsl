@@ -4,7 +4,7 @@
 #include "frame.glsl"
 
 in vec2 place;
-layout(location = 0) out vec2 out_occlusion;  // openness, depth
+layout(location = 0) out vec2 out_occlusion;  // openness, 1 / depth
 
 uniform sampler2D depth_map;  // half_depth
 uniform sampler2D normal_map;
@@ -24,9 +24,11 @@ vec3 view_point(vec2 at, float depth) {
 float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, float low) {
   vec2 size = vec2(textureSize(depth_map, 0));
   float highest = low;
+  // The pixel itself would be noise.
+  vec2 beside = step_ * (1.4 / max(length(step_ * size), 1e-6));
   for (int i = 0; i < steps; ++i) {
     float t = (float(i) + first) / float(steps);
-    vec2 at = place + step_ * (t * t);
+    vec2 at = place + beside + step_ * (t * t);
     ivec2 pixel = ivec2(at * size);
     if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(size)))) break;
     float depth = texelFetch(depth_map, pixel, 0).r;
@@ -62,11 +64,12 @@ void main() {
 
   // 16 patterns in blocks of 4 x 4 pixels, which occlusion_blur.frag.glsl averages.
   ivec2 cell = pixel & 3;
-  float turn = float((cell.x * 5 + cell.y * 11) & 15) / 16.0;
-  float start = float((cell.x * 7 + cell.y * 2) & 15) / 16.0;
+  int index = cell.x + 4 * cell.y;
+  float turn = float((7 * index) & 15) / 16.0;
+  float start = float((5 * index) & 15) / 16.0;
   turn = fract(turn + frame.sample_info.z);
   start = fract(start + 7.0 * frame.sample_info.z);
-  float open = 0.0;
+  float open = 0.0, most = 0.0;
   for (int i = 0; i < slices; ++i) {
     float angle = pi * (float(i) + turn) / float(slices);
     vec3 direction = vec3(cos(angle), sin(angle), 0.0);
@@ -82,7 +85,8 @@ void main() {
     float h0 = n + max(-acos(clamp(left, -1.0, 1.0)) - n, -0.5 * pi);
     float h1 = n + min(acos(clamp(right, -1.0, 1.0)) - n, 0.5 * pi);
     open += long_ * (arc(h0, n) + arc(h1, n));
+    most += long_ * (cosine + n * sin(n));
   }
-  // One slice alone may see more than the whole sky: only their mean is bounded.
-  out_occlusion = vec2(open / float(slices), depth);
+  // `most` is what the same slices see of an open sky: 1 only in the mean over all directions.
+  out_occlusion = vec2(clamp(open / max(most, 1e-4), 0.0, 1.0), 1.0 / depth);
 }
