@@ -58,7 +58,7 @@ function(souple_pad_ text width out)
 endfunction()
 
 function(souple_table_row_ option state why debian description)
-  souple_pad_("${option}" 22 option)
+  souple_pad_("${option}" 25 option)
   souple_pad_("${state}" 5 state)
   souple_pad_("${why}" 23 why)
   souple_pad_("${description}" 43 description)

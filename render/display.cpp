@@ -7,6 +7,7 @@
 #include "render/looks.h"
 #include "render/rope_strain.h"
 #include "souple/error.h"
+#include "souple/math/fnv1a.h"
 
 #include <algorithm>
 #include <atomic>
@@ -108,8 +109,8 @@ struct SubjectDrawing::Impl {
   HeatScale heat;
   Legend legend;
   std::uint64_t next_key = next_key_base();
-  std::uint64_t topology = 0;
-  std::uint32_t next_index = 0;
+  std::optional<std::uint64_t> topology;               ///< of the subject seen last
+  std::uint32_t next_index = 0;                        ///< for the colours of the next object
   std::map<std::uint32_t, BodyDrawing> bodies;         ///< by Body::id
   std::map<std::uint32_t, ColliderDrawing> colliders;  ///< by ColliderBody::id
   Bounds scene;                                        ///< when an object last came or went
@@ -122,7 +123,7 @@ struct SubjectDrawing::Impl {
   std::uint64_t take_key() { return next_key += 2; }
   float size() const { return std::max(scene.radius(), 1e-3f); }
 
-  void forget();
+  void start(const Subject& subject);
   void meet(const Subject& subject);
   void meet_colliders(const Subject& subject);
   void gather_particles(const Subject& subject, const Drawing& drawing);
@@ -135,11 +136,14 @@ struct SubjectDrawing::Impl {
   void update(const Subject& subject, const DisplayOptions& options);
 };
 
-void SubjectDrawing::Impl::forget() {
+/// Another world. With which colour it begins depends on its first name: not every cloth shall be blue.
+void SubjectDrawing::Impl::start(const Subject& subject) {
+  topology = subject.topology;
   bodies.clear();
   colliders.clear();
   scene = {};
-  next_index = 0;
+  next_index =
+      subject.bodies.empty() ? 0 : static_cast<std::uint32_t>(fnv1a64(subject.bodies[0].name) >> 16 & 7);
 }
 
 /// Makes drawings for objects that are new, drops those of objects that are gone.
@@ -211,7 +215,7 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.normals = drawing.mesh.normals;
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
-  surface.look = collider_look();
+  surface.look = collider_look(collider.colour);
   surface.pick = pick;
   list.surfaces.push_back(surface);
 }
@@ -324,8 +328,7 @@ void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions&
 }
 
 void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& options) {
-  if (subject.topology != topology) forget();
-  topology = subject.topology;
+  if (subject.topology != topology) start(subject);
   meet(subject);
   meet_colliders(subject);
 

@@ -82,8 +82,8 @@ struct Ground {
 /// The sun and the sky around it.
 struct Light {
   Vec3f to_sun{-0.35f, 0.85f, 0.5f};  ///< need not be a unit vector
-  float sun = 3.0f;                  ///< irradiance, relative to the exposure
-  float sun_size = 2.5f;             ///< its apparent radius [degrees]: how soft shadows are
+  float sun = 3.0f;                   ///< irradiance, relative to the exposure
+  float sun_size = 2.5f;              ///< its apparent radius [degrees]: how soft shadows are
   Colour sky = srgb(0xbfd4ee), horizon = srgb(0xeef2f6), floor = srgb(0x9a9894);
 };
 

@@ -1,5 +1,6 @@
 #include "app/view/simulation.h"
 
+#include "app/scene_colours.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -68,6 +69,7 @@ std::uint64_t Simulation::frame() const {
 render::Subject Simulation::subject() const {
   render::Subject subject = render::subject_of(world_, generation_);
   subject.frame = steps_;
+  app::add_colours(scene_, subject);
   return subject;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -253,24 +254,25 @@ std::vector<Carrier> hand_of(const World& world, ObjectId object, const std::vec
 Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbour>& neighbours) {
   Patch patch;
   std::vector<Vec3d> now;
-  std::map<std::uint32_t, std::uint32_t> local;  // of a vertex
+  constexpr auto outside = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> local(world.positions(object).size(), outside);  // of a vertex
   for (const Neighbour& n : neighbours) {
     local[n.vertex] = static_cast<std::uint32_t>(patch.blends.size());
     patch.blends.push_back(world.carriers(object, n.vertex));
     now.emplace_back();
     for (const Carrier& c : patch.blends.back()) now.back() += c.position * c.weight;
   }
-  const auto add = [&](std::uint32_t a, std::uint32_t b, double rest) {
-    const auto at_a = local.find(a), at_b = local.find(b);
-    if (at_a != local.end() && at_b != local.end() && rest > 0)
-      patch.edges.push_back({at_a->second, at_b->second, rest});
-  };
   const std::vector<Vec3d>& rest = world.mesh(object).positions;
   for (const Triangle& t : world.triangles(object))
-    for (std::size_t k = 0; k < 3; ++k) add(t[k], t[(k + 1) % 3], length(rest[t[k]] - rest[t[(k + 1) % 3]]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (local[a] == outside || local[b] == outside) continue;
+      const double edge = length(rest[a] - rest[b]);
+      if (edge > 0) patch.edges.push_back({local[a], local[b], edge});
+    }
   if (world.kind(object) == ObjectKind::rope)
     for (std::uint32_t v = 0; v + 1 < now.size(); ++v)
-      patch.edges.push_back({v, v + 1, length(now[v + 1] - now[v])});
+      if (!(now[v + 1] == now[v])) patch.edges.push_back({v, v + 1, length(now[v + 1] - now[v])});
   const bool thin = world.kind(object) != ObjectKind::soft_body;
   const double already = largest_strain(patch, now);
   patch.slack = already + (thin ? thin_slack : soft_slack);

@@ -484,6 +484,31 @@ TEST(Display, RopesAreHitOnTheTubeAndFoundAsPoints) {
   EXPECT_EQ(drawing.vertex_of(subject, 1, 17), 17u);  // a cloth's vertices are drawn as they are
 }
 
+TEST(Display, ABlockKeepsItsEdgesAndABallIsSmooth) {
+  World world;
+  const ObjectId block = world.add_soft_body(tet_bar(2, 2, 2, {0.4, 0.4, 0.4}));
+  const ObjectId ball =
+      world.add_soft_body(sphere(2, 0.3), {}, {.cells = 60}, {.transform = {.translation = {1, 0, 0}}});
+  SubjectDrawing drawing;
+  const Subject subject = subject_of(world);
+  const DrawList& list = drawing.update(subject, {});
+  const Surface& faces = list.surfaces.at(0);
+  for (const Triangle& t : faces.triangles)
+    for (const std::uint32_t v : t) {
+      const Vec3f& n = faces.normals[v];  // of one face, not a mean of several
+      EXPECT_NEAR(std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), 1, 1e-5);
+    }
+  std::vector<int> copies(world.positions(block).size());
+  for (std::uint32_t v = 0; v < faces.positions.size(); ++v) {
+    const std::uint32_t vertex = drawing.vertex_of(subject, 1, v);
+    EXPECT_EQ(faces.positions[v], world.positions(block)[vertex]);
+    ++copies[vertex];
+  }
+  EXPECT_EQ(std::count(copies.begin(), copies.end(), 3), 8);   // corners
+  EXPECT_EQ(std::count(copies.begin(), copies.end(), 2), 12);  // middles of edges
+  EXPECT_EQ(list.surfaces.at(1).positions.data(), world.positions(ball).data());
+}
+
 TEST(Display, TheCheckerOfAFlatClothHasSquareFieldsAlongItsSides) {
   World world;
   const Transform turned{.translation = {1, 2, 3}, .rotation = Quatd::from_euler_xyz({0.4, 0.8, -0.3})};
