@@ -121,7 +121,7 @@ void Simulation::take_trouble() {
   const std::span<const Vec3f> positions = world_.positions(world_.find_object(report.bad_object));
   if (report.bad_vertex < positions.size()) trouble.place = positions[report.bad_vertex];
   trouble.message = "object \"" + report.bad_object + "\", particle " + std::to_string(report.bad_vertex) +
-                    " is no longer finite. " + std::string(advice(Flag::non_finite));
+                    " is no longer finite: " + std::string(advice(Flag::non_finite));
   trouble_ = std::move(trouble);
 }
 

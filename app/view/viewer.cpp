@@ -74,9 +74,11 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   draw_time_slider();
   update_list();
   draw_status();
-  draw_trouble();
-  notices_.draw(static_cast<float>(area_.x) / area_.scale + 12, 12,
+  const float slider = recording() != nullptr ? time_slider_height() : 0;
+  notices_.draw(static_cast<float>(area_.x) / area_.scale + 12,
+                static_cast<float>(area_.height) / area_.scale - slider - 12,
                 std::max(static_cast<float>(area_.width) / area_.scale - 24, 1.0f));
+  draw_trouble();
   ImGui::Render();
   guarded([&] { add_to_film(); });
   draw_scene(framebuffer);

@@ -93,6 +93,7 @@ class Viewer {
   void simulation_sections(Simulation& simulation);
   void draw_status();
   void draw_trouble();
+  static float time_slider_height();
   void draw_time_slider();
   static float key_list_height(float width);
   void draw_key_list();

@@ -91,7 +91,7 @@ void Viewer::scene_section() {
   }
   ImGui::SameLine();
   if (ImGui::ArrowButton("##next", ImGuiDir_Right)) wanted = scenes_.neighbour(1);
-  dim_text(session_->description());
+  if (!session_->description().empty()) dim_text(session_->description());
   if (wanted < scenes_.entries().size()) open_entry(wanted);
 }
 
@@ -162,30 +162,42 @@ void Viewer::draw_status() {
   }
 }
 
-/// A ring about the particle that went bad first, and its name.
+/// A ring about the particle that went bad first, and its name; at the edge when it flew out of view.
 void Viewer::draw_trouble() {
   if (!session_->trouble() || area_.empty()) return;
   const Trouble& trouble = *session_->trouble();
+  const float radius = ImGui::GetFontSize(), scale = area_.scale;
+  const ImVec2 lo{static_cast<float>(area_.x) / scale + 2 * radius, 2 * radius};
+  const ImVec2 hi{static_cast<float>(width_) / scale - 2 * radius,
+                  static_cast<float>(area_.height) / scale - 2 * radius};
   const auto seen = camera_.project(trouble.place, area_.width, area_.height);
-  if (!seen) return;
-  const ImVec2 at{(static_cast<float>(area_.x) + seen->x) / area_.scale,
-                  (static_cast<float>(area_.y) + seen->y) / area_.scale};
+  ImVec2 at{(lo.x + hi.x) / 2, (lo.y + hi.y) / 2};
+  if (seen)
+    at = {(static_cast<float>(area_.x) + seen->x) / scale, (static_cast<float>(area_.y) + seen->y) / scale};
+  const bool inside = seen && at.x >= lo.x && at.x <= hi.x && at.y >= lo.y && at.y <= hi.y;
+  at = {std::clamp(at.x, lo.x, std::max(lo.x, hi.x)), std::clamp(at.y, lo.y, std::max(lo.y, hi.y))};
+
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const float radius = ImGui::GetFontSize();
   draw.AddCircle(at, radius, ui_colour(theme::background, 0.8f), 32, 5);
   draw.AddCircle(at, radius, ui_colour(theme::bad), 32, 2.5f);
-  const std::string name = trouble.object + ", particle " + std::to_string(trouble.vertex);
+  const std::string name =
+      trouble.object + ", particle " + std::to_string(trouble.vertex) + (inside ? "" : " (out of view)");
   const ImVec2 size = ImGui::CalcTextSize(name.c_str());
-  const ImVec2 corner{at.x + radius + 6, at.y - size.y / 2};
+  const bool leftwards = at.x + radius + size.x + 12 > hi.x;
+  const ImVec2 corner{leftwards ? at.x - radius - size.x - 8 : at.x + radius + 8, at.y - size.y / 2};
   draw.AddRectFilled({corner.x - 5, corner.y - 3}, {corner.x + size.x + 5, corner.y + size.y + 3},
                      ui_colour(theme::background, 0.85f), 4);
   draw.AddText(corner, ui_colour(theme::bad), name.c_str());
 }
 
+float Viewer::time_slider_height() {
+  return ImGui::GetFrameHeight() + 16;
+}
+
 void Viewer::draw_time_slider() {
   Recording* recorded = recording();
   if (recorded == nullptr || area_.empty()) return;
-  const float scale = area_.scale, height = ImGui::GetFrameHeight() + 16;
+  const float scale = area_.scale, height = time_slider_height();
   ImGui::SetNextWindowPos(
       {static_cast<float>(area_.x) / scale, static_cast<float>(area_.height) / scale - height});
   ImGui::SetNextWindowSize({static_cast<float>(area_.width) / scale, height});

@@ -1,6 +1,12 @@
 #include "app/view/clock.h"
+#include "app/view/keys.h"
 #include "app/view/simulation.h"
 #include "tests/expect_error.h"
+
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -56,6 +62,27 @@ TEST(ViewerClock, SaysHowMuchSlowerItIsThanRealTime) {
     if (clock.take(0.01)) clock.drop();
   }
   EXPECT_NEAR(clock.speed(), 0.25, 0.03);
+}
+
+TEST(ViewerKeys, StandInTheManualAndInTheHelp) {
+  std::ifstream file(SOUPLE_SOURCE_DIR "/docs/viewer.md");
+  const std::string page(std::istreambuf_iterator<char>(file), {});
+  std::string wanted = "| key | what it does |\n|---|---|\n";
+  for (const Key& key : keys)
+    wanted += "| `" + std::string(key.key) + "` | " + std::string(key.does) + " |\n";
+  wanted += "\n| mouse | what it does |\n|---|---|\n";
+  for (const Gesture& gesture : gestures)
+    wanted += "| " + std::string(gesture.gesture) + " | " + std::string(gesture.does) + " |\n";
+  EXPECT_NE(page.find(wanted), std::string::npos) << "docs/viewer.md should hold\n" << wanted;
+  for (const Key& key : keys) EXPECT_NE(keys_text().find(key.does), std::string::npos);
+}
+
+TEST(ViewerKeys, NoKeyMeansTwoThings) {
+  std::set<char> characters;
+  for (const Key& key : keys) {
+    if (key.character == 0) continue;
+    EXPECT_TRUE(characters.insert(key.character).second) << key.key;
+  }
 }
 
 TEST(ViewerSimulation, FallsInRealTime) {
