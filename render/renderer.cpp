@@ -56,6 +56,14 @@ struct Targets {
         lighting("light", {&colour}, &depth) {}
 };
 
+// Where pictures are drawn that go into memory.
+struct Canvas {
+  gl::Texture colour;
+  gl::Framebuffer target;
+
+  Canvas(int width, int height) : colour(GL_RGBA8, width, height), target("a picture", {&colour}, nullptr) {}
+};
+
 // The fractional part of i times the golden ratio's powers: well spread points (Roberts 2018, R2 sequence).
 std::array<float, 2> spread(int i) {
   const double x = 0.5 + 0.7548776662466927 * i, y = 0.5 + 0.5698402909980532 * i;
@@ -69,7 +77,13 @@ std::array<float, 2> sample_on_disk(int i, int count) {
   return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
 }
 
-Bounds bounds_of_casters(const DrawList& list) {
+// `all` is the box of all of the list.
+Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
+  const auto casts = [](const auto& thing) { return thing.casts_shadow; };
+  if (std::all_of(list.surfaces.begin(), list.surfaces.end(), casts) &&
+      std::all_of(list.spheres.begin(), list.spheres.end(), casts)) {
+    return all;
+  }
   DrawList casters;
   for (const Surface& surface : list.surfaces) {
     if (surface.casts_shadow) casters.surfaces.push_back(surface);
@@ -111,6 +125,7 @@ struct Renderer::Impl {
   LabelsPass labels;
   PickPass picking;
   std::optional<Targets> targets;
+  std::optional<Canvas> canvas;
 
   Targets& targets_of(int width, int height);
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
@@ -202,6 +217,7 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   targets->albedo.bind(gl::Unit::albedo);
   targets->normal.bind(gl::Unit::normal);
   targets->depth.bind(gl::Unit::depth);
+  shadow.bind();
   occlusion.bind(targets->normal);
   lighting.use();
   nothing.bind();
@@ -225,7 +241,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
   default_state();
   m.surfaces.update(list.surfaces);
   m.spheres.update(list.spheres);
-  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list);
+  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list, bounds);
   const int samples = std::max(options.samples, 1);
   for (int sample = 0; sample < samples; ++sample) {
     Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
@@ -236,7 +252,6 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
     m.draw_material(list, context);
     if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
-    m.shadow.draw_sunlight(frame, m.targets->normal, m.targets->depth, m.nothing);
     m.draw_lighting(list, context);
     if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
   }
@@ -250,10 +265,13 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
 Image Renderer::picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                         int height) {
   require_size(width, height);
-  const gl::Texture colour(GL_RGBA8, width, height);
-  const gl::Framebuffer framebuffer("a picture", {&colour}, nullptr);
-  draw(list, camera, options, width, height, framebuffer.id());
-  framebuffer.bind();
+  std::optional<Canvas>& canvas = impl_->canvas;
+  if (!canvas || canvas->target.width() != width || canvas->target.height() != height) {
+    canvas.reset();
+    canvas.emplace(width, height);
+  }
+  draw(list, camera, options, width, height, canvas->target.id());
+  canvas->target.bind();
   Image bottom_up(width, height), image(width, height);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.pixels.data());

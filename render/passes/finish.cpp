@@ -71,8 +71,6 @@ void FinishPass::draw(const gl::Texture& colour, int samples, std::uint32_t fram
   if (!one) return;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   encoded_->colour.bind(gl::Unit::colour);
-  copy_.use();
-  draw_screen();
   smooth_edges_.use();
   draw_screen();
 }

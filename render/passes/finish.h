@@ -37,7 +37,6 @@ class FinishPass {
   gl::Program add_{"screen.vert.glsl", "add.frag.glsl"};
   gl::Program add_to_{"screen.vert.glsl", "add.frag.glsl", {"ADD_TO_SUM"}};
   gl::Program resolve_{"screen.vert.glsl", "resolve.frag.glsl"};
-  gl::Program copy_{"screen.vert.glsl", "copy.frag.glsl"};
   gl::Program smooth_edges_{"screen.vert.glsl", "smooth_edges.frag.glsl"};
   bool blends_;
   std::optional<Sum> sum_;

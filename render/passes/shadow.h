@@ -2,7 +2,6 @@
 
 #include "render/gl/buffer.h"
 #include "render/gl/framebuffer.h"
-#include "render/gl/vertex_array.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/spheres.h"
 #include "render/passes/surfaces.h"
@@ -19,17 +18,12 @@ class ShadowPass {
   void aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x, float offset_y);
   /// Draws the map; `frame` is the one that was aimed. Leaves the sun's uniform block bound.
   void draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres);
-  /// How much of the sun each pixel sees, into a texture that is bound as unit `sunlight`. The camera's
-  /// uniform block is bound.
-  void draw_sunlight(const Frame& frame, const gl::Texture& normals, const gl::Texture& depth,
-                     const gl::VertexArray& nothing);
+  /// Binds the map for sunlight.glsl.
+  void bind() const;
 
  private:
   gl::Texture map_;
   gl::Framebuffer framebuffer_;
-  gl::Program sunlight_program_{"ray.vert.glsl", "sunlight.frag.glsl"};
-  gl::Texture sunlight_;
-  gl::Framebuffer sunlight_target_;
   gl::Buffer frame_buffer_;
   Mat4 view_, projection_;  // of the sun
 };

@@ -5,13 +5,13 @@
 #include "surface_point.glsl"
 #include "lighting.glsl"
 #include "occlusion.glsl"
+#include "sunlight.glsl"
 #include "tone.glsl"
 
 in vec3 ray;
 layout(location = 0) out vec4 out_colour;
 
 uniform sampler2D albedo_map;
-uniform sampler2D sunlight_map;
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -26,7 +26,7 @@ void main() {
   material.sheen = surface.kind == kind_surface ? fract(surface.code) / 0.9 : 0.0;
 
   float open = sky_visibility(gl_FragCoord.xy, surface.normal, ray, surface.depth);
-  float sun = texelFetch(sunlight_map, pixel, 0).r;
+  float sun = sun_visibility(surface);
   vec3 colour = lit(material, surface.normal, to_eye, sun, open);
   float visible = surface.kind == kind_sky ? 0.0 : (surface.kind == kind_ground ? ground_visibility(surface.point) : 1.0);
   out_colour = vec4(tone_mapped(mix(sky, colour, visible)), 1.0);

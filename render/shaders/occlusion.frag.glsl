@@ -10,7 +10,7 @@ uniform sampler2D depth_map;  // half_depth
 uniform sampler2D normal_map;
 
 const int slices = 2;
-const int steps = 4;
+const int steps = 3;
 const float pi = 3.14159265;
 
 vec3 view_point(vec2 at, float depth) {
