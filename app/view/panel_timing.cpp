@@ -62,6 +62,7 @@ void stage_bar(const StageTimes& mean) {
 /// rest. The line of real time is shown once it comes near.
 double top_of(const std::deque<StageTimes>& history, double budget) {
   std::vector<double> sums;
+  sums.reserve(history.size());
   for (const StageTimes& times : history) sums.push_back(sum(times));
   if (sums.empty()) return budget;
   const auto nearly_all = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() * 95 / 100);
