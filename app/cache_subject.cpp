@@ -1,5 +1,6 @@
 #include "app/cache_subject.h"
 
+#include "app/scene_colours.h"
 #include "souple/error.h"
 
 #include <string_view>
@@ -61,8 +62,9 @@ const render::Subject& CacheSubject::read(std::uint64_t frame, bool velocities) 
   for (const ColliderId collider : stage_.colliders()) {
     const ColliderOptions& options = stage_.collider_options(collider);
     subject_.colliders.push_back(
-        {collider.value, options.name, &stage_.shape(collider), options.motion.at(time)});
+        {collider.value, options.name, &stage_.shape(collider), options.motion.at(time), {}});
   }
+  if (scene_) add_colours(*scene_, subject_);
   return subject_;
 }
 

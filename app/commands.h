@@ -29,7 +29,7 @@ struct RenderRequest {
   std::filesystem::path out;
   std::string frames, sheet, size, camera;
   std::string display = "shaded", constraints = "none";
-  std::optional<std::uint32_t> samples;
+  std::optional<std::uint32_t> samples, colours;
   std::vector<std::string> settings;  ///< path=value
   bool quiet = false;
 };

@@ -2,9 +2,8 @@
 
 #include "app/picture_sink.h"
 #include "app/pictures.h"
+#include "app/scene_colours.h"
 #include "souple/error.h"
-
-#include <utility>
 
 namespace souple::app {
 
@@ -25,7 +24,7 @@ struct LastPicture::Impl {
   std::unique_ptr<PictureSink> sink;
 };
 
-LastPicture::LastPicture(std::filesystem::path file) {
+LastPicture::LastPicture(const std::filesystem::path& file) {
   const SinkWish wish = sink_wish(file);
   impl_ = std::make_unique<Impl>();
   impl_->sink = open_sink(wish);
@@ -36,7 +35,8 @@ LastPicture::~LastPicture() = default;
 void LastPicture::write(const World& world, const SceneDescription& scene) {
   PictureStyle style;
   style.display.pins = false;
-  const render::Subject subject = render::subject_of(world);
+  render::Subject subject = render::subject_of(world);
+  add_colours(scene, subject);
   const render::Camera camera = camera_for({}, &scene.camera, subject, style.aspect());
   impl_->sink->add(impl_->maker.picture(subject, camera, style), 0);
 }

@@ -11,7 +11,7 @@ namespace souple::app {
 class LastPicture {
  public:
   /// Throws Error, before anything is simulated, when no picture can be made or written there.
-  explicit LastPicture(std::filesystem::path file);
+  explicit LastPicture(const std::filesystem::path& file);
   ~LastPicture();
   LastPicture(const LastPicture&) = delete;
   LastPicture& operator=(const LastPicture&) = delete;

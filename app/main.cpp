@@ -146,6 +146,10 @@ void add_render(CLI::App& app, std::function<int()>& action) {
   command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
       ->type_name("N");
   command
+      .add_option("--colours", request->colours,
+                  "reduce pictures to so many colours, at most 256: a third of the size")
+      ->type_name("N");
+  command
       .add_option(
           "--camera", request->camera,
           "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: all objects fill the picture "

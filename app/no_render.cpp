@@ -19,7 +19,7 @@ namespace {
 
 struct LastPicture::Impl {};
 
-LastPicture::LastPicture(std::filesystem::path) {
+LastPicture::LastPicture(const std::filesystem::path&) {
   refuse();
 }
 

@@ -33,18 +33,21 @@ bool is_measured(Display display) {
 BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t key)
     : kind_(body.kind),
       index_(index),
+      chosen_(body.colour),
       key_(key),
       vertices_(body.positions.size()),
       triangle_count_(body.triangles.size()),
       triangles_(body.triangles.data()),
       mean_edge_(mean_edge_length(body)) {
   if (kind_ == ObjectKind::rope) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
-  if (kind_ == ObjectKind::grains) grain_colours_ = grain_colours(vertices_, index_);
+  if (kind_ == ObjectKind::soft_body && body.rest.size() == vertices_)
+    creased_ = CreasedSurface(body.rest, body.triangles);
+  if (kind_ == ObjectKind::grains) grain_colours_ = grain_colours(vertices_, index_, chosen_);
 }
 
 bool BodyDrawing::fits(const Body& body) const {
-  return body.kind == kind_ && body.positions.size() == vertices_ && body.triangles.data() == triangles_ &&
-         body.triangles.size() == triangle_count_;
+  return body.kind == kind_ && body.colour == chosen_ && body.positions.size() == vertices_ &&
+         body.triangles.data() == triangles_ && body.triangles.size() == triangle_count_;
 }
 
 Bounds BodyDrawing::bounds(const Body& body) const {
@@ -61,7 +64,7 @@ bool BodyDrawing::draws_particles(const Drawing& drawing) const {
 
 Look BodyDrawing::look(const Drawing& drawing) const {
   const Display display = drawing.options.display;
-  Look result = body_look(kind_, index_);
+  Look result = body_look(kind_, index_, chosen_);
   if (!colours_.empty() && is_measured(display)) return measured_look();
   const bool behind_lines = drawing.options.constraints != ConstraintDisplay::none ||
                             display == Display::contacts || display == Display::lattice ||
@@ -99,7 +102,11 @@ void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, 
   shown_ = now;
   ++version_;
   if (kind_ == ObjectKind::rope && !as_particles_) tube_.update(body.positions, body.radius);
+  if (creased_.has_creases()) creased_.update(body.positions);
   set_colours(body, rope_strain, drawing);
+  if (!creased_.has_creases() || colours_.empty()) return;
+  colours_.reserve(creased_.source().size());  // the copies come after the vertices themselves
+  for (const std::uint32_t v : creased_.source().subspan(colours_.size())) colours_.push_back(colours_[v]);
 }
 
 /// What a measuring display shows per vertex; empty where it is not known.
@@ -149,9 +156,10 @@ void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const Drawi
   surface.key = key_;
   surface.topology = topology_;
   surface.version = version_;
-  surface.positions = body.positions;
-  surface.normals = body.normals;
-  surface.triangles = body.triangles;
+  const bool creased = creased_.has_creases();
+  surface.positions = creased ? creased_.positions() : body.positions;
+  surface.normals = creased ? creased_.normals() : body.normals;
+  surface.triangles = creased ? creased_.triangles() : body.triangles;
   surface.texture = checker_.texture;
   surface.colours = colours_;
   surface.look = seen;
@@ -201,7 +209,7 @@ void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const Dra
   spheres.centres = of_world ? std::span<const Vec3f>(particles_.centres) : body.positions;
   if (of_world) spheres.radii = particles_.radii;
   spheres.radius = body.radius;
-  spheres.look = body_look(kind_ == ObjectKind::rope ? ObjectKind::soft_body : kind_, index_);
+  spheres.look = body_look(kind_ == ObjectKind::rope ? ObjectKind::soft_body : kind_, index_, chosen_);
   if (drawing.options.constraints != ConstraintDisplay::none) spheres.look = pale(spheres.look);
   spheres.pick = pick;
   drawing.list.spheres.push_back(spheres);
@@ -216,9 +224,9 @@ void BodyDrawing::draw_normals(const Body& body, DrawList& list) const {
 }
 
 std::uint32_t BodyDrawing::vertex_of(const Body& body, std::uint32_t element) const {
-  if (!as_particles_)
-    return kind_ == ObjectKind::rope && element < tube_.positions().size() ? tube_.point_of(element)
-                                                                           : element;
+  if (!as_particles_ && kind_ == ObjectKind::rope)
+    return element < tube_.positions().size() ? tube_.point_of(element) : element;
+  if (!as_particles_) return element < creased_.source().size() ? creased_.source()[element] : element;
   if (element >= particles_.centres.size()) return element;
   // A particle has no place in the user's order: the vertex on it, or nearest to it, is meant.
   std::uint32_t best = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/checker.h"
+#include "render/creased_surface.h"
 #include "render/display.h"
 #include "render/tube.h"
 #include "render/vertex_colours.h"
@@ -74,6 +75,7 @@ class BodyDrawing {
 
   ObjectKind kind_;
   std::uint32_t index_;
+  std::optional<Colour> chosen_;
   std::uint64_t key_;
   std::size_t vertices_, triangle_count_;
   const Triangle* triangles_;
@@ -84,6 +86,7 @@ class BodyDrawing {
   bool as_particles_ = false;
   Checker checker_;
   Tube tube_;
+  CreasedSurface creased_;  ///< of soft bodies with sharp edges
   EdgeStrain strain_;
   bool has_strain_ = false;
   std::vector<float> values_;          ///< per vertex

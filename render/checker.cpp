@@ -13,6 +13,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979;
 constexpr double fields_across = 8;  ///< the shorter side
+constexpr double rim = 0.06;         ///< by how much a field at the rim is narrower
 constexpr double flat = 1e-3;        ///< thinner than this fraction of its size: a flat cloth
 
 /// Twice the area of all triangles, as a vector: its direction is the normal of a flat mesh.
@@ -69,10 +70,16 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
   const Vec3d u = side_direction(rest, triangles, any, cross(normal, any)), v = cross(normal, u);
   const Reach along_u = reach(rest, u), along_v = reach(rest, v);
   const double size = std::min(along_u.size(), along_v.size()) / fields_across;
+  // Whole fields from side to side: they may be a little off square, and those at the rim end a little early,
+  // or a smooth border between fields would edge the cloth. Across, inside a field.
+  const auto scale = [size](const Reach& side) {
+    return (std::max(1.0, std::round(side.size() / size)) - 2 * rim) / side.size();
+  };
+  const double per_u = scale(along_u), per_v = scale(along_v);
   Checker result;
   for (const Vec3d& x : rest)
-    result.texture.push_back(Vec3f(
-        Vec3d{(dot(x, u) - along_u.lo) / size, (dot(x, v) - along_v.lo) / size, 0.5}));  // mid-field across
+    result.texture.push_back(
+        Vec3f(Vec3d{rim + (dot(x, u) - along_u.lo) * per_u, 0.25, rim + (dot(x, v) - along_v.lo) * per_v}));
   return result;
 }
 

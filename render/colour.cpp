@@ -52,7 +52,7 @@ Colour heat(float t) {
 
 Colour palette(std::uint32_t index) {
   static constexpr std::array<std::uint32_t, 8> colours{0x4e79a7, 0xf28e2b, 0x59a14f, 0xe15759,
-                                                        0x76b7b2, 0xedc948, 0xb07aa1, 0x9c755f};
+                                                        0x76b7b2, 0xedc948, 0xb07aa1, 0xd37295};
   return srgb(colours[index % colours.size()]);
 }
 

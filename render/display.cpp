@@ -7,6 +7,7 @@
 #include "render/looks.h"
 #include "render/rope_strain.h"
 #include "souple/error.h"
+#include "souple/math/fnv1a.h"
 
 #include <algorithm>
 #include <atomic>
@@ -108,8 +109,8 @@ struct SubjectDrawing::Impl {
   HeatScale heat;
   Legend legend;
   std::uint64_t next_key = next_key_base();
-  std::uint64_t topology = 0;
-  std::uint32_t next_index = 0;
+  std::optional<std::uint64_t> topology;               ///< of the subject seen last
+  std::uint32_t next_index = 0;                        ///< for the colours of the next object
   std::map<std::uint32_t, BodyDrawing> bodies;         ///< by Body::id
   std::map<std::uint32_t, ColliderDrawing> colliders;  ///< by ColliderBody::id
   Bounds scene;                                        ///< when an object last came or went
@@ -122,7 +123,7 @@ struct SubjectDrawing::Impl {
   std::uint64_t take_key() { return next_key += 2; }
   float size() const { return std::max(scene.radius(), 1e-3f); }
 
-  void forget();
+  void start(const Subject& subject);
   void meet(const Subject& subject);
   void meet_colliders(const Subject& subject);
   void gather_particles(const Subject& subject, const Drawing& drawing);
@@ -135,11 +136,14 @@ struct SubjectDrawing::Impl {
   void update(const Subject& subject, const DisplayOptions& options);
 };
 
-void SubjectDrawing::Impl::forget() {
+/// Another world. With which colour it begins depends on its first name: not every cloth shall be blue.
+void SubjectDrawing::Impl::start(const Subject& subject) {
+  topology = subject.topology;
   bodies.clear();
   colliders.clear();
   scene = {};
-  next_index = 0;
+  next_index =
+      subject.bodies.empty() ? 0 : static_cast<std::uint32_t>(fnv1a64(subject.bodies[0].name) >> 16 & 7);
 }
 
 /// Makes drawings for objects that are new, drops those of objects that are gone.
@@ -193,9 +197,11 @@ void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawin
     if (found == bodies.end() || !found->second.draws_particles(drawing)) return;
     ParticleCloud& cloud = found->second.particles();
     cloud.centres.push_back(particle.position);
-    // Lattice nodes outside the surface they carry have radii below zero: they touch nothing before it does.
+    // Thin cloth would hardly be seen. Lattice nodes outside the surface they carry have radii below zero:
+    // they touch nothing before it does.
     const float dot = 0.006f * size();
-    cloud.radii.push_back(display == Display::lattice || particle.radius <= 0 ? dot : particle.radius);
+    const float least = particle.radius > 0 ? 0.12f * found->second.mean_edge() : dot;
+    cloud.radii.push_back(display == Display::lattice ? dot : std::max(particle.radius, least));
   };
   subject.world->debug_draw(draw);
 }
@@ -209,7 +215,7 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.normals = drawing.mesh.normals;
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
-  surface.look = collider_look();
+  surface.look = collider_look(collider.colour);
   surface.pick = pick;
   list.surfaces.push_back(surface);
 }
@@ -239,7 +245,7 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
   for (const Body& body : subject.bodies) {
     const float radius = body.kind == ObjectKind::rope || body.kind == ObjectKind::grains
                              ? 1.5f * body.radius
-                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.015f * size());
+                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
     for (const std::uint32_t v : subject.world->pinned({body.id})) {
       centres.push_back(body.positions[v]);
       pin_radii.push_back(radius);
@@ -264,6 +270,7 @@ void SubjectDrawing::Impl::draw_lattice(const World& world) {
   DebugDraw draw;
   draw.tet_edge = [&](const Vec3f& a, const Vec3f& b) { list.lines.push_back({a, b, lattice_ink, 1.2f}); };
   world.debug_draw(draw);
+  legend.title("lattice: " + std::to_string(list.lines.size()) + " edges of tets");
 }
 
 /// Lines along the normals, as long as the root of their impulse, from a small ball.
@@ -308,6 +315,11 @@ void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions&
     legend.title("speed");
     legend.scale(heat, options.largest_speed, "m/s");
   }
+  if (display == Display::particles) {
+    std::size_t count = 0;
+    for (const Spheres& spheres : list.spheres) count += spheres.centres.size();
+    legend.title("particles: " + std::to_string(count));
+  }
   if (display == Display::normals) legend.title("normals: x red, y green, z blue");
   if (subject.world) return;
   if (display == Display::lattice) legend.title("a recorded run holds no lattice");
@@ -316,8 +328,7 @@ void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions&
 }
 
 void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& options) {
-  if (subject.topology != topology) forget();
-  topology = subject.topology;
+  if (subject.topology != topology) start(subject);
   meet(subject);
   meet_colliders(subject);
 
@@ -343,7 +354,7 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
   if (world && options.pins) draw_pins(subject);
   if (world && options.display == Display::lattice) draw_lattice(*world);
   if (world && options.display == Display::contacts) draw_contacts(*world);
-  if (world) draw_constraints(*world, options, heat, 0.01f * size(), list.top_lines, legend);
+  if (world) draw_constraints(*world, options, heat, 0.004f * size(), list.top_lines, legend);
   list.labels = legend.labels();
 }
 

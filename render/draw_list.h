@@ -75,15 +75,15 @@ struct Label {
 struct Ground {
   bool shown = true;
   float height = 0;  ///< m
-  Colour colour = srgb(0xb9bec4), second = srgb(0xadb3ba);
+  Colour colour = srgb(0xc2c6cb), second = srgb(0xb8bdc3);
   float tile = 0.5f;  ///< m
 };
 
 /// The sun and the sky around it.
 struct Light {
-  Vec3f to_sun{0.45f, 0.8f, 0.35f};  ///< need not be a unit vector
-  float sun = 3.2f;                  ///< irradiance, relative to the exposure
-  float sun_size = 2.5f;             ///< its apparent radius [degrees]: how soft shadows are
+  Vec3f to_sun{-0.35f, 0.85f, 0.5f};  ///< need not be a unit vector
+  float sun = 3.0f;                   ///< irradiance, relative to the exposure
+  float sun_size = 2.5f;              ///< its apparent radius [degrees]: how soft shadows are
   Colour sky = srgb(0xbfd4ee), horizon = srgb(0xeef2f6), floor = srgb(0x9a9894);
 };
 

@@ -36,7 +36,7 @@ fs::path find_program(const char* name) {
   const std::string_view folders = listed != nullptr ? listed : "/usr/bin:/bin";
   for (std::size_t begin = 0; begin <= folders.size();) {
     const std::size_t end = std::min(folders.find(':', begin), folders.size());
-    const fs::path file = fs::path(folders.substr(begin, end - begin)) / name;
+    fs::path file = fs::path(folders.substr(begin, end - begin)) / name;
     std::error_code error;
     // An empty entry would mean the working folder, from which nothing should be run unasked.
     if (end > begin && fs::is_regular_file(file, error) && access(file.c_str(), X_OK) == 0) return file;
@@ -104,7 +104,7 @@ class Ffmpeg {
     close_input();
     const int status = wait();
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-    const std::string line = last_line();
+    std::string line = last_line();
     if (!line.empty()) return line;
     return WIFSIGNALED(status) ? "it was ended by signal " + std::to_string(WTERMSIG(status))
                                : "exit code " + std::to_string(WEXITSTATUS(status));
@@ -115,6 +115,7 @@ class Ffmpeg {
     std::vector<std::string> words{program, "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
 
@@ -318,8 +319,9 @@ struct Film::Impl {
     Image grown(film_width, film_height);
     for (int y = 0; y < film_height; ++y) {
       const std::uint8_t* const row = image.at(0, std::min(y, height - 1));
-      std::uint8_t* const end = std::copy(row, row + 4 * width, grown.at(0, y));
-      if (film_width > width) std::copy(row + 4 * (width - 1), row + 4 * width, end);
+      const std::uint8_t* const row_end = row + std::ptrdiff_t{4} * width;
+      std::uint8_t* const end = std::copy(row, row_end, grown.at(0, y));
+      if (film_width > width) std::copy(row_end - 4, row_end, end);
     }
     padded = std::move(grown);
     return padded.pixels;
@@ -379,7 +381,8 @@ struct Film::Impl {
 
   /// Two passes: the palette that serves all pictures best, then the film in these colours.
   fs::path make_gif() {
-    const fs::path colours = part_of(file, ".png"), gif = part_of(file, ".gif");
+    const fs::path colours = part_of(file, ".png");
+    fs::path gif = part_of(file, ".gif");
     spares.push_back(colours);
     spares.push_back(gif);
     run_to_end({"-i", file_word(part), "-vf", "palettegen=stats_mode=full:reserve_transparent=0", "-frames:v",

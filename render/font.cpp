@@ -1,7 +1,6 @@
 #include "render/font.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <imgui.h>
 #include <iterator>
@@ -27,11 +26,23 @@ Lead lead_of(unsigned char byte) {
   return {};
 }
 
-bool is_true_type(const std::vector<char>& data) {
-  // Tables follow the head: less than this is no font, and the rasteriser trusts what it reads.
-  constexpr std::size_t least = 1024;
-  constexpr std::array<char, 4> magic{0, 1, 0, 0};
-  return data.size() >= least && std::equal(magic.begin(), magic.end(), data.begin());
+std::size_t big_endian(const std::vector<char>& data, std::size_t at, std::size_t bytes) {
+  std::size_t value = 0;
+  for (std::size_t i = 0; i < bytes; ++i) value = value << 8 | static_cast<unsigned char>(data[at + i]);
+  return value;
+}
+
+/// Whether this is a TrueType font with all of its tables: the rasteriser trusts what it reads.
+bool is_whole_font(const std::vector<char>& data) {
+  constexpr std::size_t head = 12, entry = 16;  // bytes; an entry is tag, checksum, offset, length
+  if (data.size() < head || big_endian(data, 0, 4) != 0x00010000) return false;
+  const std::size_t tables = big_endian(data, 4, 2);
+  if (tables == 0 || data.size() < head + tables * entry) return false;
+  for (std::size_t i = 0; i < tables; ++i) {
+    const std::size_t at = head + i * entry;
+    if (big_endian(data, at + 8, 4) + big_endian(data, at + 12, 4) > data.size()) return false;
+  }
+  return true;
 }
 
 /// With the font in `data`, or the built-in one when that is empty. False for a damaged font.
@@ -82,7 +93,7 @@ std::filesystem::path Font::usual_file() {
 Font::Font(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (in) data_.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  if (!is_true_type(data_)) data_.clear();
+  if (!is_whole_font(data_)) data_.clear();
 }
 
 GlyphSheet Font::sheet(int size, const std::vector<char32_t>& characters) const {

@@ -26,25 +26,28 @@ Colour mix(const Colour& a, const Colour& b, float t) {
   return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t, a.a + (b.a - a.a) * t};
 }
 
-Look body_look(ObjectKind kind, std::uint32_t index) {
-  const Colour colour = palette(index);
+Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>& chosen) {
+  const Colour colour = chosen.value_or(palette(index));
   switch (kind) {
     case ObjectKind::cloth:
-      return {.colour = colour, .second = mix(colour, linen, 0.72f), .roughness = 0.8f, .sheen = 0.4f};
+      return {.colour = colour, .second = mix(colour, linen, 0.86f), .roughness = 0.8f, .sheen = 0.4f};
     case ObjectKind::soft_body:
       return {.colour = colour, .second = colour, .roughness = 0.3f};
     case ObjectKind::rope:
-      return {.colour = hemp, .second = mix(colour, hemp, 0.15f), .roughness = 0.7f, .sheen = 0.2f};
+      return {.colour = chosen.value_or(hemp),
+              .second = mix(colour, hemp, 0.15f),
+              .roughness = 0.7f,
+              .sheen = 0.2f};
     case ObjectKind::grains:
       break;
   }
-  const Colour sand = srgb(0xd2ab6d);
+  const Colour sand = chosen.value_or(srgb(0xd2ab6d));
   return {.colour = sand, .second = sand, .roughness = 0.9f};
 }
 
 Look pale(const Look& look) {
   Look result = measured_look();
-  result.colour = result.second = mix(srgb(0xd9dcdf), look.colour, 0.18f);
+  result.colour = result.second = mix(srgb(0xc6cbd0), look.colour, 0.2f);
   return result;
 }
 
@@ -52,22 +55,25 @@ Look measured_look() {
   return {.colour = srgb(0xc4c8cc), .second = srgb(0xc4c8cc), .roughness = 0.75f};
 }
 
-Look collider_look() {
-  return {.colour = srgb(0xcfd1d3), .second = srgb(0xcfd1d3), .roughness = 0.6f};
+Look collider_look(const std::optional<Colour>& chosen) {
+  const Colour colour = chosen.value_or(srgb(0xcfd1d3));
+  return {.colour = colour, .second = colour, .roughness = 0.6f};
 }
 
 Look pin_look() {
   return {.colour = srgb(0xd8a23c), .second = srgb(0xd8a23c), .roughness = 0.3f, .metalness = 0.9f};
 }
 
-std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index) {
+std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index,
+                                        const std::optional<Colour>& chosen) {
   static constexpr std::array<std::uint32_t, 6> sand{0xd9b679, 0xc79d5e, 0xe8cf9c,
                                                      0xb68a55, 0xf0dfb6, 0xcfa872};
-  const Colour tint = palette(index);
+  const Colour tint = chosen.value_or(palette(index));
+  const float strength = chosen ? 0.8f : 0.08f;
   std::vector<PackedColour> result(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Colour colour = srgb(sand[static_cast<std::size_t>(noise(2 * i) * sand.size()) % sand.size()]);
-    result[i] = pack(scaled(mix(colour, tint, 0.08f), 0.85f + 0.3f * noise(2 * i + 1)));
+    result[i] = pack(scaled(mix(colour, tint, strength), 0.85f + 0.3f * noise(2 * i + 1)));
   }
   return result;
 }

@@ -5,23 +5,25 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 // What things are made of, to the eye.
 
 namespace souple::render {
 
-/// The look of the index-th object.
-Look body_look(ObjectKind kind, std::uint32_t index);
+/// The look of the index-th object; `chosen` is what a user wants it to be.
+Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>& chosen = {});
 /// The same, pale: behind lines that are to be read.
 Look pale(const Look& look);
 /// Under colours of vertices: they alone have to be seen.
 Look measured_look();
-Look collider_look();
+Look collider_look(const std::optional<Colour>& chosen = {});
 Look pin_look();
 
 /// Grains differ a little, and each keeps its colour.
-std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index);
+std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index,
+                                        const std::optional<Colour>& chosen = {});
 
 /// (1 - t) a + t b, in linear light.
 Colour mix(const Colour& a, const Colour& b, float t);

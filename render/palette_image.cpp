@@ -17,7 +17,7 @@ struct Bin {
   float pixels = 0;
 };
 
-constexpr std::size_t bin_count = 32 * 32 * 32;
+constexpr std::size_t bin_count = 1 << 15;
 
 std::size_t bin_of(const Rgb& colour) {
   const auto upper = [](float value) { return std::size_t(std::clamp(value, 0.0f, 255.0f)) >> 3; };

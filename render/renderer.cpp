@@ -56,6 +56,14 @@ struct Targets {
         lighting("light", {&colour}, &depth) {}
 };
 
+// Where pictures are drawn that go into memory.
+struct Canvas {
+  gl::Texture colour;
+  gl::Framebuffer target;
+
+  Canvas(int width, int height) : colour(GL_RGBA8, width, height), target("a picture", {&colour}, nullptr) {}
+};
+
 // The fractional part of i times the golden ratio's powers: well spread points (Roberts 2018, R2 sequence).
 std::array<float, 2> spread(int i) {
   const double x = 0.5 + 0.7548776662466927 * i, y = 0.5 + 0.5698402909980532 * i;
@@ -69,7 +77,13 @@ std::array<float, 2> sample_on_disk(int i, int count) {
   return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
 }
 
-Bounds bounds_of_casters(const DrawList& list) {
+// `all` is the box of all of the list.
+Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
+  const auto casts = [](const auto& thing) { return thing.casts_shadow; };
+  if (std::all_of(list.surfaces.begin(), list.surfaces.end(), casts) &&
+      std::all_of(list.spheres.begin(), list.spheres.end(), casts)) {
+    return all;
+  }
   DrawList casters;
   for (const Surface& surface : list.surfaces) {
     if (surface.casts_shadow) casters.surfaces.push_back(surface);
@@ -100,8 +114,8 @@ struct Renderer::Impl {
 
   gl::VertexArray nothing;  // for draw_screen
   gl::Buffer frame_buffer;
-  gl::Program ground{"screen.vert.glsl", "ground.frag.glsl"};
-  gl::Program lighting{"screen.vert.glsl", "lighting.frag.glsl"};
+  gl::Program ground{"ray.vert.glsl", "ground.frag.glsl"};
+  gl::Program lighting{"ray.vert.glsl", "lighting.frag.glsl"};
   SurfacesPass surfaces;
   SpheresPass spheres;
   LinesPass lines;
@@ -111,6 +125,7 @@ struct Renderer::Impl {
   LabelsPass labels;
   PickPass picking;
   std::optional<Targets> targets;
+  std::optional<Canvas> canvas;
 
   Targets& targets_of(int width, int height);
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
@@ -164,7 +179,7 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   f.floor_light = vec4(list.light.floor, options.exposure);
   const float reach = std::max(bounds.radius(), camera.distance());
   f.ground = {list.ground.height, std::max(list.ground.tile, 1e-6f), list.ground.shown ? 1.0f : 0.0f,
-              12 * reach};
+              8 * reach};
   f.ground_colour = vec4(list.ground.colour, 1);
   f.ground_second = vec4(list.ground.second, 1);
   f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
@@ -226,7 +241,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
   default_state();
   m.surfaces.update(list.surfaces);
   m.spheres.update(list.spheres);
-  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list);
+  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list, bounds);
   const int samples = std::max(options.samples, 1);
   for (int sample = 0; sample < samples; ++sample) {
     Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
@@ -250,10 +265,13 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
 Image Renderer::picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                         int height) {
   require_size(width, height);
-  const gl::Texture colour(GL_RGBA8, width, height);
-  const gl::Framebuffer framebuffer("a picture", {&colour}, nullptr);
-  draw(list, camera, options, width, height, framebuffer.id());
-  framebuffer.bind();
+  std::optional<Canvas>& canvas = impl_->canvas;
+  if (!canvas || canvas->target.width() != width || canvas->target.height() != height) {
+    canvas.reset();
+    canvas.emplace(width, height);
+  }
+  draw(list, camera, options, width, height, canvas->target.id());
+  canvas->target.bind();
   Image bottom_up(width, height), image(width, height);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.pixels.data());

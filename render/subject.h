@@ -1,9 +1,11 @@
 #pragma once
 
+#include "render/colour.h"
 #include "souple/collision/shapes.h"
 #include "souple/world/world.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -19,15 +21,17 @@ struct Body {
   std::span<const Vec3f> normals;     ///< empty for ropes and grains
   std::span<const Vec3f> velocities;  ///< m/s; may be empty
   std::span<const Triangle> triangles;
-  std::span<const Vec3d> rest;  ///< of the mesh; empty for ropes and grains
-  float radius = 0.005f;        ///< of ropes and grains, half the thickness of others [m]
+  std::span<const Vec3d> rest;     ///< of the mesh; empty for ropes and grains
+  float radius = 0.005f;           ///< of ropes and grains, half the thickness of others [m]
+  std::optional<Colour> colour{};  ///< if none: one of the palette
 };
 
 struct ColliderBody {
   std::uint32_t id = 0;
   std::string_view name;
   const Shape* shape = nullptr;
-  Transform pose{};  ///< now
+  Transform pose{};                ///< now
+  std::optional<Colour> colour{};  ///< if none: light grey
 };
 
 /// What is looked at. Spans point into the world or the cache, which has to live and stay as it is until the

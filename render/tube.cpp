@@ -57,7 +57,7 @@ void Tube::resize(std::size_t points, float radius, float length) {
     const float along = points_ > 1 ? parameter(v) / static_cast<float>(points_ - 1) : 0;
     const bool pole = v < 1 || v + 1 == texture_.size();
     const auto side = static_cast<float>(pole ? 0 : (v - 1) % row);
-    texture_[v] = {along * fields + 2 * side / static_cast<float>(sides), 0.5f, 0.5f};
+    texture_[v] = {along * fields + 2 * side / static_cast<float>(sides), 0.25f, 0.25f};
   }
 
   triangles_.clear();
@@ -155,7 +155,7 @@ void Tube::update(std::span<const Vec3f> points, float radius) {
   set_tangents();
   turn_frames();
   for (std::size_t j = 0; j < frames_.size(); ++j) set_ring(cap_rings - 1 + j, frames_[j], 0, radius);
-  for (std::uint32_t c = 1; c < cap_rings; ++c) {
+  for (std::size_t c = 1; c < cap_rings; ++c) {
     const float angle = 0.5f * pi * static_cast<float>(c) / static_cast<float>(cap_rings);
     set_ring(cap_rings - 1 - c, frames_.front(), -angle, radius);
     set_ring(cap_rings - 2 + frames_.size() + c, frames_.back(), angle, radius);

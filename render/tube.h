@@ -47,7 +47,7 @@ class Tube {
   void turn_frames();
   void set_ring(std::size_t ring, const Frame& frame, float angle, float radius);
 
-  static constexpr std::uint32_t cap_rings = 4;  ///< steps from a rim to its pole
+  static constexpr std::size_t cap_rings = 4;  ///< steps from a rim to its pole
   static constexpr std::uint32_t row = sides + 1;
 
   std::size_t points_ = 0;

@@ -14,7 +14,7 @@ HeatScale::HeatScale() : not_a_number_(pack(heat(std::numeric_limits<float>::qui
 PackedColour HeatScale::operator()(float t) const {
   if (std::isnan(t)) return not_a_number_;
   const float steps = static_cast<float>(colours_.size() - 1);
-  return colours_[static_cast<std::size_t>(std::clamp(t, 0.0f, 1.0f) * steps + 0.5f)];
+  return colours_[static_cast<std::size_t>(std::lround(std::clamp(t, 0.0f, 1.0f) * steps))];
 }
 
 void HeatScale::colour(std::span<const float> values, float largest, std::vector<PackedColour>& out) const {

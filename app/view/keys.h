@@ -69,7 +69,7 @@ inline constexpr std::array<Gesture, 5> gestures{{
 
 /// Both tables as text, one line each.
 inline std::string keys_text() {
-  constexpr std::size_t column = 26;
+  constexpr std::size_t column = 28;
   std::string text = "Keys:\n";
   const auto add = [&](std::string_view name, std::string_view does) {
     std::string line = "  ";

@@ -65,6 +65,7 @@ void Mouse::press(const render::Camera& camera, Simulation* simulation, const Vi
     return;
   }
   grab_ = std::make_unique<Grab>(simulation->world(), found->object, found->vertex, found->point);
+  if (!grab_->holds()) return grab_.reset();  // of what is pinned
   depth_ = dot(found->point - camera.from, camera.forward());
   pulled_to_ = found->point;
   drag_ = Drag::grab;

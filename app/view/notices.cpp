@@ -39,21 +39,24 @@ void Notices::pass(double seconds) {
   notices_.erase(std::remove_if(notices_.begin(), notices_.end(), over), notices_.end());
 }
 
-void Notices::draw(float x, float y, float width) {
+void Notices::draw(float x, float bottom, float width) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const float padding = ImGui::GetFontSize() * 0.6f, stripe = 3;
   const float wrap = std::max(width - 4 * padding, 40.0f);
-  for (const Notice& notice : notices_) {
+  float below = bottom;
+  for (std::size_t i = notices_.size(); i-- > 0;) {
+    const Notice& notice = notices_[i];
     const auto fade = static_cast<float>(std::clamp(notice.left / 0.5, 0.0, 1.0));
     const char* text = notice.text.c_str();
     const ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, wrap);
-    const ImVec2 hi{x + size.x + 2 * padding + stripe, y + size.y + 2 * padding};
+    const float y = below - size.y - 2 * padding;
+    const ImVec2 hi{x + size.x + 2 * padding + stripe, below};
     draw.AddRectFilled({x, y}, hi, ui_colour(theme::background, 0.88f * fade), 4);
     draw.AddRectFilled({x, y}, {x + stripe, hi.y}, ui_colour(notice.bad ? theme::bad : theme::accent, fade),
                        2);
     draw.AddText(nullptr, 0, {x + padding + stripe, y + padding}, ui_colour(theme::text, fade), text, nullptr,
                  wrap);
-    y = hi.y + padding;
+    below = y - padding;
   }
 }
 

@@ -13,8 +13,8 @@ class Notices {
   /// What went wrong: also to standard error. Stays longer.
   void complain(const std::string& text);
   void pass(double seconds);  ///< real time has passed
-  /// In the upper left corner of the part of the window that shows the scene.
-  void draw(float x, float y, float width);
+  /// Upwards from the lower left corner of the part of the window that shows the scene: legends stand above.
+  void draw(float x, float bottom, float width);
 
   /// What stands there now, the newest last.
   std::vector<std::string> texts() const;

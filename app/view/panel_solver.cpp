@@ -18,7 +18,7 @@ void solver_panel(Simulation& simulation) {
                         "PBD knows stiffnesses from 0 to 1 instead of a material.");
   changed |= choice_row("Integrator", "##integrator", integrator,
                         {"semi-implicit", "explicit Euler", "implicit Euler"});
-  changed |= choice_row("Numbers", "##form", form, {"displacements", "positions"},
+  changed |= choice_row("Form", "##form", form, {"displacements", "positions"},
                         "What the solver moves. Displacements keep the digits that small steps need.");
   if (!changed) return;
   settings.mode = static_cast<Mode>(mode);

@@ -16,6 +16,13 @@ namespace {
 constexpr std::array<unsigned, stage_count> stage_colours{0x5b8def, 0x8d97a6, 0xf0a35e,
                                                           0x4fb6a8, 0xd7dbe2, 0xc983d6};
 
+/// "isometric_bending" as words.
+std::string spaced(std::string_view name) {
+  std::string words(name);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
 double sum(const StageTimes& times) {
   double total = 0;
   for (const double ms : times) total += ms;
@@ -51,31 +58,40 @@ void stage_bar(const StageTimes& mean) {
   ImGui::Dummy({width, height});
 }
 
+/// What the chart's upper edge means [ms]: nearly all frames fit, and a single slow one does not flatten the
+/// rest. The line of real time is shown once it comes near.
+double top_of(const std::deque<StageTimes>& history, double budget) {
+  std::vector<double> sums;
+  for (const StageTimes& times : history) sums.push_back(sum(times));
+  if (sums.empty()) return budget;
+  const auto nearly_all = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() * 95 / 100);
+  std::nth_element(sums.begin(), nearly_all, sums.end());
+  const double top = std::max(*nearly_all * 1.25, 0.02);
+  return top > 0.3 * budget ? std::max(top, 1.35 * budget) : top;
+}
+
 /// One column for each frame, the newest on the right; a line where real time ends.
 void history_chart(const std::deque<StageTimes>& history, double budget) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 4;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_colour(theme::field), 3);
-  double top = 0;
-  for (const StageTimes& times : history) top = std::max(top, sum(times));
-  if (top > 0.4 * budget) top = std::max(top, budget * 1.05);
-  top = std::max(top, 0.02);
+  const double top = top_of(history, budget);
   const float column = width / static_cast<float>(Simulation::history_length);
   float x = at.x + width - column * static_cast<float>(history.size());
   for (const StageTimes& times : history) {
     float y = at.y + height;
     for (std::size_t stage = 0; stage < stage_count; ++stage) {
-      const float part = (height - 2) * static_cast<float>(times[stage] / top);
+      const float part = std::min((height - 2) * static_cast<float>(times[stage] / top), y - at.y);
       draw.AddRectFilled({x, y - part}, {x + std::max(column, 1.0f), y}, ui_colour(stage_colours[stage]));
       y -= part;
     }
     x += column;
   }
-  if (budget <= top) {
+  if (1.2 * budget <= top && 4 * budget >= top) {
     const float y = at.y + height - (height - 2) * static_cast<float>(budget / top);
     draw.AddLine({at.x, y}, {at.x + width, y}, ui_colour(theme::bad, 0.9f));
-    draw.AddText({at.x + 4, y + 1}, ui_colour(theme::bad), "real time");
+    draw.AddText({at.x + 4, y - ImGui::GetFontSize() - 1}, ui_colour(theme::bad), "real time");
   }
   ImGui::Dummy({width, height});
 }
@@ -90,8 +106,7 @@ void legend(const StageTimes& mean) {
                                               ui_colour(stage_colours[stage]), 2);
     ImGui::Dummy({size, size});
     ImGui::SameLine();
-    std::string name(stage_name(static_cast<Stage>(stage)));
-    std::replace(name.begin(), name.end(), '_', ' ');
+    const std::string name = spaced(stage_name(static_cast<Stage>(stage)));
     ImGui::TextDisabled("%s", name.c_str());
     ImGui::SameLine();
     ImGui::Text("%.2f", mean[stage]);
@@ -105,16 +120,17 @@ std::string text(const char* format, double value) {
 }
 
 void residual_table(const StepReport& report) {
+  ImGui::TextDisabled("Residuals |C|");
   if (report.kinds.empty() || !ImGui::BeginTable("##residuals", 4, ImGuiTableFlags_SizingStretchProp)) return;
-  ImGui::TableSetupColumn("constraint", 0, 2.4f);
-  for (const char* name : {"count", "largest |C|", "mean"}) ImGui::TableSetupColumn(name, 0, 1.3f);
+  ImGui::TableSetupColumn("constraint", 0, 3);
+  for (const char* name : {"count", "largest", "mean"}) ImGui::TableSetupColumn(name, 0, 1.25f);
   ImGui::PushStyleColor(ImGuiCol_TableHeaderBg, 0);
   ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::dim));
   ImGui::TableHeadersRow();
   ImGui::PopStyleColor(2);
   for (const KindReport& kind : report.kinds) {
     ImGui::TableNextColumn();
-    ImGui::TextUnformatted(std::string(kind.kind).c_str());
+    ImGui::TextUnformatted(spaced(kind.kind).c_str());
     ImGui::TableNextColumn();
     ImGui::Text("%zu", kind.count);
     ImGui::TableNextColumn();

@@ -1,5 +1,6 @@
 #include "app/view/simulation.h"
 
+#include "app/scene_colours.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -12,8 +13,9 @@ namespace souple::viewer {
 
 namespace {
 
-// A picture waits for at most so many steps, and starts none when so much time is gone [s].
-constexpr int most_steps = 4;
+// A picture waits for at most so many steps, and starts none when so much time is gone [s]. Where drawing is
+// what takes long, a picture has to bring many steps.
+constexpr int most_steps = 20;
 constexpr double time_for_steps = 0.025;
 
 class Stopwatch {
@@ -67,6 +69,7 @@ std::uint64_t Simulation::frame() const {
 render::Subject Simulation::subject() const {
   render::Subject subject = render::subject_of(world_, generation_);
   subject.frame = steps_;
+  app::add_colours(scene_, subject);
   return subject;
 }
 
@@ -118,7 +121,7 @@ void Simulation::take_trouble() {
   const std::span<const Vec3f> positions = world_.positions(world_.find_object(report.bad_object));
   if (report.bad_vertex < positions.size()) trouble.place = positions[report.bad_vertex];
   trouble.message = "object \"" + report.bad_object + "\", particle " + std::to_string(report.bad_vertex) +
-                    " is no longer finite. " + std::string(advice(Flag::non_finite));
+                    " is no longer finite: " + std::string(advice(Flag::non_finite));
   trouble_ = std::move(trouble);
 }
 

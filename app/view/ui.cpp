@@ -2,7 +2,6 @@
 
 #include "souple/error.h"
 
-#include <array>
 #include <backends/imgui_impl_opengl3.h>
 #include <cstdint>
 #include <cstring>
@@ -15,13 +14,11 @@ namespace souple::viewer {
 
 namespace {
 
-constexpr std::array<const char*, 4> font_files{
-    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
-    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
 constexpr float font_size = 15;
 
 /// The file's bytes, if it is a TrueType font: ImGui asserts on anything else.
-std::vector<char> font_bytes(const char* file) {
+std::vector<char> font_bytes(const std::filesystem::path& file) {
+  if (std::error_code error; !std::filesystem::is_regular_file(file, error)) return {};
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return {};
   std::vector<char> bytes(std::istreambuf_iterator<char>(stream), {});
@@ -30,16 +27,16 @@ std::vector<char> font_bytes(const char* file) {
   return good ? bytes : std::vector<char>();
 }
 
-std::string add_font(float scale) {
+std::string add_font(float scale, const std::vector<std::filesystem::path>& fonts) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
-  for (const char* file : font_files) {
+  for (const std::filesystem::path& file : fonts) {
     std::vector<char> bytes = font_bytes(file);
     if (bytes.empty()) continue;
     // The atlas frees what it is given with its own allocator.
     void* copy = ImGui::MemAlloc(bytes.size());
     std::memcpy(copy, bytes.data(), bytes.size());
     atlas.AddFontFromMemoryTTF(copy, static_cast<int>(bytes.size()), font_size * scale);
-    return file;
+    return file.string();
   }
   ImFontConfig config;
   config.SizePixels = 13 * scale;
@@ -97,11 +94,16 @@ void set_style(float scale) {
 
 }  // namespace
 
-Ui::Ui(float scale) {
+std::vector<std::filesystem::path> Ui::usual_fonts() {
+  return {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
+          "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
+}
+
+Ui::Ui(float scale, const std::vector<std::filesystem::path>& fonts) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // nothing is left behind in the folder one happens to be in
-  font_ = add_font(scale);
+  font_ = add_font(scale, fonts);
   set_style(scale);
   if (!ImGui_ImplOpenGL3_Init("#version 330")) {
     ImGui::DestroyContext();

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
-
-struct ImFont;
+#include <vector>
 
 namespace souple::viewer {
 
@@ -15,8 +15,9 @@ inline constexpr unsigned text = 0xe4e8ee, dim = 0x8d97a6, accent = 0x4fb6a8, wa
 /// Dear ImGui for the OpenGL context that is current: theme, font, the drawing of panels. One at a time.
 class Ui {
  public:
-  /// `scale` is 1 on an ordinary screen, 2 where everything is twice as fine.
-  explicit Ui(float scale = 1);
+  /// `scale` is 1 on an ordinary screen, 2 where everything is twice as fine. The first of `fonts` that can
+  /// be read is taken, else ImGui's own.
+  explicit Ui(float scale = 1, const std::vector<std::filesystem::path>& fonts = usual_fonts());
   ~Ui();
   Ui(const Ui&) = delete;
   Ui& operator=(const Ui&) = delete;
@@ -24,6 +25,7 @@ class Ui {
   /// Where the letters come from: a file, or "built in".
   const std::string& font() const { return font_; }
 
+  static std::vector<std::filesystem::path> usual_fonts();
   static void begin();  ///< a picture: before any panel, after the window's input
   static void draw();   ///< what ImGui::Render left, into the framebuffer that is bound
 

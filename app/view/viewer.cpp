@@ -62,6 +62,7 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   lay_out();
   notices_.pass(seconds);
   guarded([&] { obey_keys(); });
+  lay_out();  // a key may have hidden the panels
   guarded([&] { use_mouse(); });
   // A film has every frame, however long a picture takes.
   guarded([&] { session_->advance(film_ ? 1 / session_->frame_rate() : seconds); });
@@ -73,9 +74,11 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   draw_time_slider();
   update_list();
   draw_status();
-  draw_trouble();
-  notices_.draw(static_cast<float>(area_.x) / area_.scale + 12, 12,
+  const float slider = recording() != nullptr ? time_slider_height() : 0;
+  notices_.draw(static_cast<float>(area_.x) / area_.scale + 12,
+                static_cast<float>(area_.height) / area_.scale - slider - 12,
                 std::max(static_cast<float>(area_.width) / area_.scale - 24, 1.0f));
+  draw_trouble();
   ImGui::Render();
   guarded([&] { add_to_film(); });
   draw_scene(framebuffer);
@@ -90,9 +93,10 @@ void Viewer::lay_out() {
   area_.x = panels_shown_ ? static_cast<int>(std::min(wished, 0.45f * static_cast<float>(width_))) : 0;
   area_.y = 0;
   area_.width = width_ - area_.x;
-  area_.height =
-      height_ -
-      (panels_shown_ ? static_cast<int>(std::min(bar_height_, 0.4f * static_cast<float>(height_))) : 0);
+  area_.height = height_;
+  if (!panels_shown_) return;
+  const float bar = key_list_height(static_cast<float>(area_.width) / area_.scale) * area_.scale;
+  area_.height -= static_cast<int>(std::min(bar, 0.4f * static_cast<float>(height_)));
 }
 
 void Viewer::update_list() {

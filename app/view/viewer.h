@@ -57,6 +57,7 @@ class Viewer {
   const Mouse& mouse() const { return mouse_; }
   render::Camera& camera() { return camera_; }
   const render::DisplayOptions& display() const { return display_; }
+  render::RenderOptions& rendering() { return rendering_; }
   std::vector<std::string> notices() const { return notices_.texts(); }
   const ViewArea& area() const { return area_; }
   bool panels_shown() const { return panels_shown_; }
@@ -92,7 +93,9 @@ class Viewer {
   void simulation_sections(Simulation& simulation);
   void draw_status();
   void draw_trouble();
+  static float time_slider_height();
   void draw_time_slider();
+  static float key_list_height(float width);
   void draw_key_list();
 
   SceneList scenes_;
@@ -109,7 +112,6 @@ class Viewer {
   Notices notices_;
   ViewArea area_;
   int width_ = 0, height_ = 0;  // of the window [pixels]
-  float bar_height_ = 0;        // of the list of keys [pixels]
   bool panels_shown_ = true, done_ = false, trouble_told_ = false;
   unsigned held_ = 0;  // the character of a key that is still down
   std::size_t chosen_object_ = 0;

@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <imgui.h>
 #include <string>
+#include <string_view>
+#include <vector>
 
 // The panel on the left, and what is written over the scene.
 
@@ -89,7 +91,7 @@ void Viewer::scene_section() {
   }
   ImGui::SameLine();
   if (ImGui::ArrowButton("##next", ImGuiDir_Right)) wanted = scenes_.neighbour(1);
-  dim_text(session_->description());
+  if (!session_->description().empty()) dim_text(session_->description());
   if (wanted < scenes_.entries().size()) open_entry(wanted);
 }
 
@@ -98,17 +100,17 @@ void Viewer::transport_section() {
   const bool recorded = recording() != nullptr;
   ImGui::Dummy({0, 2});
   const bool pause =
-      wide_button(session_->playing() ? "Pause##play" : "Play##play", quarter, session_->playing());
+      wide_button(session_->playing() ? "Pause###play" : "Play###play", quarter, session_->playing());
   ImGui::SameLine();
-  const bool fine = wide_button(recorded ? "Back##fine" : "Substep##fine", quarter);
+  const bool fine = wide_button(recorded ? "Back###fine" : "Substep###fine", quarter);
   ImGui::SameLine();
-  const bool frame = wide_button("Frame##frame", quarter);
+  const bool frame = wide_button("Frame###frame", quarter);
   ImGui::SameLine();
-  const bool reset = wide_button("Reset##reset", quarter);
+  const bool reset = wide_button("Reset###reset", quarter);
   const float half = share_of_line(2);
-  const bool screenshot = wide_button("Screenshot##screenshot", half);
+  const bool screenshot = wide_button("Screenshot###screenshot", half);
   ImGui::SameLine();
-  const bool film = wide_button(film_ ? "Stop film##film" : "Film##film", half, film_ != nullptr);
+  const bool film = wide_button(film_ ? "Stop film###film" : "Film###film", half, film_ != nullptr);
   if (pause) act(Action::pause);
   if (fine) act(Action::step_substep);
   if (frame) act(Action::step_frame);
@@ -118,14 +120,14 @@ void Viewer::transport_section() {
 }
 
 void Viewer::simulation_sections(Simulation& simulation) {
+  timing_panel(simulation);
   guarded([&] { solver_panel(simulation); });
   guarded([&] { material_panel(simulation, chosen_object_); });
   guarded([&] { forces_panel(simulation); });
-  timing_panel(simulation);
   numbers_panel(simulation);
   display_panel(display_, rendering_, true);
   ImGui::Dummy({0, 6});
-  if (wide_button("Copy as scene file##copy", share_of_line(1))) {
+  if (wide_button("Copy as scene file###copy", share_of_line(1))) {
     simulation.set_camera(camera_);
     ImGui::SetClipboardText(simulation.scene_text().c_str());
     notices_.say("the scene as it is set now is in the clipboard");
@@ -160,30 +162,42 @@ void Viewer::draw_status() {
   }
 }
 
-/// A ring about the particle that went bad first, and its name.
+/// A ring about the particle that went bad first, and its name; at the edge when it flew out of view.
 void Viewer::draw_trouble() {
   if (!session_->trouble() || area_.empty()) return;
   const Trouble& trouble = *session_->trouble();
+  const float radius = ImGui::GetFontSize(), scale = area_.scale;
+  const ImVec2 lo{static_cast<float>(area_.x) / scale + 2 * radius, 2 * radius};
+  const ImVec2 hi{static_cast<float>(width_) / scale - 2 * radius,
+                  static_cast<float>(area_.height) / scale - 2 * radius};
   const auto seen = camera_.project(trouble.place, area_.width, area_.height);
-  if (!seen) return;
-  const ImVec2 at{(static_cast<float>(area_.x) + seen->x) / area_.scale,
-                  (static_cast<float>(area_.y) + seen->y) / area_.scale};
+  ImVec2 at{(lo.x + hi.x) / 2, (lo.y + hi.y) / 2};
+  if (seen)
+    at = {(static_cast<float>(area_.x) + seen->x) / scale, (static_cast<float>(area_.y) + seen->y) / scale};
+  const bool inside = seen && at.x >= lo.x && at.x <= hi.x && at.y >= lo.y && at.y <= hi.y;
+  at = {std::clamp(at.x, lo.x, std::max(lo.x, hi.x)), std::clamp(at.y, lo.y, std::max(lo.y, hi.y))};
+
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const float radius = ImGui::GetFontSize();
   draw.AddCircle(at, radius, ui_colour(theme::background, 0.8f), 32, 5);
   draw.AddCircle(at, radius, ui_colour(theme::bad), 32, 2.5f);
-  const std::string name = trouble.object + ", particle " + std::to_string(trouble.vertex);
+  const std::string name =
+      trouble.object + ", particle " + std::to_string(trouble.vertex) + (inside ? "" : " (out of view)");
   const ImVec2 size = ImGui::CalcTextSize(name.c_str());
-  const ImVec2 corner{at.x + radius + 6, at.y - size.y / 2};
+  const bool leftwards = at.x + radius + size.x + 12 > hi.x;
+  const ImVec2 corner{leftwards ? at.x - radius - size.x - 8 : at.x + radius + 8, at.y - size.y / 2};
   draw.AddRectFilled({corner.x - 5, corner.y - 3}, {corner.x + size.x + 5, corner.y + size.y + 3},
                      ui_colour(theme::background, 0.85f), 4);
   draw.AddText(corner, ui_colour(theme::bad), name.c_str());
 }
 
+float Viewer::time_slider_height() {
+  return ImGui::GetFrameHeight() + 16;
+}
+
 void Viewer::draw_time_slider() {
   Recording* recorded = recording();
   if (recorded == nullptr || area_.empty()) return;
-  const float scale = area_.scale, height = ImGui::GetFrameHeight() + 16;
+  const float scale = area_.scale, height = time_slider_height();
   ImGui::SetNextWindowPos(
       {static_cast<float>(area_.x) / scale, static_cast<float>(area_.height) / scale - height});
   ImGui::SetNextWindowSize({static_cast<float>(area_.width) / scale, height});
@@ -206,45 +220,64 @@ void Viewer::draw_time_slider() {
 
 namespace {
 
+/// A key, or what the mouse does, with a word beside it.
 struct Cap {
   std::string_view key, brief;
+  float x = 0, y = 0, key_width = 0;  ///< from the bar's upper left corner
 };
 
-/// Keys, then what the mouse does.
-std::vector<Cap> caps() {
-  std::vector<Cap> all;
-  for (const Key& key : keys) all.push_back({key.key, key.brief});
-  for (const Gesture& gesture : gestures) all.push_back({gesture.gesture_brief, gesture.brief});
-  return all;
+struct CapLayout {
+  std::vector<Cap> caps;
+  float height = 0, font = 0, pad = 0;
+};
+
+float width_of(std::string_view text, float font) {
+  return ImGui::GetFont()->CalcTextSizeA(font, 1e9f, 0, text.data(), text.data() + text.size()).x;
+}
+
+/// In as many lines as it takes.
+CapLayout lay_out_caps(float width) {
+  CapLayout layout;
+  for (const Key& key : keys) layout.caps.push_back({key.key, key.brief});
+  for (const Gesture& gesture : gestures) layout.caps.push_back({gesture.gesture_brief, gesture.brief});
+  const float font = layout.font = ImGui::GetFontSize() * 0.87f, margin = 14, line = font * 1.75f;
+  layout.pad = font * 0.45f;
+  float x = margin, y = font * 0.6f;
+  for (Cap& cap : layout.caps) {
+    cap.key_width = width_of(cap.key, font) + 2 * layout.pad;
+    const float whole = cap.key_width + layout.pad + width_of(cap.brief, font);
+    if (x + whole > width - margin && x > margin) x = margin, y += line;
+    cap.x = x, cap.y = y;
+    x += whole + font * 1.1f;
+  }
+  layout.height = y + line + font * 0.25f;
+  return layout;
 }
 
 }  // namespace
 
-/// A bar below the scene: each key as a cap with a word beside it, in as many lines as it takes.
+float Viewer::key_list_height(float width) {
+  return lay_out_caps(width).height;
+}
+
+/// A bar below the scene.
 void Viewer::draw_key_list() {
-  const float scale = area_.scale, font = ImGui::GetFontSize() * 0.87f;
-  const float left = static_cast<float>(area_.x) / scale, top = static_cast<float>(area_.height) / scale;
+  const float scale = area_.scale, left = static_cast<float>(area_.x) / scale;
+  const float top = static_cast<float>(area_.height) / scale;
   const float right = static_cast<float>(width_) / scale, bottom = static_cast<float>(height_) / scale;
+  const CapLayout layout = lay_out_caps(right - left);
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  ImFont& letters = *ImGui::GetFont();
-  const auto width_of = [&](std::string_view text) {
-    return letters.CalcTextSizeA(font, 1e9f, 0, text.data(), text.data() + text.size()).x;
-  };
-  const float margin = 14, line = font * 1.75f, pad = font * 0.45f;
   draw.AddRectFilled({left, top}, {right, bottom}, ui_colour(theme::background));
-  float x = left + margin, y = top + font * 0.6f;
-  for (const Cap& cap : caps()) {
-    const float key = width_of(cap.key) + 2 * pad, whole = key + pad + width_of(cap.brief);
-    if (x + whole > right - margin && x > left + margin) x = left + margin, y += line;
-    draw.AddRectFilled({x, y}, {x + key, y + font + pad}, ui_colour(theme::field), 3);
+  for (const Cap& cap : layout.caps) {
+    const float x = left + cap.x, y = top + cap.y;
+    draw.AddRectFilled({x, y}, {x + cap.key_width, y + layout.font + layout.pad}, ui_colour(theme::field), 3);
     const auto write = [&](float at, unsigned colour, std::string_view text) {
-      draw.AddText(&letters, font, {at, y + pad * 0.5f}, colour, text.data(), text.data() + text.size());
+      draw.AddText(ImGui::GetFont(), layout.font, {at, y + layout.pad * 0.5f}, colour, text.data(),
+                   text.data() + text.size());
     };
-    write(x + pad, ui_colour(theme::text), cap.key);
-    write(x + key + pad, ui_colour(theme::dim), cap.brief);
-    x += whole + font * 1.1f;
+    write(x + layout.pad, ui_colour(theme::text), cap.key);
+    write(x + cap.key_width + layout.pad, ui_colour(theme::dim), cap.brief);
   }
-  bar_height_ = (y + line + font * 0.25f - top) * scale;
 }
 
 }  // namespace souple::viewer

@@ -3,6 +3,7 @@
 #include "app/view/ui.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -54,19 +55,57 @@ bool typed_value(const std::string& id, float& value, const char* unit) {
   return changed;
 }
 
+/// Three digits, without the zeros and signs that C adds: 0.15, 4000, 1e9, 2.5e-6.
+std::string number_text(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  const double rounded = std::strtod(text.data(), nullptr);
+  if (std::fabs(rounded) >= 1000 && std::fabs(rounded) < 1e6)
+    std::snprintf(text.data(), text.size(), "%.0f", rounded);
+  std::string result = text.data();
+  const std::size_t exponent = result.find('e');
+  if (exponent == std::string::npos) return result;
+  const int power = std::atoi(result.c_str() + exponent + 1);
+  return result.substr(0, exponent + 1) + std::to_string(power);
+}
+
+/// The slider that is drawn while it lives is a bar that is filled up to its value.
+class Filled {
+ public:
+  explicit Filled(float share) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::CalcItemWidth(), height = ImGui::GetFrameHeight();
+    const float rounding = ImGui::GetStyle().FrameRounding,
+                end = at.x + width * std::clamp(share, 0.0f, 1.0f);
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    const bool hovered = ImGui::IsMouseHoveringRect(at, {at.x + width, at.y + height});
+    draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_colour(hovered ? 0x343b48 : theme::field),
+                       rounding);
+    if (end > at.x + 1)
+      draw.AddRectFilled(at, {end, at.y + height}, ui_colour(theme::accent, 0.45f), rounding);
+    for (const ImGuiCol part : {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive,
+                                ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive})
+      ImGui::PushStyleColor(part, ImVec4{0, 0, 0, 0});
+  }
+  ~Filled() { ImGui::PopStyleColor(5); }
+  Filled(const Filled&) = delete;
+  Filled& operator=(const Filled&) = delete;
+};
+
 /// ImGui's own logarithmic slider takes everything below a thousandth for zero; a cloth bends with 1e-6 N m.
 bool logarithmic_slider(const std::string& id, float& value, const SliderRange& range, const char* unit) {
   const float lo = std::log10(range.lo), hi = std::log10(range.hi);
   float at = value > 0 ? std::clamp(std::log10(value), lo, hi) : lo;
   const std::string format = literal(with_unit(value, unit));
-  const bool moved = ImGui::SliderFloat(id.c_str(), &at, lo, hi, format.c_str(), ImGuiSliderFlags_NoInput) &&
-                     !ImGui::GetIO().KeyCtrl;
+  bool moved = false;
+  {
+    const Filled filled((at - lo) / (hi - lo));
+    moved = ImGui::SliderFloat(id.c_str(), &at, lo, hi, format.c_str(), ImGuiSliderFlags_NoInput);
+  }
   float rounded = value;
-  if (moved) {
+  if (moved && !ImGui::GetIO().KeyCtrl) {
     // Three digits: what is shown is what is set, and what stands in the copied scene.
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.3g", std::pow(10.0, static_cast<double>(at)));
-    rounded = std::strtof(text, nullptr);
+    rounded = std::strtof(number_text(std::pow(10.0, static_cast<double>(at))).c_str(), nullptr);
   }
   const bool changed = rounded != value;
   value = rounded;
@@ -93,22 +132,23 @@ void row(const char* name, const char* hint) {
 }
 
 std::string with_unit(double value, const char* unit) {
-  char text[64];
   const char* gap = unit[0] == '\0' ? "" : " ";
-  std::snprintf(text, sizeof(text), "%.3g%s%s", value, gap, unit);
-  return text;
+  return number_text(value) + gap + unit;
 }
 
 bool slider_row(const char* name, const std::string& id, float& value, const SliderRange& range,
                 const char* unit, const char* hint) {
   row(name, hint);
   if (range.logarithmic) return logarithmic_slider(id, value, range, unit);
-  const std::string format = std::string("%.3g ") + literal(unit);
+  const std::string format = unit[0] == '\0' ? "%.3g" : std::string("%.3g ") + literal(unit);
+  const Filled filled((value - range.lo) / (range.hi - range.lo));
   return ImGui::SliderFloat(id.c_str(), &value, range.lo, range.hi, format.c_str());
 }
 
 bool count_row(const char* name, const std::string& id, int& value, int lo, int hi, const char* hint) {
   row(name, hint);
+  const double share = std::log(static_cast<double>(value) / lo) / std::log(static_cast<double>(hi) / lo);
+  const Filled filled(static_cast<float>(share));
   return ImGui::SliderInt(id.c_str(), &value, lo, hi, "%d", ImGuiSliderFlags_Logarithmic);
 }
 

@@ -84,6 +84,10 @@ class Window {
   GLFWwindow* get() { return window_; }
   std::vector<std::filesystem::path> dropped() { return std::exchange(inbox_.dropped, {}); }
 
+  void set_title(const std::string& title) {
+    if (title != title_) glfwSetWindowTitle(window_, title.c_str());
+    title_ = title;
+  }
   bool iconified() const { return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE; }
 
   /// How much larger than on an ordinary screen letters have to be, in units of the mouse.
@@ -101,6 +105,7 @@ class Window {
  private:
   GLFWwindow* window_ = nullptr;
   Inbox inbox_;
+  std::string title_;
 };
 
 /// ImGui's part that reads the window.
@@ -133,7 +138,7 @@ void loop(Window& window, Viewer& viewer, const WindowOptions& options) {
     ImGui_ImplGlfw_NewFrame();
     viewer.frame(timer.lap());
     if (options.debug) render::throw_gl_errors();
-    glfwSetWindowTitle(window.get(), ("Souple: " + viewer.session().name()).c_str());
+    window.set_title("Souple: " + viewer.session().name());
     if (viewer.done() || glfwWindowShouldClose(window.get()) != 0) return;
     glfwSwapBuffers(window.get());
     // Nothing is waited for while nothing is shown.

@@ -1,6 +1,7 @@
 #include "render/passes/occlusion.h"
 
 #include <algorithm>
+#include <array>
 
 namespace souple::render {
 
@@ -15,7 +16,7 @@ OcclusionPass::Targets::Targets(int width, int height)
 void OcclusionPass::aim(Frame& frame, const Bounds& bounds, bool on) {
   frame.sample_info.w = on && !bounds.empty() ? 1.0f : 0.0f;
   // Near enough to show contacts, far enough to be seen: a part of the scene.
-  frame.occlusion = {std::max(0.2f * bounds.radius(), 1e-6f), 1.1f, 0, 0};
+  frame.occlusion = {std::max(0.2f * bounds.radius(), 1e-6f), 1.5f, 0, 0};
 }
 
 void OcclusionPass::draw(const gl::Texture& normals, const gl::Texture& depth,
@@ -33,6 +34,8 @@ void OcclusionPass::draw(const gl::Texture& normals, const gl::Texture& depth,
   draw_screen();
 
   targets_->rough_target.bind();
+  const std::array<float, 4> open{1, 0, 0, 0};
+  glClearBufferfv(GL_COLOR, 0, open.data());
   targets_->depth.bind(gl::Unit::depth);
   normals.bind(gl::Unit::normal);
   occlusion_.use();

@@ -30,7 +30,7 @@ class OcclusionPass {
 
   gl::Program half_depth_{"screen.vert.glsl", "half_depth.frag.glsl"};
   gl::Program occlusion_{"screen.vert.glsl", "occlusion.frag.glsl"};
-  gl::Program blur_{"screen.vert.glsl", "occlusion_blur.frag.glsl"};
+  gl::Program blur_{"ray.vert.glsl", "occlusion_blur.frag.glsl"};
   std::optional<Targets> targets_;
 };
 

@@ -40,7 +40,7 @@ struct Frame {
   Vec4 size;                       ///< width, height, 1 / width, 1 / height [pixels]
   Vec4 to_sun;                     ///< unit; w: irradiance times exposure
   Vec4 sky, horizon, floor_light;  ///< light from above, the sides, below, times exposure
-  Vec4 shadow_size;  ///< width and depth of what the map covers [m], width of a texel [m], 1: on
+  Vec4 shadow_size;  ///< edge of the cube that the map covers [m], 0, width of a texel [m], 1: on
   Vec4 sun_size;     ///< tangent of the sun's apparent radius; how much of the softness is blurred
   Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance where it becomes haze [m]
   Vec4 ground_colour, ground_second;

@@ -33,15 +33,16 @@ ShadowPass::ShadowPass()
 
 void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x,
                      float offset_y) {
-  const float tangent = std::tan(std::clamp(light.sun_size, 0.0f, 45.0f) * float(pi / 180));
+  const float tangent = std::tan(std::clamp(light.sun_size, 0.0f, 10.0f) * float(pi / 180));
   const Vec3f to_sun = moved(normalized(light.to_sun), tangent * offset_x, tangent * offset_y);
   frame.to_sun = {to_sun.x, to_sun.y, to_sun.z, frame.to_sun.w};
   frame.sun_size.x = tangent;
   frame.shadow_size.w = 0;
   const float radius = casters.radius();
   if (casters.empty() || !(radius > 0) || !std::isfinite(radius)) return;
-  // A square around the ball around the casters, its middle on whole texels, from the sun.
-  const float half = stepped(radius * 1.02f), texel = 2 * half / map_side;
+  // A cube around the ball around the casters, its middle on whole texels, from the sun; with room for what
+  // the size of the sun adds to shadows.
+  const float half = stepped(radius * (1.02f + 4 * std::min(tangent, 0.25f))), texel = 2 * half / map_side;
   const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
   view_ = look_at(Vec3f{}, -to_sun, up);
   const Vec3f middle = casters.centre();
@@ -49,7 +50,7 @@ void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, fl
   const float x = std::round(seen.x / texel) * texel, y = std::round(seen.y / texel) * texel;
   projection_ = orthographic(x - half, x + half, y - half, y + half, -seen.z - half, -seen.z + half);
   frame.shadow = to_texture(projection_ * view_);
-  frame.shadow_size = {2 * half, 2 * half, texel, 1};
+  frame.shadow_size = {2 * half, 0, texel, 1};
 }
 
 void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres) {

@@ -18,7 +18,7 @@ class ShadowPass {
   void aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x, float offset_y);
   /// Draws the map; `frame` is the one that was aimed. Leaves the sun's uniform block bound.
   void draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres);
-  /// Binds the map for shadow.glsl.
+  /// Binds the map for sunlight.glsl.
   void bind() const;
 
  private:

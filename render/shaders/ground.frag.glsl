@@ -3,20 +3,21 @@
 #include "common.glsl"
 #include "material.glsl"
 #include "checker.glsl"
-#include "ray.glsl"
 
-in vec2 place;
+in vec3 ray;
 
 void main() {
-  vec3 direction = world_ray(place);
   float height = frame.eye.y - frame.ground.x;
   // From below the floor would hide everything, so it is seen from above only.
-  if (height <= 0.0 || direction.y >= 0.0) discard;
-  float depth = -height / direction.y;  // along the view, as the ray advances by 1 there
-  vec3 point = frame.eye.xyz + direction * depth;
+  if (height <= 0.0 || ray.y >= 0.0) discard;
+  float depth = -height / ray.y;  // along the view, as the ray advances by 1 there
+  vec3 point = frame.eye.xyz + ray * depth;
   float clip = frame.projection[3][2] / depth - frame.projection[2][2];
   // What lies beyond the planes that enclose the scene is kept: nothing else is there.
   gl_FragDepth = clamp(0.5 * clip + 0.5, 0.0, 1.0);
-  vec3 albedo = mix(frame.ground_second.rgb, frame.ground_colour.rgb, checker(point.xz / frame.ground.y));
+  // Tiles far away would only disturb.
+  float near = exp(-3.0 * depth / frame.ground.w);
+  float tile = mix(0.5, checker(point.xz / frame.ground.y), near);
+  vec3 albedo = mix(frame.ground_second.rgb, frame.ground_colour.rgb, tile);
   write_ground(albedo);
 }

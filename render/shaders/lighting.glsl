@@ -7,15 +7,18 @@ struct Material {
 
 const float pi = 3.14159265;
 // The sky lights less than it shows, as a photographer's backdrop does: shadows would be pale.
-const float ambient_strength = 0.42;
+const float ambient_strength = 0.5;
+// A little warmer than the sky, so that shadows look cool and what is lit looks neutral.
+const vec3 sun_colour = vec3(1.05, 1.0, 0.92);
 
 // Radiance of the sky in a direction (unit).
 vec3 sky_light(vec3 direction) {
-  float height = direction.y;
-  vec3 colour = mix(frame.horizon.rgb, frame.sky.rgb, 1.0 - exp(-3.0 * max(height, 0.0)));
+  float h = max(direction.y, 0.0);
+  vec3 colour = mix(frame.sky.rgb, frame.horizon.rgb, 1.0 / (1.0 + h * (3.0 + 4.5 * h)));  // about exp(-3 h)
   // The sun is not painted, but the air around it glows.
   float cosine = max(dot(direction, frame.to_sun.xyz), 0.0);
-  colour += frame.horizon.rgb * (0.10 * pow(cosine, 6.0) + 0.18 * pow(cosine, 48.0));
+  float c2 = cosine * cosine, c6 = c2 * c2 * c2, c12 = c6 * c6, c24 = c12 * c12;
+  colour += frame.horizon.rgb * (0.10 * c6 + 0.18 * c24 * c24);
   return colour;
 }
 
@@ -50,7 +53,8 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
   float d = nh * nh * (a2 - 1.0) + 1.0;
   float distribution = a2 / (pi * d * d);
   float visibility = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2) + 1e-5);
-  vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
+  float away = 1.0 - vh, away2 = away * away;
+  vec3 fresnel = f0 + (1.0 - f0) * (away2 * away2 * away);
   vec3 specular = fresnel * (distribution * visibility);
 
   // Sheen: cloth scatters at grazing angles (Estevez and Kulla 2017, roughness 0.5).
@@ -58,7 +62,7 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
   float sheen = m.sheen * (2.0 + 2.0) * sine2 / (2.0 * pi) / (4.0 * (nl + nv - nl * nv) + 1e-4);
   vec3 sheen_colour = mix(vec3(1.0), m.albedo, 0.6);
 
-  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl * sun);
+  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl * sun) * sun_colour;
 
   // The sky: diffuse, and a rough mirror (Karis 2014, the analytic fit for mobile).
   vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
@@ -67,7 +71,7 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
   vec3 mirrored = reflect(-to_eye, normal);
   vec3 around = mix(mirrored.y > 0.0 ? sky_light(mirrored) : frame.floor_light.rgb * 0.75, ambient_light(mirrored),
                     m.roughness);
-  vec3 rim = sheen_colour * (m.sheen * 0.35 * pow(1.0 - nv, 3.0));
+  vec3 rim = sheen_colour * (m.sheen * 0.35 * (1.0 - nv) * (1.0 - nv) * (1.0 - nv));
   vec3 ambient = ambient_strength * (ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y));
   return direct + ambient * open;
 }

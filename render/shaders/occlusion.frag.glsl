@@ -4,13 +4,13 @@
 #include "frame.glsl"
 
 in vec2 place;
-layout(location = 0) out vec2 out_occlusion;  // openness, depth
+layout(location = 0) out vec2 out_occlusion;  // openness, 1 / depth
 
 uniform sampler2D depth_map;  // half_depth
 uniform sampler2D normal_map;
 
 const int slices = 2;
-const int steps = 4;
+const int steps = 3;
 const float pi = 3.14159265;
 
 vec3 view_point(vec2 at, float depth) {
@@ -21,21 +21,26 @@ vec3 view_point(vec2 at, float depth) {
 }
 
 // The cosine of the horizon's angle to the eye, in direction `step_` on screen.
-float horizon(vec3 point, vec3 to_eye, vec2 step_, float first, float low) {
+float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, float low) {
   vec2 size = vec2(textureSize(depth_map, 0));
   float highest = low;
+  // The pixel itself would be noise.
+  vec2 beside = step_ * (1.4 / max(length(step_ * size), 1e-6));
   for (int i = 0; i < steps; ++i) {
     float t = (float(i) + first) / float(steps);
-    vec2 at = place + step_ * (t * t);
+    vec2 at = place + beside + step_ * (t * t);
     ivec2 pixel = ivec2(at * size);
     if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(size)))) break;
     float depth = texelFetch(depth_map, pixel, 0).r;
     if (depth <= 0.0) continue;
     vec3 delta = view_point((vec2(pixel) + 0.5) / size, depth) - point;
     float distance2 = dot(delta, delta);
-    float cosine = dot(delta, to_eye) * inversesqrt(max(distance2, 1e-20));
-    // Things farther than the radius count less and less.
-    float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0);
+    float shorten = inversesqrt(max(distance2, 1e-20));
+    float cosine = dot(delta, to_eye) * shorten;
+    // Things farther than the radius count less and less. So does what hardly rises above the surface: the
+    // middles of pixels lie beside the direction, which lets a floor seen at a flat angle hide itself.
+    float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0) *
+                   smoothstep(0.02, 0.15, dot(delta, normal) * shorten);
     highest = max(highest, mix(low, cosine, weight));
   }
   return highest;
@@ -45,25 +50,26 @@ float arc(float horizon_angle, float n) {
   return 0.25 * (-cos(2.0 * horizon_angle - n) + cos(n) + 2.0 * horizon_angle * sin(n));
 }
 
+// The target was cleared to (1, 0).
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   float depth = texelFetch(depth_map, pixel, 0).r;
-  out_occlusion = vec2(1.0, depth);
-  if (depth <= 0.0) return;
+  if (depth <= 0.0) discard;
   vec3 point = view_point(place, depth);
   vec3 to_eye = -normalize(point);
   vec3 normal = normalize(texelFetch(normal_map, pixel * 2, 0).xyz) * mat3(frame.inverse_view);
   // The radius on screen, as a part of its height.
   float radius = min(0.5 * frame.occlusion.x * frame.projection[1][1] / depth, 0.25);
-  if (radius * frame.size.y < 1.5) return;
+  if (radius * frame.size.y < 1.5) discard;
 
   // 16 patterns in blocks of 4 x 4 pixels, which occlusion_blur.frag.glsl averages.
   ivec2 cell = pixel & 3;
-  float turn = float((cell.x * 5 + cell.y * 11) & 15) / 16.0;
-  float start = float((cell.x * 7 + cell.y * 2) & 15) / 16.0;
+  int index = cell.x + 4 * cell.y;
+  float turn = float((7 * index) & 15) / 16.0;
+  float start = float((5 * index) & 15) / 16.0;
   turn = fract(turn + frame.sample_info.z);
   start = fract(start + 7.0 * frame.sample_info.z);
-  float open = 0.0;
+  float open = 0.0, most = 0.0;
   for (int i = 0; i < slices; ++i) {
     float angle = pi * (float(i) + turn) / float(slices);
     vec3 direction = vec3(cos(angle), sin(angle), 0.0);
@@ -74,12 +80,13 @@ void main() {
     float cosine = clamp(dot(projected, to_eye) / long_, -1.0, 1.0);
     float n = (dot(across, projected) < 0.0 ? -1.0 : 1.0) * acos(cosine);
     vec2 step_ = direction.xy * radius * vec2(frame.size.y * frame.size.z, 1.0);
-    float right = horizon(point, to_eye, step_, start, cos(n + 0.5 * pi));
-    float left = horizon(point, to_eye, -step_, start, cos(n - 0.5 * pi));
+    float right = horizon(point, normal, to_eye, step_, start, cos(n + 0.5 * pi));
+    float left = horizon(point, normal, to_eye, -step_, start, cos(n - 0.5 * pi));
     float h0 = n + max(-acos(clamp(left, -1.0, 1.0)) - n, -0.5 * pi);
     float h1 = n + min(acos(clamp(right, -1.0, 1.0)) - n, 0.5 * pi);
     open += long_ * (arc(h0, n) + arc(h1, n));
+    most += long_ * (cosine + n * sin(n));
   }
-  open = clamp(open / float(slices), 0.0, 1.0);
-  out_occlusion.x = pow(open, frame.occlusion.y);
+  // `most` is what the same slices see of an open sky: 1 only in the mean over all directions.
+  out_occlusion = vec2(clamp(open / max(most, 1e-4), 0.0, 1.0), 1.0 / depth);
 }

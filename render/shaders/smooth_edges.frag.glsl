@@ -10,19 +10,25 @@ const int steps = 7;
 
 float luma(vec2 at) { return textureLod(colour_map, at, 0.0).a; }
 
+float luma_of(ivec2 at) { return texelFetch(colour_map, at, 0).a; }
+
 void main() {
-  vec2 pixel = 1.0 / vec2(textureSize(colour_map, 0));
-  vec4 here = textureLod(colour_map, place, 0.0);
-  float up = luma(place + vec2(0.0, pixel.y)), down = luma(place - vec2(0.0, pixel.y));
-  float right = luma(place + vec2(pixel.x, 0.0)), left = luma(place - vec2(pixel.x, 0.0));
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  ivec2 size = textureSize(colour_map, 0);
+  vec4 here = texelFetch(colour_map, at, 0);
+  float up = luma_of(at + ivec2(0, 1)), down = luma_of(at + ivec2(0, -1)), right = luma_of(at + ivec2(1, 0)), left = luma_of(at + ivec2(-1, 0));
   float highest = max(here.a, max(max(up, down), max(left, right)));
   float lowest = min(here.a, min(min(up, down), min(left, right)));
   float contrast = highest - lowest;
-  out_colour = vec4(here.rgb, 1.0);
-  if (contrast < max(least_contrast, 0.12 * highest)) return;
+  // The picture's rim has neighbours on three sides only.
+  bool at_rim = any(lessThan(at, ivec2(1))) || any(greaterThanEqual(at, size - 1));
+  bool edge = !at_rim && contrast >= max(least_contrast, 0.12 * highest);
+  // Software renderers compute both sides of branches, and leave only loops early: no turn without an edge.
+  int turns = edge ? steps : 0;
 
-  float up_right = luma(place + pixel), down_left = luma(place - pixel);
-  float up_left = luma(place + vec2(-pixel.x, pixel.y)), down_right = luma(place + vec2(pixel.x, -pixel.y));
+  vec2 pixel = 1.0 / vec2(size);
+  float up_right = luma_of(at + ivec2(1, 1)), down_left = luma_of(at + ivec2(-1, -1));
+  float up_left = luma_of(at + ivec2(-1, 1)), down_right = luma_of(at + ivec2(1, -1));
   float across_rows = abs(up_left + down_left - 2.0 * left) + 2.0 * abs(up + down - 2.0 * here.a) +
                       abs(up_right + down_right - 2.0 * right);
   float across_columns = abs(up_left + up_right - 2.0 * up) + 2.0 * abs(left + right - 2.0 * here.a) +
@@ -41,7 +47,7 @@ void main() {
   float reach_a = 0.0, reach_b = 0.0, end_a = 0.0, end_b = 0.0;
   bool done_a = false, done_b = false;
   float stride = 1.0;
-  for (int i = 0; i < steps && !(done_a && done_b); ++i) {
+  for (int i = 0; i < turns && !(done_a && done_b); ++i) {
     if (!done_a) {
       reach_a += stride;
       end_a = luma(middle - along * reach_a) - mean;
@@ -58,11 +64,11 @@ void main() {
   float end = reach_a < reach_b ? end_a : end_b;
   // At the end where this side's colour goes on, the edge has not moved over this pixel.
   bool moved = (end < 0.0) != (here.a - mean < 0.0);
-  float shift = moved ? 0.5 - nearer / (reach_a + reach_b) : 0.0;
+  float shift = moved ? 0.5 - nearer / max(reach_a + reach_b, 1.0) : 0.0;
 
   // Spots smaller than an edge.
   float around = (2.0 * (up + down + left + right) + up_left + up_right + down_left + down_right) / 12.0;
-  float spot = smoothstep(0.0, 1.0, clamp(abs(around - here.a) / contrast, 0.0, 1.0));
-  shift = max(shift, 0.6 * spot * spot);
+  float spot = smoothstep(0.0, 1.0, clamp(abs(around - here.a) / max(contrast, 1e-3), 0.0, 1.0));
+  shift = edge ? max(shift, 0.6 * spot * spot) : 0.0;
   out_colour = vec4(textureLod(colour_map, place + normal * shift, 0.0).rgb, 1.0);
 }

@@ -1,6 +1,8 @@
 #include "souple/scene/codec.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdio>
 
 namespace souple::scene_format {
 
@@ -86,6 +88,28 @@ class Text : public Codec<std::string> {
 
  private:
   static constexpr int longest = 1000;
+};
+
+class HexColour : public Codec<std::uint32_t> {
+ public:
+  void read(const Json& json, const Place& place, std::uint32_t& value) const override {
+    const std::string_view text = json.text;
+    const bool shaped = json.is(Json::Kind::text) && text.size() == 7 && text[0] == '#';
+    std::uint32_t read = 0;
+    if (!shaped || std::from_chars(text.data() + 1, text.data() + 7, read, 16).ptr != text.data() + 7)
+      place.unexpected("a colour such as \"#d04a3f\" (red, green and blue, as in HTML)", json);
+    value = read;
+  }
+  Json write(const std::uint32_t& value) const override {
+    char text[8];
+    std::snprintf(text, sizeof(text), "#%06x", value & 0xffffffu);
+    return Json::of(text);
+  }
+  TypeInfo describe(Format&) const override {
+    Json schema = string_schema(7);
+    schema.set("pattern", Json::of("^#[0-9A-Fa-f]{6}$"));
+    return {"\"#rrggbb\"", schema};
+  }
 };
 
 class Name : public Codec<std::string> {
@@ -177,6 +201,9 @@ CodecPtr<bool> boolean() {
 }
 CodecPtr<std::string> text() {
   return std::make_shared<Text>();
+}
+CodecPtr<std::uint32_t> colour() {
+  return std::make_shared<HexColour>();
 }
 CodecPtr<std::string> name() {
   return std::make_shared<Name>();

@@ -211,6 +211,8 @@ CodecPtr<Vec3<T>> vector3(const Range& range) {
 CodecPtr<bool> boolean();
 /// Any text, at most 1000 bytes.
 CodecPtr<std::string> text();
+/// "#rrggbb", sRGB as in HTML, to 0xRRGGBB.
+CodecPtr<std::uint32_t> colour();
 /// The name of an object or collider: it becomes a file's name. Letters, digits, _ and -, at most 64 bytes.
 CodecPtr<std::string> name();
 /// A file that exists, looked for beside the scene.

@@ -627,6 +627,8 @@ void add_object_keys(Table<T>& keys) {
       .template key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "at the start [m/s]")
       .template key<&T::angular_velocity>("angular_velocity", vector3<float>(signed_range(fast)),
                                           "at the start, about the centre of mass [rad/s]")
+      .template key<&T::colour>("colour", maybe(colour()),
+                                "how pictures show it, as in HTML; if not given: one of eight")
       .template key<&T::pins>("pins", list(pin_codec(), 0, 10000), "vertices held where they are, or led")
       .template key<&T::attachments>("attachments", list(attachment_codec(), 0, 10000),
                                      "vertices held by springs");
@@ -805,6 +807,8 @@ CodecPtr<ColliderDescription> collider_codec() {
       .key<&C::restitution>(
           "restitution", number<float>(unit),
           "how much of the speed a bounce gives back; a contact has the larger of both sides")
+      .key<&C::colour>("colour", maybe(colour()),
+                       "how pictures show it, as in HTML; if not given: light grey")
       .key<&C::transform>("transform", pose_codec(), "where it stands")
       .key<&C::keyframes>("keyframes", keyframes_codec(), "where it goes, instead of `transform`")
       .key<&C::loop>("loop", boolean(), "starts the keyframes over after the last")

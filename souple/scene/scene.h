@@ -133,8 +133,9 @@ struct MaterialDescription : Material {
 struct ObjectDescription {
   std::string name;
   TransformDescription transform;
-  Vec3f velocity{};          ///< m/s
-  Vec3f angular_velocity{};  ///< rad/s
+  Vec3f velocity{};                     ///< m/s
+  Vec3f angular_velocity{};             ///< rad/s
+  std::optional<std::uint32_t> colour;  ///< 0xRRGGBB (sRGB), for those who show it
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;
 };
@@ -192,6 +193,7 @@ struct ColliderDescription {
   Shape shape{};
   float friction = 0.5f;
   float restitution = 0;
+  std::optional<std::uint32_t> colour;         ///< as of an object
   TransformDescription transform;              ///< its scale is 1
   std::vector<KeyframeDescription> keyframes;  ///< instead of the transform
   bool loop = false;

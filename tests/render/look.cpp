@@ -28,6 +28,7 @@ int look(int count, char** arguments) {
   Renderer renderer;
   Image image;
   for (int i = 0; i < 5; ++i) {
+    list.surfaces[0].version = std::uint64_t(i);
     const auto begin = std::chrono::steady_clock::now();
     image = renderer.picture(list, Studio::camera(), options, width, height);
     const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;

@@ -22,7 +22,7 @@ std::vector<Vec3d> heap() {
 }  // namespace
 
 Studio::Studio(int steps, int cloth_side)
-    : ball_(sphere(5, 0.42)), box_(box({0.4, 0.6, 0.4})), small_box_(box({0.24, 0.24, 0.24})) {
+    : ball_(sphere(5, 0.412)), box_(box({0.4, 0.6, 0.4})), small_box_(box({0.24, 0.24, 0.24})) {
   world_.add_collider(Plane{});
   world_.add_collider(Sphere{.center = {0, 0.42f, 0}, .radius = 0.42f}, {.friction = 0.3f});
   world_.add_collider(Box{.center = {0.85f, 0.3f, -0.35f}, .half_extents = {0.2f, 0.3f, 0.2f}});

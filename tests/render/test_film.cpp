@@ -105,12 +105,17 @@ void make_film(const fs::path& file, double rate, int frames, int width = 64, in
   film.finish();
 }
 
+const std::uint8_t* frame_of(const std::string& pixels, std::size_t frame, std::size_t width,
+                             std::size_t height) {
+  return reinterpret_cast<const std::uint8_t*>(pixels.data()) + frame * 4 * width * height;
+}
+
 /// Largest difference in the middle of the four fields.
 int worst_in_fields(const std::uint8_t* pixels, int width, const Image& expected) {
   int worst = 0;
   for (const int y : {expected.height / 4, 3 * expected.height / 4}) {
     for (const int x : {expected.width / 4, 3 * expected.width / 4}) {
-      const std::uint8_t* const found = pixels + 4 * (y * width + x);
+      const std::uint8_t* const found = pixels + std::ptrdiff_t{4} * (y * width + x);
       for (int i = 0; i < 3; ++i)
         worst = std::max(worst, std::abs(int(found[i]) - int(expected.at(x, y)[i])));
     }
@@ -126,7 +131,7 @@ TEST_F(Films, Mp4HasEveryPictureInItsColours) {
   const std::string pixels = decoded(folder_ / "a.mp4");
   ASSERT_EQ(pixels.size(), 10u * 4 * 64 * 48);
   for (int i = 0; i < 10; ++i) {
-    const auto* const frame = reinterpret_cast<const std::uint8_t*>(pixels.data()) + i * 4 * 64 * 48;
+    const std::uint8_t* const frame = frame_of(pixels, static_cast<std::size_t>(i), 64, 48);
     EXPECT_LE(worst_in_fields(frame, 64, fields(64, 48, i)), 6) << "frame " << i;
   }
 }
@@ -137,7 +142,7 @@ TEST_F(Films, Mp4OfOddSizesRepeatsTheEdge) {
   EXPECT_EQ(probe(folder_ / "odd.mp4"), "64,48,30/1,3\n");
   const std::string pixels = decoded(folder_ / "odd.mp4");
   ASSERT_EQ(pixels.size(), 3u * 4 * 64 * 48);
-  const auto* const corner = reinterpret_cast<const std::uint8_t*>(pixels.data()) + 4 * (48 * 64 - 1);
+  const std::uint8_t* const corner = frame_of(pixels, 1, 64, 48) - 4;
   EXPECT_NEAR(corner[0], 230, 8);  // not black
   make_film(folder_ / "dot.mp4", 30, 2, 1, 1);
   EXPECT_EQ(probe(folder_ / "dot.mp4"), "2,2,30/1,2\n");
@@ -151,7 +156,7 @@ TEST_F(Films, GifShowsTheVeryColours) {
   const std::string pixels = decoded(folder_ / "a.gif");
   ASSERT_EQ(pixels.size(), 8u * 4 * 63 * 47);
   for (int i = 0; i < 8; ++i) {
-    const auto* const frame = reinterpret_cast<const std::uint8_t*>(pixels.data()) + i * 4 * 63 * 47;
+    const std::uint8_t* const frame = frame_of(pixels, static_cast<std::size_t>(i), 63, 47);
     EXPECT_LE(worst_in_fields(frame, 63, fields(63, 47, i)), 3) << "frame " << i;
   }
 }

@@ -168,7 +168,7 @@ TEST(Png, FewColoursStayExact) {
   const Folder folder;
   Image image(64, 64);
   const std::vector<PackedColour> colours{0xff102030, 0xffa0b0c0, 0xff00ff80};
-  for (std::size_t i = 0; i < 64 * 64; ++i) {
+  for (std::size_t i = 0; i < 4096; ++i) {
     for (std::size_t c = 0; c < 4; ++c) image.pixels[4 * i + c] = std::uint8_t(colours[i * i % 3] >> (8 * c));
   }
   write_png(folder.path / "a.png", image, 16);

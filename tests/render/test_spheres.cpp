@@ -82,16 +82,22 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
     DrawList list = without_ground();
     list.spheres.push_back(one_ball(c.centre, c.radius));
     const std::vector<bool> mask = drawn(list, camera);
-    int inside = 0, wrong = 0;
+    const PickImage picked = renderer().pick_image(list, camera, width, height);
+    int inside = 0, wrong = 0, wrong_picks = 0;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
+        const auto i = std::size_t(y * width + x);
+        // Pictures have soft edges, picks have none.
+        const std::optional<int> seen = sure(ball, camera, x, y, width, height, 1);
         const std::optional<int> hit = sure(ball, camera, x, y, width, height, 0.1);
+        if (seen) wrong += (*seen == 0) != mask[i];
         if (!hit) continue;
         inside += *hit == 0;
-        wrong += (*hit == 0) != mask[std::size_t(y * width + x)];
+        wrong_picks += (*hit == 0) != (picked.pick[i] == 7);
       }
     }
     EXPECT_EQ(wrong, 0) << "fov " << c.fov << ", centre " << c.centre.x;
+    EXPECT_EQ(wrong_picks, 0) << "fov " << c.fov << ", centre " << c.centre.x;
     EXPECT_GT(inside, 4) << "fov " << c.fov << ", centre " << c.centre.x;
   }
 }

@@ -114,6 +114,8 @@ std::vector<Mistake> mistakes() {
       {"flat camera",
        R"({"souple": 1, "camera": {"from": [1, 1, 1], "to": [1, 1, 1]}})",
        {"camera", "same point"}},
+      {"colour by name", cloth(R"(, "colour": "red")"), {"objects[0].colour", "\"red\"", "#d04a3f"}},
+      {"colour with a letter too far", cloth(R"(, "colour": "#d04a3g")"), {"objects[0].colour", "#d04a3g"}},
       {"plane without direction",
        R"({"souple": 1, "colliders": [{"shape": {"plane": {"normal": [0, 0, 0]}}}]})",
        {"colliders[0].shape.plane.normal", "zero"}},

@@ -15,7 +15,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
     "objects": [
       {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 80, "rows": 48, "size": 2.0, "diagonals": "one_way"}},
        "transform": {"translate": [0, 2, 0], "rotate": [90, 0, 0], "scale": 1.5}, "velocity": [1, 2, 3],
-       "angular_velocity": [4, 5, 6], "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
+       "angular_velocity": [4, 5, 6], "colour": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
        "tethers": {"slack": 0.1},
        "material": {"preset": "silk", "areal_density": 0.08, "stretch": "membrane", "bending": "dihedral"},
        "pins": [{"in_box": [[-1.01, 1, -1], [-0.99, 3, 1]]}, {"nearest": [1, 2, 3], "about": [0, 1, 0], "loop": true,
@@ -58,6 +58,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(grid.size, 2);
   EXPECT_EQ(grid.diagonals, Diagonals::one_way);
   EXPECT_EQ(flag.transform.rotate, Vec3d(90, 0, 0));
+  EXPECT_EQ(flag.colour, 0x0af0c8u);
   EXPECT_EQ(flag.transform.scale, 1.5);
   EXPECT_EQ(flag.velocity, Vec3f(1, 2, 3));
   EXPECT_EQ(flag.angular_velocity, Vec3f(4, 5, 6));

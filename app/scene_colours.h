@@ -1,0 +1,11 @@
+#pragma once
+
+#include "render/subject.h"
+#include "souple/scene/scene.h"
+
+namespace souple::app {
+
+/// Gives the bodies and colliders of `subject` the colours that the scene's entries of the same name ask for.
+void add_colours(const SceneDescription& scene, render::Subject& subject);
+
+}  // namespace souple::app

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "souple/geometry/triangle_mesh.h"
+#include "souple/math/vec3.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple::render {
+
+/// A surface whose sharp edges stay sharp to the eye: vertices on them are doubled, one for each of the
+/// smooth parts that meet there, each with a normal of its own.
+class CreasedSurface {
+ public:
+  CreasedSurface() = default;
+  /// Edges are sharp where triangles meet at more than 60 degrees at rest.
+  CreasedSurface(std::span<const Vec3d> rest, std::span<const Triangle> triangles);
+
+  /// Whether there is a sharp edge; without one the surface is as it was given.
+  bool has_creases() const { return source_.size() > vertices_; }
+  /// Positions and normals, when the given vertices are at `positions`.
+  void update(std::span<const Vec3f> positions);
+
+  std::span<const Vec3f> positions() const { return positions_; }
+  std::span<const Vec3f> normals() const { return normals_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+  /// Per vertex of this surface: which of the given ones it is.
+  std::span<const std::uint32_t> source() const { return source_; }
+
+ private:
+  std::size_t vertices_ = 0;  ///< given
+  std::vector<Triangle> triangles_;
+  std::vector<std::uint32_t> source_;
+  std::vector<Vec3f> positions_, normals_;
+};
+
+}  // namespace souple::render

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""The viewer in a real window, with a real keyboard and mouse: test_view_window.py PROGRAM [unittest's arguments].
+
+The screen is Xvfb's, the hand is xdotool's; without them the tests that need a screen are skipped.
+"""
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 1 else ""
+MISSING = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
+PATIENCE = 60  # s; a busy machine without a graphics card draws slowly
+
+
+def png_size(path):
+    head = path.read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is no PNG"
+    return struct.unpack(">II", head[16:24])
+
+
+class Screen:
+    def __init__(self):
+        read, write = os.pipe()
+        self.process = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24"],
+                                        pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as pipe:
+            self.name = ":" + pipe.readline().strip()
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+class NoScreen(unittest.TestCase):
+    def test_is_said(self):
+        environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        for display in (None, ":4321"):
+            if display:
+                environment["DISPLAY"] = display
+            done = subprocess.run([PROGRAM, "view", "curtain"], env=environment, capture_output=True, text=True,
+                                  timeout=PATIENCE)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn("souple render", done.stderr)
+
+    def test_bad_input_comes_before_any_window(self):
+        for arguments in (["no_such_scene"], ["curtain", "--size", "0x3"], ["/"]):
+            done = subprocess.run([PROGRAM, "view", *arguments], capture_output=True, text=True, timeout=PATIENCE)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertNotIn("window can be opened", done.stderr)
+
+
+@unittest.skipIf(MISSING, "install the packages of " + ", ".join(MISSING) + " to test a real window")
+class Window(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="souple-window-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.screen = Screen()
+        self.addCleanup(self.screen.close)
+        self.environment = dict(os.environ, DISPLAY=self.screen.name, LC_ALL="C.UTF-8")
+        self.environment.pop("WAYLAND_DISPLAY", None)
+
+    def start(self, *arguments):
+        process = subprocess.Popen([PROGRAM, "view", *arguments], cwd=self.folder, env=self.environment,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def hand(self, *arguments):
+        return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, capture_output=True, text=True,
+                              timeout=PATIENCE).stdout.strip()
+
+    def wait_for(self, what, condition):
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            found = condition()
+            if found:
+                return found
+            time.sleep(0.1)
+        self.fail(f"waited in vain for {what}")
+
+    def window_called(self, title):
+        return self.wait_for(f"a window called {title}", lambda: self.hand("search", "--name", f"^{title}$"))
+
+    def picture(self, number):
+        path = self.folder / f"souple-curtain-{number:04}.png"
+        self.hand("key", "s")
+        self.wait_for(path.name, path.exists)
+        return png_size(path)
+
+    def test_a_session(self):
+        viewer = self.start("curtain", "--size", "640x400", "--debug")
+        window = self.window_called("Souple: curtain")
+        self.hand("windowfocus", window)
+
+        width, height = self.picture(1)
+        self.assertTrue(300 < width < 640 and 200 < height < 400, (width, height))
+
+        # Grabs the curtain, orbits, pans, zooms; none of it ends the program.
+        self.hand("mousemove", "--window", window, 460, 160, "mousedown", 1)
+        for x in range(460, 560, 20):
+            self.hand("mousemove", "--window", window, x, 140)
+        self.hand("mouseup", 1, "mousemove", "--window", window, 600, 40, "mousedown", 3)
+        self.hand("mousemove", "--window", window, 580, 60, "mouseup", 3, "click", 4, "click", 5)
+        for key in ("space", "period", "comma", "r", "2", "w", "c", "f", "h"):
+            self.hand("key", key)
+        self.wait_for("the panels to be hidden", lambda: self.hidden_panels_show())
+
+        self.hand("windowsize", window, 320, 240)
+        self.wait_for("the smaller picture", lambda: self.next_picture() == (320, 240))
+        for size in ((1, 1), (200, 1), (400, 300)):
+            self.hand("windowsize", window, *size)
+            time.sleep(0.3)
+        self.hand("windowunmap", window)
+        time.sleep(0.5)
+        self.hand("windowmap", window)
+        self.hand("windowfocus", window)
+        self.wait_for("the picture after that", lambda: self.next_picture() == (400, 300))
+
+        self.hand("key", "p")
+        window = self.window_called("Souple: balloon")
+        self.assertIsNone(viewer.poll())
+        self.hand("key", "Escape")
+        output, errors = viewer.communicate(timeout=PATIENCE)
+        self.assertEqual(viewer.returncode, 0, errors)
+        self.assertEqual(errors, "")
+        self.assertIn("souple-curtain-0001.png", output)
+
+    def next_picture(self):
+        number = 1 + len(list(self.folder.glob("*.png")))
+        return self.picture(number)
+
+    def hidden_panels_show(self):
+        return self.next_picture() == (640, 400)
+
+    def test_ends_after_so_many_pictures(self):
+        viewer = self.start("curtain", "--size", "200x150", "--frames", "3", "--paused", "--debug")
+        _, errors = viewer.communicate(timeout=PATIENCE)
+        self.assertEqual((viewer.returncode, errors), (0, ""))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
