@@ -44,6 +44,8 @@ struct ViewRequest {
   bool paused = false, debug = false;
 };
 int view(const ViewRequest& request);
+/// Whether the viewer was built in.
+bool has_viewer();
 
 int list(bool as_json);
 

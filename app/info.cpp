@@ -49,6 +49,7 @@ int info(InfoPart part) {
               mesh_import_has_assimp() ? "yes" : "no (not built in)");
   std::printf("caches: PC2, MDD, OBJ, PLY\n");
   std::fputs(picture_support().c_str(), stdout);
+  std::printf("viewer: %s\n", has_viewer() ? "yes" : "no (not built in)");
   print_folders();
   return fine;
 }

@@ -31,6 +31,7 @@ constexpr const char* main_footer = R"(Examples:
   souple run --resume out/flag                 goes on with a run that was interrupted
   souple render flag                           simulates one, writes a picture of its end, out/flag.png
   souple render out/flag --out flag.mp4        makes a film of a run
+  souple view flag                             shows one in a window while it runs
   souple check my/scene.json                   reads a scene and says what it holds
 
 Exit codes: 0 fine, 1 writing failed, 2 bad input, 3 the simulation went bad, 130 interrupted.)";

@@ -5,6 +5,10 @@
 
 namespace souple::app {
 
+bool has_viewer() {
+  return false;
+}
+
 int view(const ViewRequest&) {
   throw Error(
       "this program was built without its viewer: install the Debian packages libepoxy-dev libegl-dev "

@@ -1,6 +1,7 @@
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
+#include "app/interrupt.h"
 #include "app/picture_words.h"
 #include "app/view/scene_list.h"
 #include "app/view/window.h"
@@ -29,6 +30,10 @@ std::filesystem::path what_to_view(const std::string& what) {
 
 }  // namespace
 
+bool has_viewer() {
+  return true;
+}
+
 int view(const ViewRequest& request) {
   viewer::WindowOptions window;
   if (!request.size.empty()) {
@@ -41,8 +46,11 @@ int view(const ViewRequest& request) {
   viewer::SceneList scenes(shipped_scenes());
   // Before any window: what is wrong with a scene is said in the terminal it was named in.
   std::unique_ptr<viewer::Session> session = scenes.open(what_to_view(request.source));
+  // Ctrl-C in the terminal finishes a film that is being made.
+  watch_interrupts();
+  window.interrupted = interrupt_came;
   viewer::run_window(std::move(scenes), std::move(session), window);
-  return fine;
+  return interrupt_came() ? interrupted : fine;
 }
 
 }  // namespace souple::app

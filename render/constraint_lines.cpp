@@ -102,26 +102,30 @@ class Pen {
 /// What the legend has to know of the constraints of one kind.
 struct KindSummary {
   std::size_t count = 0;
-  float residual = 0;  ///< the largest
+  float residual = 0, strain = 0;  ///< the largest
   int colours = 0;
 };
 using Summary = std::map<std::string, KindSummary, std::less<>>;
 
-/// Largest residuals are known only after a first pass: units differ from kind to kind, so each has a scale
-/// of its own.
-Summary summarise(const World& world) {
-  Summary summary;
-  DebugDraw draw;
-  draw.constraint = [&](const DebugConstraint& c) {
-    auto place = summary.find(c.kind);
-    if (place == summary.end()) place = summary.try_emplace(std::string(c.kind)).first;
-    KindSummary& kind = place->second;
-    ++kind.count;
-    kind.residual = std::max(kind.residual, c.residual);
-    kind.colours = std::max(kind.colours, c.colour + 1);
-  };
-  world.debug_draw(draw);
-  return summary;
+void note(Summary& summary, const DebugConstraint& c) {
+  auto place = summary.find(c.kind);
+  if (place == summary.end()) place = summary.try_emplace(std::string(c.kind)).first;
+  KindSummary& kind = place->second;
+  ++kind.count;
+  kind.residual = std::max(kind.residual, c.residual);
+  kind.strain = std::max(kind.strain, std::abs(c.strain));
+  kind.colours = std::max(kind.colours, c.colour + 1);
+}
+
+/// The largest values of each kind have to be known before the first line: units differ from kind to kind, so
+/// each has a scale of its own.
+bool takes_two_passes(ConstraintDisplay display) {
+  return display == ConstraintDisplay::residual || display == ConstraintDisplay::strain;
+}
+
+/// Kinds without a strain would hide those that have one.
+bool has_strain(const Summary& summary, std::string_view kind) {
+  return kind == "distance" || summary.find(kind)->second.strain > 0;
 }
 
 PackedColour colour_of(const DebugConstraint& c, const DisplayOptions& options, const HeatScale& heat,
@@ -159,6 +163,8 @@ void explain(const Summary& summary, const DisplayOptions& options, const HeatSc
     case ConstraintDisplay::strain:
       legend.title("constraints by |strain|");
       legend.scale(heat, 100 * options.largest_strain, "%");
+      for (const auto& [kind, of] : summary)
+        if (has_strain(summary, kind)) legend.title(kind + "  " + std::to_string(of.count));
       return;
     case ConstraintDisplay::residual:
       legend.title("constraints by residual |C|, from 0 (dark) to");
@@ -182,10 +188,17 @@ PackedColour kind_colour(std::string_view kind) {
 void draw_constraints(const World& world, const DisplayOptions& options, const HeatScale& heat, float size,
                       std::vector<Line>& lines, Legend& legend) {
   if (options.constraints == ConstraintDisplay::none) return;
-  const Summary summary = summarise(world);
-  Pen pen(lines, size);
+  Summary summary;
   DebugDraw draw;
+  const bool two_passes = takes_two_passes(options.constraints);
+  if (two_passes) {
+    draw.constraint = [&](const DebugConstraint& c) { note(summary, c); };
+    world.debug_draw(draw);
+  }
+  Pen pen(lines, size);
   draw.constraint = [&](const DebugConstraint& c) {
+    if (!two_passes) note(summary, c);
+    if (options.constraints == ConstraintDisplay::strain && !has_strain(summary, c.kind)) return;
     pen.draw(c.kind, c.points, thinned(c.kind, colour_of(c, options, heat, summary)));
   };
   world.debug_draw(draw);

@@ -64,8 +64,7 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   guarded([&] { obey_keys(); });
   lay_out();  // a key may have hidden the panels
   guarded([&] { use_mouse(); });
-  // A film has every frame, however long a picture takes.
-  guarded([&] { session_->advance(film_ ? 1 / session_->frame_rate() : seconds); });
+  guarded([&] { go_on(seconds); });
   announce_trouble();
   if (panels_shown_) {
     draw_panel();
@@ -84,6 +83,16 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   draw_scene(framebuffer);
 }
 
+void Viewer::go_on(double seconds) {
+  try {
+    // A film has every frame, however long a picture takes.
+    session_->advance(film_ ? 1 / session_->frame_rate() : seconds);
+  } catch (const Error&) {
+    session_->set_playing(false);  // said once, not with every picture
+    throw;
+  }
+}
+
 void Viewer::lay_out() {
   const ImGuiIO& io = ImGui::GetIO();
   area_.scale = io.DisplayFramebufferScale.x > 0 ? io.DisplayFramebufferScale.x : 1;
@@ -99,8 +108,15 @@ void Viewer::lay_out() {
   area_.height -= static_cast<int>(std::min(bar, 0.4f * static_cast<float>(height_)));
 }
 
-void Viewer::update_list() {
+/// Each session numbers its worlds from 1: told apart here, or one scene would be drawn with another's
+/// triangles.
+void Viewer::look_at_session() {
   subject_ = session_->subject();
+  subject_.topology += session_number_ << 32;
+}
+
+void Viewer::update_list() {
+  look_at_session();
   drawing_.update(subject_, display_);
   if (mouse_.grabbing()) {
     const render::PackedColour colour = render::pack(render::srgb(theme::warm));
@@ -127,6 +143,7 @@ void Viewer::show(std::unique_ptr<Session> session) {
   mouse_.forget();
   subject_ = {};
   session_ = std::move(session);
+  ++session_number_;
   chosen_object_ = 0;
   trouble_told_ = false;
   if (const std::optional<render::Camera> camera = session_->camera()) {
@@ -235,7 +252,7 @@ void Viewer::use_mouse() {
 
 std::optional<Mouse::Found> Viewer::pick(int x, int y) {
   if (x < 0 || y < 0 || x >= area_.width || y >= area_.height) return std::nullopt;
-  subject_ = session_->subject();
+  look_at_session();
   const render::DrawList& list = drawing_.update(subject_, display_);
   const render::Picked picked = renderer_.pick(list, camera_, x, y, area_.width, area_.height);
   if (picked.pick == 0 || picked.pick > subject_.bodies.size()) return std::nullopt;

@@ -65,6 +65,7 @@ class Viewer {
 
  private:
   void guarded(const std::function<void()>& what);
+  void go_on(double seconds);
   void show(std::unique_ptr<Session> session);
   void open_entry(std::size_t entry);
   void announce_trouble();
@@ -82,6 +83,7 @@ class Viewer {
   void switch_film();
   void add_to_film();
   void lay_out();
+  void look_at_session();
   void update_list();
   void draw_scene(std::uint32_t framebuffer);
 
@@ -100,6 +102,7 @@ class Viewer {
 
   SceneList scenes_;
   std::unique_ptr<Session> session_;
+  std::uint64_t session_number_ = 0;
   ViewerOptions options_;
   render::Camera camera_;
   render::DisplayOptions display_;

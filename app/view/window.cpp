@@ -139,6 +139,7 @@ void loop(Window& window, Viewer& viewer, const WindowOptions& options) {
     viewer.frame(timer.lap());
     if (options.debug) render::throw_gl_errors();
     window.set_title("Souple: " + viewer.session().name());
+    if (options.interrupted && options.interrupted()) return;
     if (viewer.done() || glfwWindowShouldClose(window.get()) != 0) return;
     glfwSwapBuffers(window.get());
     // Nothing is waited for while nothing is shown.

@@ -5,6 +5,7 @@
 #include "app/view/viewer.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -14,6 +15,7 @@ struct WindowOptions {
   int width = 1440, height = 900;
   std::optional<std::uint64_t> frames;  ///< ends after so many pictures
   bool debug = false;                   ///< an OpenGL error ends the program with its message
+  std::function<bool()> interrupted;    ///< asked with every picture; true ends it. May be empty
   ViewerOptions viewer{};
 };
 

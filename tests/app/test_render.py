@@ -298,6 +298,17 @@ class Films(RenderCase):
             self.render(self.scene(SCENE), "--out", name)
         self.assertEqual((self.folder / "a.mp4").read_bytes(), (self.folder / "b.mp4").read_bytes())
 
+    def test_an_ffmpeg_that_fails(self):
+        scene = self.scene(SCENE)
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin/ffmpeg").write_text("#!/bin/sh\necho 'no space left' >&2\nexit 1\n")
+        (self.folder / "bin/ffmpeg").chmod(0o755)
+        self.environment["PATH"] = str(self.folder / "bin")
+        done = self.render(scene, "--out", "a.mp4", code=1)
+        self.assert_one_line(done.stderr)
+        self.assertIn("a.mp4: ffmpeg failed: no space left", done.stderr)
+        self.assertEqual(self.names(), ["bin", "bin/ffmpeg", "small.json"])
+
     def test_without_ffmpeg(self):
         scene = self.scene(SCENE)
         self.environment["PATH"] = ""

@@ -190,6 +190,35 @@ TEST_F(View, GoesThroughTheScenes) {
   EXPECT_EQ(view.viewer().session().name(), "grains");
 }
 
+/// What the scene alone looks like at its start.
+render::Image at_the_start(OffscreenViewer& view) {
+  if (view.viewer().session().playing()) view.type(" ");
+  view.type("3");
+  if (view.viewer().panels_shown()) view.type("h");
+  view.pictures(2);
+  return view.image();
+}
+
+TEST(ViewScenes, ASceneAfterAnotherLooksAsItDoesAlone) {
+  Scenes scenes;
+  std::string coarse = cloth;
+  coarse.replace(coarse.find("11"), 2, "5");
+  const std::filesystem::path file = scenes.folder.write("coarse.json", coarse);
+  const WindowSize size{600, 400, 0.5f};
+  render::Image alone, after;
+  {
+    OffscreenViewer view(file, size);
+    alone = at_the_start(view);
+  }
+  {
+    OffscreenViewer view(scenes.list[0].file, size);
+    EXPECT_NE(at_the_start(view), alone);
+    view.viewer().open(file);
+    after = at_the_start(view);
+  }
+  EXPECT_EQ(after, alone);
+}
+
 // --- the mouse
 
 TEST_F(View, AGrabbedClothFollowsTheMouseAndIsReleased) {

@@ -6,6 +6,7 @@ The screen is Xvfb's, the hand is xdotool's; without them the tests that need a 
 
 import os
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -144,6 +145,19 @@ class Window(unittest.TestCase):
 
     def hidden_panels_show(self):
         return self.next_picture() == (640, 400)
+
+    def test_an_interrupt_finishes_the_film(self):
+        viewer = self.start("balloon", "--size", "400x200")
+        self.hand("windowfocus", self.window_called("Souple: balloon"))
+        if shutil.which("ffmpeg"):
+            self.hand("key", "v")
+            self.wait_for("the film to begin", lambda: list(self.folder.glob("souple-balloon-0001*")))
+            time.sleep(1)
+        viewer.send_signal(signal.SIGINT)
+        _, errors = viewer.communicate(timeout=PATIENCE)
+        self.assertEqual((viewer.returncode, errors), (130, ""))
+        films = ["souple-balloon-0001.mp4"] if shutil.which("ffmpeg") else []
+        self.assertEqual([path.name for path in self.folder.iterdir()], films)
 
     def test_ends_after_so_many_pictures(self):
         viewer = self.start("curtain", "--size", "200x150", "--frames", "3", "--paused", "--debug")

@@ -452,6 +452,23 @@ TEST(Display, TheLegendNamesEveryKindOfConstraint) {
   EXPECT_EQ(in_use, colours);
 }
 
+TEST(Display, StrainOfConstraintsIsShownWhereThereIsOne) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(4, 3, 1.0));  // bending has no strain
+  std::vector<Vec3f> x(world.positions(cloth).begin(), world.positions(cloth).end());
+  for (Vec3f& p : x) p = p * 1.05f;
+  world.set_positions(cloth, x);
+  SubjectDrawing drawing;
+  const DrawList& list =
+      drawing.update(subject_of(world), {.constraints = ConstraintDisplay::strain, .largest_strain = 0.1f});
+  EXPECT_EQ(list.top_lines.size(), 3u * 3 + 4 * 2 + 6);
+  const HeatScale scale;
+  for (const Line& line : list.top_lines)
+    EXPECT_TRUE(line.colour == scale(0.5f) || line.colour == scale(0.498f) || line.colour == scale(0.502f));
+  EXPECT_TRUE(legend_names(list, "distance"));
+  EXPECT_FALSE(legend_names(list, "bending"));
+}
+
 TEST(Display, SegmentsOfDistancesLieOnTheEdgesOfTheCloth) {
   World world;
   const ObjectId cloth = world.add_cloth(grid(4, 3, 1.0), {.bending_stiffness = 0});
