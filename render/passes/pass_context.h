@@ -13,10 +13,13 @@
 //   shadow     casters from the sun                              -> depth           (target depth)
 //   material   surfaces, spheres, ground                         -> albedo, normal, depth  (target material)
 //   occlusion  how much sky each pixel sees, from normal, depth
-//   lighting   one full-screen shader lights what it finds there -> colour (linear, HDR)
+//   lighting   one full-screen shader lights what it finds there, with shadows and occlusion, and tone-maps
+//   it
+//              -> colour (linear)
 //   lines      over that colour, hidden by that depth
-// and at the end the samples' mean is tone-mapped into the caller's framebuffer, and labels drawn over it.
-// A pass that draws geometry has one fragment shader for all targets, compiled with a #define for each.
+// and at the end the samples' mean (or, of one sample, the colour with its edges smoothed) is sRGB-encoded
+// into the caller's framebuffer, and labels are drawn over it. A pass that draws geometry has one fragment
+// shader for all targets, compiled with a #define for each.
 
 namespace souple::render {
 

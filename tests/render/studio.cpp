@@ -10,11 +10,17 @@ ObjectOptions placed(const Vec3d& at) {
   return options;
 }
 
+// 6 x 6 x 5 grains, each layer a little beside the one below.
 std::vector<Vec3d> heap() {
   std::vector<Vec3d> centres;
-  for (int i = 0; i < 6 * 6 * 5; ++i) {
-    centres.push_back(
-        {-1.05 + 0.071 * (i % 6) + 0.004 * (i / 36), 0.05 + 0.071 * (i / 36), 0.45 + 0.071 * (i / 6 % 6)});
+  centres.reserve(180);
+  for (int layer = 0; layer < 5; ++layer) {
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column) {
+        centres.emplace_back(-1.05 + 0.071 * column + 0.004 * layer, 0.05 + 0.071 * layer,
+                             0.45 + 0.071 * row);
+      }
+    }
   }
   return centres;
 }
