@@ -21,6 +21,7 @@ std::vector<std::string> names_of(std::size_t count, Name name, bool numbered) {
 
 std::vector<const char*> pointers(const std::vector<std::string>& names) {
   std::vector<const char*> list;
+  list.reserve(names.size());
   for (const std::string& name : names) list.push_back(name.c_str());
   return list;
 }
