@@ -136,6 +136,14 @@ std::string context_description() {
   return (epoxy_is_desktop_gl() ? "OpenGL " + version : version) + ", " + text(GL_RENDERER);
 }
 
+bool draws_in_software() {
+  const std::string renderer = context_description();
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SwiftShader"}) {
+    if (renderer.find(name) != std::string::npos) return true;
+  }
+  return false;
+}
+
 void watch_gl_errors() {
   gl_messages().clear();
   if (!epoxy_has_gl_extension("GL_KHR_debug")) return;  // then glGetError alone

@@ -24,6 +24,8 @@ class OffscreenContext {
 
 /// "OpenGL ES 3.2, llvmpipe (LLVM 15.0.6, 256 bits)" of the current context.
 std::string context_description();
+/// Whether the processor draws for lack of a graphics card: every pixel is dear then.
+bool draws_in_software();
 
 /// From now on every OpenGL error and high-severity message of the current context is counted (and thrown by
 /// `throw_gl_errors`); for tests, and for the viewer's --debug.

@@ -28,7 +28,8 @@ std::vector<const char*> pointers(const std::vector<std::string>& names) {
 
 }  // namespace
 
-void display_panel(render::DisplayOptions& display, render::RenderOptions& rendering, bool has_world) {
+void display_panel(render::DisplayOptions& display, render::RenderOptions& rendering, bool& half_resolution,
+                   bool has_world) {
   if (!section("Display")) return;
   const auto displays = names_of<render::Display>(render::display_count, render::display_name, true);
   int shown = static_cast<int>(display.display);
@@ -49,6 +50,7 @@ void display_panel(render::DisplayOptions& display, render::RenderOptions& rende
   check_row("Colliders", "##colliders", display.colliders);
   check_row("Shadows", "##shadows", rendering.shadows);
   check_row("Occlusion", "##occlusion", rendering.ambient_occlusion);
+  check_row("Half resolution", "##half_resolution", half_resolution);
 }
 
 }  // namespace souple::viewer

@@ -18,6 +18,7 @@ void forces_panel(Simulation& simulation);
 void material_panel(Simulation& simulation, std::size_t& chosen);
 void timing_panel(const Simulation& simulation);
 void numbers_panel(const Simulation& simulation);
-void display_panel(render::DisplayOptions& display, render::RenderOptions& rendering, bool has_world);
+void display_panel(render::DisplayOptions& display, render::RenderOptions& rendering, bool& half_resolution,
+                   bool has_world);
 
 }  // namespace souple::viewer

@@ -44,11 +44,12 @@ void ViewTarget::resize(int width, int height) {
   }
 }
 
-void ViewTarget::copy_to(std::uint32_t framebuffer, int x, int y) const {
+void ViewTarget::copy_to(std::uint32_t framebuffer, int x, int y, int width, int height) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
   glDisable(GL_SCISSOR_TEST);
-  glBlitFramebuffer(0, 0, width_, height_, x, y, x + width_, y + height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  const GLenum filter = width == width_ && height == height_ ? GL_NEAREST : GL_LINEAR;
+  glBlitFramebuffer(0, 0, width_, height_, x, y, x + width, y + height, GL_COLOR_BUFFER_BIT, filter);
 }
 
 render::Image read_framebuffer(std::uint32_t framebuffer, int width, int height) {

@@ -19,8 +19,8 @@ class ViewTarget {
   int width() const { return width_; }
   int height() const { return height_; }
   std::uint32_t framebuffer() const { return framebuffer_; }
-  /// Into another framebuffer, its lower left corner at (x, y) from the lower left.
-  void copy_to(std::uint32_t framebuffer, int x, int y) const;
+  /// Into another framebuffer, its lower left corner at (x, y) from the lower left, stretched to this size.
+  void copy_to(std::uint32_t framebuffer, int x, int y, int width, int height) const;
 
  private:
   void release();

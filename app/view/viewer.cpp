@@ -127,9 +127,11 @@ void Viewer::update_list() {
 void Viewer::draw_scene(std::uint32_t framebuffer) {
   if (width_ < 1 || height_ < 1) return;
   if (!area_.empty()) {
-    target_.resize(area_.width, area_.height);
-    renderer_.draw(drawing_.list(), camera_, rendering_, area_.width, area_.height, target_.framebuffer());
-    target_.copy_to(framebuffer, area_.x, height_ - area_.y - area_.height);
+    const int part = options_.half_resolution ? 2 : 1;
+    target_.resize(area_.width / part, area_.height / part);
+    renderer_.draw(drawing_.list(), camera_, rendering_, target_.width(), target_.height(),
+                   target_.framebuffer());
+    target_.copy_to(framebuffer, area_.x, height_ - area_.y - area_.height, area_.width, area_.height);
   }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width_, height_);

@@ -28,6 +28,7 @@ class Simulation;
 struct ViewerOptions {
   std::filesystem::path folder = ".";  ///< where screenshots and films are written
   bool paused = false;
+  bool half_resolution = false;  ///< of the scene on screen: a quarter of the pixels to draw
 };
 
 /// The viewer without its window: what is shown, how it answers to mouse and keys, its panels. Reads input

@@ -125,7 +125,7 @@ void Viewer::simulation_sections(Simulation& simulation) {
   guarded([&] { material_panel(simulation, chosen_object_); });
   guarded([&] { forces_panel(simulation); });
   numbers_panel(simulation);
-  display_panel(display_, rendering_, true);
+  display_panel(display_, rendering_, options_.half_resolution, true);
   ImGui::Dummy({0, 6});
   if (wide_button("Copy as scene file###copy", share_of_line(1))) {
     simulation.set_camera(camera_);
@@ -142,7 +142,7 @@ void Viewer::recording_section(const Recording& recording) {
     for (const render::Body& body : recording.subject().bodies) points += body.positions.size();
     value_row("Points", std::to_string(points));
   }
-  display_panel(display_, rendering_, false);
+  display_panel(display_, rendering_, options_.half_resolution, false);
 }
 
 void Viewer::draw_status() {

@@ -155,7 +155,9 @@ void run_window(SceneList scenes, std::unique_ptr<Session> session, const Window
   if (options.debug) render::watch_gl_errors();
   const Ui ui(window.scale());
   const WindowInput input(window.get());
-  Viewer viewer(std::move(scenes), std::move(session), options.viewer);
+  ViewerOptions viewer_options = options.viewer;
+  viewer_options.half_resolution = viewer_options.half_resolution || render::draws_in_software();
+  Viewer viewer(std::move(scenes), std::move(session), std::move(viewer_options));
   loop(window, viewer, options);
 }
 

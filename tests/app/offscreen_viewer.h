@@ -59,7 +59,7 @@ struct WindowSize {
 class OffscreenViewer {
  public:
   explicit OffscreenViewer(const std::filesystem::path& scene, const WindowSize& size = {},
-                           std::vector<app::ShippedScene> shipped = {})
+                           std::vector<app::ShippedScene> shipped = {}, bool half_resolution = false)
       : context_(render::Api::gl33) {
     render::watch_gl_errors();
     ui_ = std::make_unique<Ui>();
@@ -69,8 +69,8 @@ class OffscreenViewer {
     io().KeyMap[ImGuiKey_Enter] = 257;
     SceneList scenes(std::move(shipped));
     std::unique_ptr<Session> session = scenes.open(scene);
-    viewer_ =
-        std::make_unique<Viewer>(std::move(scenes), std::move(session), ViewerOptions{folder_.path(), false});
+    viewer_ = std::make_unique<Viewer>(std::move(scenes), std::move(session),
+                                       ViewerOptions{folder_.path(), false, half_resolution});
     viewer_->rendering().shadows = viewer_->rendering().ambient_occlusion = false;  // dear on a processor
   }
 

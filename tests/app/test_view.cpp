@@ -523,6 +523,25 @@ TEST_F(View, SmallAndMinimisedWindowsSurvive) {
   EXPECT_GT(view.viewer().area().width, 100);
 }
 
+TEST(ViewResolution, OfHalfFillsTheSameWindow) {
+  const Scenes scenes;
+  const WindowSize size{641, 403, 1};
+  const auto shown = [&](bool half) {
+    OffscreenViewer view(scenes.list[0].file, size, {}, half);
+    view.type("hr ");
+    view.picture();
+    return view.image();
+  };
+  const render::Image full = shown(false), half = shown(true);
+  ASSERT_EQ(full.pixels.size(), half.pixels.size());
+  double difference = 0;
+  for (std::size_t i = 0; i < full.pixels.size(); ++i)
+    difference += std::abs(int(full.pixels[i]) - int(half.pixels[i]));
+  difference /= static_cast<double>(full.pixels.size());
+  EXPECT_GT(difference, 0);
+  EXPECT_LT(difference, 4);  // of 255
+}
+
 TEST(ViewFont, OfImGuiServesWhereNoneIsInstalled) {
   const TestFolder folder;
   const render::OffscreenContext context(render::Api::gl33);
