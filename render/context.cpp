@@ -14,7 +14,7 @@ namespace souple::render {
 namespace {
 
 constexpr std::string_view remedy =
-    "; pictures need EGL and a driver: install the Debian packages libegl1, "
+    "; pictures need EGL, OpenGL and a driver: install the Debian packages libegl1, libgles2, "
     "libegl-mesa0 and libgl1-mesa-dri (the last one draws without a GPU, too)";
 
 [[noreturn]] void fail(const std::string& what) {
@@ -22,9 +22,10 @@ constexpr std::string_view remedy =
 }
 
 // libepoxy ends the program when a library or a function is missing, so both are looked for beforehand.
-void require_egl_library() {
-  void* library = dlopen("libEGL.so.1", RTLD_LAZY | RTLD_LOCAL);
-  if (library == nullptr) fail("there is no EGL on this machine (libEGL.so.1 cannot be loaded)");
+void require_library(const char* file, const char* what) {
+  void* library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
+  if (library == nullptr)
+    fail(std::string("there is no ") + what + " on this machine (" + file + " cannot be loaded)");
   dlclose(library);
 }
 
@@ -102,7 +103,8 @@ struct OffscreenContext::Impl {
 
 OffscreenContext::OffscreenContext(Api api) : impl_(std::make_unique<Impl>()) {
   const char* name = api == Api::es3 ? "OpenGL ES 3.0" : "OpenGL 3.3";
-  require_egl_library();
+  require_library("libEGL.so.1", "EGL");
+  if (api == Api::es3) require_library("libGLESv2.so.2", "OpenGL ES");
   const std::vector<EGLDisplay> candidates = displays();
   if (candidates.empty()) fail("EGL finds no driver on this machine that can draw without a screen");
   for (EGLDisplay display : candidates) {

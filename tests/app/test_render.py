@@ -388,6 +388,16 @@ class Refused(RenderCase):
         self.assertEqual(self.names(), ["small.json"])
 
 
+    def test_without_libraries_of_opengl(self):
+        broken = self.folder / "broken"
+        broken.mkdir()
+        self.environment["LD_LIBRARY_PATH"] = str(broken)
+        for library, package in (("libGLESv2.so.2", "libgles2"), ("libEGL.so.1", "libegl1")):
+            (broken / library).write_text("no library")
+            self.refused(self.scene(SCENE), "--out", "new/a.png", said=package)
+            (broken / library).unlink()
+
+
 class Trouble(RenderCase):
     def test_a_simulation_that_goes_bad(self):
         self.needs_ffmpeg()
