@@ -95,18 +95,33 @@ class Window(unittest.TestCase):
     def window_called(self, title):
         return self.wait_for(f"a window called {title}", lambda: self.hand("search", "--name", f"^{title}$"))
 
-    def picture(self, number):
+    def focus(self, window):
+        """Again and again: without a window manager a window that is not mapped yet takes no focus."""
+
+        def has_it():
+            self.hand("windowfocus", window)
+            return self.hand("getwindowfocus") == window
+
+        self.wait_for("the keyboard", has_it)
+
+    def picture(self, number, window):
         path = self.folder / f"souple-curtain-{number:04}.png"
-        self.hand("key", "s")
-        self.wait_for(path.name, path.exists)
+        asked = [0.0]
+
+        def is_there():
+            if time.monotonic() - asked[0] > 5:
+                self.focus(window)
+                self.hand("key", "s")
+                asked[0] = time.monotonic()
+            return path.exists()
+
+        self.wait_for(path.name, is_there)
         return png_size(path)
 
     def test_a_session(self):
         viewer = self.start("curtain", "--size", "640x400", "--debug")
         window = self.window_called("Souple: curtain")
-        self.hand("windowfocus", window)
-
-        width, height = self.picture(1)
+        width, height = self.picture(1, window)
         self.assertTrue(300 < width < 640 and 200 < height < 400, (width, height))
 
         # Grabs the curtain, orbits, pans, zooms; none of it ends the program.
@@ -117,18 +132,17 @@ class Window(unittest.TestCase):
         self.hand("mousemove", "--window", window, 580, 60, "mouseup", 3, "click", 4, "click", 5)
         for key in ("space", "period", "comma", "r", "2", "w", "c", "f", "h"):
             self.hand("key", key)
-        self.wait_for("the panels to be hidden", lambda: self.hidden_panels_show())
+        self.wait_for("the panels to be hidden", lambda: self.next_picture(window) == (640, 400))
 
         self.hand("windowsize", window, 320, 240)
-        self.wait_for("the smaller picture", lambda: self.next_picture() == (320, 240))
+        self.wait_for("the smaller picture", lambda: self.next_picture(window) == (320, 240))
         for size in ((1, 1), (200, 1), (400, 300)):
             self.hand("windowsize", window, *size)
             time.sleep(0.3)
         self.hand("windowunmap", window)
         time.sleep(0.5)
         self.hand("windowmap", window)
-        self.hand("windowfocus", window)
-        self.wait_for("the picture after that", lambda: self.next_picture() == (400, 300))
+        self.wait_for("the picture after that", lambda: self.next_picture(window) == (400, 300))
 
         self.hand("key", "p")
         window = self.window_called("Souple: balloon")
@@ -139,16 +153,12 @@ class Window(unittest.TestCase):
         self.assertEqual(errors, "")
         self.assertIn("souple-curtain-0001.png", output)
 
-    def next_picture(self):
-        number = 1 + len(list(self.folder.glob("*.png")))
-        return self.picture(number)
-
-    def hidden_panels_show(self):
-        return self.next_picture() == (640, 400)
+    def next_picture(self, window):
+        return self.picture(1 + len(list(self.folder.glob("*.png"))), window)
 
     def test_an_interrupt_finishes_the_film(self):
         viewer = self.start("balloon", "--size", "400x200")
-        self.hand("windowfocus", self.window_called("Souple: balloon"))
+        self.focus(self.window_called("Souple: balloon"))
         if shutil.which("ffmpeg"):
             self.hand("key", "v")
             self.wait_for("the film to begin", lambda: list(self.folder.glob("souple-balloon-0001*")))
