@@ -99,7 +99,11 @@ Checker solid_checker(std::span<const Vec3d> rest, const BoundingBox& box) {
 
 }  // namespace
 
-Checker cloth_checker(std::span<const Vec3d> rest, std::span<const Triangle> triangles) {
+Checker cloth_checker(std::span<const Vec3d> exact_rest, std::span<const Triangle> triangles) {
+  // As a cache holds them: a run's picture is then its scene's.
+  std::vector<Vec3d> rest;
+  rest.reserve(exact_rest.size());
+  for (const Vec3d& x : exact_rest) rest.emplace_back(Vec3f(x));
   const BoundingBox box = bounding_box(rest);
   const double diagonal = box.diagonal();
   if (!(diagonal > 0)) return {std::vector<Vec3f>(rest.size(), Vec3f{0.5f, 0.5f, 0.5f})};
