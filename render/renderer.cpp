@@ -131,6 +131,7 @@ struct Renderer::Impl {
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
               int width, int height, int sample) const;
   void bind(const Frame& frame);
+  PassContext begin_picking(const DrawList& list, const Camera& camera, int width, int height);
   void draw_material(const DrawList& list, const PassContext& context);
   void draw_lighting(const DrawList& list, const PassContext& context);
 };
@@ -282,16 +283,20 @@ Image Renderer::picture(const DrawList& list, const Camera& camera, const Render
   return image;
 }
 
+PassContext Renderer::Impl::begin_picking(const DrawList& list, const Camera& camera, int width, int height) {
+  default_state();
+  surfaces.update(list.surfaces);
+  spheres.update(list.spheres);
+  const Frame picked = frame(list, camera, {}, list.bounds(), width, height, 0);
+  bind(picked);
+  return {width, height, Target::pick, picked.view, picked.projection, camera.from};
+}
+
 Picked Renderer::pick(const DrawList& list, const Camera& camera, int x, int y, int width, int height) {
   if (x < 0 || y < 0 || x >= width || y >= height) return {};
   require_size(width, height);
   Impl& m = *impl_;
-  default_state();
-  m.surfaces.update(list.surfaces);
-  m.spheres.update(list.spheres);
-  const Frame frame = m.frame(list, camera, {}, list.bounds(), width, height, 0);
-  m.bind(frame);
-  const PassContext context{width, height, Target::pick, frame.view, frame.projection, camera.from};
+  const PassContext context = m.begin_picking(list, camera, width, height);
   const Picked picked = m.picking.pick(list, m.surfaces, m.spheres, context, x, y);
   default_state();
   return picked;
@@ -300,12 +305,7 @@ Picked Renderer::pick(const DrawList& list, const Camera& camera, int x, int y, 
 PickImage Renderer::pick_image(const DrawList& list, const Camera& camera, int width, int height) {
   require_size(width, height);
   Impl& m = *impl_;
-  default_state();
-  m.surfaces.update(list.surfaces);
-  m.spheres.update(list.spheres);
-  const Frame frame = m.frame(list, camera, {}, list.bounds(), width, height, 0);
-  m.bind(frame);
-  const PassContext context{width, height, Target::pick, frame.view, frame.projection, camera.from};
+  const PassContext context = m.begin_picking(list, camera, width, height);
   PickImage image = m.picking.image(list, m.surfaces, m.spheres, context);
   default_state();
   return image;
