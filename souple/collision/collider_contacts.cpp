@@ -227,9 +227,10 @@ ColliderContacts::Gap ColliderContacts::gap(const Shape& shape, const Contact& c
           local - surface.normal * surface.distance};
 }
 
-void ColliderContacts::project(int colour, const ParticleView& particles, const Substep&) {
+void ColliderContacts::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+                               const Substep&) {
   const Body& body = bodies_[static_cast<std::size_t>(colour)];
-  for (std::size_t c = body.contact_begin; c < body.contact_end; ++c)
+  for (std::size_t c = body.contact_begin + begin; c < body.contact_begin + end; ++c)
     project_one(body, contacts_[c], particles);
 }
 

@@ -60,7 +60,14 @@ class ColliderContacts final : public Projector {
   void prepare(std::size_t) override {}
   /// One colour per collider: a particle meets each collider once.
   int colour_count() const override { return static_cast<int>(bodies_.size()); }
-  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  std::size_t colour_size(int colour) const override {
+    const Body& body = bodies_[static_cast<std::size_t>(colour)];
+    return body.contact_end - body.contact_begin;
+  }
+  std::size_t grain() const override { return 64; }
+  using Projector::project;
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   /// Contacts live for one step; erasing between steps forgets them all.

@@ -277,7 +277,7 @@ float ParticleContacts::gap(const Contact& contact, const Vec3f& difference, Vec
   return l - contact.reach;
 }
 
-void ParticleContacts::project(int, const ParticleView& particles, const Substep&) {
+void ParticleContacts::project(int, std::size_t, std::size_t, const ParticleView& particles, const Substep&) {
   const std::size_t count = contacts_.size();
   for (std::size_t c = 0; c < count; ++c) project_one(contacts_[backwards_ ? count - 1 - c : c], particles);
   backwards_ = !backwards_;

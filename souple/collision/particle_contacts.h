@@ -5,6 +5,7 @@
 #include "souple/solver/projector.h"
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -56,7 +57,11 @@ class ParticleContacts final : public Projector {
   void prepare(std::size_t) override {}
   /// One, which must not be split: its pairs share particles.
   int colour_count() const override { return 1; }
-  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  std::size_t colour_size(int) const override { return contacts_.size(); }
+  std::size_t grain() const override { return std::numeric_limits<std::size_t>::max(); }
+  using Projector::project;
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;

@@ -1,31 +1,107 @@
 #pragma once
 
+#include "souple/constraints/column.h"
 #include "souple/constraints/constraint.h"
 
 #include <array>
 #include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
 #include <vector>
 
 namespace souple {
 
-/// The arrays of many constraints of one kind: data only, sorted by colour. Constraint i of every array is
-/// the same one.
+/// The arrays of many constraints of one kind, sorted by colour: data only. Each number of a constraint has
+/// an array of its own, so that neighbours load as one register.
 template <class Kind>
 struct ConstraintSet {
   using Params = typename Kind::template Params<float>;
   using Indices = std::array<std::uint32_t, Kind::arity>;
   using Compliance = std::array<float, compliance_size<Kind>>;
-  using Multipliers = std::array<float, rows_of<Kind>>;
+  static constexpr std::size_t arity = Kind::arity;
+  static constexpr std::size_t rows = rows_of<Kind>;
+  /// Params is this many floats.
+  static constexpr std::size_t param_count = sizeof(Params) / sizeof(float);
+  static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % sizeof(float) == 0,
+                "Params<T> has members of type T only");
 
-  std::vector<Indices> indices;             ///< particles
-  std::vector<Params> params;               ///< rest lengths and the like
-  std::vector<Compliance> compliance;       ///< alpha, packed lower triangle; unit: (unit of C)^2 / J
-  std::vector<float> damping_time;          ///< tau [s]: damping coefficient is tau / alpha (Kelvin-Voigt)
-  std::vector<float> stiffness;             ///< PBD mode only: k in [0, 1]
-  std::vector<Multipliers> multipliers;     ///< lambda of the substep; only as long as they are stored
+  std::array<std::vector<std::uint32_t>, arity> particles;  ///< particles[k][i]: the k-th of constraint i
+  std::array<Column, param_count> parameters;               ///< rest lengths and the like
+  std::array<Column, compliance_size<Kind>> compliances;    ///< alpha, packed; unit: (unit of C)^2 / J
+  Column damping_times;                                     ///< tau [s]: damping coefficient is tau / alpha
+  Column stiffnesses;                                       ///< PBD mode only: k in [0, 1]
+  std::array<std::vector<float>, rows> multipliers;         ///< lambda of the substep; only while stored
   std::vector<std::uint32_t> colour_begin;  ///< colour c is [colour_begin[c], colour_begin[c + 1])
 
-  std::size_t size() const { return indices.size(); }
+  std::size_t size() const { return particles[0].size(); }
+
+  Indices indices(std::size_t i) const {
+    Indices result;
+    for (std::size_t k = 0; k < arity; ++k) result[k] = particles[k][i];
+    return result;
+  }
+  Params params(std::size_t i) const {
+    float values[param_count];
+    for (std::size_t k = 0; k < param_count; ++k) values[k] = parameters[k][i];
+    Params result;
+    std::memcpy(&result, values, sizeof result);
+    return result;
+  }
+  void set_params(std::size_t i, const Params& params) {
+    float values[param_count];
+    std::memcpy(values, &params, sizeof params);
+    for (std::size_t k = 0; k < param_count; ++k) parameters[k].set(i, values[k]);
+  }
+  Compliance compliance(std::size_t i) const {
+    Compliance result;
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] = compliances[k][i];
+    return result;
+  }
+  float damping_time(std::size_t i) const { return damping_times[i]; }
+  float stiffness(std::size_t i) const { return stiffnesses[i]; }
+
+  void add(const Indices& indices, const Params& params, const Compliance& compliance, float damping_time,
+           float stiffness) {
+    float values[param_count];
+    std::memcpy(values, &params, sizeof params);
+    for (std::size_t k = 0; k < arity; ++k) particles[k].push_back(indices[k]);
+    for (std::size_t k = 0; k < param_count; ++k) parameters[k].push_back(values[k]);
+    for (std::size_t k = 0; k < compliance.size(); ++k) compliances[k].push_back(compliance[k]);
+    damping_times.push_back(damping_time);
+    stiffnesses.push_back(stiffness);
+  }
+
+  /// Keeps constraint order[k] as the k-th; those not listed are dropped. Colours and multipliers are void.
+  void reorder(std::span<const std::uint32_t> order) {
+    for (std::vector<std::uint32_t>& index : particles) {
+      std::vector<std::uint32_t> sorted;
+      sorted.reserve(order.size());
+      for (const std::uint32_t i : order) sorted.push_back(index[i]);
+      index = std::move(sorted);
+    }
+    for_each_column([order](Column& column) { column.reorder(order); });
+    for (std::vector<float>& values : multipliers) values.clear();
+  }
+
+  /// What the arrays take. [bytes]
+  std::size_t bytes() const {
+    std::size_t sum =
+        damping_times.bytes() + stiffnesses.bytes() + colour_begin.capacity() * sizeof(std::uint32_t);
+    for (const auto& index : particles) sum += index.capacity() * sizeof(std::uint32_t);
+    for (const Column& column : parameters) sum += column.bytes();
+    for (const Column& column : compliances) sum += column.bytes();
+    for (const auto& values : multipliers) sum += values.capacity() * sizeof(float);
+    return sum;
+  }
+
+ private:
+  template <class Function>
+  void for_each_column(const Function& f) {
+    for (Column& column : parameters) f(column);
+    for (Column& column : compliances) f(column);
+    f(damping_times), f(stiffnesses);
+  }
 };
 
 }  // namespace souple

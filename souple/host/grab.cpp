@@ -70,7 +70,9 @@ class GrabProjector final : public Projector {
   void prepare(std::size_t) override {}
   int colour_count() const override { return static_cast<int>(size()); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  std::size_t colour_size(int) const override { return 1; }
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
   Residual residual(const ParticleView&) const override { return {}; }  // a spring that is pulled is no error
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
@@ -124,7 +126,8 @@ void GrabProjector::begin_substep(const ParticleView& particles, const Substep&)
   target_ = x + shortened(state_->target - x, force_ / state_->stiffness);
 }
 
-void GrabProjector::project(int, const ParticleView& particles, const Substep& substep) {
+void GrabProjector::project(int, std::size_t, std::size_t, const ParticleView& particles,
+                            const Substep& substep) {
   const double h2 = static_cast<double>(substep.h) * static_cast<double>(substep.h);
   const double alpha = 1 / (state_->stiffness * h2);
   const double gamma = state_->damping_time / static_cast<double>(substep.h);

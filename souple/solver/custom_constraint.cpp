@@ -35,6 +35,7 @@ void CustomProjector::add(std::shared_ptr<CustomConstraint> constraint) {
   item.position.resize(particles.size());
   item.gradient.resize(particles.size());
   groups_.add(particles, what);
+  concurrent_ = concurrent_ && constraint->concurrent;
   item.constraint = std::move(constraint);
   items_.push_back(std::move(item));
 }
@@ -106,8 +107,10 @@ void CustomProjector::project_one(std::size_t i, const ParticleView& particles, 
     if (particles.inverse_mass(group[k]) > 0) particles.correct(group[k], item.gradient[k]);
 }
 
-void CustomProjector::project(int colour, const ParticleView& particles, const Substep& substep) {
-  for (const std::uint32_t i : groups_.colour(colour)) project_one(i, particles, substep);
+void CustomProjector::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+                              const Substep& substep) {
+  for (const std::uint32_t i : groups_.colour(colour).subspan(begin, end - begin))
+    project_one(i, particles, substep);
 }
 
 Residual CustomProjector::residual(const ParticleView& particles) const {

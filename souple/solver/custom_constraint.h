@@ -5,6 +5,7 @@
 #include "souple/solver/scalar_projection.h"
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -30,6 +31,8 @@ class CustomConstraint {
   float compliance = 0;           ///< alpha [(unit of C)^2 / J]
   float damping_time = 0;         ///< s
   float stiffness = 1;            ///< PBD mode only: k in [0, 1]
+  /// `evaluate` may run at the same time as that of other constraints, on other threads.
+  bool concurrent = false;
 };
 
 /// A custom constraint from a function.
@@ -68,7 +71,12 @@ class CustomProjector final : public Projector {
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
   int colour_count() const override { return groups_.colour_count(); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  std::size_t colour_size(int colour) const override { return groups_.colour(colour).size(); }
+  /// One thread for all, unless all may run at the same time.
+  std::size_t grain() const override { return concurrent_ ? 1 : std::numeric_limits<std::size_t>::max(); }
+  using Projector::project;
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
@@ -86,6 +94,7 @@ class CustomProjector final : public Projector {
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
 
   ParticleGroups groups_;
+  bool concurrent_ = true;
   mutable std::vector<Item> items_;  // `residual` uses the scratch and may meet an error
 };
 

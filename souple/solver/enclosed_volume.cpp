@@ -154,8 +154,10 @@ void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, c
   }
 }
 
-void EnclosedVolume::project(int colour, const ParticleView& particles, const Substep& substep) {
-  for (const std::uint32_t i : groups_.colour(colour)) project_one(i, particles, substep);
+void EnclosedVolume::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+                             const Substep& substep) {
+  for (const std::uint32_t i : groups_.colour(colour).subspan(begin, end - begin))
+    project_one(i, particles, substep);
 }
 
 Residual EnclosedVolume::residual(const ParticleView& particles) const {

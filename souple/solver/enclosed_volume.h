@@ -48,7 +48,10 @@ class EnclosedVolume final : public Projector {
   int colour_count() const override { return groups_.colour_count(); }
   /// Applies the pressure. Must run after positions were predicted.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  std::size_t colour_size(int colour) const override { return groups_.colour(colour).size(); }
+  using Projector::project;
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
   /// Of the surfaces that hold their volume [m^3].
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;

@@ -82,9 +82,22 @@ struct ConstraintState {
 };
 using ConstraintVisitor = std::function<void(const ConstraintState&)>;
 
+/// One constraint linearised where its particles are now, for solvers of the global system:
+///   C(x + dx) = C + sum_k gradient_k . dx_k.
+struct LinearConstraint {
+  std::span<const std::uint32_t> particles;  ///< arity; spans are valid during the call
+  std::span<const float> C;                  ///< rows
+  std::span<const Vec3f> gradient;           ///< [row * arity + k]
+  std::span<const float> alpha;              ///< alpha / h^2, packed lower triangle of rows x rows; 0 in PBD
+  float gamma = 0;                           ///< damping, tau / h (see kernels/projection.h)
+  float scale = 1;                           ///< PBD: k' = 1 - (1 - k)^(1/n); otherwise 1
+  bool inequality = false;                   ///< satisfied while C >= 0
+};
+using LinearVisitor = std::function<void(const LinearConstraint&)>;
+
 /// The one interface a solver sees: something that moves particles towards satisfying its constraints. It is
 /// called per set and colour, never per constraint. Constraints of one colour share no particle, so their
-/// order within it is free.
+/// order within it is free, and parts of a colour may be projected at the same time.
 class Projector {
  public:
   virtual ~Projector() = default;
@@ -94,8 +107,21 @@ class Projector {
   /// After constraints were added or erased and before the next substep: sort, colour, allocate.
   virtual void prepare(std::size_t particle_count) = 0;
   virtual int colour_count() const = 0;
+  /// Constraints of a colour.
+  virtual std::size_t colour_size(int colour) const = 0;
+  /// How many constraints are worth a thread of their own.
+  virtual std::size_t grain() const { return 1; }
   virtual void begin_substep(const ParticleView&, const Substep&) {}
-  virtual void project(int colour, const ParticleView&, const Substep&) = 0;
+  /// Projects constraints [begin, end) of a colour. Other parts of it may be projected at the same time.
+  virtual void project(int colour, std::size_t begin, std::size_t end, const ParticleView&,
+                       const Substep&) = 0;
+  /// A whole colour.
+  void project(int colour, const ParticleView& particles, const Substep& substep) {
+    project(colour, 0, colour_size(colour), particles, substep);
+  }
+  /// Calls the visitor for each constraint, in an order that changes only in `prepare`. False: this kind has
+  /// no linear form (contacts, the user's own); solvers of a global system project it instead.
+  virtual bool linearise(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
   virtual Residual residual(const ParticleView&) const = 0;
   /// Calls the visitor for each constraint, colour after colour; unless a kind says how, for none.
   virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}

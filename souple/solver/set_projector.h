@@ -26,11 +26,7 @@ class SetProjector final : public Projector {
   /// Adds one constraint; `prepare` must follow before the next substep.
   void add(const Indices& indices, const Params& params, const Compliance& compliance = {},
            float damping_time = 0, float stiffness = 1) {
-    set_.indices.push_back(indices);
-    set_.params.push_back(params);
-    set_.compliance.push_back(compliance);
-    set_.damping_time.push_back(damping_time);
-    set_.stiffness.push_back(stiffness);
+    set_.add(indices, params, compliance, damping_time, stiffness);
     dirty_ = true;
   }
 
@@ -45,36 +41,40 @@ class SetProjector final : public Projector {
   /// Throws Error when a constraint names a particle that does not exist.
   void prepare(std::size_t particle_count) override {
     if (!dirty_) return;
-    for (std::size_t i = 0; i < set_.size(); ++i)
-      for (const std::uint32_t index : set_.indices[i])
-        if (index >= particle_count)
+    for (const std::vector<std::uint32_t>& indices : set_.particles)
+      for (std::size_t i = 0; i < indices.size(); ++i)
+        if (indices[i] >= particle_count)
           throw Error(std::string(kind()) + " " + std::to_string(i) + " names particle " +
-                      std::to_string(index) + ", but there are " + std::to_string(particle_count));
+                      std::to_string(indices[i]) + ", but there are " + std::to_string(particle_count));
     dirty_ = false;
     std::vector<std::uint32_t> flat;
     flat.reserve(set_.size() * Kind::arity);
-    for (const Indices& indices : set_.indices) flat.insert(flat.end(), indices.begin(), indices.end());
-    const Colouring colouring = colour_constraints(flat, Kind::arity, particle_count);
-    permute(set_.indices, colouring.order);
-    permute(set_.params, colouring.order);
-    permute(set_.compliance, colouring.order);
-    permute(set_.damping_time, colouring.order);
-    permute(set_.stiffness, colouring.order);
-    set_.colour_begin = colouring.colour_begin;
-    set_.multipliers.clear();
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      for (const std::vector<std::uint32_t>& indices : set_.particles) flat.push_back(indices[i]);
+    Colouring colouring = colour_constraints(flat, Kind::arity, particle_count);
+    set_.reorder(colouring.order);
+    set_.colour_begin = std::move(colouring.colour_begin);
   }
 
   void begin_substep(const ParticleView&, const Substep& substep) override {
-    if (substep.stores_multipliers()) set_.multipliers.assign(set_.size(), {});
-    damped_ =
-        std::any_of(set_.damping_time.begin(), set_.damping_time.end(), [](float tau) { return tau > 0; });
+    if (substep.stores_multipliers())
+      for (std::vector<float>& lambda : set_.multipliers) lambda.assign(set_.size(), 0);
+    damped_ = false;
+    for (std::size_t i = 0; i < set_.damping_times.distinct(); ++i)
+      damped_ = damped_ || set_.damping_times.data()[i] > 0;
   }
 
-  void project(int colour, const ParticleView& view, const Substep& of) override {
+  std::size_t colour_size(int colour) const override {
+    const auto c = static_cast<std::size_t>(colour);
+    return set_.colour_begin[c + 1] - set_.colour_begin[c];
+  }
+  using Projector::project;
+  void project(int colour, std::size_t first, std::size_t last, const ParticleView& view,
+               const Substep& of) override {
     const ParticleView particles = view;  // copies: what the loop writes cannot be them
     const Substep substep = of;
-    const auto c = static_cast<std::size_t>(colour);
-    const std::size_t begin = set_.colour_begin[c], end = set_.colour_begin[c + 1];
+    const std::size_t colour_begin = set_.colour_begin[static_cast<std::size_t>(colour)];
+    const std::size_t begin = colour_begin + first, end = colour_begin + last;
     if (substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd)) {
       for (std::size_t i = begin; i < end; ++i) project_one<Terms::general>(i, particles, substep);
     } else {
@@ -93,7 +93,7 @@ class SetProjector final : public Projector {
         result.largest = std::fmax(result.largest, violation);
         result.sum += violation;
       }
-      result.energy += energy(C, set_.compliance[i]);
+      result.energy += energy(C, set_.compliance(i));
       result.largest_strain = std::fmax(result.largest_strain, strain_of(i, C));
     }
     return result;
@@ -107,54 +107,57 @@ class SetProjector final : public Projector {
         evaluate(i, particles, C);
         float largest = 0;
         for (const float value : C) largest = std::fmax(largest, violation_of(value));
-        visitor({set_.indices[i], colour, strain_of(i, C), largest});
+        const Indices indices = set_.indices(i);
+        visitor({indices, colour, strain_of(i, C), largest});
       }
     }
+  }
+
+  bool linearise(const ParticleView& particles, const Substep& substep,
+                 const LinearVisitor& visitor) const override {
+    for (std::size_t i = 0; i < set_.size(); ++i) {
+      ProjectionInput<Kind, float> in;
+      load(i, particles, in);
+      set_terms(i, substep, in);
+      float C[rows_of<Kind>];
+      Vec3f gradient[rows_of<Kind>][Kind::arity];
+      evaluate_rows<Kind, float>(in.x, set_.params(i), C, gradient);
+      const Indices indices = set_.indices(i);
+      visitor({indices,
+               C,
+               {&gradient[0][0], std::size_t{rows_of<Kind>} * Kind::arity},
+               in.alpha,
+               in.gamma,
+               in.scale,
+               Kind::sense == Sense::non_negative});
+    }
+    return true;
   }
 
   void erase_particles(std::uint32_t begin, std::uint32_t end) override {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < set_.size(); ++i) {
-      Indices indices = set_.indices[i];
-      bool gone = false;
-      for (std::uint32_t& index : indices) {
-        gone = gone || (index >= begin && index < end);
-        if (index >= end) index -= end - begin;
-      }
-      if (gone) continue;
-      set_.indices[kept] = indices;
-      set_.params[kept] = set_.params[i];
-      set_.compliance[kept] = set_.compliance[i];
-      set_.damping_time[kept] = set_.damping_time[i];
-      set_.stiffness[kept] = set_.stiffness[i];
-      ++kept;
+    std::vector<std::uint32_t> kept;
+    for (std::uint32_t i = 0; i < set_.size(); ++i) {
+      const Indices indices = set_.indices(i);
+      if (std::none_of(indices.begin(), indices.end(),
+                       [&](std::uint32_t index) { return index >= begin && index < end; }))
+        kept.push_back(i);
     }
-    dirty_ = dirty_ || kept != set_.size();
-    set_.indices.resize(kept);
-    set_.params.resize(kept);
-    set_.compliance.resize(kept);
-    set_.damping_time.resize(kept);
-    set_.stiffness.resize(kept);
+    if (kept.size() != set_.size()) set_.reorder(kept), dirty_ = true;
+    for (std::vector<std::uint32_t>& indices : set_.particles)
+      for (std::uint32_t& index : indices)
+        if (index >= end) index -= end - begin;
   }
 
  private:
-  template <class Value>
-  static void permute(std::vector<Value>& values, const std::vector<std::uint32_t>& order) {
-    std::vector<Value> sorted;
-    sorted.reserve(values.size());
-    for (const std::uint32_t i : order) sorted.push_back(values[i]);
-    values = std::move(sorted);
-  }
-
   // Positions relative to the constraint's origin, or to its first particle, so that far from the world's
   // origin and in small steps no digit is lost.
   void load(std::size_t i, const ParticleView& particles, ProjectionInput<Kind, float>& in) const {
-    const Indices& indices = set_.indices[i];
+    const Indices indices = set_.indices(i);
     for (int k = 0; k < Kind::arity; ++k) {
       const std::uint32_t particle = indices[static_cast<std::size_t>(k)];
       in.inverse_mass[k] = particles.inverse_mass(particle);
       if constexpr (has_origin<Kind>) {
-        in.x[k] = particles.relative(particle, Kind::template origin<float>(set_.params[i]));
+        in.x[k] = particles.relative(particle, Kind::template origin<float>(set_.params(i)));
       } else {
         in.x[k] = particles.difference(particle, indices[0]);
       }
@@ -165,7 +168,7 @@ class SetProjector final : public Projector {
     ProjectionInput<Kind, float> in;
     load(i, particles, in);
     Vec3f gradient[rows_of<Kind>][Kind::arity];
-    evaluate_rows<Kind, float>(in.x, set_.params[i], C, gradient);
+    evaluate_rows<Kind, float>(in.x, set_.params(i), C, gradient);
   }
 
   static float violation_of(float C) {
@@ -173,7 +176,7 @@ class SetProjector final : public Projector {
   }
 
   float strain_of(std::size_t i, const float (&C)[rows_of<Kind>]) const {
-    if constexpr (requires { Kind::strain(set_.params[i], C[0]); }) return Kind::strain(set_.params[i], C[0]);
+    if constexpr (requires { Kind::strain(set_.params(i), C[0]); }) return Kind::strain(set_.params(i), C[0]);
     return 0;
   }
 
@@ -188,33 +191,39 @@ class SetProjector final : public Projector {
     return sum;
   }
 
-  template <Terms terms>
-  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
-    const Indices& indices = set_.indices[i];
-    ProjectionInput<Kind, float> in;
-    load(i, particles, in);
+  // alpha~, gamma and k' of the substep.
+  void set_terms(std::size_t i, const Substep& substep, ProjectionInput<Kind, float>& in) const {
+    in.gamma = set_.damping_time(i) / substep.h;
     if (substep.mode == Mode::pbd) {
       for (float& a : in.alpha) a = 0;
-      if (set_.stiffness[i] < 1)
-        in.scale = 1 - std::pow(1 - set_.stiffness[i], 1 / static_cast<float>(substep.iterations));
+      in.gamma = 0;
+      if (set_.stiffness(i) < 1)
+        in.scale = 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(substep.iterations));
     } else {
       const float inverse_h2 = 1 / (substep.h * substep.h);
       for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
-        in.alpha[k] = set_.compliance[i][k] * inverse_h2;
+        in.alpha[k] = set_.compliances[k][i] * inverse_h2;
     }
+  }
+
+  template <Terms terms>
+  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
+    const Indices indices = set_.indices(i);
+    ProjectionInput<Kind, float> in;
+    load(i, particles, in);
+    set_terms(i, substep, in);
     const bool stored = terms == Terms::general && substep.stores_multipliers();
     if constexpr (terms == Terms::general) {
-      in.gamma = set_.damping_time[i] / substep.h;
       for (int k = 0; k < Kind::arity; ++k)
         in.moved[k] = particles.moved(indices[static_cast<std::size_t>(k)]);
       if (stored)
-        for (std::size_t r = 0; r < rows_of<Kind>; ++r) in.lambda[r] = set_.multipliers[i][r];
+        for (std::size_t r = 0; r < rows_of<Kind>; ++r) in.lambda[r] = set_.multipliers[r][i];
     }
     Vec3f dx[Kind::arity];
     float dlambda[rows_of<Kind>];
-    project_constraint<Kind, float, terms>(in, set_.params[i], dx, dlambda);
+    project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
-      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[i][r] += dlambda[r];
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r];
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
   }
 

@@ -184,8 +184,10 @@ void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, co
   }
 }
 
-void ShapeMatching::project(int colour, const ParticleView& particles, const Substep& substep) {
-  for (const std::uint32_t i : groups_.colour(colour)) project_one(i, particles, substep);
+void ShapeMatching::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+                            const Substep& substep) {
+  for (const std::uint32_t i : groups_.colour(colour).subspan(begin, end - begin))
+    project_one(i, particles, substep);
 }
 
 double ShapeMatching::distance(std::size_t i, const ParticleView& particles) const {

@@ -47,7 +47,10 @@ class ShapeMatching final : public Projector {
   int colour_count() const override { return groups_.colour_count(); }
   /// Must run before `project`: it looks for changed masses.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  void project(int colour, const ParticleView& particles, const Substep& substep) override;
+  std::size_t colour_size(int colour) const override { return groups_.colour(colour).size(); }
+  using Projector::project;
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;

@@ -68,7 +68,8 @@ void build_contact_tables(WorldState& world) {
   tables.against_objects = SurfaceMatrix(object_surfaces, object_surfaces, world.pairs);
   std::vector<std::array<std::uint32_t, 2>> tied;
   for (const Extra& extra : world.extras)
-    if (extra.tie) tied.insert(tied.end(), extra.tie->set().indices.begin(), extra.tie->set().indices.end());
+    for (std::size_t i = 0; extra.tie && i < extra.tie->size(); ++i)
+      tied.push_back(extra.tie->set().indices(i));
   world.particle_contacts.exclude(std::move(tied));
 }
 

@@ -80,9 +80,17 @@ void bring_constraints_up_to_date(WorldState& world) {
     build_constraints(world);
     build_contact_radii(world);
     world.dirty_constraints = false;
+    world.dirty_solver = true;
   }
   world.for_each_constraint_projector(
       [&](Projector& projector) { projector.prepare(world.particles.size()); });
+  if (!world.threads) world.threads = make_threads(world.settings.threading, world.settings.threads);
+  if (!world.dirty_solver) return;
+  world.order.clear();
+  world.for_each_projector([&](Projector& projector) { world.order.push_back(&projector); });
+  world.solver = make_solver(world.settings.solver);
+  world.solver->prepare(world.order, world.view());
+  world.dirty_solver = false;
 }
 
 void bring_up_to_date(WorldState& world) {

@@ -266,6 +266,7 @@ ProjectorId WorldState::add_extra(Extra extra, std::unique_ptr<Projector> projec
   extra.id = {next_id++};
   extra.projector = std::move(projector);
   dirty_tables = dirty_tables || extra.tie;  // contacts leave tied particles alone
+  dirty_solver = true;
   extras.push_back(std::move(extra));
   return extras.back().id;
 }
@@ -286,11 +287,13 @@ void World::remove(ProjectorId id) {
   world.require_between_steps("remove");
   const std::size_t found = find_extra(world, id);
   world.dirty_tables = world.dirty_tables || world.extras[found].tie;
+  world.dirty_solver = true;
   world.extras.erase(world.extras.begin() + static_cast<std::ptrdiff_t>(found));
 }
 
 Projector& World::projector(ProjectorId id) {
   WorldState& world = impl_->state;
+  world.dirty_solver = true;  // whoever asks for it may change it
   return *world.extras[find_extra(world, id)].projector;
 }
 

@@ -2,6 +2,7 @@
 
 #include "souple/math/vec3.h"
 #include "souple/solver/projector.h"
+#include "souple/solver/solver.h"
 
 #include <cstdint>
 
@@ -35,6 +36,9 @@ struct Settings {
   float drag = 0;                 ///< linear drag: f = -drag m (v - wind)  [1/s]
   bool measure_residuals = true;  ///< residuals and strain in the report: costs about one iteration a step
   std::uint64_t seed = 1;         ///< of the gusts
+  SolverSettings solver{};
+  int threads = 0;  ///< results do not depend on it; 0: one for each processor
+  Threading threading = Threading::automatic;
 };
 
 }  // namespace souple

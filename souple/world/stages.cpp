@@ -89,11 +89,7 @@ void integrate(WorldState& world, const Substep& substep) {
 void solve(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
-  for (int iteration = 0; iteration < substep.iterations; ++iteration)
-    world.for_each_projector([&](Projector& projector) {
-      for (int colour = 0; colour < projector.colour_count(); ++colour)
-        projector.project(colour, view, substep);
-    });
+  world.solver->solve(world.order, view, substep, *world.threads);
 }
 
 bool finish(WorldState& world, const Substep& substep) {

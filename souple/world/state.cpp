@@ -7,16 +7,16 @@ namespace souple {
 void Extra::follow(double t) {
   if (!attachment || !target) return;
   for (std::size_t k = 0; k < followers.size(); ++k)
-    attachment->set().params[k].target = Vec3f(target(followers[k].vertex, t) + followers[k].offset);
+    attachment->set().set_params(k, {Vec3f(target(followers[k].vertex, t) + followers[k].offset)});
 }
 
 void Extra::erase_particles(std::uint32_t begin, std::uint32_t end) {
   if (attachment) {
-    const auto& indices =
-        attachment->set().indices;  // in the order of the followers: one colour, one particle each
+    const std::vector<std::uint32_t>& particles =
+        attachment->set().particles[0];  // in the order of the followers: one colour, one particle each
     std::vector<Follower> kept;
-    for (std::size_t k = 0; k < indices.size(); ++k)
-      if (indices[k][0] < begin || indices[k][0] >= end) kept.push_back(followers[k]);
+    for (std::size_t k = 0; k < particles.size(); ++k)
+      if (particles[k] < begin || particles[k] >= end) kept.push_back(followers[k]);
     followers = std::move(kept);
   }
   projector->erase_particles(begin, end);

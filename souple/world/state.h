@@ -129,12 +129,16 @@ struct WorldState {
 
   std::vector<std::unique_ptr<Projector>> standard;  ///< built from the objects, in the order they are solved
   std::vector<Extra> extras;
+  std::vector<Projector*> order;  ///< all of them, contacts last, as the solver sees them
+  std::unique_ptr<Solver> solver;
+  std::unique_ptr<Threads> threads;  ///< null: make them before the next step
   ColliderContacts collider_contacts;
   ParticleContacts particle_contacts;
   ContactTables tables;
   PairTable pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: build before the next step
   bool dirty_tables = true;       ///< so did what contacts look up
+  bool dirty_solver = true;       ///< projectors came or went: make and prepare the solver anew
   void dirty_all() { dirty_constraints = dirty_tables = true; }
 
   std::vector<ForceField> force_fields;

@@ -58,6 +58,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 void validate(const Settings& s) {
   check_all("settings", {{"substeps", double(s.substeps), 1, 100000},
                          {"iterations", double(s.iterations), 1, 100000},
+                         {"threads", double(s.threads), 0, 1024},
+                         {"solver.relaxation", double(s.solver.relaxation), smallest, 2, true},
+                         {"solver.chebyshev", double(s.solver.chebyshev), 0, 1, true},
+                         {"solver.colours", double(s.solver.colours), 0, 64},
                          {"drag", double(s.drag), 0, any},
                          {"wind.gust", double(s.wind.gust), 0, 1},
                          {"wind.gust_period", double(s.wind.gust_period), smallest, any},

@@ -47,6 +47,9 @@ void World::set_settings(const Settings& settings) {
   world.require_between_steps("set_settings");
   if (settings.form == Form::plain)
     for (Vec4f& offset : world.particles.offset) offset = {};
+  if (settings.threads != world.settings.threads || settings.threading != world.settings.threading)
+    world.threads.reset();
+  world.dirty_solver = true;
   world.settings = settings;
 }
 

@@ -134,9 +134,9 @@ inline std::vector<double> volume_ratios(const SmallBody<NeoHookean>& body) {
   std::vector<double> ratios;
   const auto& set = body.projector.set();
   for (std::size_t i = 0; i < set.size(); ++i) {
-    const auto& tet = set.indices[i];
+    const auto tet = set.indices(i);
     const double volume = tet_volume(body.at(tet[0]), body.at(tet[1]), body.at(tet[2]), body.at(tet[3]));
-    ratios.push_back(6 * volume * determinant(Mat3d(set.params[i].rest_inverse)));
+    ratios.push_back(6 * volume * determinant(Mat3d(set.params(i).rest_inverse)));
   }
   return ratios;
 }

@@ -116,12 +116,12 @@ TEST(NeoHookean, BarInTension) {
   const auto& set = body.projector.set();
   for (std::size_t n = 0; n < set.size(); ++n) {
     Vec3d x[4];
-    for (std::size_t i = 0; i < 4; ++i) x[i] = body.at(set.indices[n][i]);
+    for (std::size_t i = 0; i < 4; ++i) x[i] = body.at(set.indices(n)[i]);
     double C[2];
     Vec3d gradient[2][4];
-    NeoHookean::evaluate(x, converted<NeoHookean, double>(set.params[n]), C, gradient);
-    energy += 0.5 * (C[0] * C[0] / static_cast<double>(set.compliance[n][0]) +
-                     C[1] * C[1] / static_cast<double>(set.compliance[n][2]));
+    NeoHookean::evaluate(x, converted<NeoHookean, double>(set.params(n)), C, gradient);
+    energy += 0.5 * (C[0] * C[0] / static_cast<double>(set.compliance(n)[0]) +
+                     C[1] * C[1] / static_cast<double>(set.compliance(n)[2]));
   }
   const double volume = area * static_cast<double>(nx) * cell;
   EXPECT_NEAR(energy / volume, 0.5 * material.young_modulus * strain * strain,

@@ -45,7 +45,8 @@ class NodalLoad final : public Projector {
       view.correct(particles_[k],
                    Vec3f(forces_[k] * (hh * static_cast<double>(view.inverse_mass(particles_[k])))));
   }
-  void project(int, const ParticleView&, const Substep&) override {}
+  std::size_t colour_size(int) const override { return 0; }
+  void project(int, std::size_t, std::size_t, const ParticleView&, const Substep&) override {}
   Residual residual(const ParticleView&) const override { return {}; }
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 

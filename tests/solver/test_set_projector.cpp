@@ -54,7 +54,7 @@ TEST(SetProjector, ErasingParticlesRenumbers) {
   projector.erase_particles(0, 1);
   projector.prepare(3);
   ASSERT_EQ(projector.size(), 2u);
-  EXPECT_EQ(projector.set().indices[0], (std::array<std::uint32_t, 2>{1, 2}));
+  EXPECT_EQ(projector.set().indices(0), (std::array<std::uint32_t, 2>{1, 2}));
 }
 
 }  // namespace

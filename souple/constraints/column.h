@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// One number for each of many constraints. While all are equal only one is stored.
+class Column {
+ public:
+  std::size_t size() const { return size_; }
+  float operator[](std::size_t i) const { return values_[i * stride()]; }
+  /// Of neighbours in `data`: 0 while all are equal, else 1.
+  std::size_t stride() const { return uniform_ ? 0 : 1; }
+  const float* data() const { return values_.data(); }
+  /// Values in `data`.
+  std::size_t distinct() const { return values_.size(); }
+  std::size_t bytes() const { return values_.capacity() * sizeof(float); }
+
+  void push_back(float value) {
+    if (size_ == 0) values_.assign(1, value), uniform_ = true;
+    if (uniform_ && !same(value)) spread();
+    if (!uniform_) values_.push_back(value);
+    ++size_;
+  }
+  void set(std::size_t i, float value) {
+    if (uniform_ && same(value)) return;
+    if (uniform_) spread();
+    values_[i] = value;
+  }
+  /// Keeps value order[k] as the k-th.
+  void reorder(std::span<const std::uint32_t> order) {
+    size_ = order.size();
+    if (uniform_) return;
+    std::vector<float> sorted;
+    sorted.reserve(order.size());
+    for (const std::uint32_t i : order) sorted.push_back(values_[i]);
+    values_ = std::move(sorted);
+  }
+  void shrink_to_fit() { values_.shrink_to_fit(); }
+
+ private:
+  // The same bits: 0 and -0 differ.
+  bool same(float value) const { return std::memcmp(&value, values_.data(), sizeof value) == 0; }
+  void spread() {
+    values_.resize(size_, values_[0]);
+    uniform_ = false;
+  }
+
+  std::vector<float> values_;
+  std::size_t size_ = 0;
+  bool uniform_ = true;
+};
+
+}  // namespace souple

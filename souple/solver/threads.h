@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace souple {
+
+/// A function called on ranges [begin, end): refers to a callable of the caller, owns and allocates nothing.
+class RangeFunction {
+ public:
+  template <class Function>
+  requires(!std::is_same_v<std::remove_cvref_t<Function>, RangeFunction>)
+      RangeFunction(const Function& function)  // NOLINT(google-explicit-constructor)
+      : function_(&function), call_([](const void* f, std::size_t begin, std::size_t end) {
+          (*static_cast<const Function*>(f))(begin, end);
+        }) {}
+
+  void operator()(std::size_t begin, std::size_t end) const { call_(function_, begin, end); }
+
+ private:
+  const void* function_;
+  void (*call_)(const void*, std::size_t, std::size_t);
+};
+
+/// The threads a world computes on. One thread of the user's calls it at a time.
+class Threads {
+ public:
+  virtual ~Threads() = default;
+
+  /// Threads that work, the caller's among them.
+  virtual int count() const = 0;
+  /// Cuts [0, n) into at most count() parts of at least `grain` and calls f once for each, then waits for
+  /// all. The cut depends on n, grain and count() alone. `f` must not throw. Allocates nothing.
+  virtual void for_each(std::size_t n, std::size_t grain, RangeFunction f) = 0;
+  /// Between these two many for_each follow one another closely: workers may spin instead of sleeping.
+  virtual void wake() {}
+  virtual void rest() {}
+};
+
+/// Which threads: see docs/performance.md for what each costs.
+enum class Threading {
+  automatic,  ///< what measures best: the pool, or serial where one thread is asked for
+  serial,     ///< the caller's only
+  pool,       ///< our own, with a spinning barrier
+  tbb         ///< oneTBB's; where the library was built without it, the pool
+};
+
+/// `count` threads, the caller's among them; 0: one for each processor this process may use.
+std::unique_ptr<Threads> make_threads(Threading kind, int count);
+
+}  // namespace souple
