@@ -134,6 +134,10 @@ class SetProjector final : public Projector {
     return true;
   }
 
+  void multipliers(const MultiplierVisitor& visitor) override {
+    for (std::vector<float>& lambda : set_.multipliers) visitor(lambda);
+  }
+
   void erase_particles(std::uint32_t begin, std::uint32_t end) override {
     std::vector<std::uint32_t> kept;
     for (std::uint32_t i = 0; i < set_.size(); ++i) {
@@ -204,6 +208,7 @@ class SetProjector final : public Projector {
       for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
         in.alpha[k] = set_.compliances[k][i] * inverse_h2;
     }
+    in.scale *= substep.relaxation;
   }
 
   template <Terms terms>
@@ -223,7 +228,7 @@ class SetProjector final : public Projector {
     float dlambda[rows_of<Kind>];
     project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
-      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r];
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += in.scale * dlambda[r];
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
   }
 
