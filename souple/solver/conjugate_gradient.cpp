@@ -45,6 +45,7 @@ void ConjugateGradient::prepare_system(LinearSystem& system, const ParticleView&
   force_.resize(system.rows());
   for (std::vector<Vec3d>* v : {&residual_, &direction_, &product_, &preconditioned_}) v->resize(n);
   partial_.resize((n + chunk - 1) / chunk);
+  rigid_.prepare(system);
   products_ = most_used_ = 0;
   reached_ = worst_ = 0;
 }
@@ -140,7 +141,7 @@ double ConjugateGradient::precondition(Threads& threads) {
   });
 }
 
-bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
+bool ConjugateGradient::solve_system(LinearSystem& system, const ParticleView& particles, Threads& threads) {
   build_preconditioner(system, threads);
   build_right_side(system, threads);
   std::fill(system.dx.begin(), system.dx.end(), Vec3d{});
@@ -171,6 +172,7 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
   reached_ = first > 0 ? std::sqrt(rho / first) : 0;
   most_used_ = std::max(most_used_, products_);
   worst_ = std::max(worst_, reached_);
+  rigid_.remove(system, particles);
   system.multipliers_from_moves();
   return std::isfinite(rho);
 }

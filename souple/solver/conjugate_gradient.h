@@ -2,6 +2,7 @@
 
 #include "souple/math/mat3.h"
 #include "souple/solver/linearised_solver.h"
+#include "souple/solver/rigid_motion.h"
 
 #include <vector>
 
@@ -13,8 +14,8 @@ namespace souple {
 ///
 /// An iteration stops at a residual (in the preconditioner's norm) of `tolerance` times the first, or after
 /// `most_products` products with the matrix; `remark` tells how far it came. What it has then is a descent
-/// direction all the same: too soft a cloth, never a wrong one. Momentum is kept to that tolerance.
-/// Bitwise equal for any number of threads. Allocates nothing in a warm step.
+/// direction all the same: too soft a cloth, never a wrong one. What momentum it then has is taken out
+/// (rigid_motion.h). Bitwise equal for any number of threads. Allocates nothing in a warm step.
 class ConjugateGradient final : public LinearisedSolver {
  public:
   static constexpr int most_products = 300;
@@ -25,7 +26,7 @@ class ConjugateGradient final : public LinearisedSolver {
 
  protected:
   void prepare_system(LinearSystem& system, const ParticleView& particles) override;
-  bool solve_system(LinearSystem& system, Threads& threads) override;
+  bool solve_system(LinearSystem& system, const ParticleView& particles, Threads& threads) override;
 
  private:
   /// Member `member` of a block has an unknown.
@@ -45,6 +46,7 @@ class ConjugateGradient final : public LinearisedSolver {
   std::vector<Mat3d> preconditioner_;
   std::vector<double> force_;  // per row: A^-1 J p
   std::vector<Vec3d> residual_, direction_, product_, preconditioned_;
+  RigidMotion rigid_;
   std::vector<double> partial_;  // sums, per chunk
   // Of the last system, and the largest since `prepare`.
   int products_ = 0, most_used_ = 0;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 
 namespace souple {
 namespace {
@@ -20,7 +20,10 @@ constexpr double singular = 1e-6;
 struct Dense::Impl {
   Eigen::MatrixXd J, weighted, matrix;
   Eigen::VectorXd scale, rhs;
-  Eigen::BDCSVD<Eigen::MatrixXd> svd;
+  // Of a symmetric positive semidefinite matrix the eigenvalues are the singular values, and its eigenvectors
+  // both sets of singular vectors. (Eigen's BDCSVD now and then returns NaN for such matrices, JacobiSVD
+  // takes many times as long.)
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> svd;
 
   void fill(const LinearSystem& system);
 };
@@ -34,11 +37,7 @@ void Dense::prepare_system(LinearSystem& system, const ParticleView&) {
     throw Error("the solver dense takes " + std::to_string(most_rows) +
                 " rows of constraints at most, here are " + std::to_string(system.rows()) +
                 ": use direct or conjugate_gradient");
-  const auto rows = static_cast<Eigen::Index>(system.rows());
-  const auto columns = static_cast<Eigen::Index>(3 * system.unknowns());
-  impl_->J.resize(rows, columns);
-  impl_->svd = Eigen::BDCSVD<Eigen::MatrixXd>(rows, rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  impl_->svd.setThreshold(singular);
+  impl_->J.resize(static_cast<Eigen::Index>(system.rows()), static_cast<Eigen::Index>(3 * system.unknowns()));
 }
 
 // J W J^T + A, each row and column divided by the root of its diagonal: rows in metres and rows in radians
@@ -72,11 +71,18 @@ void Dense::Impl::fill(const LinearSystem& system) {
   rhs = scale.cwiseProduct(rhs);
 }
 
-bool Dense::solve_system(LinearSystem& system, Threads&) {
+bool Dense::solve_system(LinearSystem& system, const ParticleView&, Threads&) {
   impl_->fill(system);
   if (!impl_->matrix.allFinite() || !impl_->rhs.allFinite()) return false;
   impl_->svd.compute(impl_->matrix);
-  const Eigen::VectorXd solution = impl_->scale.cwiseProduct(impl_->svd.solve(impl_->rhs));
+  if (impl_->svd.info() != Eigen::Success) return false;
+  const Eigen::VectorXd& sigma = impl_->svd.eigenvalues();  // ascending
+  const Eigen::MatrixXd& u = impl_->svd.eigenvectors();
+  Eigen::VectorXd solution = u.transpose() * impl_->rhs;
+  const double least = singular * sigma[sigma.size() - 1];
+  for (Eigen::Index k = 0; k < solution.size(); ++k)
+    solution[k] = sigma[k] > least ? solution[k] / sigma[k] : 0;
+  solution = impl_->scale.cwiseProduct(u * solution);
   for (std::size_t r = 0; r < system.rows(); ++r) system.dlambda[r] = solution[static_cast<Eigen::Index>(r)];
   system.moves_from_multipliers();
   return true;

@@ -14,6 +14,8 @@ namespace {
 // but then a linearisation that is off is off with more force.
 constexpr double floor_strain = 1e-5;
 constexpr double gravity = 9.81;
+// And what it leaves of the violation of one that stands alone, however light the scene.
+constexpr double floor_share = 1e-6;
 
 std::size_t packed(int row, int column) {
   return static_cast<std::size_t>(row >= column ? row * (row + 1) / 2 + column
@@ -164,13 +166,17 @@ void LinearSystem::fill(Block& block, const LinearConstraint& constraint, const 
 
 void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
   for (int r = 0; r < block.rows; ++r) {
-    double steepest = 0;
-    for (std::size_t k = 0; k < block.arity; ++k)
-      steepest = std::max(steepest, length_squared(Vec3d(gradient_of(block, r)[k])));
-    const double least = floor_ * block.size * steepest * inverse_h2;
+    double steepest = 0, weighted = 0;
+    const auto of = members(block);
+    for (std::size_t k = 0; k < block.arity; ++k) {
+      const double squared = length_squared(Vec3d(gradient_of(block, r)[k]));
+      steepest = std::max(steepest, squared);
+      if (of[k] != pinned) weighted += squared / mass[of[k]];
+    }
+    const double least = std::min(floor_ * block.size * steepest * inverse_h2, floor_share * weighted);
     double& diagonal = compliance[block.compliance + packed(r, r)];
     // A row without gradient moves nothing; it must not make A singular.
-    if (steepest == 0 && diagonal == 0) diagonal = 1;
+    if (weighted == 0 && diagonal == 0) diagonal = 1;
     if (diagonal >= least) continue;
     diagonal = least;
     ++floored_;
