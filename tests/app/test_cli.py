@@ -136,6 +136,17 @@ class BadInput(Case):
         self.assertEqual(done.stdout, "")
         return done.stderr
 
+    def test_threads_of_the_environment(self):
+        scene = self.scene(SMALL)
+        self.environment["SOUPLE_THREADS"] = "3"
+        self.assertIn("threads: 3;", self.souple("info").stdout)
+        for bad in "0", "two", "2.5", "1025", "-1", "2 ":
+            self.environment["SOUPLE_THREADS"] = bad
+            said = self.refused("run", scene, "--out", "out")
+            self.assert_one_line(said)
+            self.assertIn(f"SOUPLE_THREADS is '{bad}'", said)
+        self.souple("run", scene, "--out", "out", "--threads", "2")
+
     def test_flags(self):
         scene = self.scene(SMALL)
         self.assertIn("--frame", self.refused("run", scene, "--frame", "3"))
@@ -289,16 +300,6 @@ class Running(Case):
         for threads in "1", "3":
             self.souple("run", scene, "--out", "run" + threads, "--threads", threads)
         self.assertEqual(self.contents("run1"), self.contents("run3"))
-
-    def test_threads_of_the_environment(self):
-        self.environment["SOUPLE_THREADS"] = "3"
-        self.assertIn("threads: 3;", self.souple("info").stdout)
-        for bad in "0", "two", "2.5", "1025", "-1", "2 ":
-            self.environment["SOUPLE_THREADS"] = bad
-            said = self.refused("run", self.scene(SMALL), "--out", "out")
-            self.assert_one_line(said)
-            self.assertIn(f"SOUPLE_THREADS is '{bad}'", said)
-        self.souple("run", self.scene(SMALL), "--out", "out", "--threads", "2")
 
     def test_settings_change_the_result(self):
         scene = self.scene(SMALL)
