@@ -140,6 +140,10 @@ class SetProjector final : public Projector {
     return true;
   }
 
+  void multipliers(const MultiplierVisitor& visitor) override {
+    for (std::vector<float>& lambda : set_.multipliers) visitor(lambda);
+  }
+
   void erase_particles(std::uint32_t begin, std::uint32_t end) override {
     std::vector<std::uint32_t> kept;
     for (std::uint32_t i = 0; i < set_.size(); ++i) {
@@ -322,7 +326,7 @@ class SetProjector final : public Projector {
     project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
       for (std::size_t r = 0; r < rows_of<Kind>; ++r)
-        set_.multipliers[r][i] += dlambda[r] * substep.relaxation;
+        set_.multipliers[r][i] += dlambda[r] * in.scale;
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
   }
 

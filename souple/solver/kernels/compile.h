@@ -170,7 +170,7 @@ template <class Set, class Kind, bool displacement, Terms terms>
     project_constraint<Kind, T, terms>(block.in, block.params, dx, dlambda);
     if constexpr (terms == Terms::general)
       for (int r = 0; set.stored && r < rows_of<Kind>; ++r)
-        (block.in.lambda[r] + dlambda[r] * set.relaxation).store(set.multipliers[r] + i);
+        (block.in.lambda[r] + dlambda[r] * block.in.scale).store(set.multipliers[r] + i);
     store_corrections(p, block, dx);
   }
 }
