@@ -46,6 +46,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   for (const std::uint32_t i : particle_)
     masses.push_back(particles.inverse_mass(i) > 0 ? 1 / particles.inverse_mass(i) : 0);
 
+  links_ = links;
   levels_.clear();
   std::span<const std::uint32_t> finer = particle_;
   for (CoarseLevel& map : build_levels(links, masses, smallest_level)) {
@@ -59,6 +60,16 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
       if (level.map.mass[link.a] > 0 || level.map.mass[link.b] > 0)
         level.constraints.add({link.a, link.b}, {link.length}, {0});
     level.constraints.prepare(level.particle.size());
+    level.excess.resize(level.map.links.size());
+    for (std::size_t i = 0; i < level.constraints.size(); ++i) {
+      const auto [a, b] = level.constraints.set().indices(i);
+      const auto found = std::lower_bound(
+          level.map.links.begin(), level.map.links.end(), std::pair(a, b),
+          [](const Link& link, const std::pair<std::uint32_t, std::uint32_t>& ends) {
+            return std::pair(link.a, link.b) < ends;
+          });
+      level.link.push_back(static_cast<std::uint32_t>(found - level.map.links.begin()));
+    }
     finer = level.particle;
   }
   compliant_ = false;
@@ -73,6 +84,27 @@ void Hierarchical::gather(Level& level, const ParticleView& particles, Threads& 
       level.position[j].set_xyz(particles.position[i].xyz());
     }
   });
+}
+
+void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    Level& level = levels_[l];
+    threads.for_each(level.excess.size(), grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t e = begin; e < end; ++e) {
+        float sum = 0;
+        for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k) {
+          const std::uint32_t step = level.map.way[k];
+          if (l > 0) {
+            sum += levels_[l - 1].excess[step];
+          } else {
+            const Link& link = links_[step];
+            sum += length(particles.difference(particle_[link.a], particle_[link.b])) - link.length;
+          }
+        }
+        level.excess[e] = sum;
+      }
+    });
+  }
 }
 
 void Hierarchical::prolong(const Level& from, std::span<const std::uint32_t> to, std::span<Vec4f> moving,
@@ -97,9 +129,20 @@ void Hierarchical::descend(const ParticleView& particles, const Substep& substep
   coarse.form = Form::displacement;
   coarse.mode = compliant_ ? Mode::xpbd : Mode::small_steps;
   coarse.iterations = 1;
+  if (fas) measure(particles, threads);
   for (std::size_t l = levels_.size(); l-- > 0;) {
     Level& level = levels_[l];
     gather(level, particles, threads);
+    if (fas) {
+      const ParticleView view{particles.form == Form::plain ? level.moving : level.position, level.moving,
+                            level.before, particles.form};
+      auto& set = level.constraints.set();
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        const auto [a, b] = set.indices(i);
+        const float e = level.excess[level.link[i]], now = length(view.difference(a, b));
+        set.parameters[0].set(i, std::max(0.0f, now - (unilateral ? std::max(0.0f, e) : e)));
+      }
+    }
     if (l + 1 < levels_.size())
       prolong(levels_[l + 1], {}, level.moving, level.position, false, threads);
     const ParticleView view{particles.form == Form::plain ? level.moving : level.position, level.moving,

@@ -11,7 +11,7 @@
 
 namespace souple {
 double hierarchy_epsilon = 0.05;
-float hierarchy_spacing = 1.3f, hierarchy_reach = 5f;
+float hierarchy_spacing = 1.6f, hierarchy_reach = 2.7f;
 namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -288,6 +288,71 @@ void share_energy(std::span<const Link> links, std::span<const std::uint32_t> re
   }
 }
 
+/// The coarse particle nearest to each particle along links, and the link that leads there.
+struct Realms {
+  std::vector<std::uint32_t> of;
+  std::vector<float> length;
+  std::vector<std::uint32_t> towards;  ///< link; `none` of a coarse particle
+
+  Realms(const Graph& graph, const std::vector<bool>& coarse)
+      : of(graph.size(), none),
+        length(graph.size(), std::numeric_limits<float>::infinity()),
+        towards(graph.size(), none) {
+    using Entry = std::pair<float, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+    for (std::uint32_t i = 0; i < graph.size(); ++i)
+      if (coarse[i]) of[i] = i, length[i] = 0, front.emplace(0.0f, i);
+    while (!front.empty()) {
+      const auto [reached, u] = front.top();
+      front.pop();
+      if (reached > length[u]) continue;
+      for (const Neighbour& n : graph.of(u)) {
+        if (!(reached + n.length < length[n.to])) continue;
+        length[n.to] = reached + n.length;
+        of[n.to] = of[u];
+        towards[n.to] = n.link;
+        front.emplace(length[n.to], n.to);
+      }
+    }
+  }
+};
+
+// Müller 2008, section 4.2: a spared particle collapses into its nearest parent and takes its links along. Of
+// the links that two coarse particles get so, the one with the shortest way along finer links is kept.
+void collapse(std::span<const Link> links, const Realms& realms, std::span<const std::uint32_t> number,
+              CoarseLevel& level) {
+  struct Candidate {
+    std::uint32_t a, b;
+    float length;
+    std::uint32_t link;
+    auto key() const { return std::tuple(a, b, length, link); }
+  };
+  std::vector<Candidate> candidates;
+  for (std::uint32_t e = 0; e < links.size(); ++e) {
+    const Link& link = links[e];
+    const std::uint32_t a = number[realms.of[link.a]], b = number[realms.of[link.b]];
+    if (a == b) continue;
+    candidates.push_back({std::min(a, b), std::max(a, b),
+                          realms.length[link.a] + link.length + realms.length[link.b], e});
+  }
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate& p, const Candidate& q) { return p.key() < q.key(); });
+  level.way_begin.push_back(0);
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const Candidate& best = candidates[c];
+    if (c > 0 && candidates[c - 1].a == best.a && candidates[c - 1].b == best.b) continue;
+    level.links.push_back({best.a, best.b, best.length, 0, 0});
+    level.way.push_back(best.link);
+    for (std::uint32_t i : {links[best.link].a, links[best.link].b})
+      while (realms.towards[i] != none) {
+        const Link& step = links[realms.towards[i]];
+        level.way.push_back(realms.towards[i]);
+        i = step.a == i ? step.b : step.a;
+      }
+    level.way_begin.push_back(static_cast<std::uint32_t>(level.way.size()));
+  }
+}
+
 CoarseLevel build_level(std::span<const Link> links, std::span<const float> masses) {
   const Graph graph(links, masses.size());
   std::vector<Near> near(masses.size());
@@ -297,23 +362,11 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
   for (std::uint32_t i = 0; i < masses.size(); ++i)
     if (coarse[i]) number[i] = static_cast<std::uint32_t>(level.finer.size()), level.finer.push_back(i);
   if (level.finer.size() == masses.size()) return {};
-  for (std::uint32_t i = 0; i < masses.size(); ++i) realm[i] = number[near[i][0].particle];
-
-  // Müller 2008, section 4.2: a spared particle collapses into its nearest parent and takes its links along.
-  for (const Link& link : links) {
-    const std::uint32_t a = std::min(realm[link.a], realm[link.b]), b = std::max(realm[link.a], realm[link.b]);
-    if (a == b) continue;
-    float length = length_between(near, level.finer[a], level.finer[b]);
-    length = std::min(length, near[link.a][0].length + link.length + near[link.b][0].length);
-    level.links.push_back({a, b, length, 0, 0});
-  }
-  const auto ends = [](const Link& link) { return std::tuple(link.a, link.b, link.length); };
-  std::sort(level.links.begin(), level.links.end(),
-            [&](const Link& p, const Link& q) { return ends(p) < ends(q); });
-  level.links.erase(
-      std::unique(level.links.begin(), level.links.end(),
-                  [&](const Link& p, const Link& q) { return p.a == q.a && p.b == q.b; }),
-      level.links.end());
+  const Realms realms(graph, coarse);
+  collapse(links, realms, number, level);
+  for (std::uint32_t i = 0; i < masses.size(); ++i) realm[i] = number[realms.of[i]];
+  for (Link& link : level.links)
+    link.length = std::min(link.length, length_between(near, level.finer[link.a], level.finer[link.b]));
 
   std::vector<double> mass(level.finer.size());
   level.begin.push_back(0);
