@@ -60,7 +60,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
       if (level.map.mass[link.a] > 0 || level.map.mass[link.b] > 0)
         level.constraints.add({link.a, link.b}, {link.length}, {0});
     level.constraints.prepare(level.particle.size());
-    level.excess.resize(level.map.links.size());
+    level.excess.resize(level.map.links.size()), level.path = level.ratio = level.excess;
     for (std::size_t i = 0; i < level.constraints.size(); ++i) {
       const auto [a, b] = level.constraints.set().indices(i);
       const auto found = std::lower_bound(
@@ -76,32 +76,56 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   h_ = 0;
 }
 
-void Hierarchical::gather(Level& level, const ParticleView& particles, Threads& threads) const {
+void Hierarchical::restrict_to(std::size_t l, const ParticleView& particles, Threads& threads) {
+  Level& level = levels_[l];
+  const CoarseLevel& map = level.map;
   threads.for_each(level.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t j = begin; j < end; ++j) {
-      const std::uint32_t i = level.particle[j];
-      level.moving[j] = level.before[j] = particles.moving[i];
-      level.position[j].set_xyz(particles.position[i].xyz());
+      Vec3f x{}, d{};
+      for (std::uint32_t k = map.child_begin[j]; k < map.child_begin[j + 1]; ++k) {
+        const std::uint32_t i = map.child[k];
+        if (l > 0) {
+          x += levels_[l - 1].position[i].xyz() * map.share[k];
+          d += levels_[l - 1].moving[i].xyz() * map.share[k];
+        } else if (particles.form == Form::plain) {
+          x += particles.start[particle_[i]].xyz() * map.share[k];
+          d += particles.moved(particle_[i]) * map.share[k];
+        } else {
+          x += particles.position[particle_[i]].xyz() * map.share[k];
+          d += particles.moving[particle_[i]].xyz() * map.share[k];
+        }
+      }
+      level.position[j].set_xyz(x);
+      level.moving[j].set_xyz(d);
     }
   });
 }
 
 void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
+  const std::span<const Vec4f> start = particles.form == Form::plain ? particles.start : particles.position;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
     threads.for_each(level.excess.size(), grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t e = begin; e < end; ++e) {
-        float sum = 0;
+        float sum = 0, path = 0;
         for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k) {
           const std::uint32_t step = level.map.way[k];
           if (l > 0) {
             sum += levels_[l - 1].excess[step];
+            path += levels_[l - 1].path[step];
           } else {
             const Link& link = links_[step];
-            sum += length(particles.difference(particle_[link.a], particle_[link.b])) - link.length;
+            sum += length(start[particle_[link.a]].xyz() - start[particle_[link.b]].xyz()) - link.length;
+            path += link.length;
           }
         }
         level.excess[e] = sum;
+        level.path[e] = path;
+        const Link& link = level.map.links[e];
+        const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
+        float ratio = path / (path + sum);
+        if (geo) ratio = fas ? std::max(ratio, link.length / now) : link.length / now;
+        level.ratio[e] = now > 0 ? 1 + beta * (ratio - 1) : 1;
       }
     });
   }
@@ -129,27 +153,18 @@ void Hierarchical::descend(const ParticleView& particles, const Substep& substep
   coarse.form = Form::displacement;
   coarse.mode = compliant_ ? Mode::xpbd : Mode::small_steps;
   coarse.iterations = 1;
-  if (fas) measure(particles, threads);
+  for (std::size_t l = 0; l < levels_.size(); ++l) restrict_to(l, particles, threads);
   for (std::size_t l = levels_.size(); l-- > 0;) {
     Level& level = levels_[l];
-    gather(level, particles, threads);
-    if (fas) {
-      const ParticleView view{particles.form == Form::plain ? level.moving : level.position, level.moving,
-                            level.before, particles.form};
-      auto& set = level.constraints.set();
-      for (std::size_t i = 0; i < set.size(); ++i) {
-        const auto [a, b] = set.indices(i);
-        const float e = level.excess[level.link[i]], now = length(view.difference(a, b));
-        set.parameters[0].set(i, std::max(0.0f, now - (unilateral ? std::max(0.0f, e) : e)));
-      }
+    level.before = level.moving;
+    if (l + 1 < levels_.size()) prolong(levels_[l + 1], {}, level.moving, level.position, false, threads);
+    const ParticleView view{level.position, level.moving, level.before, Form::displacement};
+    auto& set = level.constraints.set();
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const auto [a, b] = set.indices(i);
+      set.parameters[0].set(
+          i, level.ratio[level.link[i]] * length(level.position[a].xyz() - level.position[b].xyz()));
     }
-    if (l + 1 < levels_.size())
-      prolong(levels_[l + 1], {}, level.moving, level.position, false, threads);
-    const ParticleView view{particles.form == Form::plain ? level.moving : level.position, level.moving,
-                            level.before, particles.form};
-    coarse.form = particles.form;
-    if (particles.form == Form::plain)
-      for (std::size_t j = 0; j < level.moving.size(); ++j) level.moving[j].w = level.position[j].w;
     level.constraints.begin_substep(view, coarse);
     const int n = l + 1 == levels_.size() ? coarsest_sweeps : sweeps;
     projections += double(n) * double(level.constraints.size());
@@ -160,7 +175,10 @@ void Hierarchical::descend(const ParticleView& particles, const Substep& substep
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
+  measure(particles, threads);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+    for (int k = 0; k < pre; ++k) for (Projector* projector : projectors) { sweep(*projector, particles, substep, threads);
+      projections += double(projector->size());}
     if (!levels_.empty())
       for (int c = 0; c < cycles; ++c) descend(particles, substep, threads);
     for (Projector* projector : projectors) {

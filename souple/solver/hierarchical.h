@@ -26,20 +26,20 @@ class Hierarchical final : public Solver {
   struct Level {
     CoarseLevel map;
     std::vector<std::uint32_t> link;      ///< of each constraint
-    std::vector<float> excess;  ///< of each link
+    std::vector<float> excess, path, ratio;  ///< of each link
     std::vector<std::uint32_t> particle;  ///< of the world
     std::vector<Vec4f> position, moving, before;
-    SetProjector<Distance> constraints;
+    SetProjector<Tether> constraints;
   };
   const std::vector<Level>& levels() const { return levels_; }
 
-  bool fas=true, unilateral=false; int sweeps = 2, coarsest_sweeps = 8, cycles = 1;
+  bool fas=true, geo=true; float beta=1; int pre=0; int sweeps = 2, coarsest_sweeps = 8, cycles = 1;
   double projections = 0;
 
  private:
   void set_compliance(const Substep& substep);
   void measure(const ParticleView& particles, Threads& threads);
-  void gather(Level& level, const ParticleView& particles, Threads& threads) const;
+  void restrict_to(std::size_t l, const ParticleView& particles, Threads& threads);
   void prolong(const Level& from, std::span<const std::uint32_t> to, std::span<Vec4f> moving,
                std::span<const Vec4f> masses, bool scattered, Threads& threads) const;
   void descend(const ParticleView& particles, const Substep& substep, Threads& threads);

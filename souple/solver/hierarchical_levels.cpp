@@ -353,6 +353,29 @@ void collapse(std::span<const Link> links, const Realms& realms, std::span<const
   }
 }
 
+// The transpose of the parents, weighted by mass.
+void add_children(std::span<const float> masses, CoarseLevel& level) {
+  const std::size_t count = level.finer.size();
+  const auto follows = [&](std::size_t i, std::uint32_t j) {
+    return level.mass[j] > 0 ? masses[i] > 0 : level.finer[j] == i;
+  };
+  level.child_begin.assign(count + 1, 0);
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    for (std::uint32_t k = level.begin[i]; k < level.begin[i + 1]; ++k)
+      if (follows(i, level.parent[k])) ++level.child_begin[level.parent[k] + 1];
+  for (std::size_t j = 0; j < count; ++j) level.child_begin[j + 1] += level.child_begin[j];
+  level.child.resize(level.child_begin[count]);
+  level.share.resize(level.child.size());
+  std::vector<std::uint32_t> next(level.child_begin.begin(), level.child_begin.end() - 1);
+  for (std::uint32_t i = 0; i < masses.size(); ++i)
+    for (std::uint32_t k = level.begin[i]; k < level.begin[i + 1]; ++k) {
+      const std::uint32_t j = level.parent[k];
+      if (!follows(i, j)) continue;
+      level.child[next[j]] = i;
+      level.share[next[j]++] = level.mass[j] > 0 ? level.weight[k] * masses[i] / level.mass[j] : 1;
+    }
+}
+
 CoarseLevel build_level(std::span<const Link> links, std::span<const float> masses) {
   const Graph graph(links, masses.size());
   std::vector<Near> near(masses.size());
@@ -390,6 +413,7 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
   }
   for (std::size_t j = 0; j < mass.size(); ++j)
     level.mass.push_back(masses[level.finer[j]] > 0 ? static_cast<float>(mass[j]) : 0);
+  add_children(masses, level);
   share_energy(links, realm, level.finer.size(), level.links);
   return level;
 }

@@ -25,6 +25,10 @@ struct CoarseLevel {
   /// k in [begin[i], begin[i + 1]). Weights of a particle are at least 0 and sum to 1.
   std::vector<std::uint32_t> begin, parent;
   std::vector<float> weight;
+  /// Mean of the finer particles that follow coarse particle j, by mass: sum_k share[k] * of child[k], k in
+  /// [child_begin[j], child_begin[j + 1]). Shares sum to 1; one that does not move has itself alone.
+  std::vector<std::uint32_t> child_begin, child;
+  std::vector<float> share;
   std::vector<float> mass;  ///< sum_i weight_i,J m_i of the particles that move [kg]; 0: does not move
 };
 
