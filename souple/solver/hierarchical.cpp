@@ -181,7 +181,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
       projections += double(projector->size());}
     if (!levels_.empty())
       for (int c = 0; c < cycles; ++c) descend(particles, substep, threads);
-    for (Projector* projector : projectors) {
+    for (int k = 0; k < post; ++k) for (Projector* projector : projectors) {
       sweep(*projector, particles, substep, threads);
       projections += double(projector->size());
     }

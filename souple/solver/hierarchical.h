@@ -33,7 +33,7 @@ class Hierarchical final : public Solver {
   };
   const std::vector<Level>& levels() const { return levels_; }
 
-  bool fas=true, geo=true; float beta=1; int pre=0; int sweeps = 2, coarsest_sweeps = 8, cycles = 1;
+  bool fas=true, geo=true; float beta=1; int pre=0,post=1; int sweeps = 2, coarsest_sweeps = 8, cycles = 1;
   double projections = 0;
 
  private:

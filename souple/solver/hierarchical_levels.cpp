@@ -170,35 +170,57 @@ float spacing(const Graph& graph, std::uint32_t i) {
   return around.empty() ? 0 : hierarchy_spacing * sum / static_cast<float>(around.size());
 }
 
+/// Who is chosen first: what does not move, then corners, edges and the inside of what moves. A coarser level
+/// that reaches to the edges need not extrapolate there. An edge shows by how few particles lie within two links.
+std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
+  std::vector<std::uint32_t> around(graph.size()), seen(graph.size(), none);
+  for (std::uint32_t i = 0; i < graph.size(); ++i)
+    for (const Neighbour& n : graph.of(i))
+      for (const Neighbour& m : graph.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
+  std::vector<int> result(graph.size());
+  for (std::uint32_t i = 0; i < graph.size(); ++i) {
+    std::uint32_t most = around[i];
+    for (const Neighbour& n : graph.of(i))
+      for (const Neighbour& m : graph.of(n.to)) most = std::max(most, around[m.to]);
+    const float part = static_cast<float>(around[i]) / static_cast<float>(std::max(most, 1u));
+    result[i] = (masses[i] > 0 ? 3 : 0) + (part < 0.45f ? 0 : part < 0.75f ? 1 : 2);
+  }
+  return result;
+}
+
 /// Chooses the particles that the coarser level keeps, no two nearer than their spacing, each next one as near
-/// to those before as that allows; those that do not move first. Fills `near` for all particles.
-std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph, std::span<const float> masses, std::vector<Near>& near) {
+/// to those before as that allows. Fills `near` for all particles.
+std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph, std::span<const float> masses,
+                                std::vector<Near>& near) {
   using Entry = std::pair<float, std::uint32_t>;
   std::vector<bool> coarse(graph.size()), covered(graph.size());
+  const std::vector<int> rank = ranks(graph, masses);
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
   Marcher marcher(links, graph);
-  const auto keep = [&](std::uint32_t j, bool moves) {
+  const auto keep = [&](std::uint32_t j) {
+    if (covered[j]) return;
     coarse[j] = true;
     const float radius = spacing(graph, j);
     for (const Marcher::Reached& r : marcher.march(j, hierarchy_reach * radius)) {
       near[r.particle].push_back({j, r.length});
-      if (moves < (masses[r.particle] > 0) && r.length > 0) {
-        covered[r.particle] = covered[r.particle] || r.length <= radius;
-        continue;
-      }
-      if (r.length <= radius) covered[r.particle] = true;
-      if (!covered[r.particle]) front.emplace(r.length, r.particle);
+      covered[r.particle] = covered[r.particle] || r.length <= radius;
+      if (!covered[r.particle] && rank[r.particle] <= rank[j]) front.emplace(r.length, r.particle);
     }
   };
-  for (const bool moves : {false, true}) {
+  for (int now = 0; now < 6; ++now) {
     for (std::uint32_t i = 0; i < graph.size(); ++i) {
-      if ((masses[i] > 0) != moves) continue;
-      if (!covered[i]) keep(i, moves);
+      if (rank[i] != now || covered[i]) continue;
+      float nearest = std::numeric_limits<float>::infinity();
+      for (const Marcher::Reached& n : near[i]) nearest = std::min(nearest, n.length);
+      if (!near[i].empty()) front.emplace(nearest, i);
+    }
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
       while (!front.empty()) {
         const std::uint32_t next = front.top().second;
         front.pop();
-        if (!covered[next]) keep(next, moves);
+        keep(next);
       }
+      if (rank[i] == now) keep(i);
     }
   }
   for (Near& n : near)
