@@ -43,6 +43,8 @@ struct ParticleView {
   std::span<Vec4f> moving;
   std::span<const Vec4f> start;  ///< what `moving` was when the substep began
   Form form = Form::displacement;
+  /// Where corrections are added: `moving` where it is empty, as in Gauss-Seidel.
+  std::span<Vec4f> corrected{};
 
   float inverse_mass(std::size_t i) const { return position[i].w; }
 
@@ -60,7 +62,7 @@ struct ParticleView {
   Vec3f moved(std::size_t i) const { return moving[i].xyz() - start[i].xyz(); }
   /// Adds a correction. [m]
   void correct(std::size_t i, const Vec3f& dx) const {
-    Vec4f& m = moving[i];
+    Vec4f& m = (corrected.empty() ? moving : corrected)[i];
     m.x += dx.x, m.y += dx.y, m.z += dx.z;
   }
 };
