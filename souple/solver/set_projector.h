@@ -60,6 +60,7 @@ class SetProjector final : public Projector {
     Colouring colouring = colour_constraints(flat, Kind::arity, particle_count);
     set_.reorder(colouring.order);
     set_.colour_begin = std::move(colouring.colour_begin);
+    find_scales({});  // a solver may linearise before the first substep
   }
 
   void begin_substep(const ParticleView&, const Substep& substep) override {
