@@ -183,7 +183,8 @@ class SetProjector final : public Projector {
     if (kernels_) {
       float* rows[rows_of<Kind>];
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r];
-      const Arrays arrays(set_);
+      Arrays arrays(set_);
+      arrays.set.scale = {scales_.data(), scales_.stride()};
       kernels_->evaluate[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
                                                                        begin, end, rows);
       return;
