@@ -27,6 +27,10 @@ void weigh(const LinearSystem& system, const LinearSystem::Block& block, const d
 
 }  // namespace
 
+int ConjugateGradient::most_products(std::size_t particles) {
+  return std::max(50, static_cast<int>(1.5 * std::sqrt(static_cast<double>(particles))));
+}
+
 void ConjugateGradient::prepare_system(LinearSystem& system, const ParticleView&) {
   floors_ = true;
   const std::size_t n = system.unknowns();
@@ -138,7 +142,8 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
   double rho = sum(threads, [&](std::size_t u) { return dot(residual_[u], direction_[u]); });
   const double first = rho;
   Lengths lengths;
-  for (products_ = 0; products_ < most_products && rho > tolerance * tolerance * first; ++products_) {
+  const int most = most_products(system.unknowns());
+  for (products_ = 0; products_ < most && rho > tolerance * tolerance * first; ++products_) {
     multiply(system, lengths, threads);
     const double curvature = sum(threads, [&](std::size_t u) { return dot(direction_[u], product_[u]); });
     if (!(curvature > 0)) break;

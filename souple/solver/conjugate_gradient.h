@@ -9,18 +9,22 @@ namespace souple {
 /// The primal system (M + J^T A^-1 J) dx = J^T A^-1 b by conjugate gradients preconditioned by M: no matrix,
 /// no factorisation, any size. Rigid rows get the floor of linear_system.h.
 ///
-/// With this preconditioner every iterate is W J^T times something. So an iterate that stops early, at a
-/// residual of `tolerance` times the first or after `most_products` products with the matrix, is made of
-/// constraint forces all the same: momentum and angular momentum are those of the exact solution, what the
-/// constraints leave free moves freely, and what is left is stretch. (The inverse of each particle's 3 x 3
-/// block, the usual choice, gains nothing on meshes of like elements, and stopped early brakes what swings: a
-/// hanging 50 x 50 cloth fell with two thirds of its energy.) `remark` tells how far it came.
-/// (Starting from the multipliers of the substep before costs twice the strain on that cloth: a Krylov space
-/// from zero finds them at once, and the restart spoils it.) Bitwise equal for any number of threads.
-/// Allocates nothing in a warm step.
+/// With this preconditioner every iterate is W J^T times something. So one that stops early, at a residual of
+/// `tolerance` times the first or after `most_products` products with the matrix, is made of constraint
+/// forces all the same: momentum and angular momentum are those of the exact solution, what the constraints
+/// leave free moves freely, and what is left is stretch. `remark` tells how far it came.
+///
+/// Rejected: the inverse of each particle's 3 x 3 block as preconditioner (gains nothing on meshes of like
+/// elements, and stopped early brakes what swings: a hanging 50 x 50 cloth fell with two thirds of its
+/// energy); the multipliers of the substep before as a start (twice the strain on that cloth: the Krylov
+/// space from zero finds them at once, and the restart spoils it).
+///
+/// Bitwise equal for any number of threads. Allocates nothing in a warm step.
 class ConjugateGradient final : public LinearisedSolver {
  public:
-  static constexpr int most_products = 50;
+  /// A correction crosses one constraint per product, so a large mesh needs more of them: half as many again
+  /// as its side has particles, were it a square.
+  static int most_products(std::size_t particles);
   static constexpr double tolerance = 1e-4;
 
   std::string_view name() const override { return "conjugate_gradient"; }
