@@ -304,6 +304,26 @@ TEST(LinearSolvers, ResultsDoNotDependOnThreads) {
   }
 }
 
+// Pins come and go without the solver being prepared anew.
+TEST_P(EverySolver, FollowsPins) {
+  SolverScene scene;
+  for (int i = 0; i < 3; ++i) scene.add({1.5 * i, 0, 0}, 1);
+  auto& links = scene.add<Distance>();
+  links.add({0, 1}, {1});
+  links.add({1, 2}, {1});
+  scene.use(test::kind_of(GetParam()));
+  scene.body.position[0].w = 0;
+  scene.substep.iterations = enough(GetParam());
+  scene.solve();
+  EXPECT_EQ(length(scene.body.at(0)), 0);
+  EXPECT_NEAR(scene.body.at(1).x, 1, 1e-4);
+  EXPECT_NEAR(scene.body.at(2).x, 2, 1e-4);
+  scene.body.position[0].w = 1;
+  scene.body.offset[2].x += 0.3f;
+  scene.solve();
+  EXPECT_NEAR(scene.body.at(0).x, 0.1, 1e-4);
+}
+
 // Nothing to solve is no error.
 TEST_P(EverySolver, TakesAnEmptyScene) {
   SolverScene scene;
