@@ -59,7 +59,7 @@ void ParticleContacts::begin_step(const ParticleView& particles, std::span<const
   objects_ = objects, radius_ = radius;
   surfaces_ = &surfaces;
   step_ = step;
-  substeps_ = 0;
+  sweeps_.begin_step();
   forget_contacts();
   remember();
   find_members();
@@ -244,8 +244,6 @@ void ParticleContacts::forget_contacts() {
 
 void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
   last_h_ = substep.h;
-  const auto sweeps_before =
-      static_cast<std::size_t>(substeps_++) * static_cast<std::size_t>(substep.iterations);
   if (!(largest_diameter_ > 0)) {
     forget_contacts();
     return;
@@ -265,7 +263,7 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
   colour_touching(particles);
   if (contacts_.capacity() < sorted_.size()) contacts_.reserve(2 * sorted_.size());
   contacts_.resize(sorted_.size());
-  sweeps_.start(contacts_.size(), sweeps_before);
+  sweeps_.begin_sweep(contacts_.size());
   threads.for_each(contacts_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) contacts_[c] = contact_of(sorted_[c], particles, substep.h);
   });

@@ -122,10 +122,13 @@ class ParticleContacts final : public Projector {
       done_ = other.done_;
       return *this;
     }
-    void start(std::size_t contacts, std::size_t done) { left_ = contacts, done_ = done; }
+    void begin_step() { done_ = 0; }
+    void begin_sweep(std::size_t contacts) { left_ = contacts; }
     bool backwards() const { return done_ % 2 == 1; }
     void projected(std::size_t count, std::size_t contacts) {
-      if (left_.fetch_sub(count, std::memory_order_acq_rel) == count) start(contacts, done_ + 1);
+      if (left_.fetch_sub(count, std::memory_order_acq_rel) != count) return;
+      ++done_;
+      begin_sweep(contacts);
     }
 
    private:
@@ -165,8 +168,7 @@ class ParticleContacts final : public Projector {
   float last_h_ = 0;  // of the last refresh [s]
   float largest_diameter_ = 0;
   float margin_ = 0;  // of the last broad phase: two members may approach each other this much [m]
-  int substeps_ = 0;  // since the step began
-  Sweeps sweeps_;     // odd ones go backwards
+  Sweeps sweeps_;     // of this step; odd ones go backwards
   Vec3f corner_{};    // of the grid; positions below are relative to it
   std::vector<Member> members_;
   std::vector<Vec3f> placed_;  // where each member was in the last broad phase
