@@ -13,7 +13,7 @@
 namespace souple {
 namespace {
 
-constexpr int frames = 12;
+constexpr int frames = 8;
 
 std::vector<std::uint64_t> hashes_of(const Settings& settings) {
   World world = test::busy_world(settings);
@@ -29,13 +29,11 @@ std::vector<std::uint64_t> hashes_of(const Settings& settings) {
 
 TEST(WorldThreads, ResultsDoNotDependOnThem) {
   const std::vector<std::uint64_t> alone = hashes_of({.threads = 1});
-  for (const Threading threading : {Threading::serial, Threading::pool, Threading::tbb, Threading::automatic})
-    for (const int threads : {2, 3, 8}) {
-      if (threading == Threading::serial && threads > 2) continue;
-      if (threading == Threading::automatic && threads != 3) continue;
-      EXPECT_EQ(hashes_of({.threads = threads, .threading = threading}), alone)
-          << threads << " threads, kind " << static_cast<int>(threading);
-    }
+  for (const int threads : {2, 3, 8})
+    EXPECT_EQ(hashes_of({.threads = threads, .threading = Threading::pool}), alone) << threads << " threads";
+  EXPECT_EQ(hashes_of({.threads = 3, .threading = Threading::serial}), alone);
+  EXPECT_EQ(hashes_of({.threads = 3, .threading = Threading::automatic}), alone);
+  EXPECT_EQ(hashes_of({.threads = 3, .threading = has_tbb() ? Threading::tbb : Threading::serial}), alone);
 }
 
 TEST(WorldThreads, ResultsOfManyIterationsDoNotDependOnThem) {
