@@ -48,6 +48,18 @@ int view(const ViewRequest& request);
 /// Whether the viewer was built in.
 bool has_viewer();
 
+/// The words of the command line; empty: the default.
+struct BenchRequest {
+  std::string name;  ///< empty: list them
+  std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colours;
+  std::string solver, sweep, form, mode, threading;
+  std::optional<float> relaxation, chebyshev;
+  std::optional<double> residual;
+  std::filesystem::path compare;  ///< JSON of an earlier result
+  bool json = false;
+};
+int bench(const BenchRequest& request);
+
 int list(bool as_json);
 
 int check(const std::string& scene, const std::vector<std::string>& settings);
