@@ -2,12 +2,14 @@
 
 #include "souple/error.h"
 #include "souple/solver/gauss_seidel.h"
+#include "souple/solver/partitioned_gauss_seidel.h"
 
 namespace souple {
 
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
   switch (settings.kind) {
     case SolverKind::gauss_seidel:
+      if (settings.colours > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
       return std::make_unique<GaussSeidel>(settings);
     default:
       throw Error("this solver is not there yet: use gauss_seidel");
