@@ -42,6 +42,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
                  const LinearVisitor& visitor) const override {
     return set_.linearise(particles, substep, visitor);
   }
+  void multipliers(const MultiplierVisitor& visitor) override { set_.multipliers(visitor); }
   Residual residual(const ParticleView& particles) const override { return set_.residual(particles); }
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 

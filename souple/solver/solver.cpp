@@ -1,7 +1,11 @@
 #include "souple/solver/solver.h"
 
 #include "souple/error.h"
+#include "souple/solver/conjugate_gradient.h"
+#include "souple/solver/dense.h"
+#include "souple/solver/direct.h"
 #include "souple/solver/gauss_seidel.h"
+#include "souple/solver/jacobi.h"
 #include "souple/solver/partitioned_gauss_seidel.h"
 
 namespace souple {
@@ -11,6 +15,14 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
     case SolverKind::gauss_seidel:
       if (settings.colours > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
       return std::make_unique<GaussSeidel>(settings);
+    case SolverKind::jacobi:
+      return std::make_unique<Jacobi>(settings);
+    case SolverKind::direct:
+      return std::make_unique<Direct>();
+    case SolverKind::conjugate_gradient:
+      return std::make_unique<ConjugateGradient>();
+    case SolverKind::dense:
+      return std::make_unique<Dense>();
     default:
       throw Error("this solver is not there yet: use gauss_seidel");
   }
