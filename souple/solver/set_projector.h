@@ -253,6 +253,7 @@ class SetProjector final : public Projector {
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
+      set.scale = view(of.stiffnesses);  // any numbers do where nothing is projected
     }
     Arrays(const Arrays&) = delete;
     Arrays& operator=(const Arrays&) = delete;
