@@ -50,11 +50,11 @@ class SetProjector final : public Projector {
     if (!dirty_) return;
     kernels_ = find_kernels<Kind>(instruction_set());
     scales_for_ = -1;
-    for (const std::vector<std::uint32_t>& indices : set_.particles)
-      for (std::size_t i = 0; i < indices.size(); ++i)
-        if (indices[i] >= particle_count)
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      for (const std::uint32_t index : set_.indices(i))
+        if (index >= particle_count)
           throw Error(std::string(kind()) + " " + std::to_string(i) + " names particle " +
-                      std::to_string(indices[i]) + ", but there are " + std::to_string(particle_count));
+                      std::to_string(index) + ", but there are " + std::to_string(particle_count));
     dirty_ = false;
     split_ = {};
     arrange(colour_constraints(flat_indices(), Kind::arity, particle_count));
@@ -72,7 +72,7 @@ class SetProjector final : public Projector {
     split_.whole = {inverse_order(partition.colouring.order), set_.colour_begin};
     for (std::size_t k = 0; k < Set::arity; ++k)
       for (std::size_t i = k; i < partition.indices.size(); i += Set::arity)
-        split_.particles[k].push_back(partition.indices[i]);
+        split_.records[k].push_back(4 * partition.indices[i]);
     arrange(std::move(partition.colouring));
     return split_.phantom_of;
   }
@@ -168,9 +168,9 @@ class SetProjector final : public Projector {
         kept.push_back(i);
     }
     if (kept.size() != set_.size()) set_.reorder(kept), dirty_ = true;
-    for (std::vector<std::uint32_t>& indices : set_.particles)
-      for (std::uint32_t& index : indices)
-        if (index >= end) index -= end - begin;
+    for (std::vector<std::uint32_t>& records : set_.records)
+      for (std::uint32_t& record : records)
+        if (record / 4 >= end) record -= 4 * (end - begin);
   }
 
  private:
@@ -178,7 +178,7 @@ class SetProjector final : public Projector {
     std::vector<std::uint32_t> flat;
     flat.reserve(set_.size() * Set::arity);
     for (std::size_t i = 0; i < set_.size(); ++i)
-      for (const std::vector<std::uint32_t>& indices : set_.particles) flat.push_back(indices[i]);
+      for (const std::uint32_t index : set_.indices(i)) flat.push_back(index);
     return flat;
   }
   void arrange(Colouring colouring) {
@@ -188,7 +188,7 @@ class SetProjector final : public Projector {
   }
   // What `project` acts on: where particles were split, phantoms in their place.
   const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
-    return split_.phantom_of.empty() ? set_.particles : split_.particles;
+    return split_.phantom_of.empty() ? set_.records : split_.records;
   }
 
   // Positions relative to the constraint's origin, or to its first particle, so that far from the world's
@@ -238,7 +238,7 @@ class SetProjector final : public Projector {
 
   // What the kernels see of a set.
   struct Arrays {
-    const std::uint32_t* particles[Kind::arity];
+    const std::uint32_t* records[Kind::arity];
     kernels::ColumnView parameters[Set::param_count], compliances[compliance_size<Kind>];
     kernels::SetArrays set;
 
@@ -246,10 +246,10 @@ class SetProjector final : public Projector {
       const auto view = [](const Column& column) {
         return kernels::ColumnView{column.data(), column.stride()};
       };
-      for (std::size_t k = 0; k < Kind::arity; ++k) particles[k] = of.particles[k].data();
+      for (std::size_t k = 0; k < Kind::arity; ++k) records[k] = of.records[k].data();
       for (std::size_t k = 0; k < Set::param_count; ++k) parameters[k] = view(of.parameters[k]);
       for (std::size_t k = 0; k < compliance_size<Kind>; ++k) compliances[k] = view(of.compliances[k]);
-      set.particles = particles;
+      set.records = records;
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
@@ -268,7 +268,7 @@ class SetProjector final : public Projector {
   void project_packed(std::size_t begin, std::size_t end, const ParticleView& particles,
                       const Substep& substep, bool general) {
     Arrays arrays(set_);
-    for (std::size_t k = 0; k < Kind::arity; ++k) arrays.particles[k] = acted_on()[k].data();
+    for (std::size_t k = 0; k < Kind::arity; ++k) arrays.records[k] = acted_on()[k].data();
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
@@ -345,7 +345,7 @@ class SetProjector final : public Projector {
   template <Terms terms>
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
     Indices indices;
-    for (std::size_t k = 0; k < Set::arity; ++k) indices[k] = acted_on()[k][i];
+    for (std::size_t k = 0; k < Set::arity; ++k) indices[k] = acted_on()[k][i] / 4;
     ProjectionInput<Kind, float> in;
     load(indices, i, particles, in);
     set_terms(i, substep, in);
@@ -369,9 +369,9 @@ class SetProjector final : public Projector {
   int scales_for_ = -1;  // iterations in PBD mode, else 0
   const kernels::KindKernels* kernels_ = nullptr;
   struct Split {
-    std::vector<std::uint32_t> phantom_of;                         // nothing: no particle is split
-    std::array<std::vector<std::uint32_t>, Set::arity> particles;  // as set_.particles, with phantoms
-    Colouring whole;                                               // leads back
+    std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
+    std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records, with phantoms
+    Colouring whole;                                             // leads back
   } split_;
   bool dirty_ = true;
   bool damped_ = true;

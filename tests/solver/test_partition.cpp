@@ -285,7 +285,7 @@ TEST(PartitionedGaussSeidel, PinnedParticlesStayAndMassesDo) {
 TEST(PartitionedGaussSeidel, SetsAreSplitAndMadeWhole) {
   Wobbly wobbly(Form::displacement, 1e-6f, 0.02);
   const int colours = wobbly.links.colour_count();
-  const std::vector<std::uint32_t> first = wobbly.links.set().particles[0];
+  const std::vector<std::uint32_t> first = wobbly.links.set().records[0];
   const double before = wobbly.links.residual(wobbly.body.view()).sum;
   const auto count = static_cast<std::uint32_t>(wobbly.body.position.size());
   EXPECT_FALSE(wobbly.links.split(3, count).empty());
@@ -296,7 +296,7 @@ TEST(PartitionedGaussSeidel, SetsAreSplitAndMadeWhole) {
   });
   EXPECT_TRUE(wobbly.links.split(0, 0).empty());
   EXPECT_EQ(wobbly.links.colour_count(), colours);
-  EXPECT_EQ(wobbly.links.set().particles[0], first);
+  EXPECT_EQ(wobbly.links.set().records[0], first);
 }
 
 // A soft cloth hung by a row, swung down and at rest, 7 % longer than it was.
