@@ -185,6 +185,7 @@ class SetProjector final : public Projector {
     set_.reorder(colouring.order);
     set_.colour_begin = std::move(colouring.colour_begin);
     scales_for_ = -1;
+    find_scales({});  // before a first substep: 1
   }
   // What `project` acts on: where particles were split, phantoms in their place.
   const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
