@@ -30,9 +30,8 @@
 #include <string_view>
 #include <vector>
 
+namespace souple {
 namespace {
-
-using namespace souple;
 
 constexpr int many = 64;  // iterations
 
@@ -123,7 +122,7 @@ TriangleMesh irregular(int n) {
     for (std::size_t e = 0; e < sides.size(); ++e) {
       random = random * 1664525u + 1013904223u;
       if (sides[e].size() != 2 || random >> 30 != 0 || touched[sides[e][0]] || touched[sides[e][1]]) continue;
-      const auto [a, b] = all.edges[e];
+      const std::uint32_t a = all.edges[e][0], b = all.edges[e][1];
       const auto opposite = [&](std::uint32_t t) {
         for (const std::uint32_t i : mesh.triangles[t])
           if (i != a && i != b) return i;
@@ -202,35 +201,38 @@ void measure(Body& body, Threads& threads, int runs) {
       solve(1 + std::max(0, static_cast<int>(std::lround(time / variant.each()))));
       variant.error_in_time = error();
     });
-  for (const Variant& variant : variants) {
-    const std::string asked = variant.colours == 0 ? "none" : std::to_string(variant.colours);
-    std::printf("| %s, %zu | %s | %d | %zu | %.3f | %.3f | %.2f | %.2f |\n", body.name.c_str(),
-                body.set->size(), asked.c_str(), variant.colour_count, variant.phantoms, variant.one,
+  for (const Variant& variant : variants)
+    std::printf("| %s, %zu | %d | %d | %zu | %.4g | %.4g | %.3g | %.3g |\n", body.name.c_str(),
+                body.set->size(), variant.colours, variant.colour_count, variant.phantoms, variant.one,
                 variant.each(), variant.error, variant.error_in_time);
-  }
   std::fflush(stdout);
 }
 
+void run(int threads, int runs) {
+  const std::unique_ptr<Threads> workers =
+      make_threads(threads > 1 ? Threading::pool : Threading::serial, threads);
+  std::printf(
+      "| constraints | colours asked for | used | phantoms | one iteration [ms] | each further [ms] | error "
+      "after %d [%%] | error in equal time [%%] |\n|---|---:|---:|---:|---:|---:|---:|---:|\n",
+      many);
+  std::vector<Body> bodies;
+  bodies.push_back(springs("cloth, springs", grid(200, 200, 2)));
+  bodies.push_back(bar());
+  bodies.push_back(springs("ball, springs", sphere(6, 1)));
+  bodies.push_back(springs("irregular sheet, springs", irregular(200)));
+  bodies.push_back(springs("small cloth, springs", grid(32, 32, 2)));
+  for (Body& body : bodies) measure(body, *workers, runs);
+}
+
 }  // namespace
+}  // namespace souple
 
 int main(int count, char** words) {
   try {
     int threads = 1, runs = 5;
     for (int i = 1; i + 1 < count; i += 2)
       (std::string_view(words[i]) == "--threads" ? threads : runs) = std::atoi(words[i + 1]);
-    const std::unique_ptr<Threads> workers =
-        make_threads(threads > 1 ? Threading::pool : Threading::serial, threads);
-    std::printf(
-        "| constraints | colours asked | used | phantoms | one iteration [ms] | each further [ms] | error "
-        "after %d [%%] | error in equal time [%%] |\n|---|---|---|---|---|---|---|---|\n",
-        many);
-    std::vector<Body> bodies;
-    bodies.push_back(springs("cloth, springs", grid(200, 200, 2)));
-    bodies.push_back(bar());
-    bodies.push_back(springs("ball, springs", sphere(6, 1)));
-    bodies.push_back(springs("irregular sheet, springs", irregular(200)));
-    bodies.push_back(springs("small cloth, springs", grid(32, 32, 2)));
-    for (Body& body : bodies) measure(body, *workers, runs);
+    souple::run(threads, runs);
     return 0;
   } catch (const souple::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace souple {
 namespace {
@@ -15,18 +16,15 @@ class Copies {
 
   /// What a further constraint on these particles costs in that colour: copies, then how many constraints its
   /// particles have of that colour already.
-  struct Price {
-    std::uint32_t copies = 0, rivals = 0;
-    auto operator<=>(const Price&) const = default;
-  };
+  using Price = std::pair<std::uint32_t, std::uint32_t>;
   Price price(std::span<const std::uint32_t> particles, std::size_t colour) const {
-    Price sum;
+    std::uint32_t copies = 0, rivals = 0;
     for (const std::uint32_t particle : particles) {
       const std::uint32_t here = count_[particle * colours_ + colour];
-      sum.copies += here >= copies_[particle] ? 1 : 0;
-      sum.rivals += here;
+      copies += here >= copies_[particle] ? 1 : 0;
+      rivals += here;
     }
-    return sum;
+    return {copies, rivals};
   }
   void add(std::span<const std::uint32_t> particles, std::size_t colour) {
     for (const std::uint32_t particle : particles)
