@@ -58,6 +58,7 @@ class SetProjector final : public Projector {
     dirty_ = false;
     split_ = {};
     arrange(colour_constraints(flat_indices(), Kind::arity, particle_count));
+    find_scales({});  // a solver may linearise before the first substep
   }
 
   std::span<const std::uint32_t> split(int colours, std::uint32_t first_phantom) override {
@@ -215,7 +216,8 @@ class SetProjector final : public Projector {
     if (kernels_) {
       float* rows[rows_of<Kind>];
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r];
-      const Arrays arrays(set_);
+      Arrays arrays(set_);
+      arrays.set.scale = {scales_.data(), scales_.stride()};
       kernels_->evaluate[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
                                                                        begin, end, rows);
       return;
