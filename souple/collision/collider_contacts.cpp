@@ -2,6 +2,7 @@
 
 #include "souple/collision/friction.h"
 #include "souple/error.h"
+#include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <optional>
@@ -335,6 +336,10 @@ void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   candidates_.clear();
   contacts_.clear();
   report_ = {};
+}
+
+std::size_t ColliderContacts::bytes() const {
+  return bytes_of(bodies_, members_, placed_, candidates_, contacts_);
 }
 
 }  // namespace souple
