@@ -13,6 +13,7 @@ namespace souple::app {
 struct RunOptions {
   std::string scene;  ///< a file or a shipped scene's name; empty with `resume`
   std::optional<std::uint32_t> frames, substeps, iterations;
+  std::optional<int> threads;         ///< none: as Settings::threads = 0
   std::filesystem::path out;          ///< empty: out/NAME
   std::vector<std::string> formats;   ///< empty: pc2
   std::vector<std::string> settings;  ///< path=value

@@ -109,7 +109,6 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
 
 void add_run(CLI::App& app, std::function<int()>& action) {
   auto options = std::make_shared<RunOptions>();
-  auto threads = std::make_shared<std::uint32_t>(1);
   CLI::App& command = *app.add_subcommand("run", "simulate a scene and write its caches");
   command.footer(run_footer);
   command.add_option("SCENE", options->scene, scene_help);
@@ -121,7 +120,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}))
       ->type_name("FORMATS");
-  command.add_option("--threads", *threads, "accepted and ignored: the solver is sequential today")
+  command
+      .add_option(
+          "--threads", options->threads,
+          "how many threads compute; results do not depend on it [SOUPLE_THREADS, else all processors]")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
   command.add_option("--substeps", options->substeps, "the same as --set substeps=N")->type_name("N");
@@ -134,8 +136,7 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command.add_option("--picture", options->picture, "render the last frame into a picture, 1280x720")
       ->type_name("FILE.png");
   command.add_flag("--quiet", options->quiet, "print nothing but errors");
-  command.callback(
-      [options, threads, &action] { action = [options] { return souple::app::run(*options); }; });
+  command.callback([options, &action] { action = [options] { return souple::app::run(*options); }; });
 }
 
 void add_render(CLI::App& app, std::function<int()>& action) {

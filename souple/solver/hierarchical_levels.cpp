@@ -1,0 +1,458 @@
+#include "souple/solver/hierarchical_levels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <functional>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+namespace souple {
+double hierarchy_epsilon = 0.05;
+float hierarchy_spacing = 1.6f, hierarchy_reach = 2.7f;
+namespace {
+
+constexpr std::uint32_t none = ~std::uint32_t{0};
+constexpr std::size_t most_parents = 6;
+// Links of a particle along which lengths are measured; more of them only repeat what the shortest say.
+constexpr std::size_t most_ways = 8;
+
+struct Neighbour {
+  std::uint32_t to = 0;
+  float length = 0;
+  std::uint32_t link = 0;
+};
+
+/// The links of each particle, shortest first.
+struct Graph {
+  std::vector<std::uint32_t> begin;
+  std::vector<Neighbour> neighbours;
+
+  Graph(std::span<const Link> links, std::size_t particles) : begin(particles + 1) {
+    for (const Link& link : links) ++begin[link.a + 1], ++begin[link.b + 1];
+    for (std::size_t i = 0; i < particles; ++i) begin[i + 1] += begin[i];
+    neighbours.resize(2 * links.size());
+    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+    for (std::uint32_t e = 0; e < links.size(); ++e) {
+      neighbours[next[links[e].a]++] = {links[e].b, links[e].length, e};
+      neighbours[next[links[e].b]++] = {links[e].a, links[e].length, e};
+    }
+    for (std::size_t i = 0; i < particles; ++i)
+      std::sort(neighbours.begin() + begin[i], neighbours.begin() + begin[i + 1],
+                [](const Neighbour& p, const Neighbour& q) {
+                  return std::pair(p.length, p.to) < std::pair(q.length, q.to);
+                });
+  }
+  std::size_t size() const { return begin.size() - 1; }
+  std::span<const Neighbour> of(std::uint32_t i) const {
+    return {neighbours.data() + begin[i], neighbours.data() + begin[i + 1]};
+  }
+};
+
+/// Lengths of shortest ways along the material, from its rest lengths alone: across triangles of links, not
+/// only along links, so that they do not depend on how the mesh is cut (fast marching, Kimmel and Sethian 1998,
+/// with the unfolding of a triangle's known edge).
+class Marcher {
+ public:
+  struct Reached {
+    std::uint32_t particle = 0;
+    float length = 0;
+  };
+
+  Marcher(std::span<const Link> links, const Graph& graph)
+      : graph_(short_links(links, graph), graph.size()),
+        length_(graph.size()),
+        state_(graph.size()),
+        across_(graph.size()) {}
+
+  /// Particles no farther than `radius` from `source`, nearest first.
+  std::span<const Reached> march(std::uint32_t source, float radius) {
+    reached_.clear();
+    heap_.clear();
+    ++source_;
+    offer(source, 0);
+    while (!heap_.empty()) {
+      std::pop_heap(heap_.begin(), heap_.end(), later);
+      const auto [length, u] = heap_.back();
+      heap_.pop_back();
+      if (state_[u].settled == source_) continue;
+      if (length > radius) break;
+      state_[u].settled = source_;
+      reached_.push_back({u, length});
+      spread(u);
+    }
+    return reached_;
+  }
+
+ private:
+  using Entry = std::pair<float, std::uint32_t>;
+  static bool later(const Entry& p, const Entry& q) { return p > q; }
+  struct State {
+    std::uint32_t seen = 0, settled = 0;
+  };
+  struct Mark {
+    std::uint32_t source = none;
+    float length = 0;
+  };
+
+  static std::vector<Link> short_links(std::span<const Link> links, const Graph& graph) {
+    std::vector<bool> kept(links.size());
+    for (std::uint32_t i = 0; i < graph.size(); ++i)
+      for (const Neighbour& n : graph.of(i).first(std::min(most_ways, graph.of(i).size()))) kept[n.link] = true;
+    std::vector<Link> result;
+    for (std::size_t e = 0; e < links.size(); ++e)
+      if (kept[e]) result.push_back(links[e]);
+    return result;
+  }
+
+  void offer(std::uint32_t v, float length) {
+    if (state_[v].seen == source_ && length_[v] <= length) return;
+    state_[v].seen = source_;
+    length_[v] = length;
+    heap_.emplace_back(length, v);
+    std::push_heap(heap_.begin(), heap_.end(), later);
+  }
+
+  void spread(std::uint32_t u) {
+    for (const Neighbour& n : graph_.of(u)) across_[n.to] = {u, n.length};
+    for (const Neighbour& n : graph_.of(u)) {
+      const std::uint32_t v = n.to;
+      if (state_[v].settled == source_) continue;
+      float best = length_[u] + n.length;
+      for (const Neighbour& m : graph_.of(v)) {
+        const std::uint32_t w = m.to;
+        if (state_[w].settled == source_ && across_[w].source == u)
+          best = std::min(best, unfold(length_[u], length_[w], across_[w].length, n.length, m.length));
+      }
+      offer(v, best);
+    }
+  }
+
+  /// From the source, at distances du and dw of u and w, straight across the edge u w of length c to v, at
+  /// distances a of u and b of w; infinite when the way does not cross the edge.
+  static float unfold(float du, float dw, float c, float a, float b) {
+    constexpr float never = std::numeric_limits<float>::infinity();
+    const float sx = (du * du - dw * dw + c * c) / (2 * c), vx = (a * a - b * b + c * c) / (2 * c);
+    const float sy2 = du * du - sx * sx, vy2 = a * a - vx * vx;
+    if (!(sy2 > 0) || !(vy2 > 0)) return never;
+    const float sy = std::sqrt(sy2), vy = std::sqrt(vy2);
+    const float x = sx + (vx - sx) * sy / (sy + vy);
+    if (!(x >= 0 && x <= c)) return never;
+    return std::sqrt((vx - sx) * (vx - sx) + (vy + sy) * (vy + sy));
+  }
+
+  Graph graph_;
+  std::uint32_t source_ = 0;
+  std::vector<float> length_;
+  std::vector<State> state_;
+  std::vector<Mark> across_;
+  std::vector<Entry> heap_;
+  std::vector<Reached> reached_;
+};
+
+/// The coarse particles around a particle, nearest first, and how far.
+using Near = std::vector<Marcher::Reached>;
+
+/// From particle i to coarse particle j along the material; infinite where no march came so far.
+float length_between(const std::vector<Near>& near, std::uint32_t i, std::uint32_t j) {
+  for (const Marcher::Reached& n : near[i])
+    if (n.particle == j) return n.length;
+  return std::numeric_limits<float>::infinity();
+}
+
+/// How far apart coarse particles lie around particle i: what its links measure, stretched.
+float spacing(const Graph& graph, std::uint32_t i) {
+  const auto around = graph.of(i);
+  float sum = 0;
+  for (const Neighbour& n : around) sum += n.length;
+  return around.empty() ? 0 : hierarchy_spacing * sum / static_cast<float>(around.size());
+}
+
+/// Who is chosen first: what does not move, then corners, edges and the inside of what moves. A coarser level
+/// that reaches to the edges need not extrapolate there. An edge shows by how few particles lie within two links.
+std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
+  std::vector<std::uint32_t> around(graph.size()), seen(graph.size(), none);
+  for (std::uint32_t i = 0; i < graph.size(); ++i)
+    for (const Neighbour& n : graph.of(i))
+      for (const Neighbour& m : graph.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
+  std::vector<int> result(graph.size());
+  for (std::uint32_t i = 0; i < graph.size(); ++i) {
+    std::uint32_t most = around[i];
+    for (const Neighbour& n : graph.of(i))
+      for (const Neighbour& m : graph.of(n.to)) most = std::max(most, around[m.to]);
+    const float part = static_cast<float>(around[i]) / static_cast<float>(std::max(most, 1u));
+    result[i] = (masses[i] > 0 ? 3 : 0) + (part < 0.45f ? 0 : part < 0.75f ? 1 : 2);
+  }
+  return result;
+}
+
+/// Chooses the particles that the coarser level keeps, no two nearer than their spacing, each next one as near
+/// to those before as that allows. Fills `near` for all particles.
+std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph, std::span<const float> masses,
+                                std::vector<Near>& near) {
+  using Entry = std::pair<float, std::uint32_t>;
+  std::vector<bool> coarse(graph.size()), covered(graph.size());
+  const std::vector<int> rank = ranks(graph, masses);
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+  Marcher marcher(links, graph);
+  const auto keep = [&](std::uint32_t j) {
+    if (covered[j]) return;
+    coarse[j] = true;
+    const float radius = spacing(graph, j);
+    for (const Marcher::Reached& r : marcher.march(j, hierarchy_reach * radius)) {
+      near[r.particle].push_back({j, r.length});
+      covered[r.particle] = covered[r.particle] || r.length <= radius;
+      if (!covered[r.particle] && rank[r.particle] <= rank[j]) front.emplace(r.length, r.particle);
+    }
+  };
+  for (int now = 0; now < 6; ++now) {
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+      if (rank[i] != now || covered[i]) continue;
+      float nearest = std::numeric_limits<float>::infinity();
+      for (const Marcher::Reached& n : near[i]) nearest = std::min(nearest, n.length);
+      if (!near[i].empty()) front.emplace(nearest, i);
+    }
+    for (std::uint32_t i = 0; i < graph.size(); ++i) {
+      while (!front.empty()) {
+        const std::uint32_t next = front.top().second;
+        front.pop();
+        keep(next);
+      }
+      if (rank[i] == now) keep(i);
+    }
+  }
+  for (Near& n : near)
+    std::sort(n.begin(), n.end(), [](const Marcher::Reached& p, const Marcher::Reached& q) {
+      return std::pair(p.length, p.particle) < std::pair(q.length, q.particle);
+    });
+  return coarse;
+}
+
+using Parents = std::vector<std::uint32_t>;  // of one particle, nearest first
+
+// Gaussian elimination of A w = 1, A symmetric positive definite.
+void solve_ones(std::array<std::array<double, most_parents>, most_parents> A, std::size_t n,
+                std::array<double, most_parents>& w) {
+  w.fill(1);
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const double factor = A[i][k] / A[k][k];
+      for (std::size_t j = k; j < n; ++j) A[i][j] -= factor * A[k][j];
+      w[i] -= factor * w[k];
+    }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t j = i + 1; j < n; ++j) w[i] -= A[i][j] * w[j];
+    w[i] /= A[i][i];
+  }
+}
+
+/// Weights that give back a particle's place from those of its parents at x_j, from distances alone:
+///   minimise |sum_j w_j (x_j - x_i)|^2 + eps sum_j w_j^2 |x_j - x_i|^2,   sum_j w_j = 1,   w_j >= 0.
+/// With G_jk = (d_ij^2 + d_ik^2 - d_jk^2)/2 the first term is w^T G w. Müller 2008, section 4.3 takes 1/d_ij,
+/// which is wrong already for a uniform stretch wherever the parents do not lie evenly around the particle.
+std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std::uint32_t>& parents,
+                              const std::vector<Near>& near) {
+  std::vector<float> d(to_parent.begin(), to_parent.end());
+  for (;;) {
+    const std::size_t n = parents.size();
+    std::array<std::array<double, most_parents>, most_parents> G{};
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t k = 0; k < n; ++k) {
+        const double dj = static_cast<double>(d[j]), dk = static_cast<double>(d[k]);
+        const double djk = std::min(static_cast<double>(length_between(near, parents[j], parents[k])), dj + dk);
+        G[j][k] = 0.5 * (dj * dj + dk * dk - djk * djk) + (j == k ? hierarchy_epsilon * dj * dj : 0);
+      }
+    std::array<double, most_parents> w{};
+    solve_ones(G, n, w);
+    double sum = 0;
+    std::size_t worst = 0;
+    for (std::size_t j = 0; j < n; ++j) {
+      sum += w[j];
+      if (w[j] < w[worst]) worst = j;
+    }
+    if (w[worst] >= 0 && sum > 0) {
+      std::vector<float> result;
+      for (std::size_t j = 0; j < n; ++j) result.push_back(static_cast<float>(w[j] / sum));
+      return result;
+    }
+    if (n == 1) return {1};
+    parents.erase(parents.begin() + static_cast<std::ptrdiff_t>(worst));
+    d.erase(d.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+}
+
+/// Spreads what the finer links hold over the coarse ones: a link between the realms of two coarse particles
+/// goes to their link, one within a realm to all links of its particle.
+void share_energy(std::span<const Link> links, std::span<const std::uint32_t> realm, std::size_t particles,
+                  std::vector<Link>& coarse) {
+  const Graph graph(coarse, particles);
+  std::vector<double> energy(coarse.size()), ease(coarse.size()), weight(coarse.size());
+  const auto give = [&](std::size_t to, const Link& link, double part) {
+    energy[to] += part * static_cast<double>(link.energy);
+    ease[to] += part * static_cast<double>(link.ease);
+    weight[to] += part;
+  };
+  for (const Link& link : links) {
+    const std::uint32_t a = realm[link.a], b = realm[link.b];
+    if (a == b) {
+      const auto around = graph.of(a);
+      for (const Neighbour& n : around) give(n.link, link, 1.0 / static_cast<double>(around.size()));
+    } else {
+      for (const Neighbour& n : graph.of(a))
+        if (n.to == b) give(n.link, link, 1);
+    }
+  }
+  for (std::size_t e = 0; e < coarse.size(); ++e) {
+    coarse[e].energy = static_cast<float>(energy[e]);
+    coarse[e].ease = static_cast<float>(ease[e] / weight[e]);
+  }
+}
+
+/// The coarse particle nearest to each particle along links, and the link that leads there.
+struct Realms {
+  std::vector<std::uint32_t> of;
+  std::vector<float> length;
+  std::vector<std::uint32_t> towards;  ///< link; `none` of a coarse particle
+
+  Realms(const Graph& graph, const std::vector<bool>& coarse)
+      : of(graph.size(), none),
+        length(graph.size(), std::numeric_limits<float>::infinity()),
+        towards(graph.size(), none) {
+    using Entry = std::pair<float, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+    for (std::uint32_t i = 0; i < graph.size(); ++i)
+      if (coarse[i]) of[i] = i, length[i] = 0, front.emplace(0.0f, i);
+    while (!front.empty()) {
+      const auto [reached, u] = front.top();
+      front.pop();
+      if (reached > length[u]) continue;
+      for (const Neighbour& n : graph.of(u)) {
+        if (!(reached + n.length < length[n.to])) continue;
+        length[n.to] = reached + n.length;
+        of[n.to] = of[u];
+        towards[n.to] = n.link;
+        front.emplace(length[n.to], n.to);
+      }
+    }
+  }
+};
+
+// Müller 2008, section 4.2: a spared particle collapses into its nearest parent and takes its links along. Of
+// the links that two coarse particles get so, the one with the shortest way along finer links is kept.
+void collapse(std::span<const Link> links, const Realms& realms, std::span<const std::uint32_t> number,
+              CoarseLevel& level) {
+  struct Candidate {
+    std::uint32_t a, b;
+    float length;
+    std::uint32_t link;
+    auto key() const { return std::tuple(a, b, length, link); }
+  };
+  std::vector<Candidate> candidates;
+  for (std::uint32_t e = 0; e < links.size(); ++e) {
+    const Link& link = links[e];
+    const std::uint32_t a = number[realms.of[link.a]], b = number[realms.of[link.b]];
+    if (a == b) continue;
+    candidates.push_back({std::min(a, b), std::max(a, b),
+                          realms.length[link.a] + link.length + realms.length[link.b], e});
+  }
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate& p, const Candidate& q) { return p.key() < q.key(); });
+  level.way_begin.push_back(0);
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const Candidate& best = candidates[c];
+    if (c > 0 && candidates[c - 1].a == best.a && candidates[c - 1].b == best.b) continue;
+    level.links.push_back({best.a, best.b, best.length, 0, 0});
+    level.way.push_back(best.link);
+    for (std::uint32_t i : {links[best.link].a, links[best.link].b})
+      while (realms.towards[i] != none) {
+        const Link& step = links[realms.towards[i]];
+        level.way.push_back(realms.towards[i]);
+        i = step.a == i ? step.b : step.a;
+      }
+    level.way_begin.push_back(static_cast<std::uint32_t>(level.way.size()));
+  }
+}
+
+// The transpose of the parents, weighted by mass.
+void add_children(std::span<const float> masses, CoarseLevel& level) {
+  const std::size_t count = level.finer.size();
+  const auto follows = [&](std::size_t i, std::uint32_t j) {
+    return level.mass[j] > 0 ? masses[i] > 0 : level.finer[j] == i;
+  };
+  level.child_begin.assign(count + 1, 0);
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    for (std::uint32_t k = level.begin[i]; k < level.begin[i + 1]; ++k)
+      if (follows(i, level.parent[k])) ++level.child_begin[level.parent[k] + 1];
+  for (std::size_t j = 0; j < count; ++j) level.child_begin[j + 1] += level.child_begin[j];
+  level.child.resize(level.child_begin[count]);
+  level.share.resize(level.child.size());
+  std::vector<std::uint32_t> next(level.child_begin.begin(), level.child_begin.end() - 1);
+  for (std::uint32_t i = 0; i < masses.size(); ++i)
+    for (std::uint32_t k = level.begin[i]; k < level.begin[i + 1]; ++k) {
+      const std::uint32_t j = level.parent[k];
+      if (!follows(i, j)) continue;
+      level.child[next[j]] = i;
+      level.share[next[j]++] = level.mass[j] > 0 ? level.weight[k] * masses[i] / level.mass[j] : 1;
+    }
+}
+
+CoarseLevel build_level(std::span<const Link> links, std::span<const float> masses) {
+  const Graph graph(links, masses.size());
+  std::vector<Near> near(masses.size());
+  const std::vector<bool> coarse = choose_coarse(links, graph, masses, near);
+  CoarseLevel level;
+  std::vector<std::uint32_t> number(masses.size(), none), realm(masses.size());
+  for (std::uint32_t i = 0; i < masses.size(); ++i)
+    if (coarse[i]) number[i] = static_cast<std::uint32_t>(level.finer.size()), level.finer.push_back(i);
+  if (level.finer.size() == masses.size()) return {};
+  const Realms realms(graph, coarse);
+  collapse(links, realms, number, level);
+  for (std::uint32_t i = 0; i < masses.size(); ++i) realm[i] = number[realms.of[i]];
+  for (Link& link : level.links)
+    link.length = std::min(link.length, length_between(near, level.finer[link.a], level.finer[link.b]));
+
+  std::vector<double> mass(level.finer.size());
+  level.begin.push_back(0);
+  for (std::uint32_t i = 0; i < masses.size(); ++i) {
+    Parents parents{i};
+    std::vector<float> weight{1};
+    if (!coarse[i]) {
+      parents.clear();
+      std::vector<float> d;
+      for (const Marcher::Reached& n : near[i])
+        if (parents.size() < most_parents && (masses[i] > 0 || masses[n.particle] == 0))
+          parents.push_back(n.particle), d.push_back(n.length);
+      weight = weights_of(d, parents, near);
+    }
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+      level.parent.push_back(number[parents[k]]);
+      level.weight.push_back(weight[k]);
+      mass[number[parents[k]]] += static_cast<double>(weight[k]) * static_cast<double>(masses[i]);
+    }
+    level.begin.push_back(static_cast<std::uint32_t>(level.parent.size()));
+  }
+  for (std::size_t j = 0; j < mass.size(); ++j)
+    level.mass.push_back(masses[level.finer[j]] > 0 ? static_cast<float>(mass[j]) : 0);
+  add_children(masses, level);
+  share_energy(links, realm, level.finer.size(), level.links);
+  return level;
+}
+
+}  // namespace
+
+std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
+                                      std::size_t smallest) {
+  std::vector<CoarseLevel> levels;
+  while (masses.size() > smallest) {
+    CoarseLevel level = build_level(links, masses);
+    if (level.finer.empty()) break;
+    levels.push_back(std::move(level));
+    links = levels.back().links;
+    masses = levels.back().mass;
+  }
+  return levels;
+}
+
+}  // namespace souple
