@@ -2,6 +2,7 @@
 
 #include "app/bench_scenes.h"
 #include "app/bench_words.h"
+#include "souple/solver/instruction_set.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -20,11 +21,6 @@ constexpr double projection_budget = 0.25;  // s, for timing the projections of 
 constexpr double residual_budget = 20;      // s, of solving to a residual in one go
 constexpr int most_iterations = 1 << 15;
 constexpr double stretched = 0.1;  // of the static case
-
-/// The instruction set that the kernels of this machine use.
-std::string instruction_set() {
-  return "scalar";
-}
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -148,7 +144,7 @@ ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& opt
 void describe(const BenchOptions& options, BenchResult& result) {
   const Settings& s = options.settings;
   result.threads = s.threads > 0 ? s.threads : make_threads(s.threading, 0)->count();
-  result.simd = instruction_set();
+  result.simd = simd_name();
   result.solver = name_of(solver_names, s.solver.kind);
   result.sweep = name_of(sweep_names, s.solver.sweep);
   result.form = name_of(form_names, s.form);
