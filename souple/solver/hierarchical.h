@@ -25,15 +25,18 @@ class Hierarchical final : public Solver {
   /// A coarser level with what its particles hold during a solve.
   struct Level {
     CoarseLevel map;
-    std::vector<std::uint32_t> link;      ///< of each constraint
+    std::vector<std::uint32_t> link;         ///< of each constraint
     std::vector<float> excess, path, ratio;  ///< of each link
-    std::vector<std::uint32_t> particle;  ///< of the world
+    std::vector<std::uint32_t> particle;     ///< of the world
     std::vector<Vec4f> position, moving, before;
     SetProjector<Tether> constraints;
   };
   const std::vector<Level>& levels() const { return levels_; }
 
-  bool fas=true, geo=true; float beta=1; int pre=0,post=1; int sweeps = 2, coarsest_sweeps = 8, cycles = 1;
+  bool fas = true, geo = true;
+  float beta = 1;
+  int pre = 0, post = 1;
+  int sweeps = 2, coarsest_sweeps = 8, cycles = 1;
   double projections = 0;
 
  private:

@@ -21,8 +21,8 @@ struct CoarseLevel {
   std::vector<Link> links;           ///< between coarse particles; a < b, sorted
   /// A way along finer links from a to b of each link: way[k], k in [way_begin[e], way_begin[e + 1]).
   std::vector<std::uint32_t> way_begin, way;
-  /// Where the correction of the finer level's particle i comes from: sum_k weight[k] * correction(parent[k]),
-  /// k in [begin[i], begin[i + 1]). Weights of a particle are at least 0 and sum to 1.
+  /// Where the correction of the finer level's particle i comes from: sum_k weight[k] *
+  /// correction(parent[k]), k in [begin[i], begin[i + 1]). Weights of a particle are at least 0 and sum to 1.
   std::vector<std::uint32_t> begin, parent;
   std::vector<float> weight;
   /// Mean of the finer particles that follow coarse particle j, by mass: sum_k share[k] * of child[k], k in
@@ -32,9 +32,9 @@ struct CoarseLevel {
   std::vector<float> mass;  ///< sum_i weight_i,J m_i of the particles that move [kg]; 0: does not move
 };
 
-/// Levels above particles [0, masses.size()), finest first, until one has no more than `smallest` particles or
-/// no particle more can be spared. Mass 0 marks a particle that does not move. Depends on nothing but what is
-/// given; takes O(n log n) time.
+/// Levels above particles [0, masses.size()), finest first, until one has no more than `smallest` particles
+/// or no particle more can be spared. Mass 0 marks a particle that does not move. Depends on nothing but what
+/// is given; takes O(n log n) time.
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
                                       std::size_t smallest);
 
