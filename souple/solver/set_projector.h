@@ -40,7 +40,7 @@ class SetProjector final : public Projector {
 
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
-  std::size_t bytes() const override { return set_.bytes(); }
+  std::size_t bytes() const override { return set_.bytes() + scales_.bytes(); }
   int colour_count() const override { return static_cast<int>(set_.colour_begin.size()) - 1; }
 
   /// Throws Error when a constraint names a particle that does not exist.
@@ -306,7 +306,7 @@ class SetProjector final : public Projector {
     for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
       in.alpha[k] = set_.compliances[k][i] * inverse_h2(substep);
     in.gamma = substep.mode == Mode::pbd ? 0 : set_.damping_time(i) / substep.h;
-    in.scale = scales_[i] * substep.relaxation;
+    in.scale = (i < scales_.size() ? scales_[i] : 1) * substep.relaxation;  // 1 before the first substep
   }
 
   template <Terms terms>
