@@ -222,6 +222,7 @@ class SetProjector final : public Projector {
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
+      set.scale = view(of.stiffnesses);  // a projection sets its own; evaluation reads it and needs none
     }
     Arrays(const Arrays&) = delete;
     Arrays& operator=(const Arrays&) = delete;
