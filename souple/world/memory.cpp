@@ -55,7 +55,7 @@ void add_objects(const WorldState& world, MemoryReport& report) {
   report.objects.push_back({"meshes", meshes});
   report.objects.push_back({"rest positions", rest});
   report.objects.push_back({"maps from vertices to particles", maps});
-  report.objects.push_back({"positions and normals as users see them", mirrors});
+  report.objects.push_back({"positions and normals users see", mirrors});
 }
 
 }  // namespace
