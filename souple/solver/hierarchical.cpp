@@ -85,15 +85,20 @@ float compliance_of(const Link& link) {
   return link.length * link.length / link.energy;
 }
 
-/// Adds to d_i what the coarse particles that i follows were corrected by.
-void prolong(const CoarseLevel& map, std::span<const Vec4f> before, std::span<const Vec4f> after,
-             std::size_t i, Vec4f& d) {
-  Vec3f sum = d.xyz();
-  for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k) {
-    const std::uint32_t j = map.parent[k];
-    sum += (after[j].xyz() - before[j].xyz()) * map.weight[k];
+/// A sum of scaled records, all four lanes: one instruction each.
+struct Sum {
+  Vec4f value;
+  void add(const Vec4f& v, float scale) {
+    value.x += v.x * scale, value.y += v.y * scale, value.z += v.z * scale, value.w += v.w * scale;
   }
-  d.set_xyz(sum);
+};
+
+/// What the coarse particles that particle i follows were corrected by.
+Vec3f prolonged(const CoarseLevel& map, std::span<const Vec4f> correction, std::size_t i) {
+  Sum sum;
+  for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
+    sum.add(correction[map.parent[k]], map.weight[k]);
+  return sum.value.xyz();
 }
 
 }  // namespace
@@ -136,10 +141,14 @@ void Hierarchical::add_level(CoarseLevel map) {
   Level level;
   for (const std::uint32_t i : map.finer) level.particle.push_back(finer[i]);
   for (const float mass : map.mass) level.position.push_back({0, 0, 0, inverse(mass)});
-  level.before = level.moving = level.position;
+  level.correction = level.before = level.moving = level.position;
   level.constraint.assign(map.links.size(), none);
   level.stretch.resize(map.links.size());
   level.way_length = level.softening = level.stretch;
+
+  for (std::size_t e = 0; !levels_.empty() && e < map.links.size(); ++e)
+    for (std::uint32_t k = map.way_begin[e]; k < map.way_begin[e + 1]; ++k)
+      level.way_length[e] += levels_.back().map.links[map.way[k]].length;
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
   for (const Link& link : map.links) {
@@ -181,26 +190,22 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
   Level& level = levels_[l];
   auto& longest = level.constraints.set().parameters[0];
   for (std::size_t e = begin; e < end; ++e) {
-    float stretch = 0, way = 0;
-    for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k) {
-      const std::uint32_t step = level.map.way[k];
-      if (l > 0) {
-        stretch += levels_[l - 1].stretch[step];
-        way += levels_[l - 1].way_length[step];
-      } else {
-        const Link& link = links_[step];
-        stretch += length(start[link.a].xyz() - start[link.b].xyz()) - link.length;
-        way += link.length;
-      }
-    }
-    level.stretch[e] = stretch;
-    level.way_length[e] = way;
-    if (level.constraint[e] == none) continue;
     const Link& link = level.map.links[e];
     const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
+    float ratio = link.length / std::fmax(now, link.length * 1e-6f);
+    if (l == 0) {
+      level.stretch[e] = now - link.length;
+    } else {
+      float stretch = 0;
+      for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k)
+        stretch += levels_[l - 1].stretch[level.map.way[k]];
+      level.stretch[e] = stretch;
+      const float way = level.way_length[e];
+      ratio = std::fmax(ratio, way / std::fmax(way + stretch, way * 1e-6f));
+    }
+    if (level.constraint[e] == none) continue;
     const float mean = length(level.position[link.a].xyz() - level.position[link.b].xyz());
-    const float kept = way + stretch > 0 ? way / (way + stretch) : 1;
-    longest.set(level.constraint[e], now > 0 ? mean * std::fmax(kept, link.length / now) : link.length);
+    longest.set(level.constraint[e], mean * ratio);
   }
 }
 
@@ -258,22 +263,21 @@ void Hierarchical::restrict_particles(const ParticleView& particles, Threads& th
     Level& level = levels_[l];
     threads.for_each(level.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t j = begin; j < end; ++j) {
-        Vec3f x{}, d{};
+        Sum x, d;
         for (std::uint32_t k = level.map.child_begin[j]; k < level.map.child_begin[j + 1]; ++k) {
           const float share = level.map.share[k];
           const std::uint32_t child = level.map.child[k];
           if (l > 0) {
-            x += levels_[l - 1].position[child].xyz() * share;
-            d += levels_[l - 1].moving[child].xyz() * share;
+            x.add(levels_[l - 1].position[child], share);
+            d.add(levels_[l - 1].moving[child], share);
           } else {
             const std::uint32_t i = particle_[child];
-            x += (plain ? particles.start[i] : particles.position[i]).xyz() * share;
-            d += (plain ? particles.moved(i) : particles.moving[i].xyz()) * share;
+            x.add(plain ? particles.start[i] : particles.position[i], share);
+            d.add(particles.moving[i], share);
           }
         }
-        level.position[j].set_xyz(x);
-        level.moving[j].set_xyz(d);
-        level.before[j] = level.moving[j];
+        level.position[j].set_xyz(x.value.xyz());
+        level.moving[j].set_xyz(plain && l == 0 ? d.value.xyz() - x.value.xyz() : d.value.xyz());
       }
     });
   }
@@ -288,16 +292,22 @@ void Hierarchical::project_levels(const Substep& substep, bool first, Threads& t
   }
   for (std::size_t l = levels_.size(); l-- > 0;) {
     Level& level = levels_[l];
-    if (l + 1 < levels_.size()) {
-      const Level& above = levels_[l + 1];
-      threads.for_each(level.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          if (level.position[i].w > 0) prolong(above.map, above.before, above.moving, i, level.moving[i]);
-      });
-    }
+    const std::size_t count = level.particle.size();
+    threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        level.before[i] = level.moving[i];
+        if (l + 1 == levels_.size() || level.position[i].w == 0) continue;
+        const Level& above = levels_[l + 1];
+        level.moving[i].set_xyz(level.moving[i].xyz() + prolonged(above.map, above.correction, i));
+      }
+    });
     const ParticleView view{level.position, level.moving, level.before, Form::displacement};
     if (first) level.constraints.begin_substep(view, coarse);
     for (int s = 0; s < sweeps_of(l); ++s) sweep(level.constraints, view, coarse, threads);
+    threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        level.correction[i].set_xyz(level.moving[i].xyz() - level.before[i].xyz());
+    });
   }
 }
 
@@ -311,8 +321,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
       const Level& level = levels_.front();
       threads.for_each(particle_.size(), grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-          if (masses_[i] > 0)
-            prolong(level.map, level.before, level.moving, i, particles.moving[particle_[i]]);
+          if (masses_[i] > 0) particles.correct(particle_[i], prolonged(level.map, level.correction, i));
       });
     }
     for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);

@@ -60,6 +60,7 @@ class Hierarchical final : public Solver {
     std::vector<Vec4f> position;            ///< X at the substep's beginning; w = inverse mass
     std::vector<Vec4f> moving;              ///< displacement since
     std::vector<Vec4f> before;              ///< the same before anything was corrected
+    std::vector<Vec4f> correction;          ///< moving - before, once solved
     std::vector<float> stretch;             ///< of the way along finer links of each link [m]
     std::vector<float> way_length;          ///< at rest [m]
     std::vector<float> softening;           ///< of each link, see set_compliance

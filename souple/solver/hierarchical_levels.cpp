@@ -13,7 +13,7 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
-constexpr std::size_t most_parents = 6;
+constexpr std::size_t most_parents = 4;
 // Links of a particle along which lengths are measured; more of them only repeat what the shortest say.
 constexpr std::size_t most_ways = 8;
 // Distance between coarse particles, in mean links of the finer level: a fifth to an eighth of a cloth's
