@@ -13,6 +13,7 @@ namespace souple::app {
 struct RunOptions {
   std::string scene;  ///< a file or a shipped scene's name; empty with `resume`
   std::optional<std::uint32_t> frames, substeps, iterations;
+  std::optional<int> threads;         ///< none: as Settings::threads = 0
   std::filesystem::path out;          ///< empty: out/NAME
   std::vector<std::string> formats;   ///< empty: pc2
   std::vector<std::string> settings;  ///< path=value
@@ -46,6 +47,18 @@ struct ViewRequest {
 int view(const ViewRequest& request);
 /// Whether the viewer was built in.
 bool has_viewer();
+
+/// The words of the command line; empty: the default.
+struct BenchRequest {
+  std::string name;  ///< empty: list them
+  std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colours;
+  std::string solver, sweep, form, mode, threading;
+  std::optional<float> relaxation, chebyshev;
+  std::optional<double> residual;
+  std::filesystem::path compare;  ///< JSON of an earlier result
+  bool json = false;
+};
+int bench(const BenchRequest& request);
 
 int list(bool as_json);
 

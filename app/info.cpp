@@ -3,6 +3,7 @@
 #include "app/find_scene.h"
 #include "souple/io/mesh_file.h"
 #include "souple/scene/scene.h"
+#include "souple/solver/threads.h"
 #include "souple/version.h"
 
 #include <cstdio>
@@ -43,7 +44,7 @@ int info(InfoPart part) {
   }
   std::printf("souple %s\n", version);
   std::printf("compiler: %s, %s\n", compiler(), SOUPLE_BUILD_TYPE);
-  std::printf("threads: 1 (the solver is sequential)\n");
+  std::printf("threads: %d; oneTBB: %s\n", thread_count(0), has_tbb() ? "yes" : "no (not built in)");
   std::printf("mesh files: OBJ, PLY, STL, Gmsh, TetGen, VTK\n");
   std::printf("other mesh files, through assimp: %s\n",
               mesh_import_has_assimp() ? "yes" : "no (not built in)");

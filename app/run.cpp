@@ -221,7 +221,8 @@ int run(const RunOptions& options) {
   if (options.resume.empty() && options.scene.empty()) {
     throw Error("expected a scene: souple run SCENE (`souple list` shows those that are shipped)");
   }
-  const Job job = options.resume.empty() ? new_job(options) : stopped_job(options);
+  Job job = options.resume.empty() ? new_job(options) : stopped_job(options);
+  job.scene.settings.threads = options.threads.value_or(0);
   World world = build_world(job.scene);
   if (!job.state.empty()) {
     try {

@@ -124,7 +124,7 @@ bool preset_row(MaterialDescription<GrainsMaterial>& material) {
 bool model_rows(MaterialDescription<ClothMaterial>& material) {
   int stretch = static_cast<int>(material.stretch), bending = static_cast<int>(material.bending);
   bool changed = choice_row("Stretch model", "##stretch", stretch, {"springs", "membrane"});
-  changed |= choice_row("Bending model", "##bending", bending, {"isometric", "dihedral", "none"});
+  changed |= choice_row("Bending model", "##bending", bending, {"isometric", "dihedral", "distance", "none"});
   material.stretch = static_cast<StretchModel>(stretch);
   material.bending = static_cast<BendingModel>(bending);
   return changed;

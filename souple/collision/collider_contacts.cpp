@@ -4,10 +4,15 @@
 #include "souple/error.h"
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
 #include <optional>
 
 namespace souple {
 namespace {
+
+constexpr double far_away = std::numeric_limits<double>::infinity();
+constexpr std::size_t particle_grain = 256;  // particles worth a thread
 
 Vec3d place(const ParticleView& particles, std::size_t i) {
   const Vec3d x(particles.position[i].xyz());
@@ -67,18 +72,17 @@ ColliderContacts::Pose ColliderContacts::pose_at(const Collider& collider, doubl
 void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                   std::span<const float> radius, std::span<const ContactObject> objects,
                                   std::span<const Collider> colliders, const SurfaceMatrix& surfaces,
-                                  const ContactStep& step) {
+                                  const ContactStep& step, Threads& threads) {
   if (!colliders.empty() && (surfaces.rows() < objects.size() || surfaces.columns() < colliders.size()))
     throw Error("ColliderContacts: the surface matrix is smaller than objects x colliders; build it anew");
   colliders_ = colliders, objects_ = objects, radius_ = radius;
   surfaces_ = &surfaces;
   step_ = step;
-  report_ = {};
   contacts_.clear();
   candidates_.clear();
   find_bodies();
   find_members();
-  find_candidates(particles, velocity, 0);
+  find_candidates(particles, velocity, 0, threads);
 }
 
 void ColliderContacts::find_bodies() {
@@ -91,6 +95,7 @@ void ColliderContacts::find_bodies() {
     body.moves = !collider.motion.is_static();
     body.ball = bounding_ball(collider.shape);
     if (!body.moves) body.before = body.after = pose_at(collider, step_.time);
+    body.centre = body.after.to_world(body.ball.center);
     bodies_.push_back(body);
   }
 }
@@ -109,42 +114,59 @@ void ColliderContacts::find_members() {
 // neighbours change speeds, and a particle that leaves its margin costs a new broad phase. In the middle of a
 // step (h > 0) the speed is that of the predicted motion.
 void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                       float h) {
+                                       float h, Threads& threads) {
   candidates_.clear();
-  placed_.clear();
+  placed_.resize(members_.size());
+  distance_.resize(members_.size());
   const double t = double(step_.dt);
-  for (const Member& member : members_) {
-    const std::uint32_t i = member.particle;
-    const double speed = h > 0 ? double(length(particles.moved(i)) / h) : double(length(velocity[i].xyz()));
-    placed_.push_back(
-        {place(particles, i), 2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])});
-  }
+  threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      const std::uint32_t i = members_[m].particle;
+      const double speed = h > 0 ? double(length(particles.moved(i)) / h) : double(length(velocity[i].xyz()));
+      placed_[m] = {place(particles, i), 2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])};
+    }
+  });
   for (Body& body : bodies_) {
     body.candidate_begin = candidates_.size();
     if (!body.moves) {
-      const Vec3d centre = body.after.to_world(body.ball.center);
-      for (std::size_t m = 0; m < members_.size(); ++m) {
-        const std::uint32_t i = members_[m].particle;
-        const double reach = 3 * placed_[m].margin + 2 * double(radius_[i]);
-        const double clear = body.ball.radius + reach;
-        if (!(length_squared(placed_[m].at - centre) <= clear * clear)) continue;
-        if (surface_distance(shape_of(body), body.after.to_local(placed_[m].at)).distance > reach) continue;
-        if (particles.inverse_mass(i) > 0) candidates_.push_back(members_[m]);
-      }
+      threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t m = begin; m < end; ++m)
+          distance_[m] = is_candidate(body, m, particles) ? 0 : far_away;
+      });
+      for (std::size_t m = 0; m < members_.size(); ++m)
+        if (distance_[m] < far_away) candidates_.push_back(members_[m]);
     }
     body.candidate_end = candidates_.size();
   }
 }
 
-bool ColliderContacts::left_margins(const ParticleView& particles) const {
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    const double margin = placed_[m].margin;
-    if (length_squared(place(particles, members_[m].particle) - placed_[m].at) > margin * margin) return true;
-  }
-  return false;
+bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
+                                    const ParticleView& particles) const {
+  const std::uint32_t i = members_[member].particle;
+  const Placed& placed = placed_[member];
+  const double reach = 3 * placed.margin + 2 * double(radius_[i]);
+  const double clear = body.ball.radius + reach;
+  if (!(length_squared(placed.at - body.centre) <= clear * clear)) return false;
+  if (surface_distance(shape_of(body), body.after.to_local(placed.at)).distance > reach) return false;
+  return particles.inverse_mass(i) > 0;
 }
 
-void ColliderContacts::refresh(const ParticleView& particles, const Substep& substep, double time) {
+bool ColliderContacts::left_margins(const ParticleView& particles, Threads& threads) const {
+  std::atomic<bool> left{false};
+  threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      const double margin = placed_[m].margin;
+      if (!(length_squared(place(particles, members_[m].particle) - placed_[m].at) > margin * margin))
+        continue;
+      left.store(true, std::memory_order_relaxed);
+      return;
+    }
+  });
+  return left.load(std::memory_order_relaxed);
+}
+
+void ColliderContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
+                               Threads& threads) {
   last_h_ = substep.h;
   contacts_.clear();
   for (Body& body : bodies_) body.contact_begin = body.contact_end = 0;
@@ -154,49 +176,73 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
     const double end = time + double(substep.h);
     body.after = pose_at(collider, end);
     body.before = collider.motion.jumps(time, end) ? body.after : pose_at(collider, time);
+    body.centre = body.after.to_world(body.ball.center);
+    body.shift = length(body.centre - body.before.to_world(body.ball.center));
+    body.turn = sqrt(frobenius_squared(body.after.rotation - body.before.rotation));
   }
-  if (left_margins(particles)) find_candidates(particles, {}, substep.h);
-  for (Body& body : bodies_) {
-    body.contact_begin = contacts_.size();
-    if (body.moves) {
-      meet_moving(body, particles, substep.h);
-    } else {
-      for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c)
-        meet(body, candidates_[c], particles, substep.h);
+  if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
+  for (Body& body : bodies_) meet_all(body, particles, substep.h, threads);
+}
+
+// Which particles are near is found on all threads, then counted in order on one: the contacts are the same,
+// in the same order, for any number of threads.
+void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float h, Threads& threads) {
+  const std::span<const Member> all = candidates_;
+  const std::span<const Member> met =
+      body.moves ? std::span<const Member>(members_)
+                 : all.subspan(body.candidate_begin, body.candidate_end - body.candidate_begin);
+  distance_.resize(std::max(distance_.size(), met.size()));
+  threads.for_each(met.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      const bool reached = !body.moves || may_reach(body, met[m], particles);
+      distance_[m] = reached ? distance_if_near(body, met[m], particles) : far_away;
     }
-    body.contact_end = contacts_.size();
-  }
+  });
+  met_.clear();
+  for (std::uint32_t m = 0; m < met.size(); ++m)
+    if (distance_[m] < far_away) met_.push_back(m);
+  body.contact_begin = contacts_.size();
+  body.contact_end = contacts_.size() + met_.size();
+  contacts_.resize(body.contact_end);
+  threads.for_each(met_.size(), grain(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      contacts_[body.contact_begin + k] = contact_of(body, met[met_[k]], distance_[met_[k]], particles, h);
+  });
 }
 
 // A moving collider may go anywhere, so every particle is looked at in every substep: first against a ball.
 // The motion of a point at distance D from the ball's centre, relative to the collider, is at most |p - x| +
 // |centre's motion| + |R1 - R0| D.
-void ColliderContacts::meet_moving(const Body& body, const ParticleView& particles, float h) {
-  const Vec3d centre = body.after.to_world(body.ball.center);
-  const double shift = length(centre - body.before.to_world(body.ball.center));
-  const double turn = sqrt(frobenius_squared(body.after.rotation - body.before.rotation));
-  for (const Member& member : members_) {
-    const std::uint32_t i = member.particle;
-    if (!(particles.inverse_mass(i) > 0)) continue;
-    const double D = length(place(particles, i) - centre);
-    const double motion = double(length(particles.moved(i))) + shift + turn * D;
-    if (!(D <= body.ball.radius + 2 * (motion + double(radius_[i])))) continue;
-    meet(body, member, particles, h);
-  }
+bool ColliderContacts::may_reach(const Body& body, const Member& member,
+                                 const ParticleView& particles) const {
+  const std::uint32_t i = member.particle;
+  if (!(particles.inverse_mass(i) > 0)) return false;
+  const double D = length(place(particles, i) - body.centre);
+  const double motion = double(length(particles.moved(i))) + body.shift + body.turn * D;
+  return D <= body.ball.radius + 2 * (motion + double(radius_[i]));
 }
 
-// One particle, one collider, both in the collider's frame, where the collider stands still.
-void ColliderContacts::meet(const Body& body, const Member& member, const ParticleView& particles, float h) {
+// How far the centre is from the surface at the substep's end; far_away when it neither touched on the way
+// nor is likely to be pushed in by other constraints. Both ends in the collider's frame, where it stands
+// still.
+double ColliderContacts::distance_if_near(const Body& body, const Member& member,
+                                          const ParticleView& particles) const {
+  const std::uint32_t i = member.particle;
+  const double r = double(radius_[i]);
+  const Vec3d to = body.after.to_local(place(particles, i));
+  const double path = length(to - body.before.to_local(start_place(particles, i)));
+  const double distance = surface_distance(shape_of(body), to).distance;
+  return distance - r <= max(r, path) ? distance : far_away;
+}
+
+ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const Member& member,
+                                                       double end_distance, const ParticleView& particles,
+                                                       float h) const {
   const std::uint32_t i = member.particle;
   const Shape& shape = shape_of(body);
   const double r = double(radius_[i]);
   const Vec3d from = body.before.to_local(start_place(particles, i));
   const Vec3d to = body.after.to_local(place(particles, i));
-  const double path = length(to - from);
-  const SurfaceDistance end = surface_distance(shape, to);
-  // Neither touched on the way nor likely to be pushed in by other constraints.
-  if (!(end.distance - r <= max(r, path))) return;
-
   Contact contact;
   contact.particle = i;
   contact.radius = radius_[i];
@@ -207,14 +253,14 @@ void ColliderContacts::meet(const Body& body, const Member& member, const Partic
   const double overlap = contact.start.distance - r;
   contact.allowed = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
   contact.held = contact.start.distance <= 0;
-  if (!contact.held && may_pass(contact.start.distance, end.distance, path, r)) {
+  if (!contact.held && may_pass(contact.start.distance, end_distance, length(to - from), r)) {
     if (const auto touch = first_touch(shape, contact.start, from, to, r)) {
       contact.held = true;
       contact.start = touch->surface;
       contact.plane_offset = dot(touch->surface.normal, touch->point) - touch->surface.distance;
     }
   }
-  contacts_.push_back(contact);
+  return contact;
 }
 
 ColliderContacts::Gap ColliderContacts::gap(const Shape& shape, const Contact& contact, const Vec3d& local) {
@@ -261,32 +307,41 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
-                                         const Substep& substep) {
-  report_ = {};
-  const float h = substep.h;
-  for (const Body& body : bodies_) {
-    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
-      Contact& contact = contacts_[c];
-      if (!(contact.pushed > 0)) continue;
-      const Vec3f n = contact.normal;
-      const Vec3f v = velocity[contact.particle].xyz();
-      const Vec3f u = v - contact.carried * (1 / h);
-      const float u_n = dot(n, u);
-      const float approach = -dot(n, contact.predicted) / h;
-      const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
-      contact.bounced = max(target - u_n, -contact.pushed / h);
-      const Vec3f held_back = contact.rubbed * (1 / h);
-      const Vec3f wanted = held_back - (u - n * u_n);
-      const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
-      const Vec3f change =
-          n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
-      velocity[contact.particle].set_xyz(v + change);
+                                         const Substep& substep, Threads& threads) {
+  for (const Body& body : bodies_)
+    threads.for_each(body.contact_end - body.contact_begin, grain(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = body.contact_begin + begin; c < body.contact_begin + end; ++c)
+        restore_speed(body, contacts_[c], particles, velocity, substep.h);
+    });
+}
 
-      ++report_.count;
-      const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));
-      report_.deepest = max(report_.deepest, float(-g.C));
-    }
+void ColliderContacts::restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+                                     std::span<Vec4f> velocity, float h) const {
+  if (!(contact.pushed > 0)) return;
+  const Vec3f n = contact.normal;
+  const Vec3f v = velocity[contact.particle].xyz();
+  const Vec3f u = v - contact.carried * (1 / h);
+  const float u_n = dot(n, u);
+  const float approach = -dot(n, contact.predicted) / h;
+  const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
+  contact.bounced = max(target - u_n, -contact.pushed / h);
+  const Vec3f held_back = contact.rubbed * (1 / h);
+  const Vec3f wanted = held_back - (u - n * u_n);
+  const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
+  const Vec3f change = n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
+  velocity[contact.particle].set_xyz(v + change);
+  const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));
+  contact.depth = max(0.0f, float(-g.C));
+}
+
+ContactReport ColliderContacts::report() const {
+  ContactReport report;
+  for (const Contact& contact : contacts_) {
+    if (!(contact.pushed > 0)) continue;
+    ++report.count;
+    report.deepest = max(report.deepest, contact.depth);
   }
+  return report;
 }
 
 void ColliderContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
@@ -334,7 +389,6 @@ void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   placed_.clear();
   candidates_.clear();
   contacts_.clear();
-  report_ = {};
 }
 
 }  // namespace souple

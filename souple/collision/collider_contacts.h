@@ -4,6 +4,7 @@
 #include "souple/collision/contact.h"
 #include "souple/math/mat3.h"
 #include "souple/solver/projector.h"
+#include "souple/solver/threads.h"
 
 #include <span>
 #include <vector>
@@ -39,19 +40,20 @@ class ColliderContacts final : public Projector {
   /// motion callback throws passes through; the contacts are then empty.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const ContactObject> objects,
-                  std::span<const Collider> colliders, const SurfaceMatrix& surfaces,
-                  const ContactStep& step);
+                  std::span<const Collider> colliders, const SurfaceMatrix& surfaces, const ContactStep& step,
+                  Threads& threads);
 
   /// The contacts of the substep [time, time + h]: call after prediction and before the first project.
-  void refresh(const ParticleView& particles, const Substep& substep, double time);
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
 
   /// Velocity of contacts that pushed, relative to the collider's surface: v_n becomes e times the approach
   /// speed where that was above 2 |g| h, else 0. The approach speed is that of the predicted motion. What is
   /// left of a push that only undid an overlap is taken out, never more than the contact itself put in.
   /// Impulses added here bring their friction. `velocity` is m/s per particle.
-  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                         Threads& threads);
 
-  ContactReport report() const { return report_; }
+  ContactReport report() const;
   /// Appends the contacts that pushed during the last substep, in order of collider, then particle.
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
@@ -91,6 +93,8 @@ class ColliderContacts final : public Projector {
     bool moves = false;
     Pose before, after;  // at the substep's begin and end
     BoundingBall ball;
+    Vec3d centre;                // of the ball, at the substep's end [m]
+    double shift = 0, turn = 0;  // what the centre moves in a substep [m], and |R1 - R0|
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
@@ -117,6 +121,7 @@ class ColliderContacts final : public Projector {
     Vec3f normal{};         // world, of the last projection
     Vec3f carried{};        // what the surface moved in the substep at the contact [m]
     float bounced = 0;      // normal velocity added by apply_restitution [m/s]
+    float depth = 0;        // what is left of the overlap of one that pushed [m]
   };
   struct Gap {
     double C;       // m
@@ -129,10 +134,17 @@ class ColliderContacts final : public Projector {
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
   void find_bodies();
   void find_members();
-  void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h);
-  bool left_margins(const ParticleView& particles) const;
-  void meet_moving(const Body& body, const ParticleView& particles, float h);
-  void meet(const Body& body, const Member& member, const ParticleView& particles, float h);
+  void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
+                       Threads& threads);
+  bool is_candidate(const Body& body, std::size_t member, const ParticleView& particles) const;
+  bool left_margins(const ParticleView& particles, Threads& threads) const;
+  void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
+  bool may_reach(const Body& body, const Member& member, const ParticleView& particles) const;
+  double distance_if_near(const Body& body, const Member& member, const ParticleView& particles) const;
+  Contact contact_of(const Body& body, const Member& member, double end_distance,
+                     const ParticleView& particles, float h) const;
+  void restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+                     std::span<Vec4f> velocity, float h) const;
   void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
 
   std::span<const Collider> colliders_;
@@ -145,8 +157,9 @@ class ColliderContacts final : public Projector {
   std::vector<Member> members_;
   std::vector<Placed> placed_;      // of each member
   std::vector<Member> candidates_;  // of static bodies, body by body
+  std::vector<double> distance_;    // of each member or candidate that a body may meet [m]
+  std::vector<std::uint32_t> met_;  // which of them it meets
   std::vector<Contact> contacts_;   // body by body
-  ContactReport report_;
 };
 
 }  // namespace souple

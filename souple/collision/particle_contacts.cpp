@@ -12,6 +12,7 @@ namespace {
 // The margin as a part of the largest diameter: less means many broad phases, more means many idle pairs.
 constexpr float least_margin = 0.1f;
 constexpr float largest_margin = 1.0f;
+constexpr std::size_t pair_grain = 256;  // pairs worth a thread
 constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::max();
 
 std::int32_t cell_index(float x, float cell_size) {
@@ -52,29 +53,47 @@ void ParticleContacts::find_members() {
 
 void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                   std::span<const float> radius, std::span<const ContactObject> objects,
-                                  const SurfaceMatrix& surfaces, const ContactStep& step) {
+                                  const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads) {
   if (surfaces.rows() < objects.size() || surfaces.columns() < objects.size())
     throw Error("ParticleContacts: the surface matrix is smaller than objects x objects; build it anew");
   objects_ = objects, radius_ = radius;
   surfaces_ = &surfaces;
   step_ = step;
-  report_ = {};
-  backwards_ = false;
-  contacts_.clear();
+  backwards_ = true;  // the first refresh turns it
+  forget_contacts();
   remember();
   find_members();
-  const float speed = fastest([&](std::uint32_t i) { return velocity[i].xyz(); });
-  find_pairs(particles, 2.2f * speed * step.dt);
+  const auto speed = [&](std::size_t m) { return velocity[members_[m].particle].xyz(); };
+  find_pairs(particles, 2.2f * largest_from_mean(speed, threads) * step.dt);
 }
 
-// The largest distance of any member's vector from their mean: a heap that falls as one needs no margin.
-template <class Speed>
-float ParticleContacts::fastest(Speed&& speed) const {
+// The largest distance of any member's vector from their mean: a heap that falls as one needs no margin. Sums
+// of chunks of one size are added in order: the same bits for any number of threads.
+template <class Vector>
+float ParticleContacts::largest_from_mean(const Vector& vector, Threads& threads) {
+  constexpr std::size_t chunk = 1024;
+  const std::size_t n = members_.size(), chunks = (n + chunk - 1) / chunk;
+  chunk_sum_.resize(chunks);
+  chunk_largest_.resize(chunks);
+  threads.for_each(chunks, 2, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      chunk_sum_[c] = {};
+      for (std::size_t m = c * chunk; m < std::min(n, (c + 1) * chunk); ++m)
+        chunk_sum_[c] += Vec3d(vector(m));
+    }
+  });
   Vec3d sum;
-  for (const Member& member : members_) sum += Vec3d(speed(member.particle));
-  const Vec3f mean(sum / max(1.0, double(members_.size())));
+  for (const Vec3d& part : chunk_sum_) sum += part;
+  const Vec3f mean(sum / max(1.0, double(n)));
+  threads.for_each(chunks, 2, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      chunk_largest_[c] = 0;
+      for (std::size_t m = c * chunk; m < std::min(n, (c + 1) * chunk); ++m)
+        chunk_largest_[c] = max(chunk_largest_[c], length_squared(vector(m) - mean));
+    }
+  });
   float largest = 0;
-  for (const Member& member : members_) largest = max(largest, length_squared(speed(member.particle) - mean));
+  for (const float part : chunk_largest_) largest = max(largest, part);
   return sqrt(largest);
 }
 
@@ -124,7 +143,7 @@ std::vector<FrictionMemory> ParticleContacts::memory() const {
 
 void ParticleContacts::set_memory(std::span<const FrictionMemory> memory) {
   pairs_.clear();
-  contacts_.clear();
+  forget_contacts();
   memory_.clear();
   for (const FrictionMemory& one : memory)
     if (is_finite(one.drift)) memory_.push_back(one);
@@ -218,40 +237,82 @@ void ParticleContacts::append_pairs_of(std::uint32_t member) {
             [](const Pair& a, const Pair& b) { return a.j < b.j; });
 }
 
-// How far members have moved against each other since the last broad phase, at most: twice the largest
-// distance from the mean motion.
-float ParticleContacts::travel(const ParticleView& particles) const {
-  Vec3d sum;
-  for (std::size_t m = 0; m < members_.size(); ++m)
-    sum += Vec3d(particles.relative(members_[m].particle, corner_) - placed_[m]);
-  const Vec3f mean(sum / max(1.0, double(members_.size())));
-  float largest = 0;
-  for (std::size_t m = 0; m < members_.size(); ++m)
-    largest =
-        max(largest, length_squared(particles.relative(members_[m].particle, corner_) - placed_[m] - mean));
-  return 2 * sqrt(largest);
-}
-
-void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep) {
-  last_h_ = substep.h;
+void ParticleContacts::forget_contacts() {
   contacts_.clear();
-  if (!(largest_diameter_ > 0)) return;
-  if (travel(particles) > margin_)
-    find_pairs(particles, 2.2f * fastest([&](std::uint32_t i) { return particles.moved(i); }));
-  for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair) meet(pair, particles, substep.h);
+  colour_begin_.assign(1, 0);
 }
 
-void ParticleContacts::meet(std::uint32_t pair, const ParticleView& particles, float h) {
+void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
+  last_h_ = substep.h;
+  backwards_ = !backwards_;
+  if (!(largest_diameter_ > 0)) {
+    forget_contacts();
+    return;
+  }
+  const auto gone = [&](std::size_t m) {
+    return particles.relative(members_[m].particle, corner_) - placed_[m];
+  };
+  if (2 * largest_from_mean(gone, threads) > margin_) {
+    const auto moved = [&](std::size_t m) { return particles.moved(members_[m].particle); };
+    find_pairs(particles, 2.2f * largest_from_mean(moved, threads));
+  }
+  touches_.resize(pairs_.size());
+  threads.for_each(pairs_.size(), pair_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      touches_[p] = may_touch(static_cast<std::uint32_t>(p), particles) ? 1 : 0;
+  });
+  colour_touching(particles);
+  contacts_.resize(sorted_.size());
+  threads.for_each(contacts_.size(), grain(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) contacts_[c] = contact_of(sorted_[c], particles, substep.h);
+  });
+}
+
+// Neither touched on the way nor likely to be pushed together by other constraints: no contact.
+bool ParticleContacts::may_touch(std::uint32_t pair, const ParticleView& particles) const {
+  const std::uint32_t i = members_[pairs_[pair].i].particle, j = members_[pairs_[pair].j].particle;
+  if (!(particles.inverse_mass(i) + particles.inverse_mass(j) > 0)) return false;
+  const float path = length(particles.moved(i) - particles.moved(j));
+  return length(particles.difference(i, j)) < 1.1f * (radius_[i] + radius_[j]) + path;
+}
+
+// In order of (i, j) a contact takes the colour after the highest that its two particles have so far. Solving
+// colour after colour then gives, to the bit, what solving one contact after the other in order of (i, j)
+// gives, as two contacts of one particle keep their order; and backwards what the reverse order gives. That
+// order carries a push from the floor up through a heap in one sweep, and down again in the next. A greedy
+// colouring needs fewer colours, but loses it: a heap of 288 grains lay 0.069 m high instead of 0.08, and
+// still crept after six seconds.
+//
+// A particle that cannot move takes no colour: a pinned cloth under a thousand grains keeps nobody waiting.
+void ParticleContacts::colour_touching(const ParticleView& particles) {
+  next_colour_.assign(members_.size(), 0);
+  touching_.clear();
+  colour_begin_.assign(1, 0);
+  for (std::uint32_t p = 0; p < pairs_.size(); ++p) {
+    if (touches_[p] == 0) continue;
+    const auto [i, j] = pairs_[p];
+    const std::uint32_t colour = std::max(next_colour_[i], next_colour_[j]);
+    if (particles.inverse_mass(members_[i].particle) > 0) next_colour_[i] = colour + 1;
+    if (particles.inverse_mass(members_[j].particle) > 0) next_colour_[j] = colour + 1;
+    touching_.push_back({p, colour});
+    if (colour + 1 == colour_begin_.size()) colour_begin_.push_back(0);
+    ++colour_begin_[colour + 1];
+  }
+  // Counting sort, stable.
+  for (std::size_t colour = 1; colour < colour_begin_.size(); ++colour)
+    colour_begin_[colour] += colour_begin_[colour - 1];
+  next_place_ = colour_begin_;
+  sorted_.resize(touching_.size());
+  for (const Touch& touch : touching_) sorted_[next_place_[touch.colour]++] = touch.pair;
+}
+
+ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const ParticleView& particles,
+                                                       float h) const {
   const Member &a = members_[pairs_[pair].i], &b = members_[pairs_[pair].j];
   const std::uint32_t i = a.particle, j = b.particle;
-  if (!(particles.inverse_mass(i) + particles.inverse_mass(j) > 0)) return;
   const float reach = radius_[i] + radius_[j];
   const Vec3f motion = particles.moved(i) - particles.moved(j);
   const Vec3f to = particles.difference(i, j);
-  const float path = length(motion), apart = length(to);
-  // Neither touched on the way nor likely to be pushed together by other constraints.
-  if (!(apart < 1.1f * reach + path)) return;
-
   const Vec3f from = to - motion;
   const float apart_before = length(from);
   Contact contact{i, j, pair, reach, surfaces_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
@@ -260,12 +321,18 @@ void ParticleContacts::meet(std::uint32_t pair, const ParticleView& particles, f
   if (overlap < 0) {
     contact.allowed = min(0.0f, overlap + step_.depenetration_speed * h);
     contact.held = dot(from, to) < 0;  // centres passed each other: part them the way they came
-  } else if (path > 0.25f * reach) {
+  } else if (length(motion) > 0.25f * reach) {
     const float s = first_touch(from, motion, reach);
     contact.held = s >= 0;
     if (contact.held) contact.normal = normalized(from + motion * s);
   }
-  contacts_.push_back(contact);
+  return contact;
+}
+
+// Contacts of what comes as `colour` in this substep.
+ParticleContacts::Range ParticleContacts::contacts_of(int colour) const {
+  const auto c = static_cast<std::size_t>(backwards_ ? colour_count() - 1 - colour : colour);
+  return {colour_begin_[c], colour_begin_[c + 1]};
 }
 
 // C and the normal at a difference x_i - x_j.
@@ -277,10 +344,10 @@ float ParticleContacts::gap(const Contact& contact, const Vec3f& difference, Vec
   return l - contact.reach;
 }
 
-void ParticleContacts::project(int, std::size_t, std::size_t, const ParticleView& particles, const Substep&) {
-  const std::size_t count = contacts_.size();
-  for (std::size_t c = 0; c < count; ++c) project_one(contacts_[backwards_ ? count - 1 - c : c], particles);
-  backwards_ = !backwards_;
+void ParticleContacts::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+                               const Substep&) {
+  const std::size_t first = contacts_of(colour).begin;
+  for (std::size_t c = first + begin; c < first + end; ++c) project_one(contacts_[c], particles);
 }
 
 // As in collider_contacts.cpp, on the difference of two particles: its correction is shared out by inverse
@@ -305,37 +372,52 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   contact.rubbed = rubbed;
   contact.normal = n;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  particles.correct(i, dx * (w_i / (w_i + w_j)));
-  particles.correct(j, dx * (-w_j / (w_i + w_j)));
+  // What cannot move is shared between contacts of a colour: nobody may write to it.
+  if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
+  if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
 }
 
 void ParticleContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
-                                         const Substep& substep) {
-  report_ = {};
-  const float h = substep.h;
-  for (Contact& contact : contacts_) {
-    const std::uint32_t i = contact.i, j = contact.j;
-    const Vec3f n = contact.normal;
-    const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
-    const float u_n = dot(n, u);
-    update_drift(contact, particles, (u - n * u_n) * h);
-    if (!(contact.pushed > 0)) continue;
-    const float approach = -dot(n, contact.predicted) / h;
-    const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
-    contact.bounced = max(target - u_n, -contact.pushed / h);
-    const Vec3f held_back = contact.rubbed * (1 / h);
-    const Vec3f wanted = held_back - (u - n * u_n);
-    const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
-    const Vec3f change =
-        n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
-    const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-    velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
-    velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
-
-    ++report_.count;
-    Vec3f unused;
-    report_.deepest = max(report_.deepest, -gap(contact, particles.difference(i, j), unused));
+                                         const Substep& substep, Threads& threads) {
+  for (std::size_t colour = 0; colour + 1 < colour_begin_.size(); ++colour) {
+    const std::size_t first = colour_begin_[colour];
+    threads.for_each(colour_begin_[colour + 1] - first, grain(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = first + begin; c < first + end; ++c)
+        restore_speed(contacts_[c], particles, velocity, substep.h);
+    });
   }
+}
+
+void ParticleContacts::restore_speed(Contact& contact, const ParticleView& particles,
+                                     std::span<Vec4f> velocity, float h) {
+  const std::uint32_t i = contact.i, j = contact.j;
+  const Vec3f n = contact.normal;
+  const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
+  const float u_n = dot(n, u);
+  update_drift(contact, particles, (u - n * u_n) * h);
+  if (!(contact.pushed > 0)) return;
+  const float approach = -dot(n, contact.predicted) / h;
+  const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
+  contact.bounced = max(target - u_n, -contact.pushed / h);
+  const Vec3f held_back = contact.rubbed * (1 / h);
+  const Vec3f wanted = held_back - (u - n * u_n);
+  const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
+  const Vec3f change = n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
+  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
+  if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
+  if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
+  Vec3f unused;
+  contact.depth = max(0.0f, -gap(contact, particles.difference(i, j), unused));
+}
+
+ContactReport ParticleContacts::report() const {
+  ContactReport report;
+  for (const Contact& contact : contacts_) {
+    if (!(contact.pushed > 0)) continue;
+    ++report.count;
+    report.deepest = max(report.deepest, contact.depth);
+  }
+  return report;
 }
 
 // A pair that rubs with all its kinetic friction slides for good and owes nothing.
@@ -351,6 +433,7 @@ void ParticleContacts::update_drift(const Contact& contact, const ParticleView& 
 
 void ParticleContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
   const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
+  const auto first = static_cast<std::ptrdiff_t>(out.size());
   for (const Contact& contact : contacts_) {
     if (!(contact.pushed > 0)) continue;
     const std::uint32_t i = contact.i, j = contact.j;
@@ -358,6 +441,9 @@ void ParticleContacts::events(const ParticleView& particles, std::vector<Contact
     const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
     out.push_back({i, j, point, contact.normal, (contact.pushed * inverse_h + contact.bounced) * mass});
   }
+  std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
+    return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
+  });
 }
 
 Residual ParticleContacts::residual(const ParticleView& particles) const {
@@ -374,12 +460,14 @@ Residual ParticleContacts::residual(const ParticleView& particles) const {
 }
 
 void ParticleContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  for (const Contact& contact : contacts_) {
-    Vec3f unused;
-    const float C = gap(contact, particles.difference(contact.i, contact.j), unused);
-    const std::uint32_t pair[] = {contact.i, contact.j};
-    visitor({pair, 0, 0, max(0.0f, -C)});
-  }
+  for (std::size_t colour = 0; colour + 1 < colour_begin_.size(); ++colour)
+    for (std::size_t c = colour_begin_[colour]; c < colour_begin_[colour + 1]; ++c) {
+      const Contact& contact = contacts_[c];
+      Vec3f unused;
+      const float C = gap(contact, particles.difference(contact.i, contact.j), unused);
+      const std::uint32_t pair[] = {contact.i, contact.j};
+      visitor({pair, static_cast<int>(colour), 0, max(0.0f, -C)});
+    }
 }
 
 void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
@@ -394,9 +482,8 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
   memory_.resize(kept);
   members_.clear();
   placed_.clear();
-  contacts_.clear();
+  forget_contacts();
   largest_diameter_ = 0;
-  report_ = {};
 }
 
 }  // namespace souple

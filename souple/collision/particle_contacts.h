@@ -3,9 +3,9 @@
 #include "souple/collision/contact.h"
 #include "souple/collision/surface.h"
 #include "souple/solver/projector.h"
+#include "souple/solver/threads.h"
 
 #include <array>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,21 +23,23 @@ struct FrictionMemory {
 ///
 /// Used like ColliderContacts: begin_step once, then per substep refresh, project, apply_restitution. The
 /// broad phase is a uniform grid, sorted by counting; it runs once per step with a margin for motion relative
-/// to the mean, and again in the middle of a step when some particle has left its margin. Pairs are solved
-/// one after the other (Gauss-Seidel) in order of (i, j), every second sweep backwards; the order depends on
-/// positions and indices alone. Corrections are equal and opposite: momentum is kept to rounding. Friction
-/// and restitution follow the same rules as for colliders. A pair that is apart before and after a substep
-/// but met in between is caught where both particles are still in each other's margin (at most one largest
-/// diameter).
+/// to the mean, and again in the middle of a step when some particle has left its margin. Contacts are
+/// solved as if one after the other (Gauss-Seidel) in order of (i, j), every second substep backwards; they
+/// are coloured anew in each substep such that this holds, and those of one colour share no particle that can
+/// move. The order depends on positions and indices alone. Corrections are equal and opposite: momentum is
+/// kept to rounding. Friction and restitution follow the same rules as for colliders. A pair that is apart
+/// before and after a substep but met in between is caught where both particles are still in each other's
+/// margin (at most one largest diameter).
 class ParticleContacts final : public Projector {
  public:
   /// As for ColliderContacts; surfaces.at(object, object). `objects`, `surfaces` and `radius` must live until
   /// the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const ContactObject> objects,
-                  const SurfaceMatrix& surfaces, const ContactStep& step);
-  void refresh(const ParticleView& particles, const Substep& substep);
-  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
+                  const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads);
+  void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                         Threads& threads);
 
   /// What must be kept of one step for the next, in order of (i, j), and its restoration: for checkpoints and
   /// snapshots. Particles erased in between are dropped and the rest renumbered.
@@ -48,17 +50,20 @@ class ParticleContacts final : public Projector {
   /// call.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
 
-  ContactReport report() const { return report_; }
+  ContactReport report() const;
   /// Appends the contacts that pushed during the last substep, in order of (i, j).
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
   std::string_view kind() const override { return "particle contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
-  /// One, which must not be split: its pairs share particles.
-  int colour_count() const override { return 1; }
-  std::size_t colour_size(int) const override { return contacts_.size(); }
-  std::size_t grain() const override { return std::numeric_limits<std::size_t>::max(); }
+  /// As many as the longest chain of contacts (i, j), (j, k), ... of ascending particles has, at least.
+  int colour_count() const override { return static_cast<int>(colour_begin_.size()) - 1; }
+  std::size_t colour_size(int colour) const override {
+    const Range range = contacts_of(colour);
+    return range.end - range.begin;
+  }
+  std::size_t grain() const override { return 64; }
   using Projector::project;
   void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
@@ -99,6 +104,15 @@ class ParticleContacts final : public Projector {
     float pushed = 0;   // sum of normal corrections of the distance [m]
     Vec3f rubbed{};     // sum of tangential corrections of the distance [m]
     float bounced = 0;  // relative normal velocity added by apply_restitution [m/s]
+    float depth = 0;    // what is left of the overlap of one that pushed [m]
+  };
+  /// Contacts [begin, end).
+  struct Range {
+    std::size_t begin, end;
+  };
+  /// A pair that makes a contact in this substep.
+  struct Touch {
+    std::uint32_t pair, colour;
   };
 
   bool interact(std::uint32_t object_a, std::uint32_t object_b) const;
@@ -110,13 +124,17 @@ class ParticleContacts final : public Projector {
   void sort_into_cells(float cell_size);
   void append_pairs_of(std::uint32_t member);
   std::uint32_t bucket_of_row(std::int32_t y, std::int32_t z) const;
-  float travel(const ParticleView& particles) const;
-  void meet(std::uint32_t pair, const ParticleView& particles, float h);
+  bool may_touch(std::uint32_t pair, const ParticleView& particles) const;
+  void colour_touching(const ParticleView& particles);
+  Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
+  void forget_contacts();
+  Range contacts_of(int colour) const;
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;
+  void restore_speed(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity, float h);
   void update_drift(const Contact& contact, const ParticleView& particles, const Vec3f& slid);
-  template <class Speed>
-  float fastest(Speed&& speed) const;
+  template <class Vector>
+  float largest_from_mean(const Vector& vector, Threads& threads);
 
   std::span<const ContactObject> objects_;
   std::span<const float> radius_;
@@ -135,8 +153,14 @@ class ParticleContacts final : public Projector {
   std::vector<Pair> pairs_;
   std::vector<Vec3f> drift_;            // of each pair: sliding that friction owes since it last held [m]
   std::vector<FrictionMemory> memory_;  // taken over from the last broad phase by the next
-  std::vector<Contact> contacts_;
-  ContactReport report_;
+  std::vector<Vec3d> chunk_sum_;        // of members
+  std::vector<float> chunk_largest_;
+  std::vector<std::uint8_t> touches_;       // of each pair, in this substep
+  std::vector<std::uint32_t> next_colour_;  // of each member: one more than its contacts have so far
+  std::vector<Touch> touching_;             // in order of pairs
+  std::vector<std::uint32_t> sorted_;       // the same pairs by colour
+  std::vector<Contact> contacts_;           // in the order of sorted_
+  std::vector<std::uint32_t> colour_begin_{0}, next_place_;  // in contacts_
 };
 
 }  // namespace souple

@@ -8,6 +8,7 @@
 #include "souple/constraints/isometric_bending.h"
 #include "souple/constraints/neo_hookean.h"
 #include "souple/constraints/particle_contact.h"
+#include "souple/constraints/rope_bending.h"
 #include "souple/constraints/tet_volume.h"
 #include "souple/constraints/tether.h"
 #include "souple/constraints/triangle_membrane.h"
@@ -21,6 +22,6 @@ namespace souple {
 /// is registered here.
 using EveryConstraint =
     std::tuple<Distance, DihedralBending, IsometricBending, TriangleMembrane, TetVolume, NeoHookean,
-               ParticleContact, Attachment, BallJoint, ConeLimit, TwistLimit, Tether>;
+               RopeBending, ParticleContact, Attachment, BallJoint, ConeLimit, TwistLimit, Tether>;
 
 }  // namespace souple

@@ -11,6 +11,7 @@ struct Attachment {
   static constexpr const char* name = "attachment";
   static constexpr int arity = 1;
   static constexpr Sense sense = Sense::equality;
+  static constexpr bool unit_gradients = true;
 
   template <class T>
   struct Params {

@@ -34,6 +34,10 @@
 //
 //   template <class T> static T reach(const Params<T>& p);
 //
+// A constraint of one row whose gradients are unit vectors, or all zero, may say so and saves their lengths:
+//
+//   static constexpr bool unit_gradients = true;
+//
 // Where the gradient is undefined (0/0) evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
 // are relative: a constraint must act alike on millimetres and on hundreds of metres.
 
@@ -54,6 +58,11 @@ template <class Kind>
 struct HasOrigin<Kind,
                  std::void_t<decltype(Kind::template origin<float>(typename Kind::template Params<float>{}))>>
     : std::true_type {};
+template <class Kind, class = void>
+struct HasUnitGradients : std::false_type {};
+template <class Kind>
+struct HasUnitGradients<Kind, std::void_t<decltype(Kind::unit_gradients)>>
+    : std::bool_constant<Kind::unit_gradients> {};
 }  // namespace detail
 
 /// How many scalars C a constraint of this kind couples.
@@ -67,6 +76,9 @@ inline constexpr int compliance_size = rows_of<Kind>*(rows_of<Kind> + 1) / 2;
 
 template <class Kind>
 inline constexpr bool has_origin = detail::HasOrigin<Kind>::value;
+
+template <class Kind>
+inline constexpr bool has_unit_gradients = detail::HasUnitGradients<Kind>::value;
 
 /// One shape for both forms of evaluate: C[rows] and gradient[rows][arity].
 template <class Kind, class T>

@@ -11,6 +11,7 @@ struct Distance {
   static constexpr const char* name = "distance";
   static constexpr int arity = 2;
   static constexpr Sense sense = Sense::equality;
+  static constexpr bool unit_gradients = true;
 
   template <class T>
   struct Params {

@@ -10,6 +10,7 @@ struct ParticleContact {
   static constexpr const char* name = "particle_contact";
   static constexpr int arity = 2;
   static constexpr Sense sense = Sense::non_negative;
+  static constexpr bool unit_gradients = true;
 
   template <class T>
   struct Params {

@@ -11,6 +11,7 @@ struct Tether {
   static constexpr const char* name = "tether";
   static constexpr int arity = 2;
   static constexpr Sense sense = Sense::non_negative;
+  static constexpr bool unit_gradients = true;
 
   template <class T>
   struct Params {

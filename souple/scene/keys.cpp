@@ -1,5 +1,7 @@
 #include "souple/scene/keys.h"
 
+#include "souple/solver/solver_names.h"
+
 #include <algorithm>
 #include <set>
 
@@ -70,6 +72,38 @@ class True : public Codec<Selector::All> {
     return {"true", schema};
   }
 };
+
+/// A stiffness: a number, or "rigid".
+class Stiffness : public Codec<float> {
+ public:
+  explicit Stiffness(const Range& range) : range_(range), number_(range) {}
+  void read(const Json& json, const Place& place, float& value) const override {
+    if (json.is(Json::Kind::text) && json.text == "rigid") {
+      value = rigid;
+    } else if (json.is(Json::Kind::number)) {
+      number_.read(json, place, value);
+    } else {
+      place.unexpected(range_.text("a number") + " or \"rigid\"", json);
+    }
+  }
+  Json write(const float& value) const override {
+    return value == rigid ? Json::of("rigid") : number_.write(value);
+  }
+  TypeInfo describe(Format&) const override {
+    Json word = Json::object(), schema = Json::object();
+    word.set("const", Json::of("rigid"));
+    schema.set("oneOf", Json::array({range_.schema("number"), word}));
+    return {range_.text("number") + ", or \"rigid\"", schema};
+  }
+
+ private:
+  Range range_;
+  Number<float> number_;
+};
+
+CodecPtr<float> stiffness(const Range& range) {
+  return std::make_shared<Stiffness>(range);
+}
 
 /// A struct whose only field is written without a name of its own.
 template <class Outer, class Inner, class Access>
@@ -507,14 +541,17 @@ CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec() {
   using M = ClothMaterial;
   auto keys = material_table<M>("cloth_material", "A thin sheet.", material::find_cloth);
   keys->key<&M::areal_density>("areal_density", number<float>(positive(1e4)), "[kg/m^2]")
-      .key<&M::membrane_stiffness>("membrane_stiffness", number<float>(positive(1e12)),
-                                   "Young's modulus times thickness [N/m]; of the warp in the membrane model")
+      .key<&M::membrane_stiffness>(
+          "membrane_stiffness", stiffness(positive(1e12)),
+          "Young's modulus times thickness [N/m]; of the warp in the membrane model, "
+          "where it cannot be rigid")
       .key<&M::weft_stiffness>("weft_stiffness", number<float>(from_zero(1e12)),
                                "membrane model [N/m]; 0: as membrane_stiffness")
       .key<&M::shear_stiffness>("shear_stiffness", number<float>(from_zero(1e12)),
                                 "membrane model [N/m]; 0: isotropic, Y / (2 (1 + nu))")
       .key<&M::poisson_ratio>("poisson_ratio", number<float>(below(1)), "membrane model")
-      .key<&M::bending_stiffness>("bending_stiffness", number<float>(from_zero(1e9)), "per unit width [N m]")
+      .key<&M::bending_stiffness>("bending_stiffness", stiffness(from_zero(1e9)),
+                                  "per unit width [N m]; rigid only with bending \"distance\"")
       .key<&M::thickness>("thickness", number<float>(positive(10)), "from side to side [m]")
       .key<&M::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
       .key<&M::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
@@ -533,10 +570,18 @@ CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec() {
       .key<&M::bending>("bending",
                         enumeration<BendingModel>({{"isometric", BendingModel::isometric},
                                                    {"dihedral", BendingModel::dihedral},
+                                                   {"distance", BendingModel::distance},
                                                    {"none", BendingModel::none}}),
-                        "how bending is resisted")
+                        "how bending is resisted: at the edges, flat or at their angle, or by springs across "
+                        "them")
       .key<&M::pbd_stretch>("pbd_stretch", number<float>(unit), "stiffness in mode \"pbd\"")
-      .key<&M::pbd_bending>("pbd_bending", number<float>(unit), "stiffness in mode \"pbd\"");
+      .key<&M::pbd_bending>("pbd_bending", number<float>(unit), "stiffness in mode \"pbd\"")
+      .check([](const MaterialDescription<M>& m, const Place& place) {
+        if (m.membrane_stiffness == rigid && m.stretch != StretchModel::springs)
+          place.key("membrane_stiffness").fail("is \"rigid\": only springs can be (stretch \"springs\")");
+        if (m.bending_stiffness == rigid && m.bending != BendingModel::distance)
+          place.key("bending_stiffness").fail("is \"rigid\": only springs can be (bending \"distance\")");
+      });
   return keys;
 }
 
@@ -991,6 +1036,21 @@ CodecPtr<SceneDescription> scene_codec() {
       .key<&S::settings, &Settings::measure_residuals>(
           "measure_residuals", boolean(),
           "reports residuals and strain each frame: costs about one iteration")
+      .key<&S::settings, &Settings::solver, &SolverSettings::kind>(
+          "solver", enumeration<SolverKind>({std::begin(solver_names), std::end(solver_names)}),
+          "how the constraints of a substep are solved")
+      .key<&S::settings, &Settings::solver, &SolverSettings::sweep>(
+          "sweep", enumeration<Sweep>({std::begin(sweep_names), std::end(sweep_names)}),
+          "in which order colours are solved: the same every time, or forward and backward")
+      .key<&S::settings, &Settings::solver, &SolverSettings::relaxation>(
+          "relaxation", number<float>(Range{0, 2, true, true}),
+          "factor on every correction: over-relaxation above 1")
+      .key<&S::settings, &Settings::solver, &SolverSettings::chebyshev>(
+          "chebyshev", number<float>(below(1)),
+          "acceleration of the iterations: the spectral radius it assumes; 0: none")
+      .key<&S::settings, &Settings::solver, &SolverSettings::colours>(
+          "colours", number<int>(within(0, 64)),
+          "to which phantom particles cut the constraint graph; 0: as many as it takes without")
       .key<&S::camera>("camera", camera_codec(), "from where the scene is best seen")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
       .key<&S::objects>("objects", list(object_codec(), 0, 10000), "what moves")

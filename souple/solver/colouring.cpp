@@ -1,69 +1,240 @@
 #include "souple/solver/colouring.h"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
+
+// First-fit, then what repairs its long tail of small colours. On regular grids first-fit alone is optimal:
+// as many colours as constraints meet in a particle. On an irregular mesh it takes up to half as many again,
+// the last of a few dozen constraints: each costs a barrier, and what does not fill a SIMD pack.
+//
+// Tried and left out: orders by degree (smallest last, largest first) gain no more than the reversed passes
+// below and scatter the particles; sizes made equal throughout gain nothing, a barrier costs what it costs.
 
 namespace souple {
 namespace {
 
-constexpr std::uint32_t uncoloured = ~std::uint32_t{0};
-constexpr int colours_per_round = 64;
+constexpr std::uint32_t colours_per_round = 64;  // one bit each
+constexpr std::uint32_t smallest_colour = 512;   // fills the packs of two threads many times over
 
-// Gives each constraint of `pending` a colour in [first, first + 64) that its particles do not have yet;
-// returns those that found none.
-std::vector<std::uint32_t> colour_round(std::span<const std::uint32_t> indices, std::size_t arity,
-                                        std::span<const std::uint32_t> pending, std::uint32_t first,
-                                        std::vector<std::uint64_t>& taken,
-                                        std::vector<std::uint32_t>& colour_of) {
+/// Colours that are being given to constraints; at most 64 are looked at together.
+class Palette {
+ public:
+  Palette(std::span<const std::uint32_t> indices, std::size_t arity, std::size_t particle_count)
+      : indices_(indices), arity_(arity), colour_of_(indices.size() / arity), taken_(particle_count) {}
+
+  /// Gives each constraint of `pending` the first colour in [first, first + 64) that its particles do not
+  /// have yet; returns those that found none.
+  std::vector<std::uint32_t> first_fit(std::span<const std::uint32_t> pending, std::uint32_t first);
+  /// Of at most 64 colours: fewer and larger ones.
+  void improve();
+
+  /// Constraints by colour, then by lowest particle.
+  Colouring sorted() const;
+
+ private:
+  using Bits = std::uint64_t;
+  static constexpr Bits bit(std::uint32_t colour) { return Bits{1} << colour; }
+
+  std::span<const std::uint32_t> particles(std::uint32_t i) const {
+    return indices_.subspan(i * arity_, arity_);
+  }
+  Bits used_around(std::uint32_t i) const {
+    Bits used = 0;
+    for (const std::uint32_t particle : particles(i)) used |= taken_[particle];
+    return used;
+  }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(size_.size()); }
+  void move(std::uint32_t i, std::uint32_t colour);
+  void list_constraints_of_particles();
+  void refit_reversed();
+  bool dissolve_smallest();
+  bool make_room(std::uint32_t i, Bits allowed);
+  bool vacate(std::uint32_t i, std::uint32_t colour, Bits allowed);
+  void fill_small();
+
+  std::span<const std::uint32_t> indices_;
+  std::size_t arity_;
+  std::vector<std::uint32_t> colour_of_;
+  std::vector<Bits> taken_;          // colours that a particle has
+  std::vector<std::uint32_t> size_;  // of each colour; those at the end of a round may be empty
+
+  // The constraints that particle p is in: constraints_[begin_[p] .. begin_[p + 1]).
+  std::vector<std::uint32_t> begin_, constraints_;
+  struct Move {
+    std::uint32_t constraint, from;
+  };
+  std::vector<Move> log_;              // to take back
+  std::vector<std::uint32_t> rivals_;  // what vacate moves
+};
+
+std::vector<std::uint32_t> Palette::first_fit(std::span<const std::uint32_t> pending, std::uint32_t first) {
+  size_.resize(first);
+  for (const std::uint32_t i : pending)
+    for (const std::uint32_t particle : particles(i)) taken_[particle] = 0;
   std::vector<std::uint32_t> left;
-  for (const std::uint32_t constraint : pending) {
-    const auto particles = indices.subspan(constraint * arity, arity);
-    std::uint64_t used = 0;
-    for (const std::uint32_t particle : particles) used |= taken[particle];
+  for (const std::uint32_t i : pending) {
+    const Bits used = used_around(i);
     if (~used == 0) {
-      left.push_back(constraint);
+      left.push_back(i);
       continue;
     }
-    std::uint32_t colour = 0;
-    while ((used >> colour) & 1u) ++colour;
-    colour_of[constraint] = first + colour;
-    for (const std::uint32_t particle : particles) taken[particle] |= std::uint64_t{1} << colour;
+    const auto colour = static_cast<std::uint32_t>(std::countr_one(used));
+    for (const std::uint32_t particle : particles(i)) taken_[particle] |= bit(colour);
+    colour_of_[i] = first + colour;
+    if (size_.size() <= first + colour) size_.resize(first + colour + 1);
+    ++size_[first + colour];
   }
   return left;
+}
+
+void Palette::move(std::uint32_t i, std::uint32_t colour) {
+  std::uint32_t& from = colour_of_[i];
+  for (const std::uint32_t particle : particles(i))
+    taken_[particle] = (taken_[particle] & ~bit(from)) | bit(colour);
+  --size_[from], ++size_[colour];
+  from = colour;
+}
+
+void Palette::list_constraints_of_particles() {
+  begin_.assign(taken_.size() + 1, 0);
+  for (const std::uint32_t particle : indices_) ++begin_[particle + 1];
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  constraints_.resize(indices_.size());
+  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+  for (std::uint32_t i = 0; i < colour_of_.size(); ++i)
+    for (const std::uint32_t particle : particles(i)) constraints_[next[particle]++] = i;
+}
+
+// Iterated greedy (Culberson 1992): first-fit over the colours of the last fit, last one first, never takes
+// more colours and often fewer, because the constraints that were hard to place now choose first.
+void Palette::refit_reversed() {
+  std::vector<std::uint32_t> next(count());
+  std::uint32_t begin = 0;
+  for (std::uint32_t colour = count(); colour-- > 0; begin += size_[colour]) next[colour] = begin;
+  std::vector<std::uint32_t> order(colour_of_.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[next[colour_of_[i]]++] = i;
+  first_fit(order, 0);
+}
+
+// Moves those of a colour that stand in the way of constraint i out of it, each to a colour that is free for
+// it. They share no particle, so they may even go to the same one.
+bool Palette::vacate(std::uint32_t i, std::uint32_t colour, Bits allowed) {
+  rivals_.clear();
+  for (const std::uint32_t particle : particles(i)) {
+    if (!(taken_[particle] & bit(colour))) continue;
+    std::uint32_t k = begin_[particle];
+    while (colour_of_[constraints_[k]] != colour) ++k;
+    if ((allowed & ~used_around(constraints_[k])) == 0) return false;
+    rivals_.push_back(constraints_[k]);
+  }
+  for (const std::uint32_t rival : rivals_) {
+    if (colour_of_[rival] != colour) continue;  // it shares two particles with i, and has left
+    log_.push_back({rival, colour});
+    move(rival, static_cast<std::uint32_t>(std::countr_zero(allowed & ~used_around(rival))));
+  }
+  return true;
+}
+
+// Moves constraint i to a colour of `allowed`, its rivals there to others if need be.
+bool Palette::make_room(std::uint32_t i, Bits allowed) {
+  Bits open = allowed & ~used_around(i);
+  for (std::uint32_t colour = 0; open == 0 && colour < count(); ++colour)
+    if ((allowed & bit(colour)) && vacate(i, colour, allowed)) open = bit(colour);
+  if (open == 0) return false;
+  log_.push_back({i, colour_of_[i]});
+  move(i, static_cast<std::uint32_t>(std::countr_zero(open)));
+  return true;
+}
+
+// Spreads the smallest colour over the others; all of it or nothing.
+bool Palette::dissolve_smallest() {
+  const auto smallest =
+      static_cast<std::uint32_t>(std::min_element(size_.begin(), size_.end()) - size_.begin());
+  const std::uint32_t last = count() - 1;
+  const Bits allowed = (bit(last) | (bit(last) - 1)) & ~bit(smallest);
+  log_.clear();
+  for (std::uint32_t i = 0; i < colour_of_.size() && size_[smallest] > 0; ++i) {
+    if (colour_of_[i] != smallest || make_room(i, allowed)) continue;
+    for (auto undo = log_.rbegin(); undo != log_.rend(); ++undo) move(undo->constraint, undo->from);
+    return false;
+  }
+  for (std::uint32_t i = 0; smallest != last && i < colour_of_.size(); ++i)
+    if (colour_of_[i] == last) move(i, smallest);
+  size_.pop_back();
+  return true;
+}
+
+// Fills small colours up from those above the mean.
+void Palette::fill_small() {
+  const auto mean = static_cast<std::uint32_t>(colour_of_.size() / count());
+  const std::uint32_t goal = std::min(smallest_colour, mean / 2);
+  Bits small = 0;
+  for (std::uint32_t colour = 0; colour < count(); ++colour)
+    if (size_[colour] < goal) small |= bit(colour);
+  for (std::uint32_t i = 0; small != 0 && i < colour_of_.size(); ++i) {
+    const Bits open = small & ~used_around(i);
+    if (open == 0 || size_[colour_of_[i]] <= mean) continue;
+    const auto colour = static_cast<std::uint32_t>(std::countr_zero(open));
+    move(i, colour);
+    if (size_[colour] >= goal) small &= ~bit(colour);
+  }
+}
+
+void Palette::improve() {
+  if (colour_of_.empty()) return;
+  list_constraints_of_particles();
+  std::uint32_t fewest = 0;
+  for (std::size_t particle = 0; particle < taken_.size(); ++particle)
+    fewest = std::max(fewest, begin_[particle + 1] - begin_[particle]);
+  constexpr int passes = 4;  // more gain a colour now and then
+  for (int pass = 0; count() > fewest; ++pass) {
+    while (count() > fewest && dissolve_smallest()) {
+    }
+    if (pass == passes) break;
+    if (count() > fewest) refit_reversed();
+  }
+  fill_small();
+}
+
+// Two stable counting sorts.
+Colouring Palette::sorted() const {
+  const auto lowest = [this](std::uint32_t i) {
+    const auto own = particles(i);
+    return *std::min_element(own.begin(), own.end());
+  };
+  const std::size_t constraint_count = colour_of_.size();
+  std::vector<std::uint32_t> next(taken_.size() + 1), by_particle(constraint_count);
+  for (std::uint32_t i = 0; i < constraint_count; ++i) ++next[lowest(i) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (std::uint32_t i = 0; i < constraint_count; ++i) by_particle[next[lowest(i)]++] = i;
+
+  Colouring result;
+  result.order.resize(constraint_count);
+  next.assign(size_.size(), 0);
+  std::uint32_t begin = 0;
+  for (std::size_t colour = 0; colour < size_.size(); ++colour) {
+    if (size_[colour] > 0) result.colour_begin.push_back(begin);
+    next[colour] = begin;
+    begin += size_[colour];
+  }
+  result.colour_begin.push_back(begin);
+  for (const std::uint32_t i : by_particle) result.order[next[colour_of_[i]]++] = i;
+  return result;
 }
 
 }  // namespace
 
 Colouring colour_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count) {
   const auto width = static_cast<std::size_t>(arity);
-  const std::size_t count = indices.size() / width;
-  std::vector<std::uint32_t> colour_of(count, uncoloured);
-  std::vector<std::uint32_t> pending(count);
+  Palette palette(indices, width, particle_count);
+  std::vector<std::uint32_t> pending(indices.size() / width);
   std::iota(pending.begin(), pending.end(), 0u);
-  std::vector<std::uint64_t> taken(particle_count);
-  for (std::uint32_t first = 0; !pending.empty(); first += colours_per_round) {
-    std::fill(taken.begin(), taken.end(), 0);
-    pending = colour_round(indices, width, pending, first, taken, colour_of);
-  }
-
-  // Counting sort by colour, stable; colours that stayed empty (the end of a round) are skipped.
-  std::vector<std::uint32_t> size_of;
-  for (const std::uint32_t colour : colour_of) {
-    if (colour >= size_of.size()) size_of.resize(colour + 1, 0);
-    ++size_of[colour];
-  }
-  Colouring result;
-  std::vector<std::uint32_t> next(size_of.size());
-  std::uint32_t begin = 0;
-  for (std::size_t colour = 0; colour < size_of.size(); ++colour) {
-    if (size_of[colour] > 0) result.colour_begin.push_back(begin);
-    next[colour] = begin;
-    begin += size_of[colour];
-  }
-  result.colour_begin.push_back(begin);
-  result.order.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) result.order[next[colour_of[i]]++] = i;
-  return result;
+  pending = palette.first_fit(pending, 0);
+  if (pending.empty()) palette.improve();
+  for (std::uint32_t first = colours_per_round; !pending.empty(); first += colours_per_round)
+    pending = palette.first_fit(pending, first);
+  return palette.sorted();
 }
 
 }  // namespace souple

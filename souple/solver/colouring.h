@@ -12,9 +12,13 @@ struct Colouring {
   std::vector<std::uint32_t> colour_begin;  ///< colour c is order[colour_begin[c] .. colour_begin[c + 1])
 };
 
-/// Greedy colouring in the given order: each constraint takes the first colour that none of its particles has
-/// yet. `indices` holds the particles of constraint i at [i * arity, (i + 1) * arity). Stable within a
-/// colour. Works in rounds of 64 colours (one bit each), so a particle may be in any number of constraints.
+/// Colours constraints in about linear time. `indices` holds the particles of constraint i at
+/// [i * arity, (i + 1) * arity).
+///
+/// Few colours: never fewer than the most constraints that meet in a particle, seldom many more. None of them
+/// tiny: at least 512 constraints, or half of the mean where there are fewer. Exception: a hub that more than
+/// 64 constraints meet in makes colours of one constraint, and those are left so.
+/// Within a colour, constraints come by their lowest particle, so that neighbours in memory meet.
 Colouring colour_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count);
 
 }  // namespace souple

@@ -1,23 +1,42 @@
 #pragma once
 
+#include "souple/solver/chebyshev.h"
 #include "souple/solver/solver.h"
+
+#include <vector>
 
 namespace souple {
 
 /// Nonlinear Gauss-Seidel, the seed's chapter 6 and Müller et al. 2007, section 3.4: constraint after
 /// constraint, each from where the ones before it left the particles. Those of a colour share no particle and
 /// are projected at the same time.
+///
+/// `SolverSettings` may add, alone or together:
+/// - relaxation: each correction and its multiplier times omega (contacts excepted);
+/// - symmetric sweeps: all colours forward, then backward. Kinds without a linear form (contacts, shape
+///   matching, enclosed volumes, custom constraints) follow once, so that contacts keep the last word;
+/// - Chebyshev acceleration of the sweeps, from the third iteration of a substep on. In substeps in which a
+///   kind without a linear form has constraints it is off: an extrapolated contact bounces.
 class GaussSeidel final : public Solver {
  public:
-  explicit GaussSeidel(const SolverSettings& settings) : settings_(settings) {}
+  explicit GaussSeidel(const SolverSettings& settings)
+      : settings_(settings), chebyshev_(settings.chebyshev) {}
 
   std::string_view name() const override { return "gauss_seidel"; }
-  void prepare(std::span<Projector* const>, const ParticleView&) override {}
+  void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) override;
 
  private:
+  void sweep_symmetric(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void begin_acceleration(const ParticleView& particles);
+  void accelerate(const ParticleView& particles);
+
   SolverSettings settings_;
+  Chebyshev chebyshev_;
+  std::vector<Projector*> linear_, others_;  // with and without a linear form; only when it matters
+  Chebyshev::History<Vec4f> moving_;
+  std::vector<Chebyshev::History<float>> multipliers_;  // one for each array that the projectors hand out
 };
 
 }  // namespace souple

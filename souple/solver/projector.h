@@ -28,6 +28,8 @@ struct Substep {
   Mode mode = Mode::small_steps;
   Form form = Form::displacement;
   int count = 1;  ///< substeps per step
+  /// Factor on every correction and its multiplier (over-relaxation above 1); contacts do not know it.
+  float relaxation = 1;
 
   bool stores_multipliers() const {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
@@ -41,6 +43,8 @@ struct ParticleView {
   std::span<Vec4f> moving;
   std::span<const Vec4f> start;  ///< what `moving` was when the substep began
   Form form = Form::displacement;
+  /// Where corrections are added: `moving` where it is empty, as in Gauss-Seidel.
+  std::span<Vec4f> corrected{};
 
   float inverse_mass(std::size_t i) const { return position[i].w; }
 
@@ -58,7 +62,7 @@ struct ParticleView {
   Vec3f moved(std::size_t i) const { return moving[i].xyz() - start[i].xyz(); }
   /// Adds a correction. [m]
   void correct(std::size_t i, const Vec3f& dx) const {
-    Vec4f& m = moving[i];
+    Vec4f& m = (corrected.empty() ? moving : corrected)[i];
     m.x += dx.x, m.y += dx.y, m.z += dx.z;
   }
 };
@@ -94,6 +98,7 @@ struct LinearConstraint {
   bool inequality = false;                   ///< satisfied while C >= 0
 };
 using LinearVisitor = std::function<void(const LinearConstraint&)>;
+using MultiplierVisitor = std::function<void(std::span<float>)>;
 
 /// The one interface a solver sees: something that moves particles towards satisfying its constraints. It is
 /// called per set and colour, never per constraint. Constraints of one colour share no particle, so their
@@ -122,6 +127,8 @@ class Projector {
   /// Calls the visitor for each constraint, in an order that changes only in `prepare`. False: this kind has
   /// no linear form (contacts, the user's own); solvers of a global system project it instead.
   virtual bool linearise(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
+  /// Hands out the multipliers stored in this substep, for solvers that extrapolate them with the positions.
+  virtual void multipliers(const MultiplierVisitor&) {}
   virtual Residual residual(const ParticleView&) const = 0;
   /// Calls the visitor for each constraint, colour after colour; unless a kind says how, for none.
   virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}

@@ -42,6 +42,7 @@ inline ScalarStep project_scalar(const ScalarState& state, const Hold& hold, dou
   const double denominator = (1 + gamma) * state.weighted_square + alpha;
   if (!(state.weighted_square > 0)) return {};
   double dlambda = (-state.C - alpha * lambda - gamma * state.rate) / denominator;
+  dlambda *= static_cast<double>(substep.relaxation);
   // A violated inequality pushes, never pulls: the multiplier stays >= 0.
   if (hold.sense == Sense::non_negative) dlambda = std::fmax(dlambda, -lambda);
   const double scale = pbd ? 1 - std::pow(1 - hold.stiffness, 1.0 / substep.iterations) : 1;

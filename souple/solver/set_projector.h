@@ -3,7 +3,8 @@
 #include "souple/constraints/constraint_set.h"
 #include "souple/error.h"
 #include "souple/solver/colouring.h"
-#include "souple/solver/projection.h"
+#include "souple/solver/instruction_set.h"
+#include "souple/solver/kernels/projection.h"
 #include "souple/solver/projector.h"
 
 #include <algorithm>
@@ -31,7 +32,10 @@ class SetProjector final : public Projector {
   }
 
   /// The arrays. Values may be changed in place; indices only through add and erase_particles.
-  Set& set() { return set_; }
+  Set& set() {
+    scales_for_ = -1;  // stiffnesses may change
+    return set_;
+  }
   const Set& set() const { return set_; }
 
   std::string_view kind() const override { return Kind::name; }
@@ -41,6 +45,8 @@ class SetProjector final : public Projector {
   /// Throws Error when a constraint names a particle that does not exist.
   void prepare(std::size_t particle_count) override {
     if (!dirty_) return;
+    kernels_ = find_kernels<Kind>(instruction_set());
+    scales_for_ = -1;
     for (const std::vector<std::uint32_t>& indices : set_.particles)
       for (std::size_t i = 0; i < indices.size(); ++i)
         if (indices[i] >= particle_count)
@@ -59,6 +65,7 @@ class SetProjector final : public Projector {
   void begin_substep(const ParticleView&, const Substep& substep) override {
     if (substep.stores_multipliers())
       for (std::vector<float>& lambda : set_.multipliers) lambda.assign(set_.size(), 0);
+    find_scales(substep);
     damped_ = false;
     for (std::size_t i = 0; i < set_.damping_times.distinct(); ++i)
       damped_ = damped_ || set_.damping_times.data()[i] > 0;
@@ -68,33 +75,32 @@ class SetProjector final : public Projector {
     const auto c = static_cast<std::size_t>(colour);
     return set_.colour_begin[c + 1] - set_.colour_begin[c];
   }
+  std::size_t grain() const override { return 256; }
   using Projector::project;
-  void project(int colour, std::size_t first, std::size_t last, const ParticleView& view,
-               const Substep& of) override {
-    const ParticleView particles = view;  // copies: what the loop writes cannot be them
-    const Substep substep = of;
+  void project(int colour, std::size_t first, std::size_t last, const ParticleView& particles,
+               const Substep& substep) override {
     const std::size_t colour_begin = set_.colour_begin[static_cast<std::size_t>(colour)];
     const std::size_t begin = colour_begin + first, end = colour_begin + last;
-    if (substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd)) {
-      for (std::size_t i = begin; i < end; ++i) project_one<Terms::general>(i, particles, substep);
+    const bool general = substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd);
+    if (kernels_) {
+      project_packed(begin, end, particles, substep, general);
     } else {
-      for (std::size_t i = begin; i < end; ++i) project_one<Terms::plain>(i, particles, substep);
+      project_scalar(begin, end, particles, substep, general);
     }
   }
 
   Residual residual(const ParticleView& particles) const override {
     Residual result;
     result.count = set_.size() * rows_of<Kind>;
-    for (std::size_t i = 0; i < set_.size(); ++i) {
-      float C[rows_of<Kind>];
-      evaluate(i, particles, C);
-      for (const float c : C) {
-        const double violation = violation_of(c);
-        result.largest = std::fmax(result.largest, violation);
-        result.sum += violation;
+    float buffer[rows_of<Kind>][residual_chunk];
+    for (std::size_t begin = 0; begin < set_.size(); begin += residual_chunk) {
+      const std::size_t end = std::min(begin + residual_chunk, set_.size());
+      evaluate(begin, end, particles, buffer);
+      for (std::size_t i = begin; i < end; ++i) {
+        float C[rows_of<Kind>];
+        for (std::size_t r = 0; r < rows_of<Kind>; ++r) C[r] = buffer[r][i - begin];
+        add_to(result, i, C);
       }
-      result.energy += energy(C, set_.compliance(i));
-      result.largest_strain = std::fmax(result.largest_strain, strain_of(i, C));
     }
     return result;
   }
@@ -134,6 +140,10 @@ class SetProjector final : public Projector {
     return true;
   }
 
+  void multipliers(const MultiplierVisitor& visitor) override {
+    for (std::vector<float>& lambda : set_.multipliers) visitor(lambda);
+  }
+
   void erase_particles(std::uint32_t begin, std::uint32_t end) override {
     std::vector<std::uint32_t> kept;
     for (std::uint32_t i = 0; i < set_.size(); ++i) {
@@ -162,6 +172,105 @@ class SetProjector final : public Projector {
         in.x[k] = particles.difference(particle, indices[0]);
       }
     }
+  }
+
+  static constexpr std::size_t residual_chunk = 512;
+
+  // C of constraints [begin, end), at most residual_chunk of them.
+  void evaluate(std::size_t begin, std::size_t end, const ParticleView& particles,
+                float (&C)[rows_of<Kind>][residual_chunk]) const {
+    if (kernels_) {
+      float* rows[rows_of<Kind>];
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r];
+      const Arrays arrays(set_);
+      kernels_->evaluate[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
+                                                                       begin, end, rows);
+      return;
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      float values[rows_of<Kind>];
+      evaluate(i, particles, values);
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) C[r][i - begin] = values[r];
+    }
+  }
+
+  void add_to(Residual& result, std::size_t i, const float (&C)[rows_of<Kind>]) const {
+    for (const float c : C) {
+      const double violation = violation_of(c);
+      result.largest = std::fmax(result.largest, violation);
+      result.sum += violation;
+    }
+    result.energy += energy(C, set_.compliance(i));
+    result.largest_strain = std::fmax(result.largest_strain, strain_of(i, C));
+  }
+
+  // What the kernels see of a set.
+  struct Arrays {
+    const std::uint32_t* particles[Kind::arity];
+    kernels::ColumnView parameters[Set::param_count], compliances[compliance_size<Kind>];
+    kernels::SetArrays set;
+
+    explicit Arrays(const Set& of) {
+      const auto view = [](const Column& column) {
+        return kernels::ColumnView{column.data(), column.stride()};
+      };
+      for (std::size_t k = 0; k < Kind::arity; ++k) particles[k] = of.particles[k].data();
+      for (std::size_t k = 0; k < Set::param_count; ++k) parameters[k] = view(of.parameters[k]);
+      for (std::size_t k = 0; k < compliance_size<Kind>; ++k) compliances[k] = view(of.compliances[k]);
+      set.particles = particles;
+      set.parameters = parameters;
+      set.compliances = compliances;
+      set.damping_time = view(of.damping_times);
+    }
+    Arrays(const Arrays&) = delete;
+    Arrays& operator=(const Arrays&) = delete;
+  };
+
+  static kernels::ParticleArrays arrays_of(const ParticleView& particles) {
+    const std::span<Vec4f> corrected = particles.corrected.empty() ? particles.moving : particles.corrected;
+    return {&particles.position.data()->x, &particles.moving.data()->x, &particles.start.data()->x,
+            &corrected.data()->x};
+  }
+
+  void project_packed(std::size_t begin, std::size_t end, const ParticleView& particles,
+                      const Substep& substep, bool general) {
+    Arrays arrays(set_);
+    arrays.set.scale = {scales_.data(), scales_.stride()};
+    arrays.set.h = substep.h;
+    arrays.set.inverse_h2 = inverse_h2(substep);
+    arrays.set.relaxation = substep.relaxation;
+    float* multipliers[rows_of<Kind>];
+    for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
+    if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
+    const std::size_t form = particles.form == Form::displacement ? 1 : 0;
+    (general ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin, end);
+  }
+
+  // The scalar, readable version: what packs are tested against, and what a user's own kind runs.
+  void project_scalar(std::size_t begin, std::size_t end, const ParticleView& view, const Substep& of,
+                      bool general) {
+    const ParticleView particles = view;  // copies: what the loop writes cannot be them
+    const Substep substep = of;
+    if (general) {
+      for (std::size_t i = begin; i < end; ++i) project_one<Terms::general>(i, particles, substep);
+    } else {
+      for (std::size_t i = begin; i < end; ++i) project_one<Terms::plain>(i, particles, substep);
+    }
+  }
+
+  static float inverse_h2(const Substep& substep) {
+    return substep.mode == Mode::pbd ? 0 : 1 / (substep.h * substep.h);
+  }
+
+  // k' of every constraint in PBD mode, 1 otherwise.
+  void find_scales(const Substep& substep) {
+    const int iterations = substep.mode == Mode::pbd ? substep.iterations : 0;
+    if (iterations == scales_for_ && scales_.size() == set_.size()) return;
+    scales_for_ = iterations;
+    scales_ = {};
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      scales_.push_back(
+          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1);
   }
 
   void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {
@@ -193,17 +302,10 @@ class SetProjector final : public Projector {
 
   // alpha~, gamma and k' of the substep.
   void set_terms(std::size_t i, const Substep& substep, ProjectionInput<Kind, float>& in) const {
-    in.gamma = set_.damping_time(i) / substep.h;
-    if (substep.mode == Mode::pbd) {
-      for (float& a : in.alpha) a = 0;
-      in.gamma = 0;
-      if (set_.stiffness(i) < 1)
-        in.scale = 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(substep.iterations));
-    } else {
-      const float inverse_h2 = 1 / (substep.h * substep.h);
-      for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
-        in.alpha[k] = set_.compliances[k][i] * inverse_h2;
-    }
+    for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
+      in.alpha[k] = set_.compliances[k][i] * inverse_h2(substep);
+    in.gamma = substep.mode == Mode::pbd ? 0 : set_.damping_time(i) / substep.h;
+    in.scale = scales_[i] * substep.relaxation;
   }
 
   template <Terms terms>
@@ -223,11 +325,15 @@ class SetProjector final : public Projector {
     float dlambda[rows_of<Kind>];
     project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
-      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r];
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r)
+        set_.multipliers[r][i] += dlambda[r] * in.scale;
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
   }
 
   Set set_;
+  Column scales_;        // k' of the present mode and number of iterations
+  int scales_for_ = -1;  // iterations in PBD mode, else 0
+  const kernels::KindKernels* kernels_ = nullptr;
   bool dirty_ = true;
   bool damped_ = true;
 };

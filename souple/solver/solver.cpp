@@ -1,8 +1,12 @@
 #include "souple/solver/solver.h"
 
 #include "souple/error.h"
+#include "souple/solver/conjugate_gradient.h"
+#include "souple/solver/dense.h"
+#include "souple/solver/direct.h"
 #include "souple/solver/gauss_seidel.h"
 #include "souple/solver/hierarchical.h"
+#include "souple/solver/jacobi.h"
 
 namespace souple {
 
@@ -10,11 +14,18 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
   switch (settings.kind) {
     case SolverKind::gauss_seidel:
       return std::make_unique<GaussSeidel>(settings);
+    case SolverKind::jacobi:
+      return std::make_unique<Jacobi>(settings);
+    case SolverKind::direct:
+      return std::make_unique<Direct>();
+    case SolverKind::conjugate_gradient:
+      return std::make_unique<ConjugateGradient>();
+    case SolverKind::dense:
+      return std::make_unique<Dense>();
     case SolverKind::hierarchical:
       return std::make_unique<Hierarchical>(settings);
-    default:
-      throw Error("this solver is not there yet: use gauss_seidel");
   }
+  throw Error("no solver of kind " + std::to_string(static_cast<int>(settings.kind)));
 }
 
 }  // namespace souple

@@ -1,5 +1,16 @@
 #include "souple/solver/threads.h"
 
+#include "souple/error.h"
+#include "souple/solver/thread_pool.h"
+#ifdef SOUPLE_WITH_TBB
+#include "souple/solver/tbb_threads.h"
+#endif
+
+#include <charconv>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
 namespace souple {
 namespace {
 
@@ -11,10 +22,41 @@ class SerialThreads final : public Threads {
   }
 };
 
+std::unique_ptr<Threads> make_tbb_or_pool(int count) {
+#ifdef SOUPLE_WITH_TBB
+  return make_tbb_threads(count);
+#else
+  return std::make_unique<ThreadPool>(count);
+#endif
+}
+
 }  // namespace
 
-std::unique_ptr<Threads> make_threads(Threading, int) {
-  return std::make_unique<SerialThreads>();
+bool has_tbb() {
+#ifdef SOUPLE_WITH_TBB
+  return true;
+#else
+  return false;
+#endif
+}
+
+int thread_count(int count) {
+  if (count != 0) return count;
+  const char* variable = std::getenv("SOUPLE_THREADS");
+  if (!variable || *variable == '\0') return usable_processors();
+  const std::string_view text(variable);
+  int wanted = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), wanted);
+  if (error != std::errc{} || end != text.data() + text.size() || wanted < 1 || wanted > 1024)
+    throw Error("the environment variable SOUPLE_THREADS is '" + std::string(text) +
+                "', expected a whole number from 1 to 1024: set it to one, or unset it");
+  return wanted;
+}
+
+std::unique_ptr<Threads> make_threads(Threading kind, int count) {
+  count = thread_count(count);
+  if (kind == Threading::serial || count == 1) return std::make_unique<SerialThreads>();
+  return kind == Threading::tbb ? make_tbb_or_pool(count) : std::make_unique<ThreadPool>(count);
 }
 
 }  // namespace souple

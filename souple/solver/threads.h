@@ -29,14 +29,27 @@ class Threads {
  public:
   virtual ~Threads() = default;
 
-  /// Threads that work, the caller's among them.
+  /// Threads that work, the caller's among them. It may fall, once, when the system refuses to start some.
   virtual int count() const = 0;
-  /// Cuts [0, n) into at most count() parts of at least `grain` and calls f once for each, then waits for
-  /// all. The cut depends on n, grain and count() alone. `f` must not throw. Allocates nothing.
+  /// Cuts [0, n) into at most count() parts of at least `grain`, calls f once for each, then waits for all;
+  /// see Cut. `f` must not throw. Allocates nothing once the threads have started.
   virtual void for_each(std::size_t n, std::size_t grain, RangeFunction f) = 0;
-  /// Between these two many for_each follow one another closely: workers may spin instead of sleeping.
+  /// Between these two many for_each follow one another closely: workers may spin instead of sleeping. What
+  /// is never cut wakes nobody.
   virtual void wake() {}
   virtual void rest() {}
+};
+
+/// Awake as long as it lives.
+class Wakefulness {
+ public:
+  explicit Wakefulness(Threads& threads) : threads_(threads) { threads_.wake(); }
+  ~Wakefulness() { threads_.rest(); }
+  Wakefulness(const Wakefulness&) = delete;
+  Wakefulness& operator=(const Wakefulness&) = delete;
+
+ private:
+  Threads& threads_;
 };
 
 /// Which threads: see docs/performance.md for what each costs.
@@ -47,7 +60,16 @@ enum class Threading {
   tbb         ///< oneTBB's; where the library was built without it, the pool
 };
 
-/// `count` threads, the caller's among them; 0: one for each processor this process may use.
+/// Whether the library was built with oneTBB.
+bool has_tbb();
+
+/// How many threads `count` means. Itself where it is not 0; otherwise the environment's SOUPLE_THREADS, or
+/// one for each processor this process may use. Throws Error when SOUPLE_THREADS is no whole number from 1
+/// to 1024.
+int thread_count(int count);
+
+/// `count` threads, the caller's among them, by the rules of thread_count. They start when they first have
+/// work.
 std::unique_ptr<Threads> make_threads(Threading kind, int count);
 
 }  // namespace souple

@@ -122,6 +122,35 @@ void add_hinges(const Object& object, const ClothMaterial& m, SetProjector<Kind>
   }
 }
 
+// A spring between the vertices opposite an interior edge e. Two flat triangles of heights H2 and H3 over e
+// that bend by theta bring these vertices nearer: d^2 changes by -2 H2 H3 (1 - cos theta), so
+//   C = d - d0 = -H2 H3 / (2 d0) theta^2 + O(theta^4),   H_i = 2 A_i / |e|,
+// whose energy 1/2 k C^2 begins with theta^4 where the hinge's, 1/2 D |e|^2 / (A2 + A3) theta^2, begins with
+// theta^2: no k makes them equal for small angles. Those two terms are made equal at theta = 1 (57 degrees):
+//   k = D |e|^2 / (A2 + A3) (2 d0 / (H2 H3))^2
+// Two equilateral triangles of side l have H = sqrt(3)/2 l, d0 = 2 H and k = 128 / (3 sqrt(3)) D / l^2. Below
+// one radian the sheet is softer than D says, above it stiffer. A rest shape that is not flat is held at its
+// own distance and is stiffer for small angles.
+void add_cross_springs(const Object& object, const ClothMaterial& m, Kinds& kinds) {
+  for (const Hinge& hinge : interior_edges(object.surface)) {
+    const double D = static_cast<double>(m.bending_stiffness * object.mean(object.stiffness_map, hinge));
+    if (!(D > 0)) continue;
+    const Vec3d x[4] = {object.rest[hinge[0]], object.rest[hinge[1]], object.rest[hinge[2]],
+                        object.rest[hinge[3]]};
+    const double e = length(x[1] - x[0]), d0 = length(x[3] - x[2]);
+    add_if_sound(kinds, [&] {
+      const auto scale = static_cast<double>(DihedralBending::from_rest(x).scale);  // |e| / sqrt(A2 + A3)
+      const double height2 = length(cross(x[1] - x[0], x[2] - x[0])) / e;
+      const double height3 = length(cross(x[1] - x[0], x[3] - x[0])) / e;
+      const double slope = scale * 2 * d0 / (height2 * height3);
+      const auto compliance = static_cast<float>(1 / (D * slope * slope));
+      if (usable(compliance))
+        kinds.distance->add(shifted(Edge{hinge[2], hinge[3]}, object.begin), {static_cast<float>(d0)},
+                            {compliance}, m.damping_time, m.pbd_bending);
+    });
+  }
+}
+
 void add_gas(const Object& object, Kinds& kinds) {
   if (object.pressure == 0 && !object.enclosed_volume) return;
   std::vector<Triangle> triangles;
@@ -140,6 +169,7 @@ void add_object(const Object& object, const ClothMaterial& m, Kinds& kinds) {
   if (m.stretch == StretchModel::membrane) add_membrane(object, m, kinds);
   if (m.bending == BendingModel::isometric) add_hinges(object, m, *kinds.isometric, kinds);
   if (m.bending == BendingModel::dihedral) add_hinges(object, m, *kinds.dihedral, kinds);
+  if (m.bending == BendingModel::distance) add_cross_springs(object, m, kinds);
   add_gas(object, kinds);
 }
 

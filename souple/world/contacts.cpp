@@ -82,22 +82,23 @@ void find_candidates(WorldState& world, double dt) {
   const ParticleView view = world.view();
   world.guarded("a collider's motion", [&] {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
-                                       tables.colliders, tables.against_colliders, step);
+                                       tables.colliders, tables.against_colliders, step, *world.threads);
   });
   world.particle_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
-                                     tables.against_objects, step);
+                                     tables.against_objects, step, *world.threads);
 }
 
 void generate_contacts(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
-  world.guarded("a collider's motion", [&] { world.collider_contacts.refresh(view, substep, world.time); });
-  world.particle_contacts.refresh(view, substep);
+  world.guarded("a collider's motion",
+                [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
+  world.particle_contacts.refresh(view, substep, *world.threads);
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
-  world.particle_contacts.apply_restitution(view, world.particles.velocity, substep);
-  world.collider_contacts.apply_restitution(view, world.particles.velocity, substep);
+  world.particle_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
+  world.collider_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
 }
 
 void report_contacts(WorldState& world) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,8 +14,17 @@ enum class StretchModel {
   membrane  ///< St. Venant-Kirchhoff triangles, orthotropic in warp, weft and shear
 };
 
-/// How a cloth resists bending; both from bending_stiffness in N m.
-enum class BendingModel { isometric, dihedral, none };
+/// How a cloth resists bending; all from bending_stiffness in N m.
+enum class BendingModel {
+  isometric,  ///< quadratic in the positions; flat at rest (Bergou et al. 2006)
+  dihedral,   ///< the angle between triangles, about whatever angle they have at rest
+  distance,   ///< a spring between the two vertices opposite an edge: cheap; limp while flat, then stiff
+  none
+};
+
+/// A stiffness without end: what it holds is rigid (compliance 0). For membrane_stiffness of springs and for
+/// bending_stiffness of distances only.
+inline constexpr float rigid = std::numeric_limits<float>::infinity();
 
 /// A thin sheet. SI units; thickness is the full thickness.
 struct ClothMaterial {

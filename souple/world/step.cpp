@@ -28,6 +28,7 @@ const StepReport& World::step(double dt) {
   const double start = world.time;
   bool good = true;
   world.stepping = true;
+  const Wakefulness awake(*world.threads);
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; good && i <= substep.count; ++i) {
     run(*this, world, Stage::integrate, [&] { integrate(world, substep); });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Check {
 };
 
 constexpr double any = 1e30;
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 void check_all(std::string_view owner, std::initializer_list<Check> checks) {
   for (const Check& check : checks) {
@@ -80,11 +82,13 @@ void validate(const Transform& t, std::string_view owner) {
 
 void validate(const ClothMaterial& m, std::string_view owner) {
   check_all(owner, {{"areal_density", double(m.areal_density), smallest, any},
-                    {"membrane_stiffness", double(m.membrane_stiffness), 0, any},
+                    {"membrane_stiffness", double(m.membrane_stiffness), 0,
+                     m.stretch == StretchModel::springs ? infinite : any},
                     {"weft_stiffness", double(m.weft_stiffness), 0, any},
                     {"shear_stiffness", double(m.shear_stiffness), 0, any},
                     {"poisson_ratio", double(m.poisson_ratio), 0, 1, true},
-                    {"bending_stiffness", double(m.bending_stiffness), 0, any},
+                    {"bending_stiffness", double(m.bending_stiffness), 0,
+                     m.bending == BendingModel::distance ? infinite : any},
                     {"thickness", double(m.thickness), 0, any},
                     {"friction", double(m.friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},

@@ -43,6 +43,7 @@ const Settings& World::settings() const {
 
 void World::set_settings(const Settings& settings) {
   validate(settings);
+  thread_count(settings.threads);  // throws here, not in a step, where SOUPLE_THREADS is no number
   WorldState& world = impl_->state;
   world.require_between_steps("set_settings");
   if (settings.form == Form::plain)

@@ -10,6 +10,7 @@
 #include "souple/solver/projector.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/materials.h"
+#include "souple/world/profile.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
 #include "souple/world/settings.h"
@@ -260,6 +261,16 @@ class World {
   std::uint64_t hash() const;
   /// Grows whenever positions or velocities may have changed: what was made from them is out of date.
   std::uint64_t version() const;
+
+  // --- measuring; both leave every particle as it was
+  // -----------------------------------------------------
+  /// Projects the constraints of each kind alone, `sweeps` times, as a substep of step(dt) would. Attachments
+  /// and the like are kinds of their own; contacts are left out. Throws Error as for a step that cannot be
+  /// done.
+  std::vector<KindTime> time_projections(double dt, int sweeps);
+  /// Solves one substep of step(dt) with `iterations` from where the particles are: no forces, no velocities.
+  /// 0 iterations only look.
+  SolveTime time_solve(double dt, int iterations);
 
  private:
   struct Impl;

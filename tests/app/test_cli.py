@@ -38,7 +38,8 @@ class Case(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="souple-test-"))
         self.addCleanup(shutil.rmtree, self.folder)
-        self.environment = {k: v for k, v in os.environ.items() if k != "SOUPLE_SCENES"}
+        self.environment = {k: v for k, v in os.environ.items()
+                            if k not in ("SOUPLE_SCENES", "SOUPLE_THREADS")}
 
     def scene(self, description, name="small.json"):
         path = self.folder / name
@@ -119,7 +120,7 @@ class Talking(Case):
 
     def test_info(self):
         out = self.souple("info").stdout
-        for word in ["souple ", "compiler:", "assimp", "scenes are looked for in:", "threads: 1"]:
+        for word in ["souple ", "compiler:", "assimp", "scenes are looked for in:", "threads: ", "oneTBB: "]:
             self.assertIn(word, out)
 
     def test_documents(self):
@@ -135,12 +136,24 @@ class BadInput(Case):
         self.assertEqual(done.stdout, "")
         return done.stderr
 
+    def test_threads_of_the_environment(self):
+        scene = self.scene(SMALL)
+        self.environment["SOUPLE_THREADS"] = "3"
+        self.assertIn("threads: 3;", self.souple("info").stdout)
+        for bad in "0", "two", "2.5", "1025", "-1", "2 ":
+            self.environment["SOUPLE_THREADS"] = bad
+            said = self.refused("run", scene, "--out", "out")
+            self.assert_one_line(said)
+            self.assertIn(f"SOUPLE_THREADS is '{bad}'", said)
+        self.souple("run", scene, "--out", "out", "--threads", "2")
+
     def test_flags(self):
         scene = self.scene(SMALL)
         self.assertIn("--frame", self.refused("run", scene, "--frame", "3"))
         self.refused("run", scene, "--frames", "many")
         self.refused("run", scene, "--frames", "-1")
         self.refused("run", scene, "--threads", "0")
+        self.refused("run", scene, "--threads", "1025")
         self.assertIn("pc2", self.refused("run", scene, "--write", "pc3"))
         self.refused()
         self.refused("simulate", scene)
@@ -281,6 +294,12 @@ class Running(Case):
         self.assertEqual((scene["frames"], scene["substeps"], scene["iterations"]), (5, 3, 2))
         self.assertEqual(scene["objects"][0]["material"]["bending_stiffness"], 0.125)
         self.assertEqual(manifest["frames"], 5)
+
+    def test_threads_change_nothing(self):
+        scene = self.scene(SMALL)
+        for threads in "1", "3":
+            self.souple("run", scene, "--out", "run" + threads, "--threads", threads)
+        self.assertEqual(self.contents("run1"), self.contents("run3"))
 
     def test_settings_change_the_result(self):
         scene = self.scene(SMALL)

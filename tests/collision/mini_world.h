@@ -5,6 +5,7 @@
 #include "souple/state/particles.h"
 
 #include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -43,8 +44,9 @@ struct MiniWorld {
     const SurfaceMatrix with_colliders(named, obstacles, table), with_objects(named, named, table);
     start = moving();
     const ContactStep contact_step{time, float(dt), length(gravity), 3.0f};
-    on_colliders.begin_step(view(), velocity, radius, objects, colliders, with_colliders, contact_step);
-    on_particles.begin_step(view(), velocity, radius, objects, with_objects, contact_step);
+    on_colliders.begin_step(view(), velocity, radius, objects, colliders, with_colliders, contact_step,
+                            *threads);
+    on_particles.begin_step(view(), velocity, radius, objects, with_objects, contact_step, *threads);
     for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps, form});
   }
 
@@ -56,10 +58,10 @@ struct MiniWorld {
       velocity[i].set_xyz(velocity[i].xyz() + gravity * h);
       moving()[i].set_xyz(moving()[i].xyz() + velocity[i].xyz() * h);
     }
-    on_colliders.refresh(view(), substep, time);
-    on_particles.refresh(view(), substep);
+    on_colliders.refresh(view(), substep, time, *threads);
+    on_particles.refresh(view(), substep, *threads);
     for (int k = 0; k < substep.iterations; ++k) {
-      on_particles.project(0, view(), substep);
+      for (int c = 0; c < on_particles.colour_count(); ++c) on_particles.project(c, view(), substep);
       for (int c = 0; c < on_colliders.colour_count(); ++c) on_colliders.project(c, view(), substep);
     }
     for (std::size_t i = 0; i < position.size(); ++i) {
@@ -70,8 +72,8 @@ struct MiniWorld {
       position[i].set_xyz(before + offset[i].xyz());
       offset[i].set_xyz(offset[i].xyz() - (position[i].xyz() - before));
     }
-    on_colliders.apply_restitution(view(), velocity, substep);
-    on_particles.apply_restitution(view(), velocity, substep);
+    on_colliders.apply_restitution(view(), velocity, substep, *threads);
+    on_particles.apply_restitution(view(), velocity, substep, *threads);
     time += double(h);
   }
 
@@ -104,6 +106,7 @@ struct MiniWorld {
   PairTable table;
   ColliderContacts on_colliders;
   ParticleContacts on_particles;
+  std::shared_ptr<Threads> threads = make_threads(Threading::serial, 1);
 };
 
 }  // namespace souple::test

@@ -49,8 +49,9 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
   const ParticleView view = world.view();
   const long before = allocations;
   world.on_colliders.begin_step(view, world.velocity, world.radius, world.objects, world.colliders, matrix,
-                                step);
-  world.on_particles.begin_step(view, world.velocity, world.radius, world.objects, matrix, step);
+                                step, *world.threads);
+  world.on_particles.begin_step(view, world.velocity, world.radius, world.objects, matrix, step,
+                                *world.threads);
   for (int k = 0; k < 10; ++k) world.substep(substep);
   EXPECT_GT(world.on_particles.report().count + world.on_colliders.report().count, 300u);
 

@@ -71,6 +71,11 @@ struct Example<IsometricBending> : HingeExample {
   }
 };
 template <>
+struct Example<RopeBending> {
+  static Points<RopeBending> points() { return {{{0, 0, 0}, {0.9, 0.2, 0.1}, {1.7, 0.9, -0.2}}}; }
+  static ParamsOf<RopeBending> params(const Points<RopeBending>&) { return {1.0f}; }
+};
+template <>
 struct Example<TriangleMembrane> {
   static Points<TriangleMembrane> points() { return {{{0, 0, 0}, {1, 0.1, 0.2}, {0.2, 0.9, 0}}}; }
   static ParamsOf<TriangleMembrane> params(const Points<TriangleMembrane>& x) {

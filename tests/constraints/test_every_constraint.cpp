@@ -1,6 +1,6 @@
 #include "souple/math/dual.h"
 #include "souple/math/quaternion.h"
-#include "souple/solver/projection.h"
+#include "souple/solver/kernels/projection.h"
 #include "tests/constraints/examples.h"
 
 #include <vector>

@@ -24,9 +24,13 @@ struct ProjectionInput {
   Vec3<T> moved[Kind::arity];      ///< x - x_start; read only when gamma > 0
   T inverse_mass[Kind::arity];     ///< 1/kg
   T alpha[compliance_size<Kind>];  ///< alpha~ = alpha / h^2, packed lower triangle; 0 in PBD mode
-  T gamma{};                       ///< tau / h
-  T lambda[rows_of<Kind>]{};       ///< stored multipliers, 0 where none are stored
+  T gamma{0};                      ///< tau / h
+  T lambda[rows_of<Kind>];         ///< stored multipliers, 0 where none are stored
   T scale{1};                      ///< PBD: k'; otherwise 1
+
+  ProjectionInput() {
+    for (T& l : lambda) l = T(0);
+  }
 };
 
 /// Solves the symmetric system A y = b in place (A packed lower, b becomes y) by LDL^T. A row whose pivot
@@ -78,6 +82,11 @@ enum class Terms {
   general  ///< all
 };
 
+template <class Kind, class T>
+T gradient_product(const Vec3<T>& a, const Vec3<T>& b) {
+  return has_unit_gradients<Kind> ? T(1) : dot(a, b);
+}
+
 /// One projection: fills dx and returns dlambda in `dlambda`.
 template <class Kind, class T, Terms terms = Terms::general>
 inline void project_constraint(const ProjectionInput<Kind, T>& in,
@@ -99,8 +108,9 @@ inline void project_constraint(const ProjectionInput<Kind, T>& in,
     }
     dlambda[r] = rhs;
     for (int s = 0; s <= r; ++s, ++k) {
-      T sum{0};
-      for (int i = 0; i < arity; ++i) sum += in.inverse_mass[i] * dot(gradient[r][i], gradient[s][i]);
+      T sum = in.inverse_mass[0] * gradient_product<Kind>(gradient[r][0], gradient[s][0]);
+      for (int i = 1; i < arity; ++i)
+        sum += in.inverse_mass[i] * gradient_product<Kind>(gradient[r][i], gradient[s][i]);
       A[k] = (terms == Terms::general ? (T(1) + in.gamma) * sum : sum) + in.alpha[k];
     }
   }

@@ -1,0 +1,92 @@
+#include "app/bench_measure.h"
+#include "app/bench_report.h"
+#include "app/bench_scenes.h"
+#include "app/bench_words.h"
+#include "app/commands.h"
+#include "app/exit_codes.h"
+#include "souple/error.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+namespace souple::app {
+
+namespace {
+
+int list_benchmarks() {
+  std::size_t widest = 0;
+  for (const BenchScene& scene : bench_scenes()) widest = std::max(widest, std::strlen(scene.name));
+  for (const BenchScene& scene : bench_scenes()) {
+    std::printf("%-*s  %s; --size: %s [%d]\n", static_cast<int>(widest), scene.name, scene.description,
+                scene.size_means, scene.default_size);
+  }
+  return fine;
+}
+
+/// A number of the command line in a range that makes sense.
+void take(const std::optional<std::uint32_t>& given, const char* option, std::uint32_t least,
+          std::uint32_t most, int& value) {
+  if (!given) return;
+  if (*given < least || *given > most)
+    throw Error(std::string(option) + " " + std::to_string(*given) + ": expected " + std::to_string(least) +
+                " to " + std::to_string(most));
+  value = static_cast<int>(*given);
+}
+
+SolverSettings solver_settings(const BenchRequest& request) {
+  SolverSettings solver;
+  if (!request.solver.empty()) solver.kind = value_of(solver_names, request.solver, "--solver");
+  if (!request.sweep.empty()) solver.sweep = value_of(sweep_names, request.sweep, "--sweep");
+  if (request.relaxation) solver.relaxation = *request.relaxation;
+  if (request.chebyshev) solver.chebyshev = *request.chebyshev;
+  take(request.colours, "--colours", 0, 64, solver.colours);
+  return solver;
+}
+
+BenchOptions options_of(const BenchRequest& request) {
+  BenchOptions options;
+  options.name = request.name;
+  Settings& settings = options.settings;
+  settings.threads = 1;
+  settings.solver = solver_settings(request);
+  if (!request.mode.empty()) settings.mode = value_of(mode_names, request.mode, "--mode");
+  if (!request.form.empty()) settings.form = value_of(form_names, request.form, "--form");
+  if (!request.threading.empty())
+    settings.threading = value_of(threading_names, request.threading, "--threading");
+  take(request.size, "--size", 1, 100000000, options.size);
+  take(request.threads, "--threads", 0, 1024, settings.threads);
+  take(request.substeps, "--substeps", 1, 10000, settings.substeps);
+  take(request.iterations, "--iterations", 1, 10000, settings.iterations);
+  take(request.warm_up, "--warm-up", 0, 1000000, options.warm_up);
+  take(request.runs, "--runs", 1, 1000000, options.runs);
+  options.residual = request.residual;
+  if (options.residual && !(*options.residual > 0 && *options.residual < 0.1))
+    throw Error("--residual: expected a strain above 0 and below 0.1, at which solving begins");
+  return options;
+}
+
+}  // namespace
+
+int bench(const BenchRequest& request) {
+  if (request.name.empty()) return list_benchmarks();
+  using scene_format::Json;
+  Json before;
+  if (!request.compare.empty()) before = read_bench_json(request.compare);
+  const bool compares = before.is(Json::Kind::object);
+  try {
+    Json now = bench_json(measure(options_of(request)));
+    if (request.json) {
+      if (compares) now.set("faster", speed_up(now, before));
+      std::fputs(dump_json(now).c_str(), stdout);
+    } else {
+      print_bench(now, compares ? &before : nullptr);
+    }
+    return fine;
+  } catch (const GoneBad& bad) {
+    std::fprintf(stderr, "souple: %s: %s\n", request.name.c_str(), bad.message.c_str());
+    return went_bad;
+  }
+}
+
+}  // namespace souple::app

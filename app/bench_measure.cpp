@@ -1,0 +1,194 @@
+#include "app/bench_measure.h"
+
+#include "app/bench_scenes.h"
+#include "app/bench_words.h"
+#include "souple/world/world.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+namespace souple::app {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double frame = 1.0 / 60;          // s, of every step
+constexpr double projection_budget = 0.25;  // s, for timing the projections of all kinds
+constexpr double residual_budget = 20;      // s, of solving to a residual in one go
+constexpr int most_iterations = 1 << 15;
+constexpr double stretched = 0.1;  // of the static case
+
+/// The instruction set that the kernels of this machine use.
+std::string instruction_set() {
+  return "scalar";
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+/// Lengths of all edges of tets, in a fixed order.
+std::vector<double> tet_edge_lengths(const World& world) {
+  std::vector<double> lengths;
+  DebugDraw draw;
+  draw.tet_edge = [&](const Vec3f& a, const Vec3f& b) { lengths.push_back(length(Vec3d(a) - Vec3d(b))); };
+  world.debug_draw(draw);
+  return lengths;
+}
+
+double largest_strain(const World& world, const std::vector<double>& rest) {
+  double largest = 0;
+  DebugDraw draw;
+  draw.constraint = [&](const DebugConstraint& constraint) {
+    largest = std::max(largest, static_cast<double>(constraint.strain));
+  };
+  world.debug_draw(draw);
+  const std::vector<double> now = tet_edge_lengths(world);
+  for (std::size_t i = 0; i < now.size(); ++i) largest = std::max(largest, now[i] / rest[i] - 1);
+  return largest;
+}
+
+/// A step, or what kept it from being done.
+const StepReport& step(World& world) {
+  const StepReport& report = world.step(frame);
+  if (!report.ok()) throw GoneBad{report.message};
+  if (report.has(Flag::callback_failed)) throw Error(report.message);
+  return report;
+}
+
+void time_steps(World& world, const BenchOptions& options, BenchResult& result) {
+  for (int i = 0; i < options.warm_up; ++i) step(world);
+  std::vector<double> whole;
+  std::array<std::vector<double>, stage_count> stages;
+  for (int i = 0; i < options.runs; ++i) {
+    const auto start = Clock::now();
+    const StepReport& report = step(world);
+    const std::chrono::duration<double, std::milli> spent = Clock::now() - start;
+    whole.push_back(spent.count());
+    for (std::size_t s = 0; s < stage_count; ++s) stages[s].push_back(report.milliseconds[s]);
+  }
+  result.ms_per_step = median(whole);
+  result.ms_fastest = *std::min_element(whole.begin(), whole.end());
+  double sum = 0;
+  for (std::size_t s = 0; s < stage_count; ++s) {
+    result.ms_per_stage.emplace_back(stage_name(static_cast<Stage>(s)), median(stages[s]));
+    sum += result.ms_per_stage.back().second;
+  }
+  result.ms_per_stage.emplace_back("other", std::max(0.0, result.ms_per_step - sum));
+}
+
+void time_projections(World& world, BenchResult& result) {
+  double once = 0;
+  for (const KindTime& kind : world.time_projections(frame, 3)) once += kind.seconds;
+  const int sweeps = static_cast<int>(std::clamp(projection_budget / std::max(once, 1e-9), 5.0, 2000.0));
+  std::vector<std::pair<std::string, std::pair<double, double>>> kinds;  // constraints and seconds
+  for (const KindTime& time : world.time_projections(frame, sweeps)) {
+    const std::string name(time.kind);
+    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == name; });
+    if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {name, {0, 0}});
+    kind->second.first += static_cast<double>(time.count);
+    kind->second.second += time.seconds;
+  }
+  for (const auto& [name, total] : kinds)
+    result.projections_per_second.emplace_back(name, total.first / std::max(total.second, 1e-12));
+}
+
+CurvePoint solve(World& world, int iterations) {
+  SolveTime best = world.time_solve(frame, iterations);
+  for (int again = 0; again < 2 && best.seconds < 0.1; ++again)
+    best.seconds = std::min(best.seconds, world.time_solve(frame, iterations).seconds);
+  return {iterations, best.seconds * 1e3, best.mean_strain, best.rms_strain, best.largest_strain};
+}
+
+/// The fewest iterations between a count that is too few and one that is enough, within 3 %.
+CurvePoint fewest(World& world, double target, int too_few, CurvePoint enough) {
+  while (enough.iterations - too_few > std::max(1, enough.iterations / 32)) {
+    const CurvePoint middle = solve(world, (too_few + enough.iterations) / 2);
+    if (middle.mean_strain <= target) {
+      enough = middle;
+    } else {
+      too_few = middle.iterations;
+    }
+  }
+  return enough;
+}
+
+/// Every count of iterations is solved from scratch: what accelerates over iterations shows as it is used.
+ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& options, int size) {
+  Settings settings = options.settings;
+  settings.gravity = {};
+  World world(settings);
+  scene.build(world, size);
+  stretch_cloths(world, stretched);
+  ResidualResult result;
+  result.target = *options.residual;
+  world.time_solve(frame, 1);  // what the first solve prepares is not solving
+  result.start = world.time_solve(frame, 0).mean_strain;
+  CurvePoint point{};
+  for (int n = 1; n <= most_iterations; n = std::max(n + 1, static_cast<int>(n * std::sqrt(2.0)))) {
+    point = solve(world, n);
+    result.curve.push_back(point);
+    const bool reached = point.mean_strain <= result.target;
+    if (reached || !std::isfinite(point.mean_strain) || point.milliseconds > 1e3 * residual_budget) break;
+  }
+  if (point.mean_strain <= result.target) {
+    const int before = result.curve.size() > 1 ? result.curve[result.curve.size() - 2].iterations : 0;
+    point = fewest(world, result.target, before, point);
+    result.milliseconds = point.milliseconds;
+  }
+  result.iterations = point.iterations;
+  return result;
+}
+
+void describe(const BenchOptions& options, BenchResult& result) {
+  const Settings& s = options.settings;
+  result.threads = s.threads > 0 ? s.threads : make_threads(s.threading, 0)->count();
+  result.simd = instruction_set();
+  result.solver = name_of(solver_names, s.solver.kind);
+  result.sweep = name_of(sweep_names, s.solver.sweep);
+  result.form = name_of(form_names, s.form);
+  result.mode = name_of(mode_names, s.mode);
+  result.relaxation = static_cast<double>(s.solver.relaxation);
+  result.chebyshev = static_cast<double>(s.solver.chebyshev);
+  result.colours = s.solver.colours;
+  result.substeps = s.substeps;
+  result.iterations = s.iterations;
+  result.warm_up = options.warm_up;
+  result.runs = options.runs;
+}
+
+}  // namespace
+
+BenchResult measure(const BenchOptions& options) {
+  const BenchScene& scene = find_bench_scene(options.name);
+  BenchResult result;
+  result.name = scene.name;
+  result.size = options.size > 0 ? options.size : scene.default_size;
+  if (result.size < scene.least || result.size > scene.most)
+    throw Error("--size " + std::to_string(result.size) + ": " + scene.name + " takes " +
+                std::to_string(scene.least) + " to " + std::to_string(scene.most) + " " + scene.size_means);
+  describe(options, result);
+  Settings settings = options.settings;
+  settings.measure_residuals = false;  // it costs about an iteration a step, and is measured by itself
+  World world(settings);
+  scene.build(world, result.size);
+  const std::vector<double> rest = tet_edge_lengths(world);
+  time_steps(world, options, result);
+  result.particles = world.report().particles;
+  result.constraints = world.report().constraints;
+  result.constraints_per_second = static_cast<double>(result.constraints) * result.substeps *
+                                  result.iterations / (result.ms_per_step * 1e-3);
+  result.max_strain = largest_strain(world, rest);
+  result.hash = world.hash();
+  time_projections(world, result);
+  result.remark = world.time_solve(frame, result.iterations).remark;
+  if (options.residual) result.residual = time_to_residual(scene, options, result.size);
+  return result;
+}
+
+}  // namespace souple::app

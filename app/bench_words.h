@@ -1,0 +1,45 @@
+#pragma once
+
+#include "souple/error.h"
+#include "souple/scene/nearest.h"
+#include "souple/solver/solver_names.h"
+#include "souple/world/settings.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+// What settings are called on the command line and in results.
+
+namespace souple::app {
+
+inline constexpr std::pair<const char*, Mode> mode_names[] = {
+    {"small_steps", Mode::small_steps}, {"xpbd", Mode::xpbd}, {"pbd", Mode::pbd}};
+
+inline constexpr std::pair<const char*, Form> form_names[] = {{"displacement", Form::displacement},
+                                                              {"plain", Form::plain}};
+
+inline constexpr std::pair<const char*, Threading> threading_names[] = {{"automatic", Threading::automatic},
+                                                                        {"serial", Threading::serial},
+                                                                        {"pool", Threading::pool},
+                                                                        {"tbb", Threading::tbb}};
+
+template <class Value, std::size_t n>
+std::string name_of(const std::pair<const char*, Value> (&names)[n], Value value) {
+  for (const auto& [name, known] : names)
+    if (known == value) return name;
+  return "?";
+}
+
+/// Throws Error, beginning with the option, when there is no such word.
+template <class Value, std::size_t n>
+Value value_of(const std::pair<const char*, Value> (&names)[n], const std::string& word, const char* option) {
+  std::vector<std::string> known;
+  for (const auto& [name, value] : names) {
+    if (name == word) return value;
+    known.emplace_back(name);
+  }
+  throw Error(std::string(option) + ": there is no \"" + word + "\"" + scene_format::suggestion(word, known));
+}
+
+}  // namespace souple::app

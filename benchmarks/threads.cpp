@@ -1,0 +1,88 @@
+#include "souple/solver/threads.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+// What it costs to hand work to other threads and to wait for them, as between two colours of a cloth. Real
+// time; more threads than processors measure the scheduler.
+
+namespace souple {
+namespace {
+
+constexpr const char* names[] = {"automatic", "serial", "pool", "tbb"};
+
+/// An empty job of one item a thread, whoever does it: the pool's caller takes what no worker has begun.
+void fork_and_join(benchmark::State& state) {
+  const auto kind = static_cast<Threading>(state.range(0));
+  const int count = static_cast<int>(state.range(1));
+  const auto threads = make_threads(kind, count);
+  const Wakefulness awake(*threads);
+  for (auto _ : state)
+    threads->for_each(static_cast<std::size_t>(count), 1,
+                      [](std::size_t begin, std::size_t) { benchmark::DoNotOptimize(begin); });
+  state.SetLabel(names[state.range(0)]);
+}
+
+/// Two parts that wait for each other, so that both threads are in it: the way there and back.
+void meet_and_part(benchmark::State& state) {
+  const auto threads = make_threads(static_cast<Threading>(state.range(0)), 2);
+  const Wakefulness awake(*threads);
+  std::atomic<std::int64_t> arrived{0};
+  std::int64_t all = 0;
+  for (auto _ : state) {
+    all += 2;
+    threads->for_each(2, 1, [&](std::size_t, std::size_t) {
+      arrived.fetch_add(1);
+      for (int looks = 0; arrived.load() < all; ++looks)
+        if (looks > 10000) std::this_thread::yield();
+    });
+  }
+  state.SetLabel(names[state.range(0)]);
+}
+
+/// A colour of some 10 microseconds on one thread: square roots in registers.
+void short_colour(benchmark::State& state) {
+  const auto threads = make_threads(static_cast<Threading>(state.range(0)), static_cast<int>(state.range(1)));
+  std::vector<float> values(8192, 2.0f);
+  const Wakefulness awake(*threads);
+  for (auto _ : state) {
+    threads->for_each(values.size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) values[i] = std::sqrt(values[i]) + 1;
+    });
+    benchmark::ClobberMemory();
+  }
+  state.SetLabel(names[state.range(0)]);
+}
+
+/// What the first job of a step pays: the workers sleep until it comes.
+void wake_and_rest(benchmark::State& state) {
+  const int count = static_cast<int>(state.range(1));
+  const auto threads = make_threads(static_cast<Threading>(state.range(0)), count);
+  for (auto _ : state)
+    threads->for_each(static_cast<std::size_t>(count), 1,
+                      [](std::size_t begin, std::size_t) { benchmark::DoNotOptimize(begin); });
+  state.SetLabel(names[state.range(0)]);
+}
+
+void kinds_and_counts(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgNames({"kind", "threads"})->UseRealTime();
+  benchmark->Args({static_cast<int>(Threading::serial), 1});
+  for (const Threading kind : {Threading::pool, Threading::tbb})
+    for (const int count : {2, 4, 8}) benchmark->Args({static_cast<int>(kind), count});
+}
+BENCHMARK(fork_and_join)->Apply(kinds_and_counts);
+BENCHMARK(meet_and_part)
+    ->ArgName("kind")
+    ->Arg(static_cast<int>(Threading::pool))
+    ->Arg(static_cast<int>(Threading::tbb))
+    ->UseRealTime();
+BENCHMARK(short_colour)->Apply(kinds_and_counts);
+BENCHMARK(wake_and_rest)->Apply(kinds_and_counts);
+
+}  // namespace
+}  // namespace souple

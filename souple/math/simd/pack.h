@@ -1,0 +1,69 @@
+#pragma once
+
+#include "souple/math/scalar.h"
+#include "souple/math/simd/instruction_sets.h"
+
+namespace souple::simd {
+
+/// As many floats as a register of the instruction set holds: the scalar T of constraint code. Every
+/// operation rounds as that of float does, lane by lane, so a pack's lanes are the bits that float would
+/// give.
+template <class Set>
+struct Pack {
+  using Vector = typename Set::Vector;
+  static constexpr int lanes = Set::lanes;
+
+  /// A comparison, lane by lane: for `select`.
+  struct Mask {
+    typename Set::Mask lanes;
+    friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
+    friend Mask operator||(Mask a, Mask b) { return {a.lanes | b.lanes}; }
+  };
+
+  Vector v;
+
+  Pack() {}  // not set: arrays of packs that are filled later cost nothing
+  /// The same number in every lane. Implicit, so that plain numbers mix with packs as they do with floats.
+  Pack(float a) : v(Set::broadcast(a)) {}  // NOLINT(google-explicit-constructor)
+  explicit Pack(double a) : Pack(static_cast<float>(a)) {}
+  explicit Pack(int a) : Pack(static_cast<float>(a)) {}
+  explicit Pack(Vector a) : v(a) {}
+
+  static Pack load(const float* p) { return Pack(Set::load(p)); }
+  void store(float* p) const { Set::store(p, v); }
+
+  Pack& operator+=(Pack b) { return *this = *this + b; }
+  Pack& operator-=(Pack b) { return *this = *this - b; }
+  Pack& operator*=(Pack b) { return *this = *this * b; }
+  friend Pack operator+(Pack a, Pack b) { return Pack(a.v + b.v); }
+  friend Pack operator-(Pack a, Pack b) { return Pack(a.v - b.v); }
+  friend Pack operator*(Pack a, Pack b) { return Pack(a.v * b.v); }
+  friend Pack operator/(Pack a, Pack b) { return Pack(a.v / b.v); }
+  friend Pack operator-(Pack a) { return Pack(-a.v); }
+  friend Mask operator<(Pack a, Pack b) { return {a.v < b.v}; }
+  friend Mask operator>(Pack a, Pack b) { return {a.v > b.v}; }
+  friend Mask operator<=(Pack a, Pack b) { return {a.v <= b.v}; }
+  friend Mask operator>=(Pack a, Pack b) { return {a.v >= b.v}; }
+
+  friend Pack select(Mask mask, Pack a, Pack b) { return Pack(mask.lanes ? a.v : b.v); }
+  // The operand that std::min and std::max give when neither is smaller.
+  friend Pack min(Pack a, Pack b) { return Pack(b.v < a.v ? b.v : a.v); }
+  friend Pack max(Pack a, Pack b) { return Pack(a.v < b.v ? b.v : a.v); }
+  friend Pack abs(Pack a) { return Pack((Vector)((typename Set::Mask)a.v & 0x7fffffff)); }
+  friend Pack sqrt(Pack a) { return Pack(Set::sqrt(a.v)); }
+  friend Pack atan2(Pack y, Pack x) { return arctangent(y, x); }
+};
+
+/// Four registers of records (see instruction_sets.h) to their four components, and back: a 4 x 4 transpose
+/// of every 16 bytes.
+template <class Set>
+inline void transpose(typename Set::Vector (&r)[4]) {
+  const auto t0 = Set::unpack_low(r[0], r[1]), t1 = Set::unpack_high(r[0], r[1]);
+  const auto t2 = Set::unpack_low(r[2], r[3]), t3 = Set::unpack_high(r[2], r[3]);
+  r[0] = Set::pair_low(t0, t2);
+  r[1] = Set::pair_high(t0, t2);
+  r[2] = Set::pair_low(t1, t3);
+  r[3] = Set::pair_high(t1, t3);
+}
+
+}  // namespace souple::simd

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "souple/solver/linearised_solver.h"
+
+#include <memory>
+
+namespace souple {
+
+/// The seed's classical method: the dual system (J W J^T + A) dlambda = b as a dense matrix, by the
+/// pseudo-inverse from its singular values, so that redundant and contradictory constraints share what they
+/// ask for in the least-squares sense. Costs the cube of the rows, 600 of them at most: the oracle of the
+/// tests.
+class Dense final : public LinearisedSolver {
+ public:
+  static constexpr std::size_t most_rows = 600;
+
+  Dense();
+  ~Dense() override;
+  std::string_view name() const override { return "dense"; }
+  std::string remark() const override { return floor_remark(); }
+
+ protected:
+  void prepare_system(LinearSystem& system, const ParticleView& particles) override;
+  bool solve_system(LinearSystem& system, const ParticleView& particles, Threads& threads) override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace souple

@@ -1,0 +1,78 @@
+#include "souple/solver/instruction_set.h"
+
+#include "souple/error.h"
+
+#include <array>
+#include <cstdlib>
+#include <string>
+
+namespace souple {
+namespace {
+
+constexpr std::array all{InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
+                         InstructionSet::avx512, InstructionSet::neon};
+
+bool is_there(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::scalar:
+      return true;
+#if defined(__x86_64__)
+    case InstructionSet::sse:
+      return true;  // SSE2 is part of x86-64
+    case InstructionSet::avx2:
+      return __builtin_cpu_supports("avx2");
+    case InstructionSet::avx512:
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
+#elif defined(__aarch64__)
+    case InstructionSet::neon:
+      return true;
+#endif
+    default:
+      return false;
+  }
+}
+
+InstructionSet widest() {
+  InstructionSet result = InstructionSet::scalar;
+  for (const InstructionSet set : all)
+    if (is_there(set)) result = set;
+  return result;
+}
+
+InstructionSet chosen() {
+  const char* wanted = std::getenv("SOUPLE_SIMD");
+  if (!wanted || *wanted == '\0') return widest();
+  std::string there;
+  for (const InstructionSet set : all) {
+    if (!is_there(set)) continue;
+    if (simd_name(set) == wanted) return set;
+    there += (there.empty() ? "" : ", ") + std::string(simd_name(set));
+  }
+  throw Error("SOUPLE_SIMD is '" + std::string(wanted) + "': expected one of " + there +
+              ", which this build and this processor have");
+}
+
+}  // namespace
+
+std::string_view simd_name(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::sse:
+      return "sse";
+    case InstructionSet::avx2:
+      return "avx2";
+    case InstructionSet::avx512:
+      return "avx512";
+    case InstructionSet::neon:
+      return "neon";
+    case InstructionSet::scalar:
+      break;
+  }
+  return "scalar";
+}
+
+InstructionSet instruction_set() {
+  static const InstructionSet set = chosen();
+  return set;
+}
+
+}  // namespace souple

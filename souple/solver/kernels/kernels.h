@@ -1,0 +1,78 @@
+#pragma once
+
+#include "souple/constraints/all.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+#include <type_traits>
+
+// What the kernels of every instruction set look like from outside: plain pointers in, no containers.
+
+namespace souple::simd {
+
+struct Sse;
+struct Avx2;
+struct Avx512;
+struct Neon;
+
+}  // namespace souple::simd
+
+namespace souple::kernels {
+
+/// A Column (constraints/column.h): number i is at values[i * stride], stride 0 or 1.
+struct ColumnView {
+  const float* values = nullptr;
+  std::size_t stride = 0;
+};
+
+/// Particles as kernels see them: arrays of 16-byte records (see ParticleView).
+struct ParticleArrays {
+  const float* position = nullptr;  ///< w = inverse mass
+  const float* moving = nullptr;    ///< plain form: the same as position
+  const float* start = nullptr;
+  float* corrected = nullptr;  ///< corrections are added here: `moving`, or an array apart
+};
+
+/// A ConstraintSet and what the substep makes of it.
+struct SetArrays {
+  const std::uint32_t* const* particles = nullptr;  ///< [arity], each [i]
+  const ColumnView* parameters = nullptr;           ///< [floats in Params]
+  const ColumnView* compliances = nullptr;          ///< [compliance_size]
+  ColumnView damping_time, scale;                   ///< scale: k' in PBD mode, else 1
+  float* const* multipliers = nullptr;              ///< [rows], each [i]; null: not stored
+  float h = 0;                                      ///< s
+  float inverse_h2 = 0;                             ///< 1 / h^2; 0 in PBD mode
+  float relaxation = 1;
+};
+
+/// Projects constraints [begin, end), which share no particle.
+using Project = void (*)(const ParticleArrays&, const SetArrays&, std::size_t begin, std::size_t end);
+/// C of constraints [begin, end): values[row][i - begin].
+using Evaluate = void (*)(const ParticleArrays&, const SetArrays&, std::size_t begin, std::size_t end,
+                          float* const* values);
+
+/// The kernels of one kind for one instruction set; [0] plain form, [1] displacement form.
+struct KindKernels {
+  Project plain[2];    ///< no multipliers, no damping, corrections in place
+  Project general[2];  ///< everything
+  Evaluate evaluate[2];
+};
+
+/// Compiled in one translation unit per instruction set (compile.h).
+template <class Set, class Kind>
+const KindKernels& kind_kernels();
+
+namespace detail {
+template <class Kind, class List>
+inline constexpr bool contains = false;
+template <class Kind, class... Kinds>
+inline constexpr bool contains<Kind, std::tuple<Kinds...>> = (std::is_same_v<Kind, Kinds> || ...);
+}  // namespace detail
+
+/// Whether a kind has compiled kernels. A user's own, compiled by the CMake function souple_add_constraints,
+/// specialises it.
+template <class Kind>
+inline constexpr bool is_compiled = detail::contains<Kind, EveryConstraint>;
+
+}  // namespace souple::kernels

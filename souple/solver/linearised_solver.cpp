@@ -1,0 +1,93 @@
+#include "souple/solver/linearised_solver.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace souple {
+namespace {
+
+constexpr int most_passes = 4;  // over the inequalities that turn out to pull
+constexpr int most_halvings = 4;
+constexpr double most_deformation = 0.5;
+
+}  // namespace
+
+void LinearisedSolver::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+  linear_.clear();
+  others_.clear();
+  for (Projector* projector : projectors)
+    (has_linear_form(*projector, particles) ? linear_ : others_).push_back(projector);
+  system_.prepare(linear_, particles);
+  saved_.resize(particles.moving.size());
+  failures_ = 0;
+  prepare_system(system_, particles);
+}
+
+void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& particles,
+                             const Substep& substep, Threads& threads) {
+  system_.begin_substep();
+  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+    if (system_.rows() > 0) {
+      if (solve_active(particles, substep, threads)) {
+        advance(particles, substep);
+      } else {
+        ++failures_;
+        for (Projector* projector : linear_) sweep(*projector, particles, substep, threads);
+      }
+    }
+    for (Projector* projector : others_) sweep(*projector, particles, substep, threads);
+  }
+}
+
+// An inequality that the others turn into a pull is let go, and the rest solved again.
+bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
+  system_.linearise(particles, substep, floors_);
+  for (int pass = 0; pass < most_passes; ++pass) {
+    if (floors_) system_.invert_compliance();
+    if (!solve_system(system_, particles, threads)) return false;
+    if (!system_.drop_pulling()) break;
+  }
+  return true;
+}
+
+double LinearisedSolver::violation(const ParticleView& particles, const Substep& substep) {
+  system_.linearise(particles, substep, true);
+  system_.invert_compliance();
+  return system_.violation();
+}
+
+void LinearisedSolver::advance(const ParticleView& particles, const Substep& substep) {
+  const double deformation = system_.largest_deformation(), kinetic = system_.kinetic();
+  double factor = deformation > most_deformation ? most_deformation / deformation : 1;
+  std::copy(particles.moving.begin(), particles.moving.end(), saved_.begin());
+  const double before = violation(particles, substep);
+  system_.move(particles, factor);
+  for (int halving = 0; halving < most_halvings; ++halving) {
+    if (violation(particles, substep) + factor * factor * kinetic <= before) break;
+    std::copy(saved_.begin(), saved_.end(), particles.moving.begin());
+    factor /= 2;
+    system_.move(particles, factor);
+  }
+  system_.accept(factor);
+}
+
+std::string LinearisedSolver::floor_remark() const {
+  std::string text;
+  char line[200];
+  if (floors_ && system_.floored() > 0) {
+    std::snprintf(
+        line, sizeof line,
+        "%zu rigid rows are held by springs, at the smallest constraint one of %.3g N/m: strain below "
+        "1e-5 under the weight of the whole scene",
+        system_.floored(), 1 / system_.floor_compliance());
+    text += line;
+  }
+  if (failures_ > 0) {
+    std::snprintf(line, sizeof line, "%s%zu iterations could not be solved and were projected instead",
+                  text.empty() ? "" : "; ", failures_);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace souple

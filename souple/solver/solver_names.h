@@ -1,0 +1,22 @@
+#pragma once
+
+#include "souple/solver/solver.h"
+
+#include <utility>
+
+// The one list of what solvers and their choices are called: in scenes, on the command line, in reports.
+
+namespace souple {
+
+inline constexpr std::pair<const char*, SolverKind> solver_names[] = {
+    {"gauss_seidel", SolverKind::gauss_seidel},
+    {"jacobi", SolverKind::jacobi},
+    {"direct", SolverKind::direct},
+    {"conjugate_gradient", SolverKind::conjugate_gradient},
+    {"dense", SolverKind::dense},
+    {"hierarchical", SolverKind::hierarchical}};
+
+inline constexpr std::pair<const char*, Sweep> sweep_names[] = {{"forward", Sweep::forward},
+                                                                {"symmetric", Sweep::symmetric}};
+
+}  // namespace souple

@@ -1,0 +1,43 @@
+#include "souple/solver/tbb_threads.h"
+
+#include "souple/solver/cut.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
+#include <oneapi/tbb/task_arena.h>
+
+namespace souple {
+namespace {
+
+/// The same cut as everywhere, each part a task; which thread takes it is oneTBB's affair.
+class TbbThreads final : public Threads {
+ public:
+  explicit TbbThreads(int count) : count_(count), arena_(count) {}
+
+  int count() const override { return count_; }
+  void for_each(std::size_t n, std::size_t grain, RangeFunction f) override {
+    if (n == 0) return;
+    const Cut cut(n, grain, count_);
+    if (cut.parts() < 2) {
+      f(0, n);
+      return;
+    }
+    arena_.execute([&] {
+      oneapi::tbb::parallel_for(
+          std::size_t{0}, cut.parts(), [&](std::size_t t) { f(cut.begin(t), cut.begin(t + 1)); },
+          oneapi::tbb::static_partitioner{});
+    });
+  }
+
+ private:
+  int count_;
+  oneapi::tbb::task_arena arena_;
+};
+
+}  // namespace
+
+std::unique_ptr<Threads> make_tbb_threads(int count) {
+  return std::make_unique<TbbThreads>(count);
+}
+
+}  // namespace souple

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "souple/solver/threads.h"
+
+namespace souple {
+
+/// oneTBB's threads. Only where the library was built with SOUPLE_WITH_TBB.
+std::unique_ptr<Threads> make_tbb_threads(int count);
+
+}  // namespace souple

@@ -1,0 +1,183 @@
+#include "souple/solver/thread_pool.h"
+
+#include <algorithm>
+#include <new>
+#include <system_error>
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <csignal>
+#endif
+#if defined(__linux__)
+#include <sched.h>
+#endif
+
+namespace souple {
+namespace {
+
+constexpr int job_bits = 16;
+constexpr std::uint64_t asked_mask = (std::uint64_t{1} << job_bits) - 1;
+constexpr std::uint64_t to_sleep = 0, to_end = asked_mask;  // otherwise: so many parts, 2 or more
+
+/// Looks before a thread that waits offers its processor to others: some tens of microseconds.
+constexpr int patience_alone = 2000;
+/// Where there are more threads than processors: whom one waits for may need this very one.
+constexpr int patience_crowded = 20;
+
+/// Tells the processor that this thread only waits.
+void pause() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
+/// Waits until `ready()`.
+template <class Ready>
+void spin_until(int patience, const Ready& ready) {
+  for (int looks = 0; !ready(); ++looks) {
+    if (looks < patience) {
+      pause();
+    } else {
+      std::this_thread::yield();
+    }
+  }
+}
+
+/// While it lives no signal from outside is delivered to this thread, nor to those it starts, ever: a user's
+/// handlers run on the user's threads.
+class SignalsBlocked {
+ public:
+#if defined(__unix__) || defined(__APPLE__)
+  SignalsBlocked() {
+    sigset_t outside;
+    sigfillset(&outside);
+    for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGPROF})
+      sigdelset(&outside, own);
+    pthread_sigmask(SIG_SETMASK, &outside, &before_);
+  }
+  ~SignalsBlocked() {
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_{};
+#endif
+};
+
+}  // namespace
+
+int usable_processors() {
+#if defined(__linux__)
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return CPU_COUNT(&set);
+#endif
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+ThreadPool::ThreadPool(int count)
+    : count_(std::max(count, 1)),
+      patience_(count_ <= usable_processors() ? patience_alone : patience_crowded),
+      workers_(static_cast<std::size_t>(count_ - 1)) {}
+
+ThreadPool::~ThreadPool() {
+  if (started_) send(to_end);
+  for (Worker& worker : workers_)
+    if (worker.thread.joinable()) worker.thread.join();
+}
+
+// Where the system refuses a thread, the pool goes on with those it has.
+void ThreadPool::start() {
+  started_ = true;
+  sleeping_ = true;
+  const SignalsBlocked blocked;
+  for (std::size_t t = 1; t <= workers_.size(); ++t) {
+    try {
+      workers_[t - 1].thread = std::thread([this, t] { work(t); });
+    } catch (const std::system_error&) {
+      count_ = static_cast<int>(t);
+      return;
+    } catch (const std::bad_alloc&) {
+      count_ = static_cast<int>(t);
+      return;
+    }
+  }
+}
+
+void ThreadPool::send(std::uint64_t asked) {
+  const std::uint64_t number = (job_.signal.load(std::memory_order_relaxed) >> job_bits) + 1;
+  const std::uint64_t signal = number << job_bits | asked;
+  if (!sleeping_) {
+    job_.signal.store(signal, std::memory_order_release);
+  } else {
+    // Under the lock, so that nobody falls asleep between having looked and being woken.
+    {
+      const std::lock_guard lock(mutex_);
+      job_.signal.store(signal, std::memory_order_release);
+    }
+    alarm_.notify_all();
+  }
+  sleeping_ = asked == to_sleep;
+}
+
+bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
+  std::uint64_t last = worker.claimed.load(std::memory_order_relaxed);
+  return last < signal && worker.claimed.compare_exchange_strong(last, signal, std::memory_order_relaxed);
+}
+
+void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
+  if (n == 0) return;
+  if (count_ > 1 && !started_ && Cut(n, grain, count_).parts() > 1) start();
+  const Cut cut(n, grain, count_);
+  if (cut.parts() < 2) {
+    f(0, n);
+    return;
+  }
+  job_.function = &f;
+  job_.cut = cut;
+  send(cut.parts());
+  const std::uint64_t signal = job_.signal.load(std::memory_order_relaxed);
+  f(0, cut.begin(1));
+  for (std::size_t t = 1; t < cut.parts(); ++t) {
+    if (!claim(workers_[t - 1], signal)) continue;
+    f(cut.begin(t), cut.begin(t + 1));
+    workers_[t - 1].done.store(signal, std::memory_order_relaxed);
+  }
+  for (std::size_t t = 1; t < cut.parts(); ++t)
+    spin_until(patience_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
+  if (!awake_) send(to_sleep);
+}
+
+void ThreadPool::rest() {
+  awake_ = false;
+  if (started_ && !sleeping_) send(to_sleep);
+}
+
+// The next signal after `seen`: spins for it, or sleeps if the last one said so.
+std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int patience) {
+  const auto changed = [&] { return job_.signal.load(std::memory_order_acquire) != seen; };
+  if ((seen & asked_mask) == to_sleep) {
+    std::unique_lock lock(mutex_);
+    alarm_.wait(lock, changed);
+  } else {
+    spin_until(patience, changed);
+  }
+  return job_.signal.load(std::memory_order_acquire);
+}
+
+void ThreadPool::work(std::size_t t) noexcept {
+  std::uint64_t signal = 0;
+  for (;;) {
+    signal = next_signal(signal, patience_);
+    const std::uint64_t asked = signal & asked_mask;
+    if (asked == to_end) return;
+    if (asked == to_sleep || t >= asked || !claim(workers_[t - 1], signal)) continue;
+    (*job_.function)(job_.cut.begin(t), job_.cut.begin(t + 1));
+    workers_[t - 1].done.store(signal, std::memory_order_release);
+  }
+}
+
+}  // namespace souple

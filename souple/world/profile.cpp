@@ -1,0 +1,104 @@
+#include "souple/world/profile.h"
+
+#include "souple/constraints/distance.h"
+#include "souple/world/diagnose.h"
+#include "souple/world/impl.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace souple {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Makes the world ready to be solved, and puts every particle back when it goes. What a substep writes
+/// besides (multipliers, contacts) the next begins anew.
+class Rehearsal {
+ public:
+  explicit Rehearsal(WorldState& world) : world_(world) {
+    world.require_between_steps("measuring");
+    bring_up_to_date(world);
+    position_ = world.particles.position;
+    offset_ = world.particles.offset;
+    world.particles.start = world.settings.form == Form::plain ? position_ : offset_;
+    world.threads->wake();
+  }
+  Rehearsal(const Rehearsal&) = delete;
+  Rehearsal& operator=(const Rehearsal&) = delete;
+  ~Rehearsal() {
+    world_.threads->rest();
+    world_.particles.position.swap(position_);
+    world_.particles.offset.swap(offset_);
+  }
+
+ private:
+  WorldState& world_;
+  std::vector<Vec4f> position_, offset_;
+};
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void add_strains(const Projector& projector, const ParticleView& view, SolveTime& result) {
+  if (projector.kind() != Distance::name) return;
+  result.count += projector.size();
+  projector.visit(view, [&](const ConstraintState& constraint) {
+    const auto strain = static_cast<double>(constraint.strain);
+    result.mean_strain += std::fabs(strain);
+    result.rms_strain += strain * strain;
+    result.largest_strain = std::max(result.largest_strain, strain);
+  });
+}
+
+}  // namespace
+
+std::vector<KindTime> World::time_projections(double dt, int sweeps) {
+  WorldState& world = impl_->state;
+  const Rehearsal rehearsal(world);
+  const Substep substep = substep_of(world.settings, dt);
+  const ParticleView view = world.view();
+  std::vector<KindTime> result;
+  world.for_each_constraint_projector([&](Projector& projector) {
+    std::vector<double> seconds;
+    projector.begin_substep(view, substep);
+    for (int i = 0; i < std::max(sweeps, 1); ++i) {
+      const auto start = Clock::now();
+      sweep(projector, view, substep, *world.threads);
+      seconds.push_back(seconds_since(start));
+    }
+    result.push_back({projector.kind(), projector.size(), median(seconds)});
+  });
+  return result;
+}
+
+SolveTime World::time_solve(double dt, int iterations) {
+  WorldState& world = impl_->state;
+  const Rehearsal rehearsal(world);
+  Substep substep = substep_of(world.settings, dt);
+  substep.iterations = iterations;
+  const ParticleView view = world.view();
+  SolveTime result;
+  const auto start = Clock::now();
+  world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
+  if (iterations > 0) world.solver->solve(world.order, view, substep, *world.threads);
+  result.seconds = seconds_since(start);
+  result.remark = world.solver->remark();
+  world.for_each_constraint_projector(
+      [&](const Projector& projector) { add_strains(projector, view, result); });
+  if (result.count > 0) {
+    result.mean_strain /= static_cast<double>(result.count);
+    result.rms_strain = std::sqrt(result.rms_strain / static_cast<double>(result.count));
+  }
+  return result;
+}
+
+}  // namespace souple

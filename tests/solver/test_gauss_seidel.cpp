@@ -1,0 +1,135 @@
+#include "souple/solver/custom_constraint.h"
+#include "tests/solver/solver_scene.h"
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using test::SolverScene;
+
+// How far the last row of a stretched rigid sheet still is from where it belongs. [m]
+double left_after(const SolverSettings& settings, int iterations) {
+  SolverScene scene = test::sheet(16, 0.1, 0.001, 0, true);
+  const double rest = scene.body.at(255).z;
+  for (Vec4f& x : scene.body.position) x.z *= 1.1f;
+  scene.substep.iterations = iterations;
+  scene.use(settings);
+  scene.solve();
+  double sum = 0;
+  for (std::size_t i = 240; i < 256; ++i) sum += std::fabs(scene.body.at(i).z - rest) / 16;
+  return sum;
+}
+
+// What the settings are for: a stretched rigid sheet comes to its length in less work.
+TEST(GaussSeidel, ChebyshevConvergesFaster) {
+  SolverSettings plain, chebyshev;
+  chebyshev.chebyshev = 0.98f;
+  EXPECT_LT(left_after(chebyshev, 64), 0.5 * left_after(plain, 64));
+}
+TEST(GaussSeidel, SymmetricSweepsAreWorthTwoAndChebyshevMoreOfThem) {
+  SolverSettings symmetric, both;
+  symmetric.sweep = both.sweep = Sweep::symmetric;
+  both.chebyshev = 0.99f;
+  EXPECT_LT(left_after(symmetric, 64), 1.1 * left_after({}, 128));
+  EXPECT_LT(left_after(both, 64), 0.3 * left_after({}, 128));
+}
+TEST(Jacobi, RelaxationAndChebyshevConvergeFaster) {
+  SolverSettings plain = test::kind_of(SolverKind::jacobi), relaxed = plain, chebyshev = plain;
+  relaxed.relaxation = 1.8f;
+  chebyshev.chebyshev = 0.99f;
+  const double before = left_after(plain, 200);
+  EXPECT_LT(left_after(relaxed, 200), 0.9 * before);
+  EXPECT_LT(left_after(chebyshev, 200), 0.7 * before);
+}
+
+// Neither changes what a material is: multipliers are relaxed and extrapolated with the positions.
+TEST(GaussSeidel, AccelerationKeepsCompliance) {
+  for (const SolverKind kind : {SolverKind::gauss_seidel, SolverKind::jacobi})
+    for (const float relaxation : {0.8f, 1.5f})
+      for (const float chebyshev : {0.0f, 0.7f}) {
+        SolverSettings settings = test::kind_of(kind);
+        settings.relaxation = relaxation;
+        settings.chebyshev = chebyshev;
+        settings.sweep = chebyshev > 0 ? Sweep::symmetric : Sweep::forward;
+        SolverScene scene;
+        for (int i = 0; i < 4; ++i) scene.add({0, -0.1 * i, 0}, i == 0 ? 0 : 0.1);
+        auto& links = scene.add<Distance>();
+        for (std::uint32_t i = 0; i < 3; ++i) links.add({i, i + 1}, {0.1f}, {1e-3f});
+        scene.gravity = {0, -9.81f, 0};
+        scene.damping = 0.9f;
+        scene.substep.iterations = 40;
+        scene.use(settings);
+        for (int k = 0; k < 400; ++k) scene.step();
+        const double expected = 1e-3 * 0.3 * 9.81;
+        EXPECT_NEAR(length(scene.body.at(1)) - 0.1, expected, 3e-3 * expected)
+            << make_solver(settings)->name() << ", omega " << relaxation << ", rho " << chebyshev;
+      }
+}
+
+// Over-relaxation by omega leaves (1 - omega) of what one constraint violates.
+TEST(GaussSeidel, RelaxationScalesCorrections) {
+  for (const float omega : {0.5f, 1.0f, 1.5f}) {
+    SolverScene scene;
+    scene.add({0, 0, 0}, 0);
+    scene.add({1.5, 0, 0}, 1);
+    scene.add<Distance>().add({1, 0}, {1});
+    SolverSettings settings;
+    settings.relaxation = omega;
+    scene.use(settings);
+    scene.solve();
+    EXPECT_NEAR(scene.body.at(1).x, 1.5 - 0.5 * static_cast<double>(omega), 1e-6);
+  }
+}
+
+// A forward sweep passes a disturbance down a chain in its order, and not up; a symmetric one does both.
+TEST(GaussSeidel, SymmetricSweepGoesBothWays) {
+  const auto moved_at_the_top = [](Sweep sweep) {
+    SolverScene scene;
+    for (int i = 0; i < 5; ++i) scene.add({0.1 * i, 0, 0}, 1);
+    // A projector for each link fixes the order.
+    for (std::uint32_t i = 0; i < 4; ++i) scene.add<Distance>().add({i, i + 1}, {0.1f});
+    scene.body.position[4].x += 0.05f;
+    SolverSettings settings;
+    settings.sweep = sweep;
+    scene.use(settings);
+    scene.solve();
+    return std::fabs(scene.body.offset[0].x);
+  };
+  EXPECT_LT(moved_at_the_top(Sweep::forward), 1e-6f);
+  EXPECT_GT(moved_at_the_top(Sweep::symmetric), 1e-3f);
+}
+
+// Where something acts that has no linear form (here a floor written as a custom constraint), Chebyshev is
+// off.
+TEST(GaussSeidel, ChebyshevIsOffBesideContacts) {
+  const auto solve = [](float chebyshev) {
+    SolverScene scene = test::sheet(10, 0.1, 0.01, 0, true);
+    for (Vec4f& x : scene.body.position) x.z *= 1.1f, x.y -= 0.01f;
+    auto floor = std::make_unique<CustomProjector>();
+    for (std::uint32_t i = 10; i < 100; ++i) {
+      auto above = std::make_shared<CallbackConstraint>(
+          std::vector<std::uint32_t>{i}, [](std::span<const Vec3f> x, std::span<Vec3f> gradient) {
+            gradient[0] = {0, 1, 0};
+            return x[0].y;
+          });
+      above->sense = Sense::non_negative;
+      floor->add(std::move(above));
+    }
+    scene.projectors.push_back(std::move(floor));
+    scene.substep.iterations = 20;
+    SolverSettings settings;
+    settings.chebyshev = chebyshev;
+    scene.use(settings);
+    scene.solve();
+    for (std::size_t i = 10; i < 100; ++i) EXPECT_GE(scene.body.at(i).y, -1e-7);
+    return scene.body.offset;
+  };
+  const std::vector<Vec4f> plain = solve(0), accelerated = solve(0.95f);
+  EXPECT_EQ(std::memcmp(plain.data(), accelerated.data(), plain.size() * sizeof(Vec4f)), 0);
+}
+
+}  // namespace
+}  // namespace souple

@@ -1,0 +1,53 @@
+#include "tests/solver/solver_scene.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Counts what this test program allocates.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace souple {
+namespace {
+
+// The solvers that promise it (docs/solvers.md); those that use Eigen do not.
+TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
+  for (const SolverKind kind : {SolverKind::gauss_seidel, SolverKind::jacobi, SolverKind::conjugate_gradient,
+                                SolverKind::hierarchical}) {
+    test::SolverScene scene = test::sheet(20, 0.1, 0.01, 1e-6f, true);
+    scene.gravity = {0, -9.81f, 0};
+    scene.substep.iterations = 4;
+    SolverSettings settings = test::kind_of(kind);
+    settings.chebyshev = 0.9f;
+    settings.sweep = Sweep::symmetric;
+    scene.use(settings);
+    scene.step();
+    const std::vector<Projector*> order = scene.order();
+    const ParticleView view = scene.body.view();
+    const long before = allocations;
+    for (int k = 0; k < 3; ++k) {
+      for (Projector* projector : order) projector->begin_substep(view, scene.substep);
+      scene.solver->solve(order, view, scene.substep, *scene.threads);
+    }
+    EXPECT_EQ(allocations - before, 0) << scene.solver->name();
+  }
+}
+
+}  // namespace
+}  // namespace souple

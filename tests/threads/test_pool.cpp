@@ -1,0 +1,215 @@
+#include "souple/error.h"
+#include "souple/solver/cut.h"
+#include "souple/solver/threads.h"
+#include "tests/expect_error.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#if defined(__linux__)
+#include <sys/resource.h>
+#include <time.h>
+#endif
+
+namespace souple {
+namespace {
+
+constexpr Threading kinds[] = {Threading::automatic, Threading::serial, Threading::pool, Threading::tbb};
+constexpr std::size_t whole = std::numeric_limits<std::size_t>::max();
+
+// How often each of n indices is met, as tallied by its own counter: two threads on one index would race.
+std::vector<int> visits(Threads& threads, std::size_t n, std::size_t grain) {
+  std::vector<int> count(n);
+  threads.for_each(n, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) ++count[i];
+  });
+  return count;
+}
+
+TEST(Cut, PartsAreWholePacksAndNoSmallerThanTheGrain) {
+  for (const std::size_t n : {0u, 1u, 15u, 16u, 17u, 100u, 1000u, 4097u})
+    for (const std::size_t grain : {0u, 1u, 7u, 16u, 20u, 64u, 5000u})
+      for (const int count : {1, 2, 3, 8, 1000}) {
+        const Cut cut(n, grain, count);
+        ASSERT_GE(cut.parts(), 1u);
+        ASSERT_LE(cut.parts(), static_cast<std::size_t>(count));
+        EXPECT_EQ(cut.begin(0), 0u);
+        EXPECT_EQ(cut.begin(cut.parts()), n);
+        for (std::size_t t = 0; t < cut.parts(); ++t) {
+          const std::size_t size = cut.begin(t + 1) - cut.begin(t);
+          EXPECT_TRUE(size >= grain || cut.parts() == 1) << n << " in parts of at least " << grain;
+          EXPECT_TRUE(cut.begin(t) % 16 == 0 || grain < 16) << n << " in parts of at least " << grain;
+          EXPECT_TRUE(size > 0 || n == 0);
+        }
+      }
+}
+
+TEST(Cut, UsesTheThreadsThereAre) {
+  EXPECT_EQ(Cut(100000, 256, 8).parts(), 8u);
+  EXPECT_EQ(Cut(8, 1, 3).parts(), 3u);
+  EXPECT_EQ(Cut(whole, 1, 3).begin(3), whole);
+  EXPECT_EQ(Cut(5, whole, 3).parts(), 1u);
+}
+
+TEST(Threads, MeetEveryIndexOnce) {
+  for (const Threading kind : kinds)
+    for (const int count : {1, 2, 3, 8}) {
+      const auto threads = make_threads(kind, count);
+      EXPECT_EQ(threads->count(), kind == Threading::serial ? 1 : count);
+      for (int awake = 0; awake < 2; ++awake) {
+        if (awake == 1) threads->wake();
+        for (const std::size_t n : {0u, 1u, 2u, 16u, 31u, 32u, 33u, 1000u, 4097u})
+          for (const std::size_t grain :
+               {std::size_t{0}, std::size_t{1}, std::size_t{16}, std::size_t{100}, whole})
+            EXPECT_EQ(visits(*threads, n, grain), std::vector<int>(n, 1)) << n << ", grain " << grain;
+      }
+      threads->rest();
+      EXPECT_EQ(visits(*threads, 1000, 1), std::vector<int>(1000, 1)) << "after rest";
+    }
+}
+
+// What one for_each wrote the next one reads, whichever thread either was on; short jobs follow each other
+// closely and have more parts now and fewer then. The thread sanitizer watches.
+TEST(Threads, SeeWhatTheLastJobWrote) {
+  for (const Threading kind : kinds) {
+    const auto threads = make_threads(kind, 4);
+    const Wakefulness awake(*threads);
+    std::vector<int> from(256), to(256);
+    std::iota(from.begin(), from.end(), 0);
+    for (int round = 0; round < 2000; ++round) {
+      const std::size_t grain = std::size_t{16} << (round % 4);
+      threads->for_each(from.size(), grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) to[i] = from[(i + 100) % from.size()] + 1;
+      });
+      std::swap(from, to);
+    }
+    EXPECT_EQ(std::accumulate(from.begin(), from.end(), 0), 256 * 2000 + 255 * 256 / 2);
+  }
+}
+
+TEST(Threads, SmallWorkStaysOnTheCallersThread) {
+  for (const Threading kind : kinds) {
+    const auto threads = make_threads(kind, 4);
+    const auto caller = std::this_thread::get_id();
+    std::atomic<int> elsewhere{0};
+    for (const std::size_t n : {1u, 50u, 100u, 199u})
+      threads->for_each(n, 100, [&](std::size_t, std::size_t) {
+        if (std::this_thread::get_id() != caller) ++elsewhere;
+      });
+    EXPECT_EQ(elsewhere, 0);
+  }
+}
+
+TEST(Threads, WorkAtTheSameTime) {
+  const auto threads = make_threads(Threading::pool, 3);
+  std::atomic<int> inside{0};
+  // Each part waits for the others: this ends only if all three run at once.
+  threads->for_each(3, 1, [&](std::size_t, std::size_t) {
+    ++inside;
+    while (inside < 3) std::this_thread::yield();
+  });
+  EXPECT_EQ(inside, 3);
+}
+
+TEST(Threads, EndWhileTheySleepWhileTheySpinAndBeforeTheyStart) {
+  for (const Threading kind : kinds)
+    for (int i = 0; i < 20; ++i) {
+      make_threads(kind, 4);
+      const auto asleep = make_threads(kind, 4);
+      visits(*asleep, 100, 1);
+      const auto spinning = make_threads(kind, 4);
+      spinning->wake();
+      visits(*spinning, 100, 1);
+    }
+}
+
+#if defined(__linux__)
+
+double process_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Processor time that all threads of this process take while this one sleeps for 0.2 s.
+double idle_seconds() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // they may be on their way to sleep
+  const double before = process_seconds();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  return process_seconds() - before;
+}
+
+TEST(Threads, SleepBetweenSteps) {
+  const auto threads = make_threads(Threading::pool, 3);
+  visits(*threads, 100, 1);
+  EXPECT_LT(idle_seconds(), 0.01) << "after a job outside wake and rest";
+  threads->wake();
+  visits(*threads, 100, 1);
+  EXPECT_GT(idle_seconds(), 0.02) << "awake: this test sees spinning where there is some";
+  threads->rest();
+  EXPECT_LT(idle_seconds(), 0.01) << "after rest";
+  threads->wake();
+  visits(*threads, 1, 1);
+  EXPECT_LT(idle_seconds(), 0.01) << "awake, but nothing was worth cutting";
+}
+
+#ifndef SOUPLE_SANITIZED  // their shadow memory is beyond any limit
+// In a child process: leaves room for a few stacks of 8 MB, then asks for 64 threads.
+[[noreturn]] void work_where_threads_are_refused() {
+  rlimit limit{};
+  getrlimit(RLIMIT_AS, &limit);
+  limit.rlim_cur = rlim_t{120} << 20;
+  if (setrlimit(RLIMIT_AS, &limit) != 0) std::_Exit(3);
+  const auto threads = make_threads(Threading::pool, 64);
+  const bool right = visits(*threads, 6400, 1) == std::vector<int>(6400, 1) &&
+                     visits(*threads, 6400, 1) == std::vector<int>(6400, 1);
+  std::_Exit(right && threads->count() < 64 ? 0 : 1);
+}
+
+TEST(ThreadsDeathTest, GoOnWithFewerWhereTheSystemRefusesThem) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(work_where_threads_are_refused(), testing::ExitedWithCode(0), "");
+}
+#endif
+#endif  // __linux__
+
+/// SOUPLE_THREADS while it lives.
+class Variable {
+ public:
+  explicit Variable(const char* value) { setenv("SOUPLE_THREADS", value, 1); }
+  ~Variable() { unsetenv("SOUPLE_THREADS"); }
+};
+
+TEST(ThreadCount, IsWhatWasAskedForOrTheEnvironmentsOrTheProcessors) {
+  unsetenv("SOUPLE_THREADS");
+  EXPECT_EQ(thread_count(5), 5);
+  EXPECT_GE(thread_count(0), 1);
+  const int processors = thread_count(0);
+  {
+    const Variable variable("3");
+    EXPECT_EQ(thread_count(0), 3);
+    EXPECT_EQ(thread_count(5), 5);
+    EXPECT_EQ(make_threads(Threading::automatic, 0)->count(), 3);
+  }
+  const Variable empty("");
+  EXPECT_EQ(thread_count(0), processors);
+}
+
+TEST(ThreadCount, RefusesAnEnvironmentThatSaysNoNumber) {
+  for (const char* bad : {"0", "-2", "1025", "two", "2 ", "1.5", "99999999999999999999"}) {
+    const Variable variable(bad);
+    expect_error([] { thread_count(0); }, {"SOUPLE_THREADS", bad, "1 to 1024"});
+    EXPECT_EQ(thread_count(2), 2);
+  }
+}
+
+}  // namespace
+}  // namespace souple
