@@ -26,19 +26,21 @@ struct ConstraintSet {
   static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % sizeof(float) == 0,
                 "Params<T> has members of type T only");
 
-  std::array<std::vector<std::uint32_t>, arity> particles;  ///< particles[k][i]: the k-th of constraint i
-  std::array<Column, param_count> parameters;               ///< rest lengths and the like
-  std::array<Column, compliance_size<Kind>> compliances;    ///< alpha, packed; unit: (unit of C)^2 / J
-  Column damping_times;                                     ///< tau [s]: damping coefficient is tau / alpha
-  Column stiffnesses;                                       ///< PBD mode only: k in [0, 1]
-  std::array<std::vector<float>, rows> multipliers;         ///< lambda of the substep; only while stored
+  /// records[k][i] is 4 times the k-th particle of constraint i: where its record begins among floats, so
+  /// that kernels need not multiply.
+  std::array<std::vector<std::uint32_t>, arity> records;
+  std::array<Column, param_count> parameters;             ///< rest lengths and the like
+  std::array<Column, compliance_size<Kind>> compliances;  ///< alpha, packed; unit: (unit of C)^2 / J
+  Column damping_times;                                   ///< tau [s]: damping coefficient is tau / alpha
+  Column stiffnesses;                                     ///< PBD mode only: k in [0, 1]
+  std::array<std::vector<float>, rows> multipliers;       ///< lambda of the substep; only while stored
   std::vector<std::uint32_t> colour_begin;  ///< colour c is [colour_begin[c], colour_begin[c + 1])
 
-  std::size_t size() const { return particles[0].size(); }
+  std::size_t size() const { return records[0].size(); }
 
   Indices indices(std::size_t i) const {
     Indices result;
-    for (std::size_t k = 0; k < arity; ++k) result[k] = particles[k][i];
+    for (std::size_t k = 0; k < arity; ++k) result[k] = records[k][i] / 4;
     return result;
   }
   Params params(std::size_t i) const {
@@ -65,7 +67,7 @@ struct ConstraintSet {
            float stiffness) {
     float values[param_count];
     std::memcpy(values, &params, sizeof params);
-    for (std::size_t k = 0; k < arity; ++k) particles[k].push_back(indices[k]);
+    for (std::size_t k = 0; k < arity; ++k) records[k].push_back(4 * indices[k]);
     for (std::size_t k = 0; k < param_count; ++k) parameters[k].push_back(values[k]);
     for (std::size_t k = 0; k < compliance.size(); ++k) compliances[k].push_back(compliance[k]);
     damping_times.push_back(damping_time);
@@ -74,7 +76,7 @@ struct ConstraintSet {
 
   /// Keeps constraint order[k] as the k-th; those not listed are dropped. Colours and multipliers are void.
   void reorder(std::span<const std::uint32_t> order) {
-    for (std::vector<std::uint32_t>& index : particles) {
+    for (std::vector<std::uint32_t>& index : records) {
       std::vector<std::uint32_t> sorted;
       sorted.reserve(order.size());
       for (const std::uint32_t i : order) sorted.push_back(index[i]);
@@ -88,7 +90,7 @@ struct ConstraintSet {
   std::size_t bytes() const {
     std::size_t sum =
         damping_times.bytes() + stiffnesses.bytes() + colour_begin.capacity() * sizeof(std::uint32_t);
-    for (const auto& index : particles) sum += index.capacity() * sizeof(std::uint32_t);
+    for (const auto& index : records) sum += index.capacity() * sizeof(std::uint32_t);
     for (const Column& column : parameters) sum += column.bytes();
     for (const Column& column : compliances) sum += column.bytes();
     for (const auto& values : multipliers) sum += values.capacity() * sizeof(float);

@@ -1,6 +1,6 @@
 #include "souple/solver/jacobi.h"
 
-#include "souple/solver/projection.h"
+#include "souple/solver/kernels/projection.h"
 
 #include <algorithm>
 #include <cmath>

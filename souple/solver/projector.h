@@ -40,8 +40,8 @@ struct Substep {
 /// displacements; its w lane is not touched.
 struct ParticleView {
   std::span<const Vec4f> position;  ///< plain form: the same array as `moving`; w = inverse mass
-  std::span<Vec4f> moving;
-  std::span<const Vec4f> start;  ///< what `moving` was when the substep began
+  std::span<Vec4f> moving;          ///< displacement form: w = 0
+  std::span<const Vec4f> start;     ///< what `moving` was when the substep began
   Form form = Form::displacement;
   /// Where corrections are added: `moving` where it is empty, as in Gauss-Seidel.
   std::span<Vec4f> corrected{};

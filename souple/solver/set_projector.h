@@ -47,16 +47,16 @@ class SetProjector final : public Projector {
     if (!dirty_) return;
     kernels_ = find_kernels<Kind>(instruction_set());
     scales_for_ = -1;
-    for (const std::vector<std::uint32_t>& indices : set_.particles)
-      for (std::size_t i = 0; i < indices.size(); ++i)
-        if (indices[i] >= particle_count)
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      for (const std::uint32_t index : set_.indices(i))
+        if (index >= particle_count)
           throw Error(std::string(kind()) + " " + std::to_string(i) + " names particle " +
-                      std::to_string(indices[i]) + ", but there are " + std::to_string(particle_count));
+                      std::to_string(index) + ", but there are " + std::to_string(particle_count));
     dirty_ = false;
     std::vector<std::uint32_t> flat;
     flat.reserve(set_.size() * Kind::arity);
     for (std::size_t i = 0; i < set_.size(); ++i)
-      for (const std::vector<std::uint32_t>& indices : set_.particles) flat.push_back(indices[i]);
+      for (const std::uint32_t index : set_.indices(i)) flat.push_back(index);
     Colouring colouring = colour_constraints(flat, Kind::arity, particle_count);
     set_.reorder(colouring.order);
     set_.colour_begin = std::move(colouring.colour_begin);
@@ -153,9 +153,9 @@ class SetProjector final : public Projector {
         kept.push_back(i);
     }
     if (kept.size() != set_.size()) set_.reorder(kept), dirty_ = true;
-    for (std::vector<std::uint32_t>& indices : set_.particles)
-      for (std::uint32_t& index : indices)
-        if (index >= end) index -= end - begin;
+    for (std::vector<std::uint32_t>& records : set_.records)
+      for (std::uint32_t& record : records)
+        if (record / 4 >= end) record -= 4 * (end - begin);
   }
 
  private:
@@ -206,7 +206,7 @@ class SetProjector final : public Projector {
 
   // What the kernels see of a set.
   struct Arrays {
-    const std::uint32_t* particles[Kind::arity];
+    const std::uint32_t* records[Kind::arity];
     kernels::ColumnView parameters[Set::param_count], compliances[compliance_size<Kind>];
     kernels::SetArrays set;
 
@@ -214,10 +214,10 @@ class SetProjector final : public Projector {
       const auto view = [](const Column& column) {
         return kernels::ColumnView{column.data(), column.stride()};
       };
-      for (std::size_t k = 0; k < Kind::arity; ++k) particles[k] = of.particles[k].data();
+      for (std::size_t k = 0; k < Kind::arity; ++k) records[k] = of.records[k].data();
       for (std::size_t k = 0; k < Set::param_count; ++k) parameters[k] = view(of.parameters[k]);
       for (std::size_t k = 0; k < compliance_size<Kind>; ++k) compliances[k] = view(of.compliances[k]);
-      set.particles = particles;
+      set.records = records;
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
@@ -325,8 +325,7 @@ class SetProjector final : public Projector {
     float dlambda[rows_of<Kind>];
     project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
-      for (std::size_t r = 0; r < rows_of<Kind>; ++r)
-        set_.multipliers[r][i] += dlambda[r] * in.scale;
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r] * in.scale;
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
   }
 

@@ -12,11 +12,11 @@ void Extra::follow(double t) {
 
 void Extra::erase_particles(std::uint32_t begin, std::uint32_t end) {
   if (attachment) {
-    const std::vector<std::uint32_t>& particles =
-        attachment->set().particles[0];  // in the order of the followers: one colour, one particle each
     std::vector<Follower> kept;
-    for (std::size_t k = 0; k < particles.size(); ++k)
-      if (particles[k] < begin || particles[k] >= end) kept.push_back(followers[k]);
+    for (std::size_t k = 0; k < followers.size(); ++k) {  // in this order: one colour, one particle each
+      const std::uint32_t particle = attachment->set().indices(k)[0];
+      if (particle < begin || particle >= end) kept.push_back(followers[k]);
+    }
     followers = std::move(kept);
   }
   projector->erase_particles(begin, end);

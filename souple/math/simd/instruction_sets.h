@@ -12,9 +12,9 @@
 // are gathered into registers and transposed. Everything else is compiler vectors (pack.h).
 //
 // A tag names the set in every template that is compiled for it, so that the linker never takes one set's
-// code for another's. Records: `base` holds 16-byte records; a register holds lanes / 4 of them, numbers
-// i[0], i[4], i[8], ... of an index array, so that four registers loaded from i, i + 1, i + 2, i + 3
-// transpose to components in the order of the indices.
+// code for another's. Records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill
+// a register, so that four registers loaded from i, i + 1, i + 2, i + 3 transpose to components in the order
+// of i. difference_but_last: a - b, the fourth float of every record that of a.
 
 namespace souple::simd {
 
@@ -28,16 +28,12 @@ struct Sse {
   static Vector sqrt(Vector a) { return _mm_sqrt_ps(a); }
   static Vector load(const float* p) { return _mm_loadu_ps(p); }
   static void store(float* p, Vector a) { _mm_storeu_ps(p, a); }
-  static Vector load_records(const float* base, const std::uint32_t* i) {
-    return _mm_load_ps(base + std::size_t{4} * i[0]);
-  }
-  static void store_records(float* base, const std::uint32_t* i, Vector a) {
-    _mm_store_ps(base + std::size_t{4} * i[0], a);
-  }
-  // The fourth float of every record from b: without SSE4.1's blend.
-  static Vector with_last(Vector a, Vector b) {
-    const Vector zw = _mm_shuffle_ps(a, b, 0xEA);  // a.z a.z b.z b.w
-    return _mm_shuffle_ps(a, zw, 0xC4);            // a.x a.y zw.x zw.w
+  static Vector load_records(const float* base, const std::uint32_t* i) { return _mm_load_ps(base + i[0]); }
+  static void store_records(float* base, const std::uint32_t* i, Vector a) { _mm_store_ps(base + i[0], a); }
+  // Without SSE4.1's blend.
+  static Vector difference_but_last(Vector a, Vector b) {
+    const Vector d = a - b;
+    return _mm_shuffle_ps(d, _mm_shuffle_ps(d, a, 0xEA), 0xC4);  // d.x d.y (d.z d.z a.z a.w)[0, 3]
   }
   static Vector unpack_low(Vector a, Vector b) { return _mm_unpacklo_ps(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return _mm_unpackhi_ps(a, b); }
@@ -57,14 +53,14 @@ struct Avx2 {
   static Vector load(const float* p) { return _mm256_loadu_ps(p); }
   static void store(float* p, Vector a) { _mm256_storeu_ps(p, a); }
   static Vector load_records(const float* base, const std::uint32_t* i) {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + std::size_t{4} * i[0])),
-                                _mm_load_ps(base + std::size_t{4} * i[4]), 1);
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + i[0])), _mm_load_ps(base + i[4]),
+                                1);
   }
   static void store_records(float* base, const std::uint32_t* i, Vector a) {
-    _mm_store_ps(base + std::size_t{4} * i[0], _mm256_castps256_ps128(a));
-    _mm_store_ps(base + std::size_t{4} * i[4], _mm256_extractf128_ps(a, 1));
+    _mm_store_ps(base + i[0], _mm256_castps256_ps128(a));
+    _mm_store_ps(base + i[4], _mm256_extractf128_ps(a, 1));
   }
-  static Vector with_last(Vector a, Vector b) { return _mm256_blend_ps(a, b, 0x88); }
+  static Vector difference_but_last(Vector a, Vector b) { return _mm256_blend_ps(a - b, a, 0x88); }
   static Vector unpack_low(Vector a, Vector b) { return _mm256_unpacklo_ps(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return _mm256_unpackhi_ps(a, b); }
   static Vector pair_low(Vector a, Vector b) { return _mm256_shuffle_ps(a, b, 0x44); }
@@ -83,20 +79,20 @@ struct Avx512 {
   static Vector load(const float* p) { return _mm512_loadu_ps(p); }
   static void store(float* p, Vector a) { _mm512_storeu_ps(p, a); }
   static Vector load_records(const float* base, const std::uint32_t* i) {
-    const auto at = [base](std::uint32_t record) { return _mm_load_ps(base + std::size_t{4} * record); };
+    const auto at = [base](std::uint32_t record) { return _mm_load_ps(base + record); };
     __m512 a = _mm512_castps128_ps512(at(i[0]));
     a = _mm512_insertf32x4(a, at(i[4]), 1);
     a = _mm512_insertf32x4(a, at(i[8]), 2);
     return _mm512_insertf32x4(a, at(i[12]), 3);
   }
   static void store_records(float* base, const std::uint32_t* i, Vector a) {
-    const auto at = [base](std::uint32_t record) { return base + std::size_t{4} * record; };
+    const auto at = [base](std::uint32_t record) { return base + record; };
     _mm_store_ps(at(i[0]), _mm512_castps512_ps128(a));
     _mm_store_ps(at(i[4]), _mm512_extractf32x4_ps(a, 1));
     _mm_store_ps(at(i[8]), _mm512_extractf32x4_ps(a, 2));
     _mm_store_ps(at(i[12]), _mm512_extractf32x4_ps(a, 3));
   }
-  static Vector with_last(Vector a, Vector b) { return _mm512_mask_blend_ps(0x8888, a, b); }
+  static Vector difference_but_last(Vector a, Vector b) { return _mm512_mask_sub_ps(a, 0x7777, a, b); }
   static Vector unpack_low(Vector a, Vector b) { return _mm512_unpacklo_ps(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return _mm512_unpackhi_ps(a, b); }
   static Vector pair_low(Vector a, Vector b) { return _mm512_shuffle_ps(a, b, 0x44); }
@@ -114,13 +110,9 @@ struct Neon {
   static Vector sqrt(Vector a) { return vsqrtq_f32(a); }
   static Vector load(const float* p) { return vld1q_f32(p); }
   static void store(float* p, Vector a) { vst1q_f32(p, a); }
-  static Vector load_records(const float* base, const std::uint32_t* i) {
-    return vld1q_f32(base + std::size_t{4} * i[0]);
-  }
-  static void store_records(float* base, const std::uint32_t* i, Vector a) {
-    vst1q_f32(base + std::size_t{4} * i[0], a);
-  }
-  static Vector with_last(Vector a, Vector b) { return vcopyq_laneq_f32(a, 3, b, 3); }
+  static Vector load_records(const float* base, const std::uint32_t* i) { return vld1q_f32(base + i[0]); }
+  static void store_records(float* base, const std::uint32_t* i, Vector a) { vst1q_f32(base + i[0], a); }
+  static Vector difference_but_last(Vector a, Vector b) { return vcopyq_laneq_f32(a - b, 3, a, 3); }
   static Vector unpack_low(Vector a, Vector b) { return vzip1q_f32(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return vzip2q_f32(a, b); }
   static Vector pair_low(Vector a, Vector b) { return vcombine_f32(vget_low_f32(a), vget_low_f32(b)); }

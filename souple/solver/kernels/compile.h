@@ -44,7 +44,7 @@ struct LocalSet {
   static constexpr int param_count = sizeof(typename Kind::template Params<float>) / sizeof(float);
   static constexpr int alpha_count = static_cast<int>(compliance_size<Kind>);
 
-  const std::uint32_t* particles[Kind::arity];
+  const std::uint32_t* records[Kind::arity];
   LoadedColumn<Set> parameters[param_count], compliances[alpha_count], damping_time, scale;
   float* multipliers[rows_of<Kind>];
   bool stored;
@@ -52,7 +52,7 @@ struct LocalSet {
 
   explicit LocalSet(const SetArrays& set)
       : stored(set.multipliers != nullptr), h(set.h), inverse_h2(set.inverse_h2), relaxation(set.relaxation) {
-    for (int k = 0; k < Kind::arity; ++k) particles[k] = set.particles[k];
+    for (int k = 0; k < Kind::arity; ++k) records[k] = set.records[k];
     for (int k = 0; k < param_count; ++k) parameters[k].set(set.parameters[k]);
     for (int k = 0; k < alpha_count; ++k) compliances[k].set(set.compliances[k]);
     damping_time.set(set.damping_time);
@@ -66,13 +66,13 @@ template <class Set, class Kind>
 struct Block {
   using T = simd::Pack<Set>;
 
-  const std::uint32_t* particles[Kind::arity];
+  const std::uint32_t* records[Kind::arity];
   typename Set::Vector moving[Kind::arity][4];  ///< the records that corrections are added to
   typename Kind::template Params<T> params;
   ProjectionInput<Kind, T> in;
 
   Block(const LocalSet<Set, Kind>& set, std::size_t i) {
-    for (int k = 0; k < Kind::arity; ++k) particles[k] = set.particles[k] + i;
+    for (int k = 0; k < Kind::arity; ++k) records[k] = set.records[k] + i;
     T* param = reinterpret_cast<T*>(&params);  // members of type T only
     for (int k = 0; k < LocalSet<Set, Kind>::param_count; ++k) param[k] = set.parameters[k].load(i);
   }
@@ -87,18 +87,17 @@ inline void load_particles(const ParticleArrays& p, Block<Set, Kind>& block) {
   constexpr int arity = Kind::arity;
   Vector first[4];
   unrolled<4>([&](auto j) {
-    first[j] = Set::load_records(p.position, block.particles[0] + j);
-    block.moving[0][j] = displacement ? Set::load_records(p.moving, block.particles[0] + j) : first[j];
+    first[j] = Set::load_records(p.position, block.records[0] + j);
+    block.moving[0][j] = displacement ? Set::load_records(p.moving, block.records[0] + j) : first[j];
   });
   unrolled<arity - 1>([&](auto before) {
     constexpr int k = before + 1;
     Vector record[4];
     unrolled<4>([&](auto j) {
-      const Vector x = Set::load_records(p.position, block.particles[k] + j);
-      block.moving[k][j] = displacement ? Set::load_records(p.moving, block.particles[k] + j) : x;
-      record[j] = x - first[j];
+      const Vector x = Set::load_records(p.position, block.records[k] + j);
+      block.moving[k][j] = displacement ? Set::load_records(p.moving, block.records[k] + j) : x;
+      record[j] = Set::difference_but_last(x, first[j]);
       if constexpr (displacement) record[j] = record[j] + (block.moving[k][j] - block.moving[0][j]);
-      record[j] = Set::with_last(record[j], x);
     });
     simd::transpose<Set>(record);
     block.in.x[k] = {T(record[0]), T(record[1]), T(record[2])};
@@ -124,7 +123,7 @@ inline void load_moved(const ParticleArrays& p, Block<Set, Kind>& block) {
   unrolled<Kind::arity>([&](auto k) {
     typename Set::Vector record[4];
     unrolled<4>(
-        [&](auto j) { record[j] = block.moving[k][j] - Set::load_records(p.start, block.particles[k] + j); });
+        [&](auto j) { record[j] = block.moving[k][j] - Set::load_records(p.start, block.records[k] + j); });
     simd::transpose<Set>(record);
     block.in.moved[k] = {T(record[0]), T(record[1]), T(record[2])};
   });
@@ -138,7 +137,7 @@ inline void store_corrections(const ParticleArrays& p, const Block<Set, Kind>& b
     typename Set::Vector record[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, typename Set::Vector{}};
     simd::transpose<Set>(record);
     unrolled<4>([&](auto j) {
-      const std::uint32_t* i = block.particles[k] + j;
+      const std::uint32_t* i = block.records[k] + j;
       const auto before = p.corrected == p.moving ? block.moving[k][j] : Set::load_records(p.corrected, i);
       Set::store_records(p.corrected, i, before + record[j]);
     });
@@ -217,8 +216,8 @@ struct Tail {
     };
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       for (int k = 0; k < arity; ++k) {
-        indices[k][lane] = static_cast<std::uint32_t>(k * lanes) + static_cast<std::uint32_t>(lane);
-        const std::size_t record = std::size_t{4} * set.particles[k][source(lane)];
+        indices[k][lane] = 4 * (static_cast<std::uint32_t>(k * lanes) + static_cast<std::uint32_t>(lane));
+        const std::size_t record = set.records[k][source(lane)];
         for (int axis = 0; axis < 4; ++axis) {
           position[k][lane][axis] = p.position[record + axis];
           moving[k][lane][axis] = p.moving[record + axis];
@@ -243,7 +242,7 @@ struct Tail {
     for (int k = 0; k < param_count; ++k) parameter_views[k] = {parameter[k], 1};
     for (int k = 0; k < alphas; ++k) compliance_views[k] = {compliance[k], 1};
     for (int r = 0; r < rows_of<Kind>; ++r) lambda_pointers[r] = lambda[r];
-    result.particles = index_pointers;
+    result.records = index_pointers;
     result.parameters = parameter_views;
     result.compliances = compliance_views;
     result.damping_time = {damping, 1};
@@ -254,7 +253,7 @@ struct Tail {
   void copy_back(const ParticleArrays& p, const SetArrays& of) const {
     for (std::size_t lane = 0; lane < count; ++lane) {
       for (int k = 0; k < arity; ++k) {
-        float* record = p.corrected + std::size_t{4} * of.particles[k][first + lane];
+        float* record = p.corrected + of.records[k][first + lane];
         for (int axis = 0; axis < 3; ++axis) record[axis] = corrected[k][lane][axis];
       }
       if (of.multipliers)
