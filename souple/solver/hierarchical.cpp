@@ -141,7 +141,8 @@ void Hierarchical::add_level(CoarseLevel map) {
   Level level;
   for (const std::uint32_t i : map.finer) level.particle.push_back(finer[i]);
   for (const float mass : map.mass) level.position.push_back({0, 0, 0, inverse(mass)});
-  level.correction = level.before = level.moving = level.position;
+  level.moving.resize(map.mass.size());  // w = 0: kernels subtract whole records
+  level.correction = level.before = level.moving;
   level.constraint.assign(map.links.size(), none);
   level.stretch.resize(map.links.size());
   level.way_length = level.softening = level.stretch;
