@@ -127,11 +127,13 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   for (CoarseLevel& level : build_levels(links, masses_, smallest_level)) add_level(std::move(level));
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
-  // These two columns are rewritten during a step: make room for a number for each constraint now.
+  // These two columns are rewritten during steps: make room for a number for each constraint now.
   for (Level& level : levels_) {
+    level.longest = level.constraints.set().parameters.data();
+    level.compliance = level.constraints.set().compliances.data();
     if (level.constraints.size() == 0) continue;
-    level.constraints.set().parameters[0].set(0, 0);
-    if (compliant_) level.constraints.set().compliances[0].set(0, 1);
+    level.longest->set(0, 0);
+    if (compliant_) level.compliance->set(0, 1);
   }
   h_ = 0;
 }
@@ -189,7 +191,6 @@ void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
 void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, std::size_t begin,
                                  std::size_t end) {
   Level& level = levels_[l];
-  auto& longest = level.constraints.set().parameters[0];
   for (std::size_t e = begin; e < end; ++e) {
     const Link& link = level.map.links[e];
     const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
@@ -206,7 +207,7 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
     }
     if (level.constraint[e] == none) continue;
     const float mean = length(level.position[link.a].xyz() - level.position[link.b].xyz());
-    longest.set(level.constraint[e], mean * ratio);
+    level.longest->set(level.constraint[e], mean * ratio);
   }
 }
 
@@ -252,8 +253,7 @@ void Hierarchical::set_compliance(const Substep& substep) {
       }
       level.softening[e] = sum / static_cast<float>(end - begin);
       if (level.constraint[e] != none)
-        level.constraints.set().compliances[0].set(level.constraint[e],
-                                                   compliance_of(level.map.links[e]) * level.softening[e]);
+        level.compliance->set(level.constraint[e], compliance_of(level.map.links[e]) * level.softening[e]);
     }
   }
 }

@@ -65,6 +65,8 @@ class Hierarchical final : public Solver {
     std::vector<float> way_length;          ///< at rest [m]
     std::vector<float> softening;           ///< of each link, see set_compliance
     SetProjector<Tether> constraints;
+    Column* longest = nullptr;  ///< of `constraints`: L and alpha, rewritten during steps
+    Column* compliance = nullptr;
   };
 
   void add_level(CoarseLevel map);
