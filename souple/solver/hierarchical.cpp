@@ -207,7 +207,7 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
     }
     if (level.constraint[e] == none) continue;
     const float mean = length(level.position[link.a].xyz() - level.position[link.b].xyz());
-    level.longest->set(level.constraint[e], std::fmax(mean * ratio, level.map.mean_length[e]));
+    level.longest->set(level.constraint[e], l < 3 ? std::fmax(mean * ratio, level.map.mean_length[e]) : mean * ratio);
   }
 }
 
