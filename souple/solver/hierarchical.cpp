@@ -130,9 +130,11 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   // These two columns are rewritten during steps: make room for a number for each constraint now.
   for (Level& level : levels_) {
     level.longest = level.constraints.set().parameters.data();
+    level.shortest = level.apart.set().parameters.data();
     level.compliance = level.constraints.set().compliances.data();
     if (level.constraints.size() == 0) continue;
     level.longest->set(0, 0);
+    level.shortest->set(0, 0);
     if (compliant_) level.compliance->set(0, 1);
   }
   h_ = 0;
@@ -157,9 +159,11 @@ void Hierarchical::add_level(CoarseLevel map) {
   for (const Link& link : map.links) {
     ends.emplace_back(link.a, link.b);
     if (map.mass[link.a] > 0 || map.mass[link.b] > 0)
-      level.constraints.add({link.a, link.b}, {link.length}, {0}, 0, link.stiffness);
+      level.constraints.add({link.a, link.b}, {link.length}, {0}, 0, link.stiffness),
+          level.apart.add({link.a, link.b}, {link.length});
   }
   level.constraints.prepare(map.mass.size());
+  level.apart.prepare(map.mass.size());
   for (std::uint32_t i = 0; i < level.constraints.size(); ++i) {
     const auto [a, b] = level.constraints.set().indices(i);
     const auto found = std::lower_bound(ends.begin(), ends.end(), std::pair(a, b));
@@ -207,7 +211,11 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
     }
     if (level.constraint[e] == none) continue;
     const float mean = length(level.position[link.a].xyz() - level.position[link.b].xyz());
-    level.longest->set(level.constraint[e], l < 3 ? std::fmax(mean * ratio, level.map.mean_length[e]) : mean * ratio);
+    const float longest = l < 3 ? std::fmax(mean * ratio, level.map.mean_length[e]) : mean * ratio;
+    level.longest->set(level.constraint[e], longest);
+    const Vec3f relative = level.position[link.a].xyz() - level.position[link.b].xyz();
+    const float predicted = length(relative + (level.moving[link.a].xyz() - level.moving[link.b].xyz()));
+    level.shortest->set(level.constraint[e], std::fmin(longest, std::fmin(mean, predicted)));
   }
 }
 
@@ -303,8 +311,9 @@ void Hierarchical::project_levels(const Substep& substep, bool first, Threads& t
       }
     });
     const ParticleView view{level.position, level.moving, level.before, Form::displacement};
-    if (first) level.constraints.begin_substep(view, coarse);
-    for (int s = 0; s < sweeps_of(l); ++s) sweep(level.constraints, view, coarse, threads);
+    if (first) level.constraints.begin_substep(view, coarse), level.apart.begin_substep(view, coarse);
+    for (int s = 0; s < sweeps_of(l); ++s)
+      sweep(level.constraints, view, coarse, threads), sweep(level.apart, view, coarse, threads);
     threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         level.correction[i].set_xyz(level.moving[i].xyz() - level.before[i].xyz());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/constraints/particle_contact.h"
 #include "souple/constraints/tether.h"
 #include "souple/solver/hierarchical_levels.h"
 #include "souple/solver/set_projector.h"
@@ -65,6 +66,8 @@ class Hierarchical final : public Solver {
     std::vector<float> way_length;          ///< at rest [m]
     std::vector<float> softening;           ///< of each link, see set_compliance
     SetProjector<Tether> constraints;
+    SetProjector<ParticleContact> apart;
+    Column* shortest = nullptr;
     Column* longest = nullptr;  ///< of `constraints`: L and alpha, rewritten during steps
     Column* compliance = nullptr;
   };
