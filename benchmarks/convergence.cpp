@@ -126,10 +126,10 @@ double cpu_milliseconds() {
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-double solve(Cloth& cloth, Solver& solver, Threads& threads, int iterations) {
+double solve(Cloth& cloth, Solver& solver, Threads& threads, int iterations, float relaxation) {
   cloth.reset();
   Projector* const projectors[] = {&cloth.distances};
-  const Substep substep{.h = 1.0f / 600, .iterations = iterations};
+  const Substep substep{.h = 1.0f / 600, .iterations = iterations, .relaxation = relaxation};
   const double begin = cpu_milliseconds();
   cloth.distances.begin_substep(cloth.view(), substep);
   solver.solve(projectors, cloth.view(), substep, threads);
@@ -149,9 +149,9 @@ void run(const Arguments& arguments) {
               arguments.name.c_str(), arguments.size, cloth.distances.size(), cpu_milliseconds() - begin);
   double spent = 0;
   for (int iterations = 1; spent < arguments.budget; iterations *= 2) {
-    spent = solve(cloth, *solver, *threads, iterations);
+    spent = solve(cloth, *solver, *threads, iterations, arguments.solver.relaxation);
     for (int again = 0; again < 2 && spent < 200; ++again)
-      spent = std::min(spent, solve(cloth, *solver, *threads, iterations));
+      spent = std::min(spent, solve(cloth, *solver, *threads, iterations, arguments.solver.relaxation));
     const Strain error = strain_of(cloth);
     std::printf("%s\n  {\"iterations\": %d, \"ms\": %.4g, \"strain\": %.5g, \"rms\": %.5g}",
                 iterations > 1 ? "," : "", iterations, spent, error.largest / stretch, error.rms / stretch);

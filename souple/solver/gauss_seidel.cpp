@@ -31,17 +31,15 @@ void GaussSeidel::prepare(std::span<Projector* const> projectors, const Particle
 
 void GaussSeidel::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                         const Substep& substep, Threads& threads) {
-  Substep relaxed = substep;
-  relaxed.relaxation = settings_.relaxation;
   const bool accelerated =
       chebyshev_.helps(substep.iterations) &&
       std::all_of(others_.begin(), others_.end(), [](const Projector* p) { return p->size() == 0; });
   if (accelerated) chebyshev_.begin(linear_, particles);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (settings_.sweep == Sweep::symmetric) {
-      sweep_symmetric(particles, relaxed, threads);
+      sweep_symmetric(particles, substep, threads);
     } else {
-      for (Projector* projector : projectors) sweep(*projector, particles, relaxed, threads);
+      for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
     }
     if (accelerated) chebyshev_.accelerate(linear_, particles);
   }

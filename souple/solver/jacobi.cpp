@@ -25,14 +25,12 @@ void Jacobi::prepare(std::span<Projector* const> projectors, const ParticleView&
 
 void Jacobi::solve(std::span<Projector* const>, const ParticleView& particles, const Substep& substep,
                    Threads& threads) {
-  Substep relaxed = substep;
-  relaxed.relaxation = relaxation_;
   const bool accelerated =
       chebyshev_.helps(substep.iterations) &&
       std::all_of(others_.begin(), others_.end(), [](const Projector* p) { return p->size() == 0; });
   if (accelerated) chebyshev_.begin(linear_, particles);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    iterate(particles, relaxed, threads);
+    iterate(particles, substep, threads);
     for (Projector* projector : others_) sweep(*projector, particles, substep, threads);
     if (accelerated) chebyshev_.accelerate(linear_, particles);
   }

@@ -22,8 +22,7 @@ namespace souple {
 /// each iteration, by Gauss-Seidel. `SolverSettings::chebyshev` accelerates it as it does GaussSeidel.
 class Jacobi final : public Solver {
  public:
-  explicit Jacobi(const SolverSettings& settings)
-      : relaxation_(settings.relaxation), chebyshev_(settings.chebyshev) {}
+  explicit Jacobi(const SolverSettings& settings) : chebyshev_(settings.chebyshev) {}
 
   std::string_view name() const override { return "jacobi"; }
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
@@ -33,7 +32,6 @@ class Jacobi final : public Solver {
  private:
   void iterate(const ParticleView& particles, const Substep& substep, Threads& threads);
 
-  float relaxation_;
   Chebyshev chebyshev_;
   std::vector<Projector*> linear_, others_;  // with and without a linear form
   std::vector<float> count_;                 // n_i

@@ -28,7 +28,8 @@ struct Substep {
   Mode mode = Mode::small_steps;
   Form form = Form::displacement;
   int count = 1;  ///< substeps per step
-  /// Factor on every correction and its multiplier (over-relaxation above 1); contacts do not know it.
+  /// Factor on every correction and its multiplier (over-relaxation above 1), the same from begin_substep on:
+  /// for solvers that sweep. Contacts do not know it.
   float relaxation = 1;
 
   bool stores_multipliers() const {

@@ -98,7 +98,9 @@ class SetProjector final : public Projector {
                const Substep& substep) override {
     const std::size_t colour_begin = set_.colour_begin[static_cast<std::size_t>(colour)];
     const std::size_t begin = colour_begin + first, end = colour_begin + last;
-    const bool general = substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd);
+    // The plain kernels correct in place.
+    const bool general = substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd) ||
+                         !particles.corrected.empty();
     if (kernels_) {
       project_packed(begin, end, particles, substep, general);
     } else {
@@ -276,6 +278,8 @@ class SetProjector final : public Projector {
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
+    const float undamped = 0;
+    if (substep.mode == Mode::pbd) arrays.set.damping_time = {&undamped, 0};
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;

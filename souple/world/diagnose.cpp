@@ -68,11 +68,14 @@ void raise_flags(WorldState& world) {
 }  // namespace
 
 Substep substep_of(const Settings& settings, double dt) {
+  const SolverKind solver = settings.solver.kind;
+  const bool sweeps = solver == SolverKind::gauss_seidel || solver == SolverKind::jacobi;
   return {.h = static_cast<float>(dt / settings.substeps),
           .iterations = settings.iterations,
           .mode = settings.mode,
           .form = settings.form,
-          .count = settings.substeps};
+          .count = settings.substeps,
+          .relaxation = sweeps ? settings.solver.relaxation : 1};
 }
 
 void bring_constraints_up_to_date(WorldState& world) {

@@ -46,6 +46,7 @@ struct SolverScene {
   void use(const SolverSettings& settings) {
     for (const auto& projector : projectors) projector->prepare(body.position.size());
     solver = make_solver(settings);
+    substep.relaxation = settings.relaxation;
     solver->prepare(order(), body.view());
   }
   /// The constraints of one substep, from where the particles are.
