@@ -4,7 +4,9 @@
 #include "souple/world/damping.h"
 #include "souple/world/forces.h"
 
+#include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace souple {
 namespace {
@@ -14,43 +16,71 @@ std::vector<Vec4f>& moving(WorldState& world) {
   return world.settings.form == Form::plain ? world.particles.position : world.particles.offset;
 }
 
-// The first bad number names the culprit; the solver would spread it within the substep.
-void note_if_bad(WorldState& world, std::size_t i, const Vec3f& v) {
-  if (!std::isfinite(v.x + v.y + v.z) && !world.first_bad) world.first_bad = i;
+constexpr std::size_t particle_grain = 1024;  // particles worth a thread
+
+// The first particle of a loop whose number is bad, whichever thread comes by it first. It names the culprit;
+// the solver would spread what is not finite within the substep.
+class FirstBad {
+ public:
+  void note(std::size_t i, const Vec3f& v) {
+    if (std::isfinite(v.x + v.y + v.z)) return;
+    std::size_t first = first_.load(std::memory_order_relaxed);
+    while (i < first && !first_.compare_exchange_weak(first, i, std::memory_order_relaxed)) continue;
+  }
+  void tell(WorldState& world) const {
+    const std::size_t first = first_.load(std::memory_order_relaxed);
+    if (first != none && !world.first_bad) world.first_bad = first;
+  }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::atomic<std::size_t> first_{none};
+};
+
+struct Air {
+  bool windy;
+  Vec3f wind;
+};
+
+void predict_one(WorldState& world, std::size_t i, const Air& air, float h, Vec4f& p, FirstBad& bad) {
+  Particles& particles = world.particles;
+  const Vec3f v = particles.velocity[i].xyz();
+  const Vec3f x = particles.position[i].xyz();
+  Vec3f v_star, move;
+  switch (world.settings.integrator) {
+    case Integrator::semi_implicit:
+      v_star = v + acceleration(world, i, x, v, air.windy, air.wind, world.time) * h;
+      move = v_star * h;
+      break;
+    case Integrator::explicit_euler:
+      v_star = v + acceleration(world, i, x, v, air.windy, air.wind, world.time) * h;
+      move = v * h;
+      break;
+    case Integrator::implicit_euler:
+      v_star = implicit_velocity(world, i, x, v, h, air.windy, air.wind, world.time + static_cast<double>(h));
+      move = v_star * h;
+      break;
+  }
+  bad.note(i, v_star);
+  particles.velocity[i].set_xyz(v_star);
+  p.set_xyz(p.xyz() + move);
 }
 
 void predict(WorldState& world, const Substep& substep) {
   const bool windy = accumulate_wind(world, substep.h);
-  const Vec3f wind = wind_at(world.settings, world.time);
-  const Integrator integrator = world.settings.integrator;
-  const float h = substep.h;
-  const double t_end = world.time + static_cast<double>(h);
+  const Air air{windy, wind_at(world.settings, world.time)};
   Particles& particles = world.particles;
   std::vector<Vec4f>& p = moving(world);
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    particles.start[i] = p[i];
-    if (particles.position[i].w == 0) continue;
-    const Vec3f v = particles.velocity[i].xyz();
-    const Vec3f x = particles.position[i].xyz();
-    Vec3f v_star, move;
-    switch (integrator) {
-      case Integrator::semi_implicit:
-        v_star = v + acceleration(world, i, x, v, windy, wind, world.time) * h;
-        move = v_star * h;
-        break;
-      case Integrator::explicit_euler:
-        v_star = v + acceleration(world, i, x, v, windy, wind, world.time) * h;
-        move = v * h;
-        break;
-      case Integrator::implicit_euler:
-        v_star = implicit_velocity(world, i, x, v, h, windy, wind, t_end);
-        move = v_star * h;
-        break;
+  FirstBad bad;
+  // Users' force fields may share what they like: one thread calls them.
+  const std::size_t grain = world.force_fields.empty() ? particle_grain : particles.size();
+  world.threads->for_each(particles.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      particles.start[i] = p[i];
+      if (particles.position[i].w != 0) predict_one(world, i, air, substep.h, p[i], bad);
     }
-    note_if_bad(world, i, v_star);
-    particles.velocity[i].set_xyz(v_star);
-    p[i].set_xyz(p[i].xyz() + move);
-  }
+  });
+  bad.tell(world);
 }
 
 // Pinned particles: to target(vertex, t + h) + offset, or nowhere.
@@ -97,7 +127,8 @@ bool finish(WorldState& world, const Substep& substep) {
   const std::vector<Vec4f>& p = moving(world);
   const bool semi_implicit = world.settings.integrator == Integrator::semi_implicit;
   const bool displacement = world.settings.form == Form::displacement;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
+  FirstBad bad;
+  const auto finish_one = [&](std::size_t i) {
     // v = v* + (p - p*) / h: a particle that nothing corrects keeps its velocity to the bit. The
     // semi-implicit p* is made again from v* with the roundings of the prediction. A pinned particle has no
     // v*: v = (p - x) / h.
@@ -110,16 +141,20 @@ bool finish(WorldState& world, const Substep& substep) {
                                         : world.predicted[i].xyz();
     const Vec3f v = base + (p[i].xyz() - since) / substep.h;
     particles.velocity[i].set_xyz(v);
-    note_if_bad(world, i, v);
-    if (!displacement) continue;
+    bad.note(i, v);
+    if (!displacement) return;
     // x += q; what x cannot represent stays in the offset.
     const Vec3f q = particles.offset[i].xyz();
     const Vec3f x = particles.position[i].xyz();
     const Vec3f moved = x + q;
     particles.position[i].set_xyz(moved);
     particles.offset[i].set_xyz(q - (moved - x));
-    note_if_bad(world, i, moved);
-  }
+    bad.note(i, moved);
+  };
+  world.threads->for_each(particles.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) finish_one(i);
+  });
+  bad.tell(world);
   ++world.version;
   return !world.first_bad;
 }
