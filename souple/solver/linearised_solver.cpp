@@ -1,5 +1,7 @@
 #include "souple/solver/linearised_solver.h"
 
+#include "souple/error.h"
+
 #include <algorithm>
 #include <cstdio>
 
@@ -20,20 +22,40 @@ void LinearisedSolver::prepare(std::span<Projector* const> projectors, const Par
   system_.prepare(linear_, particles);
   saved_.resize(particles.moving.size());
   failures_ = 0;
+  prepare_structure(particles);
+}
+
+void LinearisedSolver::prepare_structure(const ParticleView& particles) {
+  solvable_ = false;
+  inverse_mass_.clear();
+  for (const Vec4f& x : particles.position) inverse_mass_.push_back(x.w);
+  system_.prepare(linear_, particles);
   prepare_system(system_, particles);
+  solvable_ = system_.rows() > 0;
+}
+
+// Pins come and go between steps, and from callbacks within them.
+void LinearisedSolver::follow_pins(const ParticleView& particles) {
+  if (std::equal(inverse_mass_.begin(), inverse_mass_.end(), particles.position.begin(),
+                 particles.position.end(), [](float w, const Vec4f& x) { return w == x.w; }))
+    return;
+  try {
+    prepare_structure(particles);
+  } catch (const Error&) {
+    // Too large without its pins. A step does not throw: project, and let the remark tell.
+  }
 }
 
 void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& particles,
                              const Substep& substep, Threads& threads) {
+  follow_pins(particles);
   system_.begin_substep();
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    if (system_.rows() > 0) {
-      if (solve_active(particles, substep, threads)) {
-        advance(particles, substep);
-      } else {
-        ++failures_;
-        for (Projector* projector : linear_) sweep(*projector, particles, substep, threads);
-      }
+    if (solvable_ && solve_active(particles, substep, threads)) {
+      advance(particles, substep);
+    } else if (system_.rows() > 0) {
+      ++failures_;
+      for (Projector* projector : linear_) sweep(*projector, particles, substep, threads);
     }
     for (Projector* projector : others_) sweep(*projector, particles, substep, threads);
   }

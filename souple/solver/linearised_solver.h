@@ -41,11 +41,15 @@ class LinearisedSolver : public Solver {
   std::size_t failures_ = 0;  ///< iterations since `prepare` in which the system could not be solved
 
  private:
+  void prepare_structure(const ParticleView& particles);
+  void follow_pins(const ParticleView& particles);
   bool solve_active(const ParticleView& particles, const Substep& substep, Threads& threads);
   void advance(const ParticleView& particles, const Substep& substep);
   double violation(const ParticleView& particles, const Substep& substep);
 
   std::vector<Projector*> linear_, others_;
+  std::vector<float> inverse_mass_;  // of each particle, for which the structure was made
+  bool solvable_ = false;
   std::vector<Vec4f> saved_;  // `moving` before an iteration
 };
 
