@@ -90,6 +90,7 @@ void bring_constraints_up_to_date(WorldState& world) {
   if (!world.dirty_solver) return;
   world.order.clear();
   world.for_each_projector([&](Projector& projector) { world.order.push_back(&projector); });
+  for (Projector* projector : world.order) projector->split(0, 0);  // what the last solver may have split
   world.solver = make_solver(world.settings.solver);
   world.solver->prepare(world.order, world.view());
   world.dirty_solver = false;
