@@ -17,9 +17,6 @@ constexpr std::size_t smallest_level = 24;
 /// Sweeps on each level. One converges as well where cloth hangs, and less where it swings; three gain
 /// nothing.
 constexpr int sweeps = 2, coarsest_sweeps = 8;
-/// Levels on which rest lengths between means are good to a few per cent; they err more on coarser ones,
-/// where a link that is too long holds nothing.
-constexpr std::size_t levels_of_known_means = 3;
 /// Coarse particles worth a thread of their own.
 constexpr std::size_t grain = 1024;
 
@@ -208,8 +205,7 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
     const Vec3f x = level.position[link.a].xyz() - level.position[link.b].xyz();
     const Vec3f d = level.moving[link.a].xyz() - level.moving[link.b].xyz();
     const float now = length(x);
-    float longest = now * ratio;
-    if (l < levels_of_known_means) longest = std::fmax(longest, level.map.mean_length[e]);
+    const float longest = now * ratio;
     level.longest->set(level.constraint[e], longest);
     level.shortest->set(level.constraint[e], std::fmin(longest, std::fmin(now, length(x + d))));
   }

@@ -28,8 +28,7 @@ namespace souple {
 /// correction presses together what was not stretched, but what moves together by itself may, so that cloth
 /// folds freely (the paper's unilateral constraints alone crumple a moving cloth, two cells at a time).
 ///
-///   L_JK = max(rest length of |X_J - X_K|, |X_J - X_K| max(rest length / |x_J - x_K|, 1 - stretch of the way
-///          from J to K along finer links))
+///   L_JK = |X_J - X_K| max(rest length / |x_J - x_K|, 1 - stretch of the way from J to K along finer links)
 ///   l_JK = min(L_JK, |X_J - X_K| at the substep's beginning, the same as predicted)
 ///
 /// With compliance, a coarse link is a spring beside the finer ones, strong enough to supply, together with
