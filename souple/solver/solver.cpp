@@ -7,12 +7,14 @@
 #include "souple/solver/gauss_seidel.h"
 #include "souple/solver/hierarchical.h"
 #include "souple/solver/jacobi.h"
+#include "souple/solver/partitioned_gauss_seidel.h"
 
 namespace souple {
 
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
   switch (settings.kind) {
     case SolverKind::gauss_seidel:
+      if (settings.colours > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
       return std::make_unique<GaussSeidel>(settings);
     case SolverKind::jacobi:
       return std::make_unique<Jacobi>(settings);
