@@ -114,6 +114,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   merge(links);
   std::vector<std::uint32_t> linked_particles = linked(links, particles.position.size());
   std::vector<float> masses;
+  masses.reserve(linked_particles.size());
   for (const std::uint32_t i : linked_particles) masses.push_back(inverse(particles.inverse_mass(i)));
   if (links == links_ && masses == masses_) return;
 
