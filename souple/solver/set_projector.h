@@ -276,11 +276,16 @@ class SetProjector final : public Projector {
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
+    arrays.set.relaxation = substep.relaxation;
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
+    static constexpr float none = 0;
+    if (substep.mode == Mode::pbd) arrays.set.damping_time = {&none, 0};
     const std::size_t form = particles.form == Form::displacement ? 1 : 0;
-    (general ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin, end);
+    const bool apart = !particles.corrected.empty();
+    (general || apart ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin,
+                                                                   end);
   }
 
   // The scalar, readable version: what packs are tested against, and what a user's own kind runs.
@@ -299,19 +304,15 @@ class SetProjector final : public Projector {
     return substep.mode == Mode::pbd ? 0 : 1 / (substep.h * substep.h);
   }
 
-  // The relaxation, times k' in PBD mode.
+  // k' of every constraint in PBD mode, 1 otherwise.
   void find_scales(const Substep& substep) {
     const int iterations = substep.mode == Mode::pbd ? substep.iterations : 0;
-    if (iterations == scales_for_ && substep.relaxation == relaxed_by_ && scales_.size() == set_.size())
-      return;
+    if (iterations == scales_for_ && scales_.size() == set_.size()) return;
     scales_for_ = iterations;
-    relaxed_by_ = substep.relaxation;
     scales_ = {};
-    for (std::size_t i = 0; i < set_.size(); ++i) {
-      const float k =
-          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1;
-      scales_.push_back(k * substep.relaxation);
-    }
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      scales_.push_back(
+          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1);
   }
 
   void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {
@@ -346,7 +347,7 @@ class SetProjector final : public Projector {
     for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
       in.alpha[k] = set_.compliances[k][i] * inverse_h2(substep);
     in.gamma = substep.mode == Mode::pbd ? 0 : set_.damping_time(i) / substep.h;
-    in.scale = scales_[i];
+    in.scale = scales_[i] * substep.relaxation;
   }
 
   template <Terms terms>
@@ -372,9 +373,8 @@ class SetProjector final : public Projector {
   }
 
   Set set_;
-  Column scales_;        // of every correction, for:
+  Column scales_;        // k', for:
   int scales_for_ = -1;  // iterations in PBD mode, else 0
-  float relaxed_by_ = 1;
   const kernels::KindKernels* kernels_ = nullptr;
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
