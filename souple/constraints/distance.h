@@ -29,7 +29,11 @@ struct Distance {
   }
 
   /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
-  static float strain(const Params<float>& p, float C) { return p.rest_length > 0 ? C / p.rest_length : 0; }
+  static float strain(const Params<float>& p, float C) {
+    const bool has_length = p.rest_length > 0;
+    const float strain = C / (has_length ? p.rest_length : 1);  // no branch about the division: it vectorises
+    return has_length ? strain : 0;
+  }
 };
 
 }  // namespace souple
