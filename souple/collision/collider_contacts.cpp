@@ -2,6 +2,7 @@
 
 #include "souple/collision/friction.h"
 #include "souple/error.h"
+#include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <atomic>
@@ -203,6 +204,7 @@ void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float
     if (distance_[m] < far_away) met_.push_back(m);
   body.contact_begin = contacts_.size();
   body.contact_end = contacts_.size() + met_.size();
+  if (contacts_.capacity() < body.contact_end) contacts_.reserve(2 * body.contact_end);
   contacts_.resize(body.contact_end);
   threads.for_each(met_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
@@ -389,6 +391,10 @@ void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   placed_.clear();
   candidates_.clear();
   contacts_.clear();
+}
+
+std::size_t ColliderContacts::bytes() const {
+  return bytes_of(bodies_, members_, placed_, candidates_, contacts_);
 }
 
 }  // namespace souple

@@ -2,6 +2,8 @@
 
 #include "souple/constraints/constraint.h"
 
+#include <limits>
+
 namespace souple {
 
 /// Keeps two particles at rest length. C = |x0 - x1| - l  [m].  Müller et al. 2007, eq. 10.
@@ -22,7 +24,7 @@ struct Distance {
   static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]) {
     const Vec3<T> d = x[0] - x[1];
     const T l = sqrt(dot(d, d));
-    const Vec3<T> n = d * select(l > T(0), T(1) / select(l > T(0), l, T(1)), T(0));
+    const Vec3<T> n = d * (T(1) / max(l, T(1e-30f)));
     gradient[0] = n;
     gradient[1] = -n;
     return l - p.rest_length;
@@ -30,9 +32,8 @@ struct Distance {
 
   /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
   static float strain(const Params<float>& p, float C) {
-    const bool has_length = p.rest_length > 0;
-    const float strain = C / (has_length ? p.rest_length : 1);  // no branch about the division: it vectorises
-    return has_length ? strain : 0;
+    // One choice and no branch about the division: it vectorises.
+    return C / (p.rest_length > 0 ? p.rest_length : std::numeric_limits<float>::infinity());
   }
 };
 

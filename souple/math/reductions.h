@@ -10,7 +10,7 @@ namespace souple {
 
 namespace detail {
 
-typedef float FourFloats __attribute__((vector_size(16)));
+typedef float FourFloats __attribute__((vector_size(16)));  // NOLINT(modernize-use-using)
 
 template <class Combine>
 float reduce(const float* values, std::size_t n, const Combine& combine) {

@@ -29,8 +29,7 @@ class Palette {
   /// Of at most 64 colours: fewer and larger ones.
   void improve();
 
-  /// Constraints by colour, then by lowest particle.
-  Colouring sorted() const;
+  const std::vector<std::uint32_t>& colour_of() const { return colour_of_; }
 
  private:
   using Bits = std::uint64_t;
@@ -197,32 +196,6 @@ void Palette::improve() {
   fill_small();
 }
 
-// Two stable counting sorts.
-Colouring Palette::sorted() const {
-  const auto lowest = [this](std::uint32_t i) {
-    const auto own = particles(i);
-    return *std::min_element(own.begin(), own.end());
-  };
-  const std::size_t constraint_count = colour_of_.size();
-  std::vector<std::uint32_t> next(taken_.size() + 1), by_particle(constraint_count);
-  for (std::uint32_t i = 0; i < constraint_count; ++i) ++next[lowest(i) + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  for (std::uint32_t i = 0; i < constraint_count; ++i) by_particle[next[lowest(i)]++] = i;
-
-  Colouring result;
-  result.order.resize(constraint_count);
-  next.assign(size_.size(), 0);
-  std::uint32_t begin = 0;
-  for (std::size_t colour = 0; colour < size_.size(); ++colour) {
-    if (size_[colour] > 0) result.colour_begin.push_back(begin);
-    next[colour] = begin;
-    begin += size_[colour];
-  }
-  result.colour_begin.push_back(begin);
-  for (const std::uint32_t i : by_particle) result.order[next[colour_of_[i]]++] = i;
-  return result;
-}
-
 }  // namespace
 
 Colouring colour_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count) {
@@ -234,7 +207,39 @@ Colouring colour_constraints(std::span<const std::uint32_t> indices, int arity, 
   if (pending.empty()) palette.improve();
   for (std::uint32_t first = colours_per_round; !pending.empty(); first += colours_per_round)
     pending = palette.first_fit(pending, first);
-  return palette.sorted();
+  return sorted_by_colour(indices, arity, particle_count, palette.colour_of());
+}
+
+// Two stable counting sorts.
+Colouring sorted_by_colour(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count,
+                           std::span<const std::uint32_t> colour_of) {
+  const auto width = static_cast<std::size_t>(arity);
+  const auto lowest = [&](std::uint32_t i) {
+    const auto own = indices.subspan(i * width, width);
+    return *std::min_element(own.begin(), own.end());
+  };
+  const std::size_t count = colour_of.size();
+  std::vector<std::uint32_t> next(particle_count + 1), by_particle(count), size;
+  for (std::uint32_t i = 0; i < count; ++i) ++next[lowest(i) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (std::uint32_t i = 0; i < count; ++i) by_particle[next[lowest(i)]++] = i;
+
+  for (const std::uint32_t colour : colour_of) {
+    if (colour >= size.size()) size.resize(colour + 1);
+    ++size[colour];
+  }
+  Colouring result;
+  result.order.resize(count);
+  next.assign(size.size(), 0);
+  std::uint32_t begin = 0;
+  for (std::size_t colour = 0; colour < size.size(); ++colour) {
+    if (size[colour] > 0) result.colour_begin.push_back(begin);
+    next[colour] = begin;
+    begin += size[colour];
+  }
+  result.colour_begin.push_back(begin);
+  for (const std::uint32_t i : by_particle) result.order[next[colour_of[i]]++] = i;
+  return result;
 }
 
 }  // namespace souple

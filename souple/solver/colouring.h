@@ -21,4 +21,8 @@ struct Colouring {
 /// Within a colour, constraints come by their lowest particle, so that neighbours in memory meet.
 Colouring colour_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count);
 
+/// The colouring that colour_of[i] says, in that order within colours; colours of no constraint are left out.
+Colouring sorted_by_colour(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count,
+                           std::span<const std::uint32_t> colour_of);
+
 }  // namespace souple

@@ -122,6 +122,15 @@ class Projector {
   virtual std::size_t size() const = 0;
   /// After constraints were added or erased and before the next substep: sort, colour, allocate.
   virtual void prepare(std::size_t particle_count) = 0;
+  /// Cuts the constraints into at most `colours` colours by splitting the particles in which too many of them
+  /// meet (see partition.h). `project` then acts on phantoms, numbered from `first_phantom`, in their place;
+  /// everything else keeps naming the particles. Returns which particle each phantom stands for, ascending,
+  /// valid until the next split or prepare; nothing where none was split or this kind cannot be.
+  /// 0 colours: as many as it takes, and nothing split, as `prepare` leaves it.
+  virtual std::span<const std::uint32_t> split([[maybe_unused]] int colours,
+                                               [[maybe_unused]] std::uint32_t first_phantom) {
+    return {};
+  }
   virtual int colour_count() const = 0;
   /// Constraints of a colour.
   virtual std::size_t colour_size(int colour) const = 0;
@@ -145,6 +154,8 @@ class Projector {
   virtual Residual measure(const ParticleView& particles, Threads&) { return residual(particles); }
   /// Calls the visitor for each constraint, colour after colour; unless a kind says how, for none.
   virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
+  /// What the constraints take on the heap. [bytes]
+  virtual std::size_t bytes() const { return 0; }
   /// Particles [begin, end) cease to exist: drop the constraints that name one of them, renumber the rest.
   virtual void erase_particles(std::uint32_t begin, std::uint32_t end) = 0;
 };

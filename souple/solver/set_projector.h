@@ -2,13 +2,16 @@
 
 #include "souple/constraints/constraint_set.h"
 #include "souple/error.h"
+#include "souple/geometry/reorder.h"
 #include "souple/math/reductions.h"
 #include "souple/solver/colouring.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/solver/kernels/projection.h"
+#include "souple/solver/partition.h"
 #include "souple/solver/projector.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -41,6 +44,9 @@ class SetProjector final : public Projector {
 
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
+  std::size_t bytes() const override {
+    return set_.bytes() + scales_.bytes() + partial_.capacity() * sizeof(Residual);
+  }
   int colour_count() const override { return static_cast<int>(set_.colour_begin.size()) - 1; }
 
   /// Throws Error when a constraint names a particle that does not exist.
@@ -54,13 +60,26 @@ class SetProjector final : public Projector {
           throw Error(std::string(kind()) + " " + std::to_string(i) + " names particle " +
                       std::to_string(index) + ", but there are " + std::to_string(particle_count));
     dirty_ = false;
-    std::vector<std::uint32_t> flat;
-    flat.reserve(set_.size() * Kind::arity);
-    for (std::size_t i = 0; i < set_.size(); ++i)
-      for (const std::uint32_t index : set_.indices(i)) flat.push_back(index);
-    Colouring colouring = colour_constraints(flat, Kind::arity, particle_count);
-    set_.reorder(colouring.order);
-    set_.colour_begin = std::move(colouring.colour_begin);
+    split_ = {};
+    arrange(colour_constraints(flat_indices(), Kind::arity, particle_count));
+    find_scales({});  // a solver may linearise before the first substep
+  }
+
+  std::span<const std::uint32_t> split(int colours, std::uint32_t first_phantom) override {
+    if (!split_.whole.order.empty()) arrange(std::move(split_.whole));
+    split_ = {};
+    if (colours == 0 || colour_count() <= colours) return {};
+    const std::vector<std::uint32_t> flat = flat_indices();
+    Partition partition =
+        partition_constraints(flat, Kind::arity, *std::max_element(flat.begin(), flat.end()) + std::size_t{1},
+                              set_.colour_begin, colours, first_phantom);
+    split_.phantom_of = std::move(partition.phantom_of);
+    split_.whole = {inverse_order(partition.colouring.order), set_.colour_begin};
+    for (std::size_t k = 0; k < Set::arity; ++k)
+      for (std::size_t i = k; i < partition.indices.size(); i += Set::arity)
+        split_.records[k].push_back(4 * partition.indices[i]);
+    arrange(std::move(partition.colouring));
+    return split_.phantom_of;
   }
 
   void begin_substep(const ParticleView&, const Substep& substep) override {
@@ -125,12 +144,12 @@ class SetProjector final : public Projector {
                  const LinearVisitor& visitor) const override {
     for (std::size_t i = 0; i < set_.size(); ++i) {
       ProjectionInput<Kind, float> in;
-      load(i, particles, in);
+      const Indices indices = set_.indices(i);
+      load(indices, i, particles, in);
       set_terms(i, substep, in);
       float C[rows_of<Kind>];
       Vec3f gradient[rows_of<Kind>][Kind::arity];
       evaluate_rows<Kind, float>(in.x, set_.params(i), C, gradient);
-      const Indices indices = set_.indices(i);
       visitor({indices,
                C,
                {&gradient[0][0], std::size_t{rows_of<Kind>} * Kind::arity},
@@ -161,10 +180,28 @@ class SetProjector final : public Projector {
   }
 
  private:
+  std::vector<std::uint32_t> flat_indices() const {
+    std::vector<std::uint32_t> flat;
+    flat.reserve(set_.size() * Set::arity);
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      for (const std::uint32_t index : set_.indices(i)) flat.push_back(index);
+    return flat;
+  }
+  void arrange(Colouring colouring) {
+    set_.reorder(colouring.order);
+    set_.colour_begin = std::move(colouring.colour_begin);
+    scales_for_ = -1;
+    find_scales({});  // before a first substep: 1
+  }
+  // What `project` acts on: where particles were split, phantoms in their place.
+  const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
+    return split_.phantom_of.empty() ? set_.records : split_.records;
+  }
+
   // Positions relative to the constraint's origin, or to its first particle, so that far from the world's
   // origin and in small steps no digit is lost.
-  void load(std::size_t i, const ParticleView& particles, ProjectionInput<Kind, float>& in) const {
-    const Indices indices = set_.indices(i);
+  void load(const Indices& indices, std::size_t i, const ParticleView& particles,
+            ProjectionInput<Kind, float>& in) const {
     for (int k = 0; k < Kind::arity; ++k) {
       const std::uint32_t particle = indices[static_cast<std::size_t>(k)];
       in.inverse_mass[k] = particles.inverse_mass(particle);
@@ -184,7 +221,8 @@ class SetProjector final : public Projector {
     if (kernels_) {
       float* rows[rows_of<Kind>];
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r];
-      const Arrays arrays(set_);
+      Arrays arrays(set_);
+      arrays.set.scale = {scales_.data(), scales_.stride()};
       kernels_->evaluate[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
                                                                        begin, end, rows);
       return;
@@ -243,7 +281,6 @@ class SetProjector final : public Projector {
     const std::uint32_t* records[Kind::arity];
     kernels::ColumnView parameters[Set::param_count], compliances[compliance_size<Kind>];
     kernels::SetArrays set;
-    static constexpr float unscaled = 1;
 
     explicit Arrays(const Set& of) {
       const auto view = [](const Column& column) {
@@ -256,7 +293,7 @@ class SetProjector final : public Projector {
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
-      set.scale = {&unscaled, 0};
+      set.scale = view(of.stiffnesses);  // any numbers do where nothing is projected
     }
     Arrays(const Arrays&) = delete;
     Arrays& operator=(const Arrays&) = delete;
@@ -271,10 +308,10 @@ class SetProjector final : public Projector {
   void project_packed(std::size_t begin, std::size_t end, const ParticleView& particles,
                       const Substep& substep, bool general) {
     Arrays arrays(set_);
+    for (std::size_t k = 0; k < Kind::arity; ++k) arrays.records[k] = acted_on()[k].data();
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
-    arrays.set.relaxation = substep.relaxation;
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
@@ -298,20 +335,24 @@ class SetProjector final : public Projector {
     return substep.mode == Mode::pbd ? 0 : 1 / (substep.h * substep.h);
   }
 
-  // k' of every constraint in PBD mode, 1 otherwise.
+  // The relaxation, times k' in PBD mode.
   void find_scales(const Substep& substep) {
     const int iterations = substep.mode == Mode::pbd ? substep.iterations : 0;
-    if (iterations == scales_for_ && scales_.size() == set_.size()) return;
+    if (iterations == scales_for_ && substep.relaxation == relaxed_by_ && scales_.size() == set_.size())
+      return;
     scales_for_ = iterations;
+    relaxed_by_ = substep.relaxation;
     scales_ = {};
-    for (std::size_t i = 0; i < set_.size(); ++i)
-      scales_.push_back(
-          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1);
+    for (std::size_t i = 0; i < set_.size(); ++i) {
+      const float k =
+          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1;
+      scales_.push_back(k * substep.relaxation);
+    }
   }
 
   void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {
     ProjectionInput<Kind, float> in;
-    load(i, particles, in);
+    load(set_.indices(i), i, particles, in);
     Vec3f gradient[rows_of<Kind>][Kind::arity];
     evaluate_rows<Kind, float>(in.x, set_.params(i), C, gradient);
   }
@@ -344,14 +385,15 @@ class SetProjector final : public Projector {
     for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
       in.alpha[k] = set_.compliances[k][i] * inverse_h2(substep);
     in.gamma = substep.mode == Mode::pbd ? 0 : set_.damping_time(i) / substep.h;
-    in.scale = scales_[i] * substep.relaxation;
+    in.scale = scales_[i];
   }
 
   template <Terms terms>
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
-    const Indices indices = set_.indices(i);
+    Indices indices;
+    for (std::size_t k = 0; k < Set::arity; ++k) indices[k] = acted_on()[k][i] / 4;
     ProjectionInput<Kind, float> in;
-    load(i, particles, in);
+    load(indices, i, particles, in);
     set_terms(i, substep, in);
     const bool stored = terms == Terms::general && substep.stores_multipliers();
     if constexpr (terms == Terms::general) {
@@ -364,15 +406,21 @@ class SetProjector final : public Projector {
     float dlambda[rows_of<Kind>];
     project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
-      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r] * in.scale;
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r];
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
   }
 
   Set set_;
   std::vector<Residual> partial_;  // of each chunk
-  Column scales_;                  // k' of the present mode and number of iterations
+  Column scales_;                  // of every correction, for:
   int scales_for_ = -1;            // iterations in PBD mode, else 0
+  float relaxed_by_ = 1;
   const kernels::KindKernels* kernels_ = nullptr;
+  struct Split {
+    std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
+    std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records, with phantoms
+    Colouring whole;                                             // leads back
+  } split_;
   bool dirty_ = true;
   bool damped_ = true;
 };

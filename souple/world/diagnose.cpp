@@ -75,6 +75,8 @@ void bring_constraints_up_to_date(WorldState& world) {
   if (world.dirty_constraints) {
     build_constraints(world);
     build_contact_radii(world);
+    world.particles.shrink_to_fit();
+    world.object_of.shrink_to_fit();
     world.dirty_constraints = false;
     world.dirty_solver = true;
   }
@@ -84,6 +86,7 @@ void bring_constraints_up_to_date(WorldState& world) {
   if (!world.dirty_solver) return;
   world.order.clear();
   world.for_each_projector([&](Projector& projector) { world.order.push_back(&projector); });
+  for (Projector* projector : world.order) projector->split(0, 0);  // what the last solver may have split
   world.solver = make_solver(world.settings.solver);
   world.solver->prepare(world.order, world.view());
   world.dirty_solver = false;

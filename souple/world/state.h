@@ -55,7 +55,8 @@ struct Object {
   /// Made of `surface` when the wind first blows: triangles [triangle_begin[i], triangle_begin[i + 1]) of
   /// triangles_of touch particle i, in ascending order.
   std::vector<std::uint32_t> triangle_begin, triangles_of;
-  std::vector<std::uint32_t> surface_source;  ///< cloth: per triangle of `surface`, its index in `mesh`
+  std::vector<std::uint32_t> surface_source;  ///< cloth: per triangle of `surface`, its index in `mesh`;
+                                              ///< empty: the same
   std::vector<float> stiffness_map;           ///< per particle; empty: 1
   std::vector<float> thickness_map;           ///< per particle; empty: 1
   std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
@@ -77,8 +78,8 @@ struct Object {
 
 /// The user-order mirror of an object; refreshed lazily.
 struct Mirror {
-  std::uint64_t version = 0;  ///< of the state it shows
-  std::uint64_t normals_version = 0;
+  std::uint64_t version = 0;  ///< of the state that the positions show
+  std::uint64_t velocities_version = 0, normals_version = 0;
   std::vector<Vec3f> positions, velocities, normals;
 };
 

@@ -1,8 +1,7 @@
 #include "souple/constraints/distance.h"
-#include "souple/geometry/adjacency.h"
-#include "souple/geometry/builders.h"
 #include "souple/solver/set_projector.h"
 #include "souple/world/world.h"
+#include "tests/solver/meshes_to_colour.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -34,8 +33,7 @@ Strain hang(int n) {
     links->add({world.particle(cloth, a), world.particle(cloth, b)},
                {static_cast<float>(length(mesh.positions[a] - mesh.positions[b]))});
   };
-  for (const Edge& edge : unique_edges(mesh.triangles)) link(edge[0], edge[1]);
-  for (const Hinge& hinge : interior_edges(mesh.triangles)) link(hinge[2], hinge[3]);
+  for (const Edge& edge : test::springs(mesh)) link(edge[0], edge[1]);
   world.add_projector(std::move(links));
   Strain strain;
   for (int frame = 0; frame < 600; ++frame) {

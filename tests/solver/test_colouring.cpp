@@ -1,6 +1,5 @@
-#include "souple/geometry/adjacency.h"
-#include "souple/geometry/builders.h"
 #include "souple/solver/colouring.h"
+#include "tests/solver/meshes_to_colour.h"
 
 #include <algorithm>
 #include <string>
@@ -11,64 +10,8 @@
 namespace souple {
 namespace {
 
-struct Case {
-  std::string name;
-  std::vector<std::uint32_t> indices;
-  int arity = 2;
-  std::size_t particles = 0;
-  std::size_t most_colours = 0;
-
-  std::size_t count() const { return indices.size() / static_cast<std::size_t>(arity); }
-  std::span<const std::uint32_t> constraint(std::size_t i) const {
-    const auto width = static_cast<std::size_t>(arity);
-    return std::span(indices).subspan(i * width, width);
-  }
-};
-
-template <class Element>
-Case make_case(const std::string& name, const std::vector<Element>& elements, std::size_t particles,
-               std::size_t most_colours) {
-  Case result{name, {}, static_cast<int>(std::tuple_size_v<Element>), particles, most_colours};
-  for (const Element& element : elements)
-    result.indices.insert(result.indices.end(), element.begin(), element.end());
-  return result;
-}
-
-// A cloth's springs: the edges, and distances across interior edges.
-Case springs(const std::string& name, const TriangleMesh& mesh, std::size_t most_colours) {
-  std::vector<Edge> all = unique_edges(mesh.triangles);
-  for (const Hinge& hinge : interior_edges(mesh.triangles)) all.push_back({hinge[2], hinge[3]});
-  return make_case(name, all, mesh.positions.size(), most_colours);
-}
-
-// The bounds are a colour or two above what each mesh takes.
-std::vector<Case> meshes() {
-  const TriangleMesh cloth = grid(200, 200, 2), slanted = grid(200, 200, 2, Diagonals::one_way);
-  const TriangleMesh ball = sphere(5, 1);
-  const TetMesh bar = tet_bar(60, 12, 12, {5, 1, 1});
-  const std::size_t n = cloth.positions.size(), m = ball.positions.size(), k = bar.positions.size();
-  return {make_case("cloth edges", unique_edges(cloth.triangles), n, 8),
-          springs("cloth springs", cloth, 16),
-          make_case("cloth hinges", interior_edges(cloth.triangles), n, 19),
-          make_case("cloth triangles", cloth.triangles, n, 8),
-          make_case("slanted edges", unique_edges(slanted.triangles), n, 6),
-          springs("slanted springs", slanted, 13),
-          make_case("slanted hinges", interior_edges(slanted.triangles), n, 14),
-          make_case("slanted triangles", slanted.triangles, n, 8),
-          make_case("tets", bar.tets, k, 39),
-          make_case("tet edges", unique_edges(bar.tets), k, 19),
-          make_case("ball edges", unique_edges(ball.triangles), m, 8),
-          springs("ball springs", ball, 15),
-          make_case("ball hinges", interior_edges(ball.triangles), m, 19),
-          make_case("ball triangles", ball.triangles, m, 10)};
-}
-
-// Particle 0 is in all of them.
-Case star(std::uint32_t rays) {
-  std::vector<Edge> edges;
-  for (std::uint32_t i = 1; i <= rays; ++i) edges.push_back({0, i});
-  return make_case("star", edges, rays + 1, rays);
-}
+using test::colour_case;
+using test::ColourCase;
 
 std::size_t colour_count(const Colouring& colouring) {
   return colouring.colour_begin.size() - 1;
@@ -80,7 +23,7 @@ std::span<const std::uint32_t> colour(const Colouring& colouring, std::size_t c)
 }
 
 // Every constraint once, no colour empty, no particle twice in a colour.
-void expect_valid(const Case& of, const Colouring& colouring) {
+void expect_valid(const ColourCase& of, const Colouring& colouring) {
   SCOPED_TRACE(of.name);
   ASSERT_EQ(colouring.order.size(), of.count());
   ASSERT_EQ(colouring.colour_begin.front(), 0u);
@@ -99,12 +42,12 @@ void expect_valid(const Case& of, const Colouring& colouring) {
   }
 }
 
-Colouring colouring_of(const Case& of) {
+Colouring colouring_of(const ColourCase& of) {
   return colour_constraints(of.indices, of.arity, of.particles);
 }
 
 TEST(Colouring, MeshesTakeFewColoursAndNoneIsTiny) {
-  for (const Case& of : meshes()) {
+  for (const ColourCase& of : test::meshes_to_colour(200)) {
     const Colouring colouring = colouring_of(of);
     expect_valid(of, colouring);
     EXPECT_LE(colour_count(colouring), of.most_colours) << of.name;
@@ -115,7 +58,7 @@ TEST(Colouring, MeshesTakeFewColoursAndNoneIsTiny) {
 }
 
 TEST(Colouring, NeighboursInAColourAreNeighboursInMemory) {
-  for (const Case& of : meshes()) {
+  for (const ColourCase& of : test::meshes_to_colour(200)) {
     const Colouring colouring = colouring_of(of);
     for (std::size_t c = 0; c < colour_count(colouring); ++c) {
       std::uint32_t before = 0;
@@ -130,7 +73,7 @@ TEST(Colouring, NeighboursInAColourAreNeighboursInMemory) {
 }
 
 TEST(Colouring, TheSameTwice) {
-  for (const Case& of : meshes()) {
+  for (const ColourCase& of : test::meshes_to_colour(200)) {
     const Colouring one = colouring_of(of), other = colouring_of(of);
     EXPECT_EQ(one.order, other.order) << of.name;
     EXPECT_EQ(one.colour_begin, other.colour_begin) << of.name;
@@ -140,7 +83,7 @@ TEST(Colouring, TheSameTwice) {
 TEST(Colouring, ChainTakesTwoColours) {
   std::vector<Edge> chain;
   for (std::uint32_t i = 0; i < 100; ++i) chain.push_back({i, i + 1});
-  const Case of = make_case("chain", chain, 101, 2);
+  const ColourCase of = colour_case("chain", chain, 101, 2);
   const Colouring colouring = colouring_of(of);
   expect_valid(of, colouring);
   EXPECT_EQ(colour_count(colouring), 2u);
@@ -148,7 +91,7 @@ TEST(Colouring, ChainTakesTwoColours) {
 
 TEST(Colouring, StarsTakeAColourForEachRay) {
   for (const std::uint32_t rays : {1u, 63u, 64u, 65u, 128u, 200u, 10000u}) {
-    const Case of = star(rays);
+    const ColourCase of = test::star(rays);
     const Colouring colouring = colouring_of(of);
     expect_valid(of, colouring);
     EXPECT_EQ(colour_count(colouring), rays);
@@ -158,7 +101,7 @@ TEST(Colouring, StarsTakeAColourForEachRay) {
 // A hub tied to many vertices of a cloth leaves the cloth's own colours as large as they were.
 TEST(Colouring, HubInACloth) {
   const TriangleMesh cloth = grid(100, 100, 2);
-  Case of = springs("hub", cloth, 1020);
+  ColourCase of = colour_case("hub", test::springs(cloth), cloth.positions.size(), 1020);
   for (std::uint32_t i = 1; i <= 1000; ++i) of.indices.insert(of.indices.end(), {0, 9 * i});
   const Colouring colouring = colouring_of(of);
   expect_valid(of, colouring);
@@ -167,8 +110,8 @@ TEST(Colouring, HubInACloth) {
 }
 
 TEST(Colouring, ConstraintThatNamesAParticleTwice) {
-  const Case of =
-      make_case("triangles", std::vector<Triangle>{{0, 0, 1}, {1, 1, 1}, {1, 2, 0}, {2, 2, 3}}, 4, 4);
+  const ColourCase of =
+      colour_case("triangles", std::vector<Triangle>{{0, 0, 1}, {1, 1, 1}, {1, 2, 0}, {2, 2, 3}}, 4, 4);
   EXPECT_EQ(colouring_of(of).order.size(), 4u);
 }
 

@@ -28,12 +28,13 @@ namespace {
 
 // The solvers that promise it (docs/solvers.md); those that use Eigen do not.
 TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
-  for (const SolverKind kind :
-       {SolverKind::gauss_seidel, SolverKind::jacobi, SolverKind::conjugate_gradient}) {
+  for (SolverSettings settings :
+       {test::kind_of(SolverKind::gauss_seidel), SolverSettings{.colours = 3},
+        test::kind_of(SolverKind::jacobi), test::kind_of(SolverKind::conjugate_gradient),
+        test::kind_of(SolverKind::hierarchical)}) {
     test::SolverScene scene = test::sheet(20, 0.1, 0.01, 1e-6f, true);
     scene.gravity = {0, -9.81f, 0};
     scene.substep.iterations = 4;
-    SolverSettings settings = test::kind_of(kind);
     settings.chebyshev = 0.9f;
     settings.sweep = Sweep::symmetric;
     scene.use(settings);

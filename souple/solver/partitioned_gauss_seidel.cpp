@@ -1,0 +1,149 @@
+#include "souple/solver/partitioned_gauss_seidel.h"
+
+namespace souple {
+namespace {
+
+constexpr std::size_t copy_grain = 4096;  // particles
+
+}  // namespace
+
+/// A set whose particles were split, as a projector on particles without phantoms: two colours of its own,
+/// before and after those of the set, bring the phantoms and their particles together. So whatever walks the
+/// colours of a set, forward or backward, needs to know nothing of phantoms.
+class PartitionedGaussSeidel::Split final : public Projector {
+ public:
+  Split(Projector& set, std::span<const std::uint32_t> phantom_of, std::uint32_t first_phantom, Everyone& all)
+      : set_(set), all_(all) {
+    for (std::uint32_t j = 0; j < phantom_of.size(); ++j) {
+      if (particles_.empty() || particles_.back().particle != phantom_of[j])
+        particles_.push_back({{}, phantom_of[j], first_phantom + j, first_phantom + j, 0});
+      ++particles_.back().end;
+    }
+  }
+
+  std::string_view kind() const override { return set_.kind(); }
+  std::size_t size() const override { return set_.size(); }
+  void prepare(std::size_t) override {}
+  int colour_count() const override { return set_.colour_count() + 2; }
+  std::size_t colour_size(int colour) const override {
+    return joins(colour) ? particles_.size() : set_.colour_size(colour - 1);
+  }
+  std::size_t grain() const override { return set_.grain(); }
+  using Projector::project;
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView&,
+               const Substep& substep) override {
+    if (!joins(colour)) {
+      set_.project(colour - 1, begin, end, all_.view, substep);
+      return;
+    }
+    for (std::size_t i = begin; i < end; ++i) join(particles_[i]);
+  }
+  bool linearise(const ParticleView& particles, const Substep& substep,
+                 const LinearVisitor& visitor) const override {
+    return set_.linearise(particles, substep, visitor);
+  }
+  void multipliers(const MultiplierVisitor& visitor) override { set_.multipliers(visitor); }
+  Residual residual(const ParticleView& particles) const override { return set_.residual(particles); }
+  void erase_particles(std::uint32_t, std::uint32_t) override {}
+
+ private:
+  struct SplitParticle {
+    Vec3f joined;  // where its phantoms were when they last were together
+    std::uint32_t particle = 0, begin = 0, end = 0;
+    std::uint32_t substep = 0;  // of `joined`
+  };
+
+  bool joins(int colour) const { return colour == 0 || colour == set_.colour_count() + 1; }
+
+  // The particle goes where its phantoms' centre of mass went, then they to it: meanwhile another set may
+  // have moved the particle alone.
+  void join(SplitParticle& split) const {
+    const std::span<Vec4f> moving = all_.view.moving;
+    Vec4f& particle = moving[split.particle];
+    if (split.substep == all_.substep) {
+      Vec3f sum{};
+      for (std::uint32_t j = split.begin; j < split.end; ++j) sum += moving[j].xyz() - split.joined;
+      particle.set_xyz(particle.xyz() + sum / static_cast<float>(split.end - split.begin));
+    } else {
+      refresh(split);
+    }
+    split.joined = particle.xyz();
+    for (std::uint32_t j = split.begin; j < split.end; ++j) moving[j].set_xyz(split.joined);
+  }
+
+  // Once in a substep the phantoms become what their particle is, but for the mass.
+  void refresh(SplitParticle& split) const {
+    Vec4f position = all_.position[split.particle];
+    position.w *= static_cast<float>(split.end - split.begin);
+    for (std::uint32_t j = split.begin; j < split.end; ++j) {
+      all_.position[j] = position;
+      all_.start[j] = all_.start[split.particle];
+    }
+    split.substep = all_.substep;
+  }
+
+  Projector& set_;
+  Everyone& all_;
+  std::vector<SplitParticle> particles_;
+};
+
+PartitionedGaussSeidel::PartitionedGaussSeidel(const SolverSettings& settings)
+    : colours_(settings.colours), gauss_seidel_(settings) {}
+
+PartitionedGaussSeidel::~PartitionedGaussSeidel() = default;
+
+void PartitionedGaussSeidel::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+  particle_count_ = particles.position.size();
+  split_.clear();
+  projectors_.clear();
+  std::size_t count = particle_count_;
+  for (Projector* projector : projectors) {
+    const auto first = static_cast<std::uint32_t>(count);
+    const std::span<const std::uint32_t> phantom_of = projector->split(colours_, first);
+    count += phantom_of.size();
+    if (!phantom_of.empty()) {
+      split_.push_back(std::make_unique<Split>(*projector, phantom_of, first, all_));
+      projector = split_.back().get();
+    }
+    projectors_.push_back(projector);
+  }
+  if (count == particle_count_) count = 0;  // nothing is split, and nothing copied
+  for (std::vector<Vec4f>* array : {&all_.position, &all_.moving, &all_.start}) array->resize(count);
+  gauss_seidel_.prepare(projectors_, particles);
+}
+
+void PartitionedGaussSeidel::copy_in(const ParticleView& particles, Threads& threads) {
+  const bool plain = particles.form == Form::plain;
+  threads.for_each(particle_count_, copy_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      all_.position[i] = particles.position[i];
+      if (!plain) all_.moving[i] = particles.moving[i];
+      all_.start[i] = particles.start[i];
+    }
+  });
+  all_.view = {all_.position, plain ? all_.position : all_.moving, all_.start, particles.form};
+  ++all_.substep;
+}
+
+void PartitionedGaussSeidel::solve(std::span<Projector* const>, const ParticleView& particles,
+                                   const Substep& substep, Threads& threads) {
+  if (split_.empty()) {
+    gauss_seidel_.solve(projectors_, particles, substep, threads);
+    return;
+  }
+  copy_in(particles, threads);
+  const ParticleView& all = all_.view;
+  const ParticleView real{all.position.first(particle_count_), all.moving.first(particle_count_),
+                          all.start.first(particle_count_), all.form};
+  gauss_seidel_.solve(projectors_, real, substep, threads);
+  threads.for_each(particle_count_, copy_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) particles.moving[i] = real.moving[i];
+  });
+}
+
+std::string PartitionedGaussSeidel::remark() const {
+  const std::size_t count = split_.empty() ? 0 : all_.position.size() - particle_count_;
+  return std::to_string(count) + " phantoms cut the constraints to " + std::to_string(colours_) + " colours";
+}
+
+}  // namespace souple

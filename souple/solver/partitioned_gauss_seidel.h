@@ -1,0 +1,53 @@
+#pragma once
+
+#include "souple/solver/gauss_seidel.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace souple {
+
+/// Gauss-Seidel in a chosen number of colours (Fratarcangeli & Pellacini 2015). Particles in which too many
+/// constraints meet are split into phantoms (partition.h), which are brought together after each sweep of a
+/// set.
+///
+/// A split particle shares its mass equally among its n phantoms (Tonge et al. 2012, "Mass Splitting for
+/// Jitter-Free Parallel Rigid Body Simulation"): w_k = n w, and x = 1/n sum_k x_k is their common
+/// centre of mass. So momentum is kept whatever two particles' numbers of phantoms are, and since
+///   w grad C dlambda = 1/n (n w) grad C dlambda,
+/// x = x* + W J^T lambda holds as without phantoms: the solution is the same, the way to it longer.
+///
+/// Kinds that cannot be split (contacts, shape matching, custom constraints) are projected as usual.
+class PartitionedGaussSeidel final : public Solver {
+ public:
+  /// settings.colours >= 1.
+  explicit PartitionedGaussSeidel(const SolverSettings& settings);
+  ~PartitionedGaussSeidel() override;
+
+  std::string_view name() const override { return "gauss_seidel"; }
+  void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
+  void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
+             Threads& threads) override;
+  std::string remark() const override;
+
+ private:
+  class Split;
+  /// The particles, then the phantoms.
+  struct Everyone {
+    std::vector<Vec4f> position, moving, start;
+    ParticleView view;
+    std::uint32_t substep = 0;  ///< grows with each
+  };
+
+  void copy_in(const ParticleView& particles, Threads& threads);
+
+  int colours_;
+  GaussSeidel gauss_seidel_;
+  std::size_t particle_count_ = 0;
+  Everyone all_;
+  std::vector<std::unique_ptr<Split>> split_;
+  std::vector<Projector*> projectors_;  // those that were not split, and the Splits of the others
+};
+
+}  // namespace souple

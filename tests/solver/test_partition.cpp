@@ -1,0 +1,338 @@
+#include "souple/constraints/distance.h"
+#include "souple/constraints/neo_hookean.h"
+#include "souple/solver/partition.h"
+#include "souple/solver/set_projector.h"
+#include "souple/solver/solver.h"
+#include "souple/world/world.h"
+#include "tests/solver/body.h"
+#include "tests/solver/meshes_to_colour.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using test::Body;
+using test::ColourCase;
+
+/// Coloured and sorted by colour.
+struct Coloured {
+  ColourCase of;
+  std::vector<std::uint32_t> colour_begin;
+
+  explicit Coloured(const ColourCase& given) : of(given) {
+    const Colouring colouring = colour_constraints(given.indices, given.arity, given.particles);
+    colour_begin = colouring.colour_begin;
+    of.indices.clear();
+    for (const std::uint32_t i : colouring.order)
+      of.indices.insert(of.indices.end(), given.constraint(i).begin(), given.constraint(i).end());
+  }
+  Partition partition(int colours) const {
+    return partition_constraints(of.indices, of.arity, of.particles, colour_begin, colours,
+                                 static_cast<std::uint32_t>(of.particles));
+  }
+};
+
+std::vector<Coloured> meshes() {
+  std::vector<Coloured> result;
+  for (const ColourCase& of : test::meshes_to_colour(60)) result.emplace_back(of);
+  return result;
+}
+
+std::size_t colour_count(const Partition& partition) {
+  return partition.colouring.colour_begin.size() - 1;
+}
+
+// Every constraint once and on its own particles or their phantoms, none of those twice in a colour.
+void expect_valid(const ColourCase& of, const Partition& partition) {
+  SCOPED_TRACE(of.name);
+  const auto width = static_cast<std::size_t>(of.arity);
+  ASSERT_EQ(partition.colouring.order.size(), of.count());
+  ASSERT_EQ(partition.colouring.colour_begin.back(), of.count());
+  ASSERT_EQ(partition.indices.size(), of.indices.size());
+  std::vector<int> seen(of.count());
+  std::vector<std::size_t> last_colour(of.particles + partition.phantom_of.size());
+  for (std::size_t c = 0; c < colour_count(partition); ++c) {
+    EXPECT_LT(partition.colouring.colour_begin[c], partition.colouring.colour_begin[c + 1]);
+    for (std::size_t k = partition.colouring.colour_begin[c]; k < partition.colouring.colour_begin[c + 1];
+         ++k) {
+      const std::uint32_t i = partition.colouring.order[k];
+      ++seen.at(i);
+      for (std::size_t corner = 0; corner < width; ++corner) {
+        const std::uint32_t index = partition.indices[k * width + corner];
+        const std::uint32_t particle =
+            index < of.particles ? index : partition.phantom_of.at(index - of.particles);
+        ASSERT_EQ(particle, of.constraint(i)[corner]);
+        ASSERT_NE(last_colour[index], c + 1) << "colour " << c << " has " << index << " twice";
+        last_colour[index] = c + 1;
+      }
+    }
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<std::ptrdiff_t>(of.count()));
+}
+
+// A split particle has two phantoms or more, no constraint of its own, and shares that differ by one at most.
+void expect_shared(const ColourCase& of, const Partition& partition) {
+  const std::vector<std::uint32_t>& owner = partition.phantom_of;
+  EXPECT_TRUE(std::is_sorted(owner.begin(), owner.end()));
+  std::vector<int> share(of.particles + owner.size());
+  for (const std::uint32_t index : partition.indices) ++share[index];
+  for (std::size_t begin = 0, end = 0; begin < owner.size(); begin = end) {
+    while (end < owner.size() && owner[end] == owner[begin]) ++end;
+    EXPECT_GE(end - begin, 2u);
+    EXPECT_EQ(share[owner[begin]], 0);
+    const auto first = share.begin() + static_cast<std::ptrdiff_t>(of.particles);
+    const auto [least, most] = std::minmax_element(first + static_cast<std::ptrdiff_t>(begin),
+                                                   first + static_cast<std::ptrdiff_t>(end));
+    EXPECT_GE(*least, 1);
+    EXPECT_LE(*most - *least, 1);
+  }
+}
+
+TEST(Partition, AsManyColoursAsAskedFor) {
+  for (const Coloured& mesh : meshes())
+    for (int colours = 1; colours <= 8; ++colours) {
+      const Partition partition = mesh.partition(colours);
+      EXPECT_EQ(colour_count(partition),
+                std::min(mesh.colour_begin.size() - 1, static_cast<std::size_t>(colours)));
+      expect_valid(mesh.of, partition);
+      expect_shared(mesh.of, partition);
+    }
+}
+
+// A particle in n constraints needs n / colours copies, rounded up, and seldom gets more.
+TEST(Partition, FewPhantoms) {
+  for (const Coloured& mesh : meshes())
+    for (const std::size_t colours : {2u, 4u, 6u}) {
+      std::vector<std::size_t> degree(mesh.of.particles);
+      for (const std::uint32_t particle : mesh.of.indices) ++degree[particle];
+      std::size_t fewest = 0;
+      for (const std::size_t n : degree) fewest += n > colours ? (n + colours - 1) / colours : 0;
+      const Partition partition = mesh.partition(static_cast<int>(colours));
+      EXPECT_LE(partition.phantom_of.size(), 3 * fewest / 2 + mesh.of.particles * 5 / 4)
+          << mesh.of.name << ", " << colours;
+    }
+}
+
+TEST(Partition, NothingIsSplitWhereColoursSuffice) {
+  for (const Coloured& mesh : meshes()) {
+    const Partition partition = mesh.partition(static_cast<int>(mesh.colour_begin.size() - 1));
+    EXPECT_TRUE(partition.phantom_of.empty());
+    EXPECT_EQ(partition.indices, mesh.of.indices);
+    EXPECT_EQ(partition.colouring.colour_begin, mesh.colour_begin);
+  }
+}
+
+TEST(Partition, Stars) {
+  for (const std::uint32_t rays : {5u, 64u, 200u, 20000u}) {
+    const Coloured star(test::star(rays));
+    const Partition partition = star.partition(4);
+    EXPECT_EQ(colour_count(partition), 4u);
+    EXPECT_EQ(partition.phantom_of.size(), (rays + 3) / 4);
+    expect_valid(star.of, partition);
+    expect_shared(star.of, partition);
+  }
+}
+
+TEST(Partition, Nothing) {
+  const std::vector<std::uint32_t> no_colour{0};
+  const Partition partition = partition_constraints({}, 2, 5, no_colour, 3, 5);
+  EXPECT_EQ(partition.colouring.colour_begin, no_colour);
+  EXPECT_TRUE(partition.phantom_of.empty());
+}
+
+TEST(Partition, TheSameTwice) {
+  for (const Coloured& mesh : meshes()) {
+    const Partition one = mesh.partition(5), other = mesh.partition(5);
+    EXPECT_EQ(one.indices, other.indices);
+    EXPECT_EQ(one.colouring.order, other.colouring.order);
+    EXPECT_EQ(one.phantom_of, other.phantom_of);
+  }
+}
+
+/// Cuts every range into parts of three and calls them last to first.
+class BackwardThreads final : public Threads {
+ public:
+  int count() const override { return 3; }
+  void for_each(std::size_t n, std::size_t, RangeFunction f) override {
+    for (std::size_t begin = n - n % 3; n > 0; begin -= 3) {
+      if (begin < n) f(begin, std::min(begin + 3, n));
+      if (begin == 0) break;
+    }
+  }
+};
+
+// A bar of tets and a cloth's worth of springs on its edges, particles of uneven mass, out of shape.
+struct Wobbly {
+  Body body;
+  SetProjector<NeoHookean> tets;
+  SetProjector<Distance> links;
+  std::vector<Projector*> projectors{&links, &tets};
+
+  // `bent`: how far out of shape [m].
+  Wobbly(Form form, float compliance, double bent) : body(form) {
+    const TetMesh bar = tet_bar(8, 3, 3, {1.6, 0.6, 0.6});
+    for (std::size_t i = 0; i < bar.positions.size(); ++i)
+      body.add(bar.positions[i] + test::scatter3(i) * bent, static_cast<float>(2 + test::scatter(1000 + i)));
+    for (const Edge& edge : unique_edges(bar.tets))
+      links.add(edge, {static_cast<float>(length(bar.positions[edge[0]] - bar.positions[edge[1]]))},
+                {compliance});
+    for (const Tet& tet : bar.tets) {
+      const Vec3d x[4] = {bar.positions[tet[0]], bar.positions[tet[1]], bar.positions[tet[2]],
+                          bar.positions[tet[3]]};
+      tets.add(tet, NeoHookean::from_rest(x), NeoHookean::compliance(1e5, 0.3, 0.001));
+    }
+    for (Projector* projector : projectors) projector->prepare(body.position.size());
+  }
+
+  void solve(const SolverSettings& settings, const Substep& substep, Threads& threads) {
+    const std::unique_ptr<Solver> solver = make_solver(settings);
+    solver->prepare(projectors, body.view());
+    for (Projector* projector : projectors) projector->begin_substep(body.view(), substep);
+    solver->solve(projectors, body.view(), substep, threads);
+  }
+  void solve(const SolverSettings& settings, const Substep& substep) {
+    const std::unique_ptr<Threads> serial = make_threads(Threading::serial, 1);
+    solve(settings, substep, *serial);
+  }
+};
+
+double farthest(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
+  double result = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) result = std::max(result, length(a[i] - b[i]));
+  return result;
+}
+
+Substep substep_of(int iterations, Form form) {
+  return {.h = 1.0f / 600, .iterations = iterations, .mode = Mode::xpbd, .form = form};
+}
+
+constexpr Form both_forms[] = {Form::displacement, Form::plain};
+
+TEST(PartitionedGaussSeidel, KeepsMomentum) {
+  for (const Form form : both_forms)
+    for (const int colours : {1, 2, 3, 5, 8}) {
+      Wobbly wobbly(form, 1e-6f, 0.02);
+      const std::vector<Vec3d> before = wobbly.body.all();
+      wobbly.solve({.colours = colours}, substep_of(4, form));
+      const test::Momentum momentum = test::momentum_of(wobbly.body, before);
+      EXPECT_GT(momentum.linear_scale, 0.01);
+      EXPECT_LT(length(momentum.linear), 1e-5 * momentum.linear_scale) << colours;
+    }
+}
+
+// Multipliers sum up along the gradients of each iteration. Where those hardly turn, the solution of a
+// substep is unique, and phantoms do not change which it is: 1e-3 m out of shape on edges of 0.2 m, 1e-3 of
+// the way.
+TEST(PartitionedGaussSeidel, ConvergesToTheSameShape) {
+  for (const float compliance : {0.0f, 1e-4f})
+    for (const Form form : both_forms) {
+      const auto solved = [&](int colours) {
+        Wobbly wobbly(form, compliance, 1e-3);
+        wobbly.projectors = {&wobbly.links};
+        wobbly.solve({.colours = colours}, substep_of(3000, form));
+        return wobbly.body.all();
+      };
+      const std::vector<Vec3d> before = Wobbly(form, compliance, 1e-3).body.all(), whole = solved(0);
+      const double moved = farthest(whole, before);
+      EXPECT_GT(moved, 3e-4);
+      const double tolerance = form == Form::plain ? 1e-2 : 2e-3;
+      for (const int colours : {1, 2, 3, 5, 8})
+        EXPECT_LT(farthest(solved(colours), whole), tolerance * moved) << colours;
+    }
+}
+
+template <class A, class B>
+bool same_bits(const std::vector<A>& a, const std::vector<B>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(A)) == 0;
+}
+
+TEST(PartitionedGaussSeidel, ManyColoursAreGaussSeidel) {
+  Wobbly whole(Form::displacement, 1e-6f, 0.02), split(Form::displacement, 1e-6f, 0.02);
+  whole.solve({}, substep_of(3, Form::displacement));
+  split.solve({.colours = 64}, substep_of(3, Form::displacement));
+  EXPECT_TRUE(same_bits(whole.body.offset, split.body.offset));
+}
+
+TEST(PartitionedGaussSeidel, AnyThreadsAnyOrderOfParts) {
+  for (const Form form : both_forms)
+    for (const int colours : {1, 2, 5}) {
+      Wobbly one(form, 1e-6f, 0.02), other(form, 1e-6f, 0.02);
+      BackwardThreads threads;
+      one.solve({.colours = colours}, substep_of(3, form));
+      other.solve({.colours = colours}, substep_of(3, form), threads);
+      EXPECT_TRUE(same_bits(one.body.moving(), other.body.moving())) << colours;
+    }
+}
+
+TEST(PartitionedGaussSeidel, PinnedParticlesStayAndMassesDo) {
+  for (const Form form : both_forms) {
+    Wobbly wobbly(form, 0, 0.02);
+    for (const std::size_t i : {0u, 10u, 50u}) wobbly.body.position[i].w = 0;
+    wobbly.body.start = wobbly.body.moving();
+    const std::vector<Vec3d> before = wobbly.body.all();
+    const std::vector<Vec4f> position = wobbly.body.position;
+    wobbly.solve({.colours = 3}, substep_of(20, form));
+    for (const std::size_t i : {0u, 10u, 50u}) EXPECT_EQ(length(wobbly.body.at(i) - before[i]), 0);
+    for (std::size_t i = 0; i < position.size(); ++i) EXPECT_EQ(wobbly.body.position[i].w, position[i].w);
+  }
+}
+
+// The report speaks of particles, never of phantoms, and a set can be made whole again.
+TEST(PartitionedGaussSeidel, SetsAreSplitAndMadeWhole) {
+  Wobbly wobbly(Form::displacement, 1e-6f, 0.02);
+  const int colours = wobbly.links.colour_count();
+  const std::vector<std::uint32_t> first = wobbly.links.set().records[0];
+  const double before = wobbly.links.residual(wobbly.body.view()).sum;
+  const auto count = static_cast<std::uint32_t>(wobbly.body.position.size());
+  EXPECT_FALSE(wobbly.links.split(3, count).empty());
+  EXPECT_EQ(wobbly.links.colour_count(), 3);
+  EXPECT_NEAR(wobbly.links.residual(wobbly.body.view()).sum, before, 1e-9 * before);
+  wobbly.links.visit(wobbly.body.view(), [&](const ConstraintState& state) {
+    for (const std::uint32_t particle : state.particles) EXPECT_LT(particle, count);
+  });
+  EXPECT_TRUE(wobbly.links.split(0, 0).empty());
+  EXPECT_EQ(wobbly.links.colour_count(), colours);
+  EXPECT_EQ(wobbly.links.set().records[0], first);
+}
+
+// A soft cloth hung by a row, swung down and at rest, 7 % longer than it was.
+std::vector<Vec3d> hung(const SolverSettings& solver) {
+  World world({.substeps = 5, .iterations = 10, .drag = 3, .solver = solver});
+  const ObjectId cloth = world.add_cloth(grid(12, 12, 1), {.membrane_stiffness = 20});
+  world.pin(cloth, in_box({-1, -1, -0.51f}, {1, 1, -0.49f}));
+  for (int frame = 0; frame < 240; ++frame) world.step(1.0 / 60);
+  return {world.positions(cloth).begin(), world.positions(cloth).end()};
+}
+
+TEST(PartitionedGaussSeidel, HangingClothComesToTheSameRest) {
+  const std::vector<Vec3d> whole = hung({});
+  double lowest = 0;
+  for (const Vec3d& x : whole) lowest = std::min(lowest, x.y);
+  EXPECT_NEAR(lowest, -1.04, 0.03);
+  for (const int colours : {2, 6}) EXPECT_LT(farthest(hung({.colours = colours}), whole), 1e-3) << colours;
+}
+
+// Settings change in the middle of a run, with contacts among the projectors.
+TEST(PartitionedGaussSeidel, IsTurnedOnAndOff) {
+  World world({.substeps = 10});
+  const ObjectId cloth = world.add_cloth(grid(20, 20, 1), ClothMaterial{});
+  world.pin(cloth, in_box({-1, -1, -0.51f}, {1, 1, -0.49f}));
+  world.add_collider(Sphere{.center = {0, -0.3f, 0}, .radius = 0.2f});
+  for (const int colours : {0, 3, 7, 2, 0, 1}) {
+    Settings settings = world.settings();
+    settings.solver.colours = colours;
+    world.set_settings(settings);
+    for (int frame = 0; frame < 20; ++frame) {
+      const StepReport& report = world.step(1.0 / 60);
+      EXPECT_TRUE(report.ok());
+      EXPECT_LT(report.largest_strain, 0.5) << colours;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace souple
