@@ -3,6 +3,7 @@
 #include "souple/constraints/constraint_set.h"
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
+#include "souple/math/reductions.h"
 #include "souple/solver/colouring.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/solver/kernels/projection.h"
@@ -43,7 +44,9 @@ class SetProjector final : public Projector {
 
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
-  std::size_t bytes() const override { return set_.bytes() + scales_.bytes(); }
+  std::size_t bytes() const override {
+    return set_.bytes() + scales_.bytes() + partial_.capacity() * sizeof(Residual);
+  }
   int colour_count() const override { return static_cast<int>(set_.colour_begin.size()) - 1; }
 
   /// Throws Error when a constraint names a particle that does not exist.
@@ -108,17 +111,18 @@ class SetProjector final : public Projector {
 
   Residual residual(const ParticleView& particles) const override {
     Residual result;
-    result.count = set_.size() * rows_of<Kind>;
-    float buffer[rows_of<Kind>][residual_chunk];
-    for (std::size_t begin = 0; begin < set_.size(); begin += residual_chunk) {
-      const std::size_t end = std::min(begin + residual_chunk, set_.size());
-      evaluate(begin, end, particles, buffer);
-      for (std::size_t i = begin; i < end; ++i) {
-        float C[rows_of<Kind>];
-        for (std::size_t r = 0; r < rows_of<Kind>; ++r) C[r] = buffer[r][i - begin];
-        add_to(result, i, C);
-      }
-    }
+    for (std::size_t chunk = 0; chunk < chunk_count(); ++chunk)
+      result.add(residual_of(chunk, particles, true));
+    return result;
+  }
+  Residual measure(const ParticleView& particles, Threads& threads) override {
+    partial_.resize(chunk_count());
+    threads.for_each(chunk_count(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t chunk = begin; chunk < end; ++chunk)
+        partial_[chunk] = residual_of(chunk, particles, false);
+    });
+    Residual result;
+    for (const Residual& partial : partial_) result.add(partial);
     return result;
   }
 
@@ -230,14 +234,46 @@ class SetProjector final : public Projector {
     }
   }
 
-  void add_to(Residual& result, std::size_t i, const float (&C)[rows_of<Kind>]) const {
-    for (const float c : C) {
-      const double violation = violation_of(c);
-      result.largest = std::fmax(result.largest, violation);
-      result.sum += violation;
+  std::size_t chunk_count() const { return (set_.size() + residual_chunk - 1) / residual_chunk; }
+
+  // Chunks are the same for any number of threads, and so are the bits of what is made of them.
+  Residual residual_of(std::size_t chunk, const ParticleView& particles, bool with_energy) const {
+    const std::size_t begin = chunk * residual_chunk, end = std::min(begin + residual_chunk, set_.size());
+    const std::size_t count = end - begin;
+    float C[rows_of<Kind>][residual_chunk], values[residual_chunk];
+    evaluate(begin, end, particles, C);
+    Residual result;
+    result.count = count * rows_of<Kind>;
+    for (const auto& row : C) {
+      for (std::size_t i = 0; i < count; ++i) values[i] = violation_of(row[i]);
+      result.largest = std::max(result.largest, static_cast<double>(largest_of(values, count)));
+      result.sum += static_cast<double>(sum_of(values, count));
     }
-    result.energy += energy(C, set_.compliance(i));
-    result.largest_strain = std::fmax(result.largest_strain, strain_of(i, C));
+    if constexpr (has_strain) {
+      find_strains(begin, count, C[0], values);
+      result.largest_strain = static_cast<double>(largest_of(values, count));
+    }
+    for (std::size_t i = 0; with_energy && i < count; ++i) {
+      float of_one[rows_of<Kind>];
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) of_one[r] = C[r][i];
+      result.energy += energy(of_one, set_.compliance(begin + i));
+    }
+    return result;
+  }
+
+  // Parameters are spread first: the loop over them then knows neither strides nor aliases.
+  void find_strains(std::size_t begin, std::size_t count, const float (&C)[residual_chunk],
+                    float (&strains)[residual_chunk]) const {
+    float parameters[Set::param_count][residual_chunk];
+    for (std::size_t k = 0; k < Set::param_count; ++k)
+      for (std::size_t i = 0; i < count; ++i) parameters[k][i] = set_.parameters[k][begin + i];
+    for (std::size_t i = 0; i < count; ++i) {
+      float of_one[Set::param_count];
+      for (std::size_t k = 0; k < Set::param_count; ++k) of_one[k] = parameters[k][i];
+      Params params;
+      std::memcpy(&params, of_one, sizeof params);
+      strains[i] = Kind::strain(params, C[i]);
+    }
   }
 
   // What the kernels see of a set.
@@ -323,11 +359,14 @@ class SetProjector final : public Projector {
   }
 
   static float violation_of(float C) {
-    return Kind::sense == Sense::non_negative ? std::fmax(-C, 0.0f) : std::fabs(C);
+    // std::fmax is a call; what is no number gives 0 here too.
+    return Kind::sense == Sense::equality ? std::fabs(C) : -C > 0 ? -C : 0;
   }
 
+  static constexpr bool has_strain = requires(const Params& params, float C) { Kind::strain(params, C); };
+
   float strain_of(std::size_t i, const float (&C)[rows_of<Kind>]) const {
-    if constexpr (requires { Kind::strain(set_.params(i), C[0]); }) return Kind::strain(set_.params(i), C[0]);
+    if constexpr (has_strain) return Kind::strain(set_.params(i), C[0]);
     return 0;
   }
 
@@ -373,8 +412,9 @@ class SetProjector final : public Projector {
   }
 
   Set set_;
-  Column scales_;        // k', for:
-  int scales_for_ = -1;  // iterations in PBD mode, else 0
+  std::vector<Residual> partial_;  // of each chunk
+  Column scales_;                  // k', for:
+  int scales_for_ = -1;            // iterations in PBD mode, else 0
   const kernels::KindKernels* kernels_ = nullptr;
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
