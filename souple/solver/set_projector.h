@@ -185,7 +185,7 @@ class SetProjector final : public Projector {
     set_.reorder(colouring.order);
     set_.colour_begin = std::move(colouring.colour_begin);
     scales_for_ = -1;
-    find_scales({});  // before a first substep: 1
+    find_scales({});  // a solver may linearise before the first substep
   }
   // What `project` acts on: where particles were split, phantoms in their place.
   const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
@@ -215,7 +215,8 @@ class SetProjector final : public Projector {
     if (kernels_) {
       float* rows[rows_of<Kind>];
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r];
-      const Arrays arrays(set_);
+      Arrays arrays(set_);
+      arrays.set.scale = {scales_.data(), scales_.stride()};
       kernels_->evaluate[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
                                                                        begin, end, rows);
       return;
@@ -254,7 +255,6 @@ class SetProjector final : public Projector {
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
-      set.scale = view(of.stiffnesses);  // any numbers do where nothing is projected
     }
     Arrays(const Arrays&) = delete;
     Arrays& operator=(const Arrays&) = delete;
