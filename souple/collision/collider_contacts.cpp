@@ -203,6 +203,7 @@ void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float
     if (distance_[m] < far_away) met_.push_back(m);
   body.contact_begin = contacts_.size();
   body.contact_end = contacts_.size() + met_.size();
+  if (contacts_.capacity() < body.contact_end) contacts_.reserve(2 * body.contact_end);
   contacts_.resize(body.contact_end);
   threads.for_each(met_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)

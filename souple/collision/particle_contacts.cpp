@@ -59,7 +59,7 @@ void ParticleContacts::begin_step(const ParticleView& particles, std::span<const
   objects_ = objects, radius_ = radius;
   surfaces_ = &surfaces;
   step_ = step;
-  backwards_ = true;  // the first refresh turns it
+  sweeps_.begin_step();
   forget_contacts();
   remember();
   find_members();
@@ -244,7 +244,6 @@ void ParticleContacts::forget_contacts() {
 
 void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
   last_h_ = substep.h;
-  backwards_ = !backwards_;
   if (!(largest_diameter_ > 0)) {
     forget_contacts();
     return;
@@ -262,7 +261,9 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
       touches_[p] = may_touch(static_cast<std::uint32_t>(p), particles) ? 1 : 0;
   });
   colour_touching(particles);
+  if (contacts_.capacity() < sorted_.size()) contacts_.reserve(2 * sorted_.size());
   contacts_.resize(sorted_.size());
+  sweeps_.begin_sweep(contacts_.size());
   threads.for_each(contacts_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) contacts_[c] = contact_of(sorted_[c], particles, substep.h);
   });
@@ -329,9 +330,9 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   return contact;
 }
 
-// Contacts of what comes as `colour` in this substep.
+// Contacts of what comes as `colour` in this sweep.
 ParticleContacts::Range ParticleContacts::contacts_of(int colour) const {
-  const auto c = static_cast<std::size_t>(backwards_ ? colour_count() - 1 - colour : colour);
+  const auto c = static_cast<std::size_t>(sweeps_.backwards() ? colour_count() - 1 - colour : colour);
   return {colour_begin_[c], colour_begin_[c + 1]};
 }
 
@@ -348,6 +349,7 @@ void ParticleContacts::project(int colour, std::size_t begin, std::size_t end, c
                                const Substep&) {
   const std::size_t first = contacts_of(colour).begin;
   for (std::size_t c = first + begin; c < first + end; ++c) project_one(contacts_[c], particles);
+  sweeps_.projected(end - begin, contacts_.size());
 }
 
 // As in collider_contacts.cpp, on the difference of two particles: its correction is shared out by inverse

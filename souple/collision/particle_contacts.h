@@ -6,6 +6,7 @@
 #include "souple/solver/threads.h"
 
 #include <array>
+#include <atomic>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct FrictionMemory {
 /// Used like ColliderContacts: begin_step once, then per substep refresh, project, apply_restitution. The
 /// broad phase is a uniform grid, sorted by counting; it runs once per step with a margin for motion relative
 /// to the mean, and again in the middle of a step when some particle has left its margin. Contacts are
-/// solved as if one after the other (Gauss-Seidel) in order of (i, j), every second substep backwards; they
+/// solved as if one after the other (Gauss-Seidel) in order of (i, j), every second sweep backwards; they
 /// are coloured anew in each substep such that this holds, and those of one colour share no particle that can
 /// move. The order depends on positions and indices alone. Corrections are equal and opposite: momentum is
 /// kept to rounding. Friction and restitution follow the same rules as for colliders. A pair that is apart
@@ -63,7 +64,7 @@ class ParticleContacts final : public Projector {
     const Range range = contacts_of(colour);
     return range.end - range.begin;
   }
-  std::size_t grain() const override { return 64; }
+  std::size_t grain() const override { return 32; }
   using Projector::project;
   void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
@@ -110,6 +111,30 @@ class ParticleContacts final : public Projector {
   struct Range {
     std::size_t begin, end;
   };
+  /// How often all contacts were projected: the part that comes last, of whichever thread, ends a sweep. So
+  /// nobody reads the number of sweeps while it changes.
+  class Sweeps {
+   public:
+    Sweeps() = default;
+    Sweeps(const Sweeps& other) { *this = other; }
+    Sweeps& operator=(const Sweeps& other) {
+      left_ = other.left_.load();
+      done_ = other.done_;
+      return *this;
+    }
+    void begin_step() { done_ = 0; }
+    void begin_sweep(std::size_t contacts) { left_ = contacts; }
+    bool backwards() const { return done_ % 2 == 1; }
+    void projected(std::size_t count, std::size_t contacts) {
+      if (left_.fetch_sub(count, std::memory_order_acq_rel) != count) return;
+      ++done_;
+      begin_sweep(contacts);
+    }
+
+   private:
+    std::atomic<std::size_t> left_{0};  // contacts, in this sweep
+    std::size_t done_ = 0;
+  };
   /// A pair that makes a contact in this substep.
   struct Touch {
     std::uint32_t pair, colour;
@@ -143,8 +168,8 @@ class ParticleContacts final : public Projector {
   float last_h_ = 0;  // of the last refresh [s]
   float largest_diameter_ = 0;
   float margin_ = 0;  // of the last broad phase: two members may approach each other this much [m]
-  bool backwards_ = false;
-  Vec3f corner_{};  // of the grid; positions below are relative to it
+  Sweeps sweeps_;     // of this step; odd ones go backwards
+  Vec3f corner_{};    // of the grid; positions below are relative to it
   std::vector<Member> members_;
   std::vector<Vec3f> placed_;  // where each member was in the last broad phase
   std::vector<Cell> cells_;    // of each member

@@ -1,8 +1,7 @@
 #pragma once
 
-#include "souple/state/particles.h"
+#include "souple/solver/projector.h"
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -19,56 +18,41 @@ namespace souple {
 /// times). Multipliers are extrapolated with the positions, so that compliance stays what it is.
 class Chebyshev {
  public:
-  /// Iterations before the first extrapolation.
+  /// rho in [0, 1); 0: no acceleration.
+  explicit Chebyshev(float rho) : rho_squared_(rho * rho) {}
+
+  /// Whether so many iterations of a substep gain anything.
+  bool helps(int iterations) const { return rho_squared_ > 0 && iterations > delay; }
+  /// Before the first iteration of a substep. `projectors`: whose multipliers go along.
+  void begin(std::span<Projector* const> projectors, const ParticleView& particles);
+  /// After each iteration: what `moving` and the multipliers hold is x^ and becomes x_{k+1}. What did not
+  /// change keeps its bits.
+  void accelerate(std::span<Projector* const> projectors, const ParticleView& particles);
+
+ private:
   static constexpr int delay = 2;
+  static constexpr float gamma = 0.9f;
+
   /// The last two iterates of one array.
   template <class T>
   struct History {
     std::vector<T> last, before;
-
-    void begin(std::span<const T> x) {
-      last.assign(x.begin(), x.end());
-      before.assign(x.begin(), x.end());
-    }
   };
 
-  /// rho in [0, 1); 0: no acceleration.
-  explicit Chebyshev(float rho) : rho_squared_(rho * rho) {}
-
-  /// Whether `iterations` are enough to gain anything.
-  bool helps(int iterations) const { return rho_squared_ > 0 && iterations > delay; }
-  void begin() { iteration_ = 0, omega_ = 1; }
-  /// After each iteration, before its arrays are accelerated.
-  void advance() {
-    if (iteration_ == delay) omega_ = 2 / (2 - rho_squared_);
-    if (iteration_ > delay) omega_ = 4 / (4 - rho_squared_ * omega_);
-    ++iteration_;
+  void extrapolate(float& x, float last, float before) const {
+    x = omega_ * (gamma * (x - last) + (last - before)) + before;
   }
-  /// x holds x^ and becomes x_{k+1}; what does not change keeps its bits.
+  void extrapolate(Vec4f& x, const Vec4f& last, const Vec4f& before) const;
   template <class T>
-  void accelerate(std::span<T> x, History<T>& history) const {
-    if (omega_ > 1)
-      for (std::size_t i = 0; i < x.size(); ++i) extrapolate(x[i], history.last[i], history.before[i]);
-    history.before.swap(history.last);
-    history.last.assign(x.begin(), x.end());
-  }
-
- private:
-  static constexpr float gamma = 0.9f;
-
+  static void begin(std::span<T> x, History<T>& history);
   template <class T>
-  void extrapolate(T& x, T last, T before) const {
-    x = T(omega_) * (T(gamma) * (x - last) + (last - before)) + before;
-  }
-  void extrapolate(Vec4f& x, const Vec4f& last, const Vec4f& before) const {
-    extrapolate(x.x, last.x, before.x);
-    extrapolate(x.y, last.y, before.y);
-    extrapolate(x.z, last.z, before.z);
-  }
+  void accelerate(std::span<T> x, History<T>& history) const;
 
   float rho_squared_;
   float omega_ = 1;
   int iteration_ = 0;
+  History<Vec4f> moving_;
+  std::vector<History<float>> multipliers_;  // one for each array that the projectors hand out
 };
 
 }  // namespace souple

@@ -11,112 +11,67 @@ constexpr std::size_t chunk =
     1024;  // unknowns summed by one thread: fixed, so that sums do not depend on threads
 constexpr std::size_t grain = 512;
 
-double stiffness(const LinearSystem& system, const LinearSystem::Block& block, int r, int s) {
-  return system.inverse[block.compliance +
-                        static_cast<std::size_t>(r >= s ? r * (r + 1) / 2 + s : s * (s + 1) / 2 + r)];
-}
-
 // A^-1 y for the rows of a block.
 void weigh(const LinearSystem& system, const LinearSystem::Block& block, const double* y, double* result) {
+  const double* inverse = &system.inverse[block.compliance];
+  if (block.rows == 1) {
+    result[0] = inverse[0] * y[0];
+    return;
+  }
   for (int r = 0; r < block.rows; ++r) {
     result[r] = 0;
-    for (int s = 0; s < block.rows; ++s) result[r] += stiffness(system, block, r, s) * y[s];
+    for (int s = 0; s < block.rows; ++s)
+      result[r] += inverse[r >= s ? r * (r + 1) / 2 + s : s * (s + 1) / 2 + r] * y[s];
   }
 }
 
 }  // namespace
 
+int ConjugateGradient::most_products(std::size_t particles) {
+  return std::max(50, static_cast<int>(1.5 * std::sqrt(static_cast<double>(particles))));
+}
+
 void ConjugateGradient::prepare_system(LinearSystem& system, const ParticleView&) {
   floors_ = true;
   const std::size_t n = system.unknowns();
-  incidence_begin_.assign(n + 1, 0);
+  entry_begin_.assign(n + 1, 0);
   for (const LinearSystem::Block& block : system.blocks())
     for (const std::uint32_t u : system.members(block))
-      if (u != LinearSystem::pinned) ++incidence_begin_[u + 1];
-  for (std::size_t u = 0; u < n; ++u) incidence_begin_[u + 1] += incidence_begin_[u];
-  incidences_.resize(incidence_begin_[n]);
-  std::vector<std::uint32_t> next(incidence_begin_.begin(), incidence_begin_.end() - 1);
-  for (std::uint32_t i = 0; i < system.blocks().size(); ++i) {
-    const auto of = system.members(system.blocks()[i]);
-    for (std::uint32_t k = 0; k < of.size(); ++k)
-      if (of[k] != LinearSystem::pinned) incidences_[next[of[k]]++] = {i, k};
+      if (u != LinearSystem::pinned) entry_begin_[u + 1] += block.rows;
+  for (std::size_t u = 0; u < n; ++u) entry_begin_[u + 1] += entry_begin_[u];
+  entries_.resize(entry_begin_[n]);
+  gradient_of_.resize(entries_.size());
+  std::vector<std::uint32_t> next(entry_begin_.begin(), entry_begin_.end() - 1);
+  for (const LinearSystem::Block& block : system.blocks()) {
+    const auto of = system.members(block);
+    for (std::uint32_t r = 0; r < block.rows; ++r)
+      for (std::uint32_t k = 0; k < of.size(); ++k) {
+        if (of[k] == LinearSystem::pinned) continue;
+        const std::uint32_t at = next[of[k]]++;
+        entries_[at].row = block.row + r;
+        gradient_of_[at] = block.gradient + r * block.arity + k;
+      }
   }
-  preconditioner_.resize(n);
-  force_.resize(system.rows());
-  for (std::vector<Vec3d>* v : {&residual_, &direction_, &product_, &preconditioned_}) v->resize(n);
+  for (std::vector<double>* v : {&row_residual_, &row_direction_, &force_}) v->assign(system.rows(), 0);
+  for (std::vector<Vec3d>* v : {&residual_, &direction_, &product_}) v->resize(n);
   partial_.resize((n + chunk - 1) / chunk);
-  rigid_.prepare(system);
   products_ = most_used_ = 0;
   reached_ = worst_ = 0;
 }
 
-void ConjugateGradient::build_preconditioner(const LinearSystem& system, Threads& threads) {
-  threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u) {
-      Mat3d diagonal = Mat3d::identity() * system.mass[u];
-      for (std::uint32_t i = incidence_begin_[u]; i < incidence_begin_[u + 1]; ++i) {
-        const LinearSystem::Block& block = system.blocks()[incidences_[i].block];
-        for (int r = 0; r < block.rows; ++r)
-          for (int s = 0; s < block.rows; ++s)
-            diagonal = diagonal + outer(Vec3d(system.gradient_of(block, r)[incidences_[i].member]) *
-                                            stiffness(system, block, r, s),
-                                        Vec3d(system.gradient_of(block, s)[incidences_[i].member]));
-      }
-      preconditioner_[u] = inverse(diagonal);
-    }
+// Copies the gradients to where a particle finds all of its own in one place.
+void ConjugateGradient::gather_entries(const LinearSystem& system, Threads& threads) {
+  threads.for_each(entries_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) entries_[i].gradient = system.gradient[gradient_of_[i]];
   });
 }
 
-// residual = J^T A^-1 b.
-void ConjugateGradient::build_right_side(const LinearSystem& system, Threads& threads) {
-  threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const LinearSystem::Block& block = system.blocks()[i];
-      weigh(system, block, &system.b[block.row], &force_[block.row]);
-    }
-  });
-  threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u) {
-      Vec3d sum{};
-      for (std::uint32_t i = incidence_begin_[u]; i < incidence_begin_[u + 1]; ++i) {
-        const LinearSystem::Block& block = system.blocks()[incidences_[i].block];
-        for (int r = 0; r < block.rows; ++r)
-          sum += Vec3d(system.gradient_of(block, r)[incidences_[i].member]) *
-                 force_[block.row + static_cast<std::size_t>(r)];
-      }
-      residual_[u] = sum;
-    }
-  });
-}
-
-// product = (M + J^T A^-1 J) direction: by rows, then by particles, so that no two threads add to one number.
-void ConjugateGradient::multiply(const LinearSystem& system, Threads& threads) {
-  threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const LinearSystem::Block& block = system.blocks()[i];
-      const auto of = system.members(block);
-      double y[LinearSystem::most_rows];
-      for (int r = 0; r < block.rows; ++r) {
-        y[r] = 0;
-        for (std::size_t k = 0; k < block.arity; ++k)
-          if (of[k] != LinearSystem::pinned)
-            y[r] += dot(Vec3d(system.gradient_of(block, r)[k]), direction_[of[k]]);
-      }
-      weigh(system, block, y, &force_[block.row]);
-    }
-  });
-  threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u) {
-      Vec3d sum = direction_[u] * system.mass[u];
-      for (std::uint32_t i = incidence_begin_[u]; i < incidence_begin_[u + 1]; ++i) {
-        const LinearSystem::Block& block = system.blocks()[incidences_[i].block];
-        for (int r = 0; r < block.rows; ++r)
-          sum += Vec3d(system.gradient_of(block, r)[incidences_[i].member]) *
-                 force_[block.row + static_cast<std::size_t>(r)];
-      }
-      product_[u] = sum;
-    }
-  });
+// J^T force at one unknown.
+Vec3d ConjugateGradient::pulled(std::size_t unknown) const {
+  Vec3d sum{};
+  for (std::uint32_t i = entry_begin_[unknown]; i < entry_begin_[unknown + 1]; ++i)
+    sum += Vec3d(entries_[i].gradient) * force_[entries_[i].row];
+  return sum;
 }
 
 template <class Term>
@@ -124,8 +79,9 @@ double ConjugateGradient::sum(Threads& threads, const Term& term) {
   const std::size_t n = residual_.size();
   threads.for_each(partial_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      partial_[c] = 0;
-      for (std::size_t u = c * chunk; u < std::min(n, (c + 1) * chunk); ++u) partial_[c] += term(u);
+      double part = 0;
+      for (std::size_t u = c * chunk; u < std::min(n, (c + 1) * chunk); ++u) part += term(u);
+      partial_[c] = part;
     }
   });
   double total = 0;
@@ -133,47 +89,82 @@ double ConjugateGradient::sum(Threads& threads, const Term& term) {
   return total;
 }
 
-// preconditioned = P residual; returns residual . P residual.
-double ConjugateGradient::precondition(Threads& threads) {
-  return sum(threads, [&](std::size_t u) {
-    preconditioned_[u] = preconditioner_[u] * residual_[u];
-    return dot(residual_[u], preconditioned_[u]);
+// dx = 0, residual = J^T A^-1 b, direction = W residual.
+void ConjugateGradient::begin(LinearSystem& system, Threads& threads) {
+  gather_entries(system, threads);
+  threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (const LinearSystem::Block& block : system.blocks().subspan(begin, end - begin)) {
+      weigh(system, block, &system.b[block.row], &force_[block.row]);
+      for (std::uint32_t r = block.row; r < block.row + block.rows; ++r) {
+        row_residual_[r] = row_direction_[r] = force_[r];
+        system.dlambda[r] = 0;
+      }
+    }
+  });
+  threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t u = begin; u < end; ++u) {
+      residual_[u] = pulled(u);
+      direction_[u] = residual_[u] / system.mass[u];
+      system.dx[u] = {};
+    }
   });
 }
 
-bool ConjugateGradient::solve_system(LinearSystem& system, const ParticleView& particles, Threads& threads) {
-  build_preconditioner(system, threads);
-  build_right_side(system, threads);
-  std::fill(system.dx.begin(), system.dx.end(), Vec3d{});
-  double rho = precondition(threads);
+// product = (M + J^T A^-1 J) direction: by rows, then by particles, so that no two threads add to one number.
+// Rows first take the step before, which the particles have taken already.
+void ConjugateGradient::multiply(LinearSystem& system, const Lengths& last, Threads& threads) {
+  threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (const LinearSystem::Block& block : system.blocks().subspan(begin, end - begin)) {
+      const auto of = system.members(block);
+      double y[LinearSystem::most_rows];
+      for (int r = 0; r < block.rows; ++r) {
+        const std::size_t row = block.row + static_cast<std::size_t>(r);
+        system.dlambda[row] += last.alpha * row_direction_[row];
+        if (last.alpha != 0) {
+          row_residual_[row] -= last.alpha * (row_direction_[row] + force_[row]);
+          row_direction_[row] = row_residual_[row] + last.beta * row_direction_[row];
+        }
+        y[r] = 0;
+        const Vec3f* gradient = system.gradient_of(block, r);
+        for (std::size_t k = 0; k < block.arity; ++k)
+          if (of[k] != LinearSystem::pinned) y[r] += dot(Vec3d(gradient[k]), direction_[of[k]]);
+      }
+      weigh(system, block, y, &force_[block.row]);
+    }
+  });
+  threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t u = begin; u < end; ++u) product_[u] = direction_[u] * system.mass[u] + pulled(u);
+  });
+}
+
+bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
+  begin(system, threads);
+  double rho = sum(threads, [&](std::size_t u) { return dot(residual_[u], direction_[u]); });
   const double first = rho;
-  if (!std::isfinite(first)) return false;
-  direction_ = preconditioned_;
-  products_ = 0;
-  while (products_ < most_products && rho > tolerance * tolerance * first) {
-    multiply(system, threads);
-    ++products_;
+  Lengths lengths;
+  const int most = most_products(system.unknowns());
+  for (products_ = 0; products_ < most && rho > tolerance * tolerance * first; ++products_) {
+    multiply(system, lengths, threads);
     const double curvature = sum(threads, [&](std::size_t u) { return dot(direction_[u], product_[u]); });
     if (!(curvature > 0)) break;
     const double alpha = rho / curvature;
     const double next = sum(threads, [&](std::size_t u) {
       system.dx[u] += direction_[u] * alpha;
       residual_[u] -= product_[u] * alpha;
-      preconditioned_[u] = preconditioner_[u] * residual_[u];
-      return dot(residual_[u], preconditioned_[u]);
+      return length_squared(residual_[u]) / system.mass[u];
     });
-    const double beta = next / rho;
+    lengths = {alpha, next / rho};
     rho = next;
     sum(threads, [&](std::size_t u) {
-      direction_[u] = preconditioned_[u] + direction_[u] * beta;
+      direction_[u] = residual_[u] / system.mass[u] + direction_[u] * lengths.beta;
       return 0.0;
     });
   }
+  if (products_ > 0)
+    for (std::size_t r = 0; r < system.rows(); ++r) system.dlambda[r] += lengths.alpha * row_direction_[r];
   reached_ = first > 0 ? std::sqrt(rho / first) : 0;
   most_used_ = std::max(most_used_, products_);
   worst_ = std::max(worst_, reached_);
-  rigid_.remove(system, particles);
-  system.multipliers_from_moves();
   return std::isfinite(rho);
 }
 

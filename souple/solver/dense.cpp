@@ -71,7 +71,7 @@ void Dense::Impl::fill(const LinearSystem& system) {
   rhs = scale.cwiseProduct(rhs);
 }
 
-bool Dense::solve_system(LinearSystem& system, const ParticleView&, Threads&) {
+bool Dense::solve_system(LinearSystem& system, Threads&) {
   impl_->fill(system);
   if (!impl_->matrix.allFinite() || !impl_->rhs.allFinite()) return false;
   impl_->svd.compute(impl_->matrix);

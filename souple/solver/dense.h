@@ -21,7 +21,7 @@ class Dense final : public LinearisedSolver {
 
  protected:
   void prepare_system(LinearSystem& system, const ParticleView& particles) override;
-  bool solve_system(LinearSystem& system, const ParticleView& particles, Threads& threads) override;
+  bool solve_system(LinearSystem& system, Threads& threads) override;
 
  private:
   struct Impl;

@@ -257,7 +257,7 @@ void Direct::prepare_system(LinearSystem& system, const ParticleView& particles)
   if (operations > most_operations) refuse(operations, "operations per factorisation", most_operations);
 }
 
-bool Direct::solve_system(LinearSystem& system, const ParticleView&, Threads&) {
+bool Direct::solve_system(LinearSystem& system, Threads&) {
   Impl& impl = *impl_;
   if (system.unknowns() == 0) return true;
   if (impl.dual) {

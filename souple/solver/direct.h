@@ -25,7 +25,7 @@ class Direct final : public LinearisedSolver {
  protected:
   /// Throws Error where a factorisation would take more than about a second.
   void prepare_system(LinearSystem& system, const ParticleView& particles) override;
-  bool solve_system(LinearSystem& system, const ParticleView& particles, Threads& threads) override;
+  bool solve_system(LinearSystem& system, Threads& threads) override;
 
  private:
   struct Impl;

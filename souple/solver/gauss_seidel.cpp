@@ -36,14 +36,14 @@ void GaussSeidel::solve(std::span<Projector* const> projectors, const ParticleVi
   const bool accelerated =
       chebyshev_.helps(substep.iterations) &&
       std::all_of(others_.begin(), others_.end(), [](const Projector* p) { return p->size() == 0; });
-  if (accelerated) begin_acceleration(particles);
+  if (accelerated) chebyshev_.begin(linear_, particles);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (settings_.sweep == Sweep::symmetric) {
       sweep_symmetric(particles, relaxed, threads);
     } else {
       for (Projector* projector : projectors) sweep(*projector, particles, relaxed, threads);
     }
-    if (accelerated) accelerate(particles);
+    if (accelerated) chebyshev_.accelerate(linear_, particles);
   }
 }
 
@@ -53,26 +53,6 @@ void GaussSeidel::sweep_symmetric(const ParticleView& particles, const Substep& 
     for (int colour = (*projector)->colour_count(); colour-- > 0;)
       project_colour(**projector, colour, particles, substep, threads);
   for (Projector* projector : others_) sweep(*projector, particles, substep, threads);
-}
-
-void GaussSeidel::begin_acceleration(const ParticleView& particles) {
-  chebyshev_.begin();
-  moving_.begin(particles.moving);
-  std::size_t arrays = 0;
-  for (Projector* projector : linear_)
-    projector->multipliers([&](std::span<float> lambda) {
-      if (multipliers_.size() == arrays) multipliers_.emplace_back();
-      multipliers_[arrays++].begin(lambda);
-    });
-}
-
-void GaussSeidel::accelerate(const ParticleView& particles) {
-  chebyshev_.advance();
-  chebyshev_.accelerate(particles.moving, moving_);
-  std::size_t arrays = 0;
-  for (Projector* projector : linear_)
-    projector->multipliers(
-        [&](std::span<float> lambda) { chebyshev_.accelerate(lambda, multipliers_[arrays++]); });
 }
 
 }  // namespace souple

@@ -29,14 +29,10 @@ class GaussSeidel final : public Solver {
 
  private:
   void sweep_symmetric(const ParticleView& particles, const Substep& substep, Threads& threads);
-  void begin_acceleration(const ParticleView& particles);
-  void accelerate(const ParticleView& particles);
 
   SolverSettings settings_;
   Chebyshev chebyshev_;
   std::vector<Projector*> linear_, others_;  // with and without a linear form; only when it matters
-  Chebyshev::History<Vec4f> moving_;
-  std::vector<Chebyshev::History<float>> multipliers_;  // one for each array that the projectors hand out
 };
 
 }  // namespace souple

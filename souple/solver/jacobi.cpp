@@ -1,117 +1,60 @@
 #include "souple/solver/jacobi.h"
 
-#include "souple/solver/kernels/projection.h"
-
 #include <algorithm>
-#include <cmath>
 
 namespace souple {
+namespace {
+
+constexpr std::size_t grain = 1024;  // particles worth a thread
+
+}  // namespace
 
 void Jacobi::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+  linear_.clear();
   others_.clear();
+  const std::size_t n = particles.position.size();
+  count_.assign(n, 0);
+  split_.resize(n);
+  correction_.resize(n);
+  const auto count = [this](const LinearConstraint& constraint) {
+    for (const std::uint32_t particle : constraint.particles) ++count_[particle];
+  };
   for (Projector* projector : projectors)
-    if (!has_linear_form(*projector, particles)) others_.push_back(projector);
-  system_.prepare(projectors, particles);
-  split_.resize(system_.unknowns());
+    (projector->linearise(particles, Substep{.h = 1}, count) ? linear_ : others_).push_back(projector);
 }
 
 void Jacobi::solve(std::span<Projector* const>, const ParticleView& particles, const Substep& substep,
                    Threads& threads) {
+  Substep relaxed = substep;
+  relaxed.relaxation = relaxation_;
   const bool accelerated =
       chebyshev_.helps(substep.iterations) &&
       std::all_of(others_.begin(), others_.end(), [](const Projector* p) { return p->size() == 0; });
-  system_.begin_substep();
-  if (accelerated) {
-    chebyshev_.begin();
-    moving_.begin(particles.moving);
-    multipliers_.begin(system_.lambda);
-  }
+  if (accelerated) chebyshev_.begin(linear_, particles);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    iterate(particles, substep);
+    iterate(particles, relaxed, threads);
     for (Projector* projector : others_) sweep(*projector, particles, substep, threads);
-    if (!accelerated) continue;
-    chebyshev_.advance();
-    chebyshev_.accelerate(particles.moving, moving_);
-    chebyshev_.accelerate(std::span(system_.lambda), multipliers_);
+    if (accelerated) chebyshev_.accelerate(linear_, particles);
   }
 }
 
-void Jacobi::iterate(const ParticleView& particles, const Substep& substep) {
-  system_.linearise(particles, substep, false);
-  count_constraints();
-  for (const LinearSystem::Block& block : system_.blocks()) solve_block(block);
-  system_.moves_from_multipliers();
-  system_.move(particles, relaxation_);
-  system_.accept(relaxation_);
-}
-
-void Jacobi::count_constraints() {
-  std::fill(split_.begin(), split_.end(), 0.0);
-  for (const LinearSystem::Block& block : system_.blocks())
-    if (!block.idle)
-      for (const std::uint32_t u : system_.members(block))
-        if (u != LinearSystem::pinned) split_[u] += 1 / system_.mass[u];
-}
-
-namespace {
-
-template <int rows>
-void solve_packed(const double* A, double* y) {
-  double copy[rows * (rows + 1) / 2], x[rows];
-  std::copy_n(A, rows * (rows + 1) / 2, copy);
-  std::copy_n(y, rows, x);
-  solve_symmetric<rows>(copy, x);
-  std::copy_n(x, rows, y);
-}
-
-void solve_packed(int rows, const double* A, double* y) {
-  switch (rows) {
-    case 1:
-      return solve_packed<1>(A, y);
-    case 2:
-      return solve_packed<2>(A, y);
-    case 3:
-      return solve_packed<3>(A, y);
-    case 4:
-      return solve_packed<4>(A, y);
-    case 5:
-      return solve_packed<5>(A, y);
-    default:
-      return solve_packed<6>(A, y);
-  }
-}
-
-}  // namespace
-
-void Jacobi::solve_block(const LinearSystem::Block& block) {
-  double* dlambda = &system_.dlambda[block.row];
-  std::fill_n(dlambda, block.rows, 0.0);
-  if (block.idle) return;
-  const auto of = system_.members(block);
-  double A[LinearSystem::most_rows * (LinearSystem::most_rows + 1) / 2];
-  for (int r = 0, at = 0; r < block.rows; ++r) {
-    dlambda[r] = system_.b[block.row + static_cast<std::size_t>(r)];
-    for (int s = 0; s <= r; ++s, ++at) {
-      A[at] = system_.compliance[block.compliance + static_cast<std::size_t>(at)];
-      for (std::size_t k = 0; k < block.arity; ++k)
-        if (of[k] != LinearSystem::pinned)
-          A[at] += split_[of[k]] *
-                   dot(Vec3d(system_.gradient_of(block, r)[k]), Vec3d(system_.gradient_of(block, s)[k]));
+// The projectors read `split_` and add to `correction_`: what they read stays the same until all are done.
+void Jacobi::iterate(const ParticleView& particles, const Substep& substep, Threads& threads) {
+  threads.for_each(split_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      split_[i] = particles.position[i];
+      split_[i].w *= count_[i];
+      correction_[i] = {};
     }
-  }
-  solve_packed(block.rows, A, dlambda);
-  if (block.inequality) dlambda[0] = std::max(dlambda[0], -system_.lambda[block.row] / relaxation_);
-  // A gradient that all but vanishes (a crushed tet) must not throw its particles further than the constraint
-  // is large.
-  double farthest = 0;
-  for (std::size_t k = 0; k < block.arity; ++k) {
-    if (of[k] == LinearSystem::pinned) continue;
-    Vec3d move{};
-    for (int r = 0; r < block.rows; ++r) move += Vec3d(system_.gradient_of(block, r)[k]) * dlambda[r];
-    farthest = std::max(farthest, length(move) * split_[of[k]]);
-  }
-  if (farthest > block.size && block.arity > 1)
-    for (int r = 0; r < block.rows; ++r) dlambda[r] *= block.size / farthest;
+  });
+  ParticleView view = particles;
+  view.position = split_;
+  view.corrected = correction_;
+  for (Projector* projector : linear_) sweep(*projector, view, substep, threads);
+  threads.for_each(split_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (count_[i] > 0) particles.correct(i, correction_[i].xyz() / count_[i]);
+  });
 }
 
 }  // namespace souple

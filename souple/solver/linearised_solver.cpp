@@ -44,7 +44,7 @@ bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep
   system_.linearise(particles, substep, floors_);
   for (int pass = 0; pass < most_passes; ++pass) {
     if (floors_) system_.invert_compliance();
-    if (!solve_system(system_, particles, threads)) return false;
+    if (!solve_system(system_, threads)) return false;
     if (!system_.drop_pulling()) break;
   }
   return true;

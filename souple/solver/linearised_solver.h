@@ -31,7 +31,7 @@ class LinearisedSolver : public Solver {
   /// large, saying what to use instead.
   virtual void prepare_system(LinearSystem& system, const ParticleView& particles) = 0;
   /// Fills dx and dlambda. False: it failed, and this iteration projects instead.
-  virtual bool solve_system(LinearSystem& system, const ParticleView& particles, Threads& threads) = 0;
+  virtual bool solve_system(LinearSystem& system, Threads& threads) = 0;
 
   /// How the floor on A, if there is one, and iterations that failed are told to users; may be empty.
   std::string floor_remark() const;

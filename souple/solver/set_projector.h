@@ -58,6 +58,7 @@ class SetProjector final : public Projector {
     dirty_ = false;
     split_ = {};
     arrange(colour_constraints(flat_indices(), Kind::arity, particle_count));
+    find_scales({});  // a solver may linearise before the first substep
   }
 
   std::span<const std::uint32_t> split(int colours, std::uint32_t first_phantom) override {
@@ -273,7 +274,6 @@ class SetProjector final : public Projector {
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
-    arrays.set.relaxation = substep.relaxation;
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
@@ -297,15 +297,19 @@ class SetProjector final : public Projector {
     return substep.mode == Mode::pbd ? 0 : 1 / (substep.h * substep.h);
   }
 
-  // k' of every constraint in PBD mode, 1 otherwise.
+  // The relaxation, times k' in PBD mode.
   void find_scales(const Substep& substep) {
     const int iterations = substep.mode == Mode::pbd ? substep.iterations : 0;
-    if (iterations == scales_for_ && scales_.size() == set_.size()) return;
+    if (iterations == scales_for_ && substep.relaxation == relaxed_by_ && scales_.size() == set_.size())
+      return;
     scales_for_ = iterations;
+    relaxed_by_ = substep.relaxation;
     scales_ = {};
-    for (std::size_t i = 0; i < set_.size(); ++i)
-      scales_.push_back(
-          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1);
+    for (std::size_t i = 0; i < set_.size(); ++i) {
+      const float k =
+          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1;
+      scales_.push_back(k * substep.relaxation);
+    }
   }
 
   void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {
@@ -340,7 +344,7 @@ class SetProjector final : public Projector {
     for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
       in.alpha[k] = set_.compliances[k][i] * inverse_h2(substep);
     in.gamma = substep.mode == Mode::pbd ? 0 : set_.damping_time(i) / substep.h;
-    in.scale = scales_[i] * substep.relaxation;
+    in.scale = scales_[i];
   }
 
   template <Terms terms>
@@ -361,13 +365,14 @@ class SetProjector final : public Projector {
     float dlambda[rows_of<Kind>];
     project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
-      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r] * in.scale;
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r];
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
   }
 
   Set set_;
-  Column scales_;        // k' of the present mode and number of iterations
+  Column scales_;        // of every correction, for:
   int scales_for_ = -1;  // iterations in PBD mode, else 0
+  float relaxed_by_ = 1;
   const kernels::KindKernels* kernels_ = nullptr;
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split

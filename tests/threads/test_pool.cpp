@@ -2,9 +2,9 @@
 #include "souple/solver/cut.h"
 #include "souple/solver/threads.h"
 #include "tests/expect_error.h"
+#include "tests/threads/idle.h"
 
 #include <atomic>
-#include <chrono>
 #include <cstdlib>
 #include <limits>
 #include <numeric>
@@ -16,7 +16,6 @@
 
 #if defined(__linux__)
 #include <sys/resource.h>
-#include <time.h>
 #endif
 
 namespace souple {
@@ -133,32 +132,18 @@ TEST(Threads, EndWhileTheySleepWhileTheySpinAndBeforeTheyStart) {
 
 #if defined(__linux__)
 
-double process_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-// Processor time that all threads of this process take while this one sleeps for 0.2 s.
-double idle_seconds() {
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // they may be on their way to sleep
-  const double before = process_seconds();
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  return process_seconds() - before;
-}
-
 TEST(Threads, SleepBetweenSteps) {
   const auto threads = make_threads(Threading::pool, 3);
   visits(*threads, 100, 1);
-  EXPECT_LT(idle_seconds(), 0.01) << "after a job outside wake and rest";
+  EXPECT_LT(test::idle_seconds(), 0.01) << "after a job outside wake and rest";
   threads->wake();
   visits(*threads, 100, 1);
-  EXPECT_GT(idle_seconds(), 0.02) << "awake: this test sees spinning where there is some";
+  EXPECT_GT(test::idle_seconds(), 0.02) << "awake: this test sees spinning where there is some";
   threads->rest();
-  EXPECT_LT(idle_seconds(), 0.01) << "after rest";
+  EXPECT_LT(test::idle_seconds(), 0.01) << "after rest";
   threads->wake();
   visits(*threads, 1, 1);
-  EXPECT_LT(idle_seconds(), 0.01) << "awake, but nothing was worth cutting";
+  EXPECT_LT(test::idle_seconds(), 0.01) << "awake, but nothing was worth cutting";
 }
 
 #ifndef SOUPLE_SANITIZED  // their shadow memory is beyond any limit

@@ -14,7 +14,8 @@
 // A tag names the set in every template that is compiled for it, so that the linker never takes one set's
 // code for another's. Records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill
 // a register, so that four registers loaded from i, i + 1, i + 2, i + 3 transpose to components in the order
-// of i. difference_but_last: a - b, the fourth float of every record that of a.
+// of i. min, max: a < b ? a : b and a > b ? a : b. difference_but_last: a - b, the fourth float of every
+// record that of a.
 
 namespace souple::simd {
 
@@ -26,6 +27,8 @@ struct Sse {
 
   static Vector broadcast(float a) { return _mm_set1_ps(a); }
   static Vector sqrt(Vector a) { return _mm_sqrt_ps(a); }
+  static Vector min(Vector a, Vector b) { return _mm_min_ps(a, b); }
+  static Vector max(Vector a, Vector b) { return _mm_max_ps(a, b); }
   static Vector load(const float* p) { return _mm_loadu_ps(p); }
   static void store(float* p, Vector a) { _mm_storeu_ps(p, a); }
   static Vector load_records(const float* base, const std::uint32_t* i) { return _mm_load_ps(base + i[0]); }
@@ -50,6 +53,8 @@ struct Avx2 {
 
   static Vector broadcast(float a) { return _mm256_set1_ps(a); }
   static Vector sqrt(Vector a) { return _mm256_sqrt_ps(a); }
+  static Vector min(Vector a, Vector b) { return _mm256_min_ps(a, b); }
+  static Vector max(Vector a, Vector b) { return _mm256_max_ps(a, b); }
   static Vector load(const float* p) { return _mm256_loadu_ps(p); }
   static void store(float* p, Vector a) { _mm256_storeu_ps(p, a); }
   static Vector load_records(const float* base, const std::uint32_t* i) {
@@ -76,6 +81,8 @@ struct Avx512 {
 
   static Vector broadcast(float a) { return _mm512_set1_ps(a); }
   static Vector sqrt(Vector a) { return _mm512_sqrt_ps(a); }
+  static Vector min(Vector a, Vector b) { return _mm512_min_ps(a, b); }
+  static Vector max(Vector a, Vector b) { return _mm512_max_ps(a, b); }
   static Vector load(const float* p) { return _mm512_loadu_ps(p); }
   static void store(float* p, Vector a) { _mm512_storeu_ps(p, a); }
   static Vector load_records(const float* base, const std::uint32_t* i) {
@@ -108,6 +115,8 @@ struct Neon {
 
   static Vector broadcast(float a) { return vdupq_n_f32(a); }
   static Vector sqrt(Vector a) { return vsqrtq_f32(a); }
+  static Vector min(Vector a, Vector b) { return a < b ? a : b; }
+  static Vector max(Vector a, Vector b) { return a > b ? a : b; }
   static Vector load(const float* p) { return vld1q_f32(p); }
   static void store(float* p, Vector a) { vst1q_f32(p, a); }
   static Vector load_records(const float* base, const std::uint32_t* i) { return vld1q_f32(base + i[0]); }

@@ -47,8 +47,8 @@ struct Pack {
 
   friend Pack select(Mask mask, Pack a, Pack b) { return Pack(mask.lanes ? a.v : b.v); }
   // The operand that std::min and std::max give when neither is smaller.
-  friend Pack min(Pack a, Pack b) { return Pack(b.v < a.v ? b.v : a.v); }
-  friend Pack max(Pack a, Pack b) { return Pack(a.v < b.v ? b.v : a.v); }
+  friend Pack min(Pack a, Pack b) { return Pack(Set::min(b.v, a.v)); }
+  friend Pack max(Pack a, Pack b) { return Pack(Set::max(b.v, a.v)); }
   friend Pack abs(Pack a) { return Pack((Vector)((typename Set::Mask)a.v & 0x7fffffff)); }
   friend Pack sqrt(Pack a) { return Pack(Set::sqrt(a.v)); }
   friend Pack atan2(Pack y, Pack x) { return arctangent(y, x); }
@@ -57,7 +57,7 @@ struct Pack {
 /// Four registers of records (see instruction_sets.h) to their four components, and back: a 4 x 4 transpose
 /// of every 16 bytes.
 template <class Set>
-inline void transpose(typename Set::Vector (&r)[4]) {
+[[gnu::always_inline]] inline void transpose(typename Set::Vector (&r)[4]) {
   const auto t0 = Set::unpack_low(r[0], r[1]), t1 = Set::unpack_high(r[0], r[1]);
   const auto t2 = Set::unpack_low(r[2], r[3]), t3 = Set::unpack_high(r[2], r[3]);
   r[0] = Set::pair_low(t0, t2);

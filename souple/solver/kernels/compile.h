@@ -9,13 +9,16 @@
 // The projection of many constraints, a register's worth at a time. Included by the translation units that
 // are compiled for one instruction set, and by nothing else; every template here carries the set's tag.
 
+// What is not inlined passes registers through memory, at half the speed; g++'s flatten leaves lambdas out.
+#define SOUPLE_INLINE __attribute__((always_inline))
+
 namespace souple::kernels {
 
 /// f(0), f(1), ... f(n - 1) with constants, whatever the compiler thinks of unrolling: an index that it does
 /// not know puts registers into memory.
 template <int n, class Function>
-[[gnu::always_inline]] inline void unrolled(const Function& f) {
-  [&]<int... k>(std::integer_sequence<int, k...>) {
+SOUPLE_INLINE inline void unrolled(const Function& f) {
+  [&]<int... k>(std::integer_sequence<int, k...>) SOUPLE_INLINE {
     (f(std::integral_constant<int, k>{}), ...);
   }
   (std::make_integer_sequence<int, n>{});
@@ -48,10 +51,10 @@ struct LocalSet {
   LoadedColumn<Set> parameters[param_count], compliances[alpha_count], damping_time, scale;
   float* multipliers[rows_of<Kind>];
   bool stored;
-  simd::Pack<Set> h, inverse_h2, relaxation;
+  simd::Pack<Set> h, inverse_h2;
 
   explicit LocalSet(const SetArrays& set)
-      : stored(set.multipliers != nullptr), h(set.h), inverse_h2(set.inverse_h2), relaxation(set.relaxation) {
+      : stored(set.multipliers != nullptr), h(set.h), inverse_h2(set.inverse_h2) {
     for (int k = 0; k < Kind::arity; ++k) records[k] = set.records[k];
     for (int k = 0; k < param_count; ++k) parameters[k].set(set.parameters[k]);
     for (int k = 0; k < alpha_count; ++k) compliances[k].set(set.compliances[k]);
@@ -67,7 +70,8 @@ struct Block {
   using T = simd::Pack<Set>;
 
   const std::uint32_t* records[Kind::arity];
-  typename Set::Vector moving[Kind::arity][4];  ///< the records that corrections are added to
+  /// What corrections are added to: components of positions (plain form), or records of displacements.
+  typename Set::Vector moving[Kind::arity][4];
   typename Kind::template Params<T> params;
   ProjectionInput<Kind, T> in;
 
@@ -78,75 +82,114 @@ struct Block {
   }
 };
 
-/// x_k - x_0 (or x_0 - origin) and the inverse masses. Differences are taken record by record, before they
-/// are transposed: half the transposes of taking them after, and the displacement form costs loads only.
-template <class Set, class Kind, bool displacement>
-inline void load_particles(const ParticleArrays& p, Block<Set, Kind>& block) {
+/// x_k - x_0 (or x_0 - origin) and the inverse masses; components of the plain form stay in registers.
+template <class Set, class Kind>
+SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Set, Kind>& block) {
+  using T = simd::Pack<Set>;
+  auto& x = block.moving;
+  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
+    unrolled<4>([&](auto j) SOUPLE_INLINE { x[k][j] = Set::load_records(p.position, block.records[k] + j); });
+    simd::transpose<Set>(x[k]);
+    block.in.inverse_mass[k] = T(x[k][3]);
+  });
+  const Vec3<T> first{T(x[0][0]), T(x[0][1]), T(x[0][2])};
+  if constexpr (has_origin<Kind>) {
+    block.in.x[0] = first - Kind::origin(block.params);
+  } else {
+    block.in.x[0] = {T(0), T(0), T(0)};
+  }
+  unrolled<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
+    constexpr int k = before + 1;
+    block.in.x[k] = Vec3<T>{T(x[k][0]), T(x[k][1]), T(x[k][2])} - first;
+  });
+}
+
+/// The same of (x_k - x_0) + (d_k - d_0), taken record by record before they are transposed: the displacement
+/// form then costs loads and additions, but no transpose more.
+template <class Set, class Kind>
+SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Set, Kind>& block) {
   using T = simd::Pack<Set>;
   using Vector = typename Set::Vector;
-  constexpr int arity = Kind::arity;
+  auto& d = block.moving;
   Vector first[4];
-  unrolled<4>([&](auto j) {
+  unrolled<4>([&](auto j) SOUPLE_INLINE {
     first[j] = Set::load_records(p.position, block.records[0] + j);
-    block.moving[0][j] = displacement ? Set::load_records(p.moving, block.records[0] + j) : first[j];
+    d[0][j] = Set::load_records(p.moving, block.records[0] + j);
   });
-  unrolled<arity - 1>([&](auto before) {
+  unrolled<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
     constexpr int k = before + 1;
-    Vector record[4];
-    unrolled<4>([&](auto j) {
+    Vector u[4];
+    unrolled<4>([&](auto j) SOUPLE_INLINE {
       const Vector x = Set::load_records(p.position, block.records[k] + j);
-      block.moving[k][j] = displacement ? Set::load_records(p.moving, block.records[k] + j) : x;
-      record[j] = Set::difference_but_last(x, first[j]);
-      if constexpr (displacement) record[j] = record[j] + (block.moving[k][j] - block.moving[0][j]);
+      d[k][j] = Set::load_records(p.moving, block.records[k] + j);
+      u[j] = Set::difference_but_last(x, first[j]) + (d[k][j] - d[0][j]);  // d.w = 0: u.w = x.w
     });
-    simd::transpose<Set>(record);
-    block.in.x[k] = {T(record[0]), T(record[1]), T(record[2])};
-    block.in.inverse_mass[k] = T(record[3]);
+    simd::transpose<Set>(u);
+    block.in.x[k] = {T(u[0]), T(u[1]), T(u[2])};
+    block.in.inverse_mass[k] = T(u[3]);
   });
   simd::transpose<Set>(first);
   block.in.inverse_mass[0] = T(first[3]);
   if constexpr (has_origin<Kind>) {
-    block.in.x[0] = Vec3<T>{T(first[0]), T(first[1]), T(first[2])} - Kind::origin(block.params);
-    if constexpr (displacement) {
-      Vector moving[4] = {block.moving[0][0], block.moving[0][1], block.moving[0][2], block.moving[0][3]};
-      simd::transpose<Set>(moving);
-      block.in.x[0] += Vec3<T>{T(moving[0]), T(moving[1]), T(moving[2])};
-    }
+    Vector moved[4] = {d[0][0], d[0][1], d[0][2], d[0][3]};
+    simd::transpose<Set>(moved);
+    block.in.x[0] = (Vec3<T>{T(first[0]), T(first[1]), T(first[2])} - Kind::origin(block.params)) +
+                    Vec3<T>{T(moved[0]), T(moved[1]), T(moved[2])};
   } else {
-    block.in.x[0] = {T(0.0f), T(0.0f), T(0.0f)};
+    block.in.x[0] = {T(0), T(0), T(0)};
   }
 }
 
+template <class Set, class Kind, bool displacement>
+SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Set, Kind>& block) {
+  if constexpr (displacement) {
+    load_displaced(p, block);
+  } else {
+    load_plain(p, block);
+  }
+}
+
+/// What the particles have moved since the substep began.
 template <class Set, class Kind>
-inline void load_moved(const ParticleArrays& p, Block<Set, Kind>& block) {
+SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Set, Kind>& block) {
   using T = simd::Pack<Set>;
-  unrolled<Kind::arity>([&](auto k) {
-    typename Set::Vector record[4];
-    unrolled<4>(
-        [&](auto j) { record[j] = block.moving[k][j] - Set::load_records(p.start, block.records[k] + j); });
-    simd::transpose<Set>(record);
-    block.in.moved[k] = {T(record[0]), T(record[1]), T(record[2])};
-  });
-}
-
-/// Adds the corrections to their records; the fourth lane stays.
-template <class Set, class Kind>
-inline void store_corrections(const ParticleArrays& p, const Block<Set, Kind>& block,
-                              const Vec3<simd::Pack<Set>> (&dx)[Kind::arity]) {
-  unrolled<Kind::arity>([&](auto k) {
-    typename Set::Vector record[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, typename Set::Vector{}};
-    simd::transpose<Set>(record);
-    unrolled<4>([&](auto j) {
-      const std::uint32_t* i = block.records[k] + j;
-      const auto before = p.corrected == p.moving ? block.moving[k][j] : Set::load_records(p.corrected, i);
-      Set::store_records(p.corrected, i, before + record[j]);
+  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
+    typename Set::Vector moved[4];
+    unrolled<4>([&](auto j) SOUPLE_INLINE {
+      moved[j] = Set::load_records(p.moving, block.records[k] + j) -
+                 Set::load_records(p.start, block.records[k] + j);
     });
+    simd::transpose<Set>(moved);
+    block.in.moved[k] = {T(moved[0]), T(moved[1]), T(moved[2])};
   });
 }
 
-/// Blocks of a register's worth of constraints from the i-th on. All in one function: what is not inlined
-/// would pass registers through memory.
-template <class Set, class Kind, bool displacement, Terms terms>
+/// Adds the corrections to the records of `corrected`, which is `moving` when they go in place; the fourth
+/// lane stays.
+template <class Set, class Kind, bool displacement, bool in_place>
+SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block<Set, Kind>& block,
+                                            const Vec3<simd::Pack<Set>> (&dx)[Kind::arity]) {
+  using Vector = typename Set::Vector;
+  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
+    const std::uint32_t* records = block.records[k];
+    if constexpr (in_place && !displacement) {
+      const auto& x = block.moving[k];
+      Vector r[4] = {x[0] + dx[k].x.v, x[1] + dx[k].y.v, x[2] + dx[k].z.v, x[3]};
+      simd::transpose<Set>(r);
+      unrolled<4>([&](auto j) SOUPLE_INLINE { Set::store_records(p.corrected, records + j, r[j]); });
+    } else {
+      Vector r[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, Vector{}};
+      simd::transpose<Set>(r);
+      unrolled<4>([&](auto j) SOUPLE_INLINE {
+        const Vector before = in_place ? block.moving[k][j] : Set::load_records(p.corrected, records + j);
+        Set::store_records(p.corrected, records + j, before + r[j]);
+      });
+    }
+  });
+}
+
+/// Blocks of a register's worth of constraints from the i-th on.
+template <class Set, class Kind, bool displacement, bool in_place, Terms terms>
 [[gnu::flatten]] void project_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
                                      std::size_t end) {
   using T = simd::Pack<Set>;
@@ -157,7 +200,7 @@ template <class Set, class Kind, bool displacement, Terms terms>
     load_particles<Set, Kind, displacement>(p, block);
     for (int k = 0; k < LocalSet<Set, Kind>::alpha_count; ++k)
       block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
-    block.in.scale = set.scale.load(i) * set.relaxation;
+    block.in.scale = set.scale.load(i);
     if constexpr (terms == Terms::general) {
       block.in.gamma = set.damping_time.load(i) / set.h;
       load_moved(p, block);
@@ -169,8 +212,8 @@ template <class Set, class Kind, bool displacement, Terms terms>
     project_constraint<Kind, T, terms>(block.in, block.params, dx, dlambda);
     if constexpr (terms == Terms::general)
       for (int r = 0; set.stored && r < rows_of<Kind>; ++r)
-        (block.in.lambda[r] + dlambda[r] * block.in.scale).store(set.multipliers[r] + i);
-    store_corrections(p, block, dx);
+        (block.in.lambda[r] + dlambda[r]).store(set.multipliers[r] + i);
+    store_corrections<Set, Kind, displacement, in_place>(p, block, dx);
   }
 }
 
@@ -271,10 +314,13 @@ std::size_t whole(std::size_t begin, std::size_t end) {
 template <class Set, class Kind, bool displacement, Terms terms>
 void project(const ParticleArrays& p, const SetArrays& set, std::size_t begin, std::size_t end) {
   const std::size_t last = whole<Set>(begin, end);
-  if (begin < last) project_blocks<Set, Kind, displacement, terms>(p, set, begin, last);
+  const auto blocks = terms == Terms::plain || p.corrected == p.moving
+                          ? project_blocks<Set, Kind, displacement, true, terms>
+                          : project_blocks<Set, Kind, displacement, terms == Terms::plain, terms>;
+  if (begin < last) blocks(p, set, begin, last);
   if (last == end) return;
   Tail<Set, Kind> tail(p, set, last, end);
-  project_blocks<Set, Kind, displacement, terms>(tail.particles(), tail.set(set), 0, Set::lanes);
+  blocks(tail.particles(), tail.set(set), 0, Set::lanes);
   tail.copy_back(p, set);
 }
 

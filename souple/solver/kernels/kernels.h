@@ -39,11 +39,10 @@ struct SetArrays {
   const std::uint32_t* const* records = nullptr;  ///< [arity], each [i]: 4 times the particle
   const ColumnView* parameters = nullptr;         ///< [floats in Params]
   const ColumnView* compliances = nullptr;        ///< [compliance_size]
-  ColumnView damping_time, scale;                 ///< scale: k' in PBD mode, else 1
+  ColumnView damping_time, scale;                 ///< scale: of every correction
   float* const* multipliers = nullptr;            ///< [rows], each [i]; null: not stored
   float h = 0;                                    ///< s
   float inverse_h2 = 0;                           ///< 1 / h^2; 0 in PBD mode
-  float relaxation = 1;
 };
 
 /// Projects constraints [begin, end), which share no particle.

@@ -87,7 +87,7 @@ T gradient_product(const Vec3<T>& a, const Vec3<T>& b) {
   return has_unit_gradients<Kind> ? T(1) : dot(a, b);
 }
 
-/// One projection: fills dx and returns dlambda in `dlambda`.
+/// One projection: fills dx and `dlambda`, both scaled.
 template <class Kind, class T, Terms terms = Terms::general>
 inline void project_constraint(const ProjectionInput<Kind, T>& in,
                                const typename Kind::template Params<T>& params, Vec3<T> (&dx)[Kind::arity],
@@ -116,16 +116,17 @@ inline void project_constraint(const ProjectionInput<Kind, T>& in,
   }
   if constexpr (rows == 1) {
     const auto usable = A[0] > T(0);
-    dlambda[0] = select(usable, dlambda[0] / select(usable, A[0], T(1)), T(0));
+    dlambda[0] = select(usable, dlambda[0] / A[0], T(0));
     // A violated inequality pushes, never pulls: the multiplier stays >= 0.
     if constexpr (Kind::sense == Sense::non_negative) dlambda[0] = max(dlambda[0], -in.lambda[0]);
   } else {
     solve_symmetric<rows>(A, dlambda);
   }
+  for (int r = 0; r < rows; ++r) dlambda[r] = dlambda[r] * in.scale;
   for (int i = 0; i < arity; ++i) {
     Vec3<T> sum = gradient[0][i] * dlambda[0];
     for (int r = 1; r < rows; ++r) sum += gradient[r][i] * dlambda[r];
-    dx[i] = sum * (in.inverse_mass[i] * in.scale);
+    dx[i] = sum * in.inverse_mass[i];
   }
   if constexpr (requires { Kind::template reach<T>(params); }) limit_to_reach<Kind, T>(params, dx, dlambda);
 }

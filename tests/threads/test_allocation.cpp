@@ -1,0 +1,49 @@
+#include "tests/threads/busy_world.h"
+#include "tests/threads/count_allocations.h"
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+long allocations_of_a_warm_step(World& world, int warm_frames) {
+  for (int frame = 0; frame < warm_frames; ++frame) world.step(1.0 / 60);
+  const long before = test::allocations();
+  for (int frame = 0; frame < 5; ++frame) world.step(1.0 / 60);
+  return test::allocations() - before;
+}
+
+class WarmStep : public testing::TestWithParam<Settings> {};
+
+// Cloth, soft bodies, grains, a balloon, colliders and custom constraints, residuals measured, wind.
+TEST_P(WarmStep, AllocatesNothing) {
+  World world = test::busy_world(GetParam());
+  EXPECT_EQ(allocations_of_a_warm_step(world, 60), 0);
+  EXPECT_GT(world.report().contacts, 100u);
+}
+
+std::string name_of(const testing::TestParamInfo<Settings>& info) {
+  constexpr const char* names[] = {"OneThread", "ThreeThreads", "Iterations", "PBD", "Plain", "Implicit"};
+  return names[info.index];
+}
+
+INSTANTIATE_TEST_SUITE_P(All, WarmStep,
+                         testing::Values(Settings{.threads = 1}, Settings{.threads = 3},
+                                         Settings{.iterations = 3, .threads = 2},
+                                         Settings{.mode = Mode::pbd, .threads = 2},
+                                         Settings{.form = Form::plain, .threads = 2},
+                                         Settings{.integrator = Integrator::implicit_euler, .threads = 2}),
+                         name_of);
+
+// A step that warns says so in a report of its own, in memory of the last one.
+TEST(WarmStepThatWarns, AllocatesNothing) {
+  World world({.substeps = 1, .threads = 2});
+  const ObjectId cloth = world.add_cloth(grid(30, 30, 1.0), {.membrane_stiffness = 20});
+  world.pin(cloth, vertices({0, 29}));
+  EXPECT_EQ(allocations_of_a_warm_step(world, 30), 0);
+  EXPECT_TRUE(world.report().has(Flag::large_strain));
+  EXPECT_FALSE(world.report().message.empty());
+}
+
+}  // namespace
+}  // namespace souple
