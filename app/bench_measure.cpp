@@ -2,6 +2,7 @@
 
 #include "app/bench_scenes.h"
 #include "app/bench_words.h"
+#include "souple/solver/instruction_set.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -17,14 +18,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double frame = 1.0 / 60;          // s, of every step
 constexpr double projection_budget = 0.25;  // s, for timing the projections of all kinds
-constexpr double residual_budget = 20;      // s, of solving to a residual in one go
-constexpr int most_iterations = 1 << 15;
+constexpr double residual_budget = 8;       // s, of solving to a residual in one go
+constexpr double repeated_below = 0.1;      // s: shorter times are the best of three
+constexpr int most_iterations = 1 << 16;
 constexpr double stretched = 0.1;  // of the static case
-
-/// The instruction set that the kernels of this machine use.
-std::string instruction_set() {
-  return "scalar";
-}
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -100,20 +97,25 @@ void time_projections(World& world, BenchResult& result) {
 
 CurvePoint solve(World& world, int iterations) {
   SolveTime best = world.time_solve(frame, iterations);
-  for (int again = 0; again < 2 && best.seconds < 0.1; ++again)
+  for (int again = 0; again < 2 && best.seconds < repeated_below; ++again)
     best.seconds = std::min(best.seconds, world.time_solve(frame, iterations).seconds);
   return {iterations, best.seconds * 1e3, best.mean_strain, best.rms_strain, best.largest_strain};
 }
 
-/// The fewest iterations between a count that is too few and one that is enough, within 3 %.
-CurvePoint fewest(World& world, double target, int too_few, CurvePoint enough) {
-  while (enough.iterations - too_few > std::max(1, enough.iterations / 32)) {
-    const CurvePoint middle = solve(world, (too_few + enough.iterations) / 2);
-    if (middle.mean_strain <= target) {
-      enough = middle;
-    } else {
-      too_few = middle.iterations;
+/// The fewest iterations between a count that is too few and one that is enough: within 3 %, or between the
+/// two on a straight line of their logarithms where another try would take long.
+CurvePoint fewest(World& world, double target, CurvePoint too_few, CurvePoint enough) {
+  while (enough.iterations - too_few.iterations > std::max(1, enough.iterations / 32)) {
+    if (enough.milliseconds > 1e3 * repeated_below) {
+      const double part =
+          std::log(too_few.mean_strain / target) / std::log(too_few.mean_strain / enough.mean_strain);
+      const auto between = [&](double a, double b) { return a * std::pow(b / a, part); };
+      enough.iterations = static_cast<int>(std::ceil(between(too_few.iterations, enough.iterations)));
+      enough.milliseconds = between(too_few.milliseconds, enough.milliseconds);
+      return enough;
     }
+    const CurvePoint middle = solve(world, (too_few.iterations + enough.iterations) / 2);
+    (middle.mean_strain <= target ? enough : too_few) = middle;
   }
   return enough;
 }
@@ -129,15 +131,17 @@ ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& opt
   result.target = *options.residual;
   world.time_solve(frame, 1);  // what the first solve prepares is not solving
   result.start = world.time_solve(frame, 0).mean_strain;
-  CurvePoint point{};
-  for (int n = 1; n <= most_iterations; n = std::max(n + 1, static_cast<int>(n * std::sqrt(2.0)))) {
+  CurvePoint before{0, 0, result.start, 0, 0}, point = before;
+  double growth = std::sqrt(2.0);
+  for (int n = 1; n <= most_iterations; n = std::max(n + 1, static_cast<int>(n * growth))) {
+    before = point;
     point = solve(world, n);
     result.curve.push_back(point);
-    const bool reached = point.mean_strain <= result.target;
-    if (reached || !std::isfinite(point.mean_strain) || point.milliseconds > 1e3 * residual_budget) break;
+    if (point.mean_strain <= result.target || !std::isfinite(point.mean_strain)) break;
+    if (point.milliseconds > 1e3 * residual_budget / growth) break;
+    if (point.milliseconds > 1e3 * repeated_below) growth = 2;
   }
   if (point.mean_strain <= result.target) {
-    const int before = result.curve.size() > 1 ? result.curve[result.curve.size() - 2].iterations : 0;
     point = fewest(world, result.target, before, point);
     result.milliseconds = point.milliseconds;
   }
@@ -148,7 +152,7 @@ ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& opt
 void describe(const BenchOptions& options, BenchResult& result) {
   const Settings& s = options.settings;
   result.threads = s.threads > 0 ? s.threads : make_threads(s.threading, 0)->count();
-  result.simd = instruction_set();
+  result.simd = simd_name();
   result.solver = name_of(solver_names, s.solver.kind);
   result.sweep = name_of(sweep_names, s.solver.sweep);
   result.form = name_of(form_names, s.form);

@@ -28,6 +28,7 @@ ClothMaterial rigid_material() {
   material.membrane_stiffness = rigid;
   material.bending_stiffness = rigid;
   material.bending = BendingModel::distance;
+  material.pbd_bending = 1;
   return material;
 }
 

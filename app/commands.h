@@ -66,5 +66,7 @@ int check(const std::string& scene, const std::vector<std::string>& settings);
 
 enum class InfoPart { all, schema, scene_format };
 int info(InfoPart part);
+/// What a running scene holds in memory, part by part.
+int memory(const std::string& scene, const std::vector<std::string>& settings);
 
 }  // namespace souple::app

@@ -55,4 +55,31 @@ int info(InfoPart part) {
   return fine;
 }
 
+namespace {
+
+void print_memory(const std::string& name, std::size_t bytes, std::size_t particles) {
+  std::printf("%-40s %12zu %8.1f\n", name.c_str(), bytes,
+              particles > 0 ? static_cast<double>(bytes) / static_cast<double>(particles) : 0.0);
+}
+
+}  // namespace
+
+int memory(const std::string& scene, const std::vector<std::string>& settings) {
+  const SceneDescription description = load_scene(find_scene(scene), settings);
+  World world = build_world(description);
+  world.step(1 / description.frame_rate);
+  for (const ObjectId object : world.objects()) world.positions(object);  // as a run looks at them
+  const MemoryReport report = world.memory();
+  std::printf("%zu particles\n%-40s %12s %8s\n", report.particles, "", "bytes", "each");
+  for (const auto& [title, parts] :
+       {std::pair("simulation", &report.simulation), {"objects", &report.objects}}) {
+    for (const MemoryReport::Part& part : *parts)
+      print_memory("  " + part.name, part.bytes, report.particles);
+    print_memory(title, MemoryReport::total(*parts), report.particles);
+  }
+  print_memory("total", MemoryReport::total(report.simulation) + MemoryReport::total(report.objects),
+               report.particles);
+  return fine;
+}
+
 }  // namespace souple::app

@@ -96,7 +96,8 @@ solvers: gauss_seidel, jacobi, direct, conjugate_gradient, dense, hierarchical)"
 
 constexpr const char* info_footer = R"(Examples:
   souple info
-  souple info --schema > scene.schema.json     for editors that check JSON while it is written)";
+  souple info --schema > scene.schema.json     for editors that check JSON while it is written
+  souple info --memory flag                    what a scene takes while it runs, bytes by part)";
 
 void add_settings(CLI::App& command, std::vector<std::string>& settings) {
   command
@@ -259,6 +260,8 @@ void add_check(CLI::App& app, std::function<int()>& action) {
 
 void add_info(CLI::App& app, std::function<int()>& action) {
   auto part = std::make_shared<InfoPart>(InfoPart::all);
+  auto scene = std::make_shared<std::string>();
+  auto settings = std::make_shared<std::vector<std::string>>();
   CLI::App& command =
       *app.add_subcommand("info", "version, compiler, optional parts, where scenes are found");
   command.footer(info_footer);
@@ -269,7 +272,15 @@ void add_info(CLI::App& app, std::function<int()>& action) {
           "--scene-format", [part] { *part = InfoPart::scene_format; },
           "print the manual page of scene files")
       ->excludes(schema);
-  command.callback([part, &action] { action = [part] { return souple::app::info(*part); }; });
+  command.add_option("--memory", *scene, "print what this scene takes while it runs")
+      ->excludes(schema)
+      ->type_name("SCENE");
+  add_settings(command, *settings);
+  command.callback([part, scene, settings, &action] {
+    action = [part, scene, settings] {
+      return scene->empty() ? souple::app::info(*part) : souple::app::memory(*scene, *settings);
+    };
+  });
 }
 
 int perform(const std::function<int()>& action) {

@@ -2,6 +2,7 @@
 
 #include "souple/collision/friction.h"
 #include "souple/error.h"
+#include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <atomic>
@@ -390,6 +391,10 @@ void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   placed_.clear();
   candidates_.clear();
   contacts_.clear();
+}
+
+std::size_t ColliderContacts::bytes() const {
+  return bytes_of(bodies_, members_, placed_, candidates_, contacts_);
 }
 
 }  // namespace souple

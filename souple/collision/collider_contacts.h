@@ -73,6 +73,7 @@ class ColliderContacts final : public Projector {
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   /// Contacts live for one step; erasing between steps forgets them all.
+  std::size_t bytes() const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:

@@ -2,6 +2,7 @@
 
 #include "souple/collision/friction.h"
 #include "souple/error.h"
+#include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <limits>
@@ -486,6 +487,11 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
   placed_.clear();
   forget_contacts();
   largest_diameter_ = 0;
+}
+
+std::size_t ParticleContacts::bytes() const {
+  return bytes_of(excluded_, members_, placed_, cells_, bucket_begin_, entries_, pairs_, drift_, memory_,
+                  contacts_);
 }
 
 }  // namespace souple

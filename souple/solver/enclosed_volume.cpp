@@ -184,4 +184,11 @@ void EnclosedVolume::erase_particles(std::uint32_t begin, std::uint32_t end) {
   keep_only(surfaces_, groups_.erase_particles(begin, end));
 }
 
+std::size_t EnclosedVolume::bytes() const {
+  std::size_t sum = groups_.bytes() + bytes_of(surfaces_);
+  for (const Surface& surface : surfaces_)
+    sum += bytes_of(surface.triangles, surface.position, surface.gradient);
+  return sum;
+}
+
 }  // namespace souple

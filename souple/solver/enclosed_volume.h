@@ -55,6 +55,7 @@ class EnclosedVolume final : public Projector {
   /// Of the surfaces that hold their volume [m^3].
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
   /// The volume of surface i, in the order they were added [m^3].

@@ -1,196 +1,348 @@
 #include "souple/solver/hierarchical.h"
 
+#include "souple/constraints/distance.h"
+#include "souple/constraints/triangle_membrane.h"
+
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <utility>
 
 namespace souple {
 namespace {
 
-constexpr std::size_t smallest_level = 24;
-constexpr std::size_t grain = 2048;
 constexpr std::uint32_t none = ~std::uint32_t{0};
+/// Levels end where one has no more particles than this: eight sweeps solve it.
+constexpr std::size_t smallest_level = 24;
+/// Sweeps on each level. One converges as well where cloth hangs, and less where it swings; three gain
+/// nothing.
+constexpr int sweeps = 2, coarsest_sweeps = 8;
+/// Coarse particles worth a thread of their own.
+constexpr std::size_t grain = 1024;
 
-void add_links(const SetProjector<Distance>& distances, const ParticleView& particles,
-               std::vector<Link>& links) {
+void add_links(const SetProjector<Distance>& distances, std::vector<Link>& links) {
   const auto& set = distances.set();
   for (std::size_t i = 0; i < set.size(); ++i) {
     const auto [a, b] = set.indices(i);
-    const float w = particles.inverse_mass(a) + particles.inverse_mass(b);
-    const float length = set.params(i).rest_length, alpha = set.compliance(i)[0];
+    const float length = set.params(i).rest_length;
     if (a == b || !(length > 0)) continue;
-    links.push_back({a, b, length, length * length / alpha, w > 0 ? alpha / w : 0});
+    links.push_back(
+        {std::min(a, b), std::max(a, b), length, length * length / set.compliance(i)[0], set.stiffness(i)});
   }
 }
 
-/// Numbers the linked particles without gaps, in order; returns them.
-std::vector<std::uint32_t> compact(std::vector<Link>& links, std::size_t particles) {
-  std::vector<std::uint32_t> number(particles, none), result;
-  for (const Link& link : links) number[link.a] = number[link.b] = 0;
+// The edges of a triangle with rest shape B^-1 share its stiffness: an edge holds S A of its triangle's
+// strain energy, with the mean S of warp and weft.
+void add_links(const SetProjector<TriangleMembrane>& membranes, std::vector<Link>& links) {
+  const auto& set = membranes.set();
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const auto indices = set.indices(i);
+    const auto p = set.params(i);
+    const auto alpha = set.compliance(i);
+    const float determinant = p.b00 * p.b11 - p.b01 * p.b10;
+    const float rest[3][2] = {
+        {0, 0}, {p.b11 / determinant, -p.b10 / determinant}, {-p.b01 / determinant, p.b00 / determinant}};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t l = (k + 1) % 3;
+      const float length = std::hypot(rest[k][0] - rest[l][0], rest[k][1] - rest[l][1]);
+      if (!(length > 0) || !std::isfinite(length)) continue;
+      links.push_back({std::min(indices[k], indices[l]), std::max(indices[k], indices[l]), length,
+                       2 / (alpha[0] + alpha[2]), set.stiffness(i)});
+    }
+  }
+}
+
+/// One link for each pair, as strong as all of the pair's together.
+void merge(std::vector<Link>& links) {
+  const auto key = [](const Link& link) { return std::tuple(link.a, link.b, link.length, link.energy); };
+  std::sort(links.begin(), links.end(), [&](const Link& p, const Link& q) { return key(p) < key(q); });
+  std::size_t count = 0;
+  for (const Link& link : links) {
+    if (count > 0 && links[count - 1].a == link.a && links[count - 1].b == link.b) {
+      links[count - 1].energy += link.energy;
+    } else {
+      links[count++] = link;
+    }
+  }
+  links.resize(count);
+}
+
+/// The particles that links name, ascending.
+std::vector<std::uint32_t> linked(std::span<const Link> links, std::size_t particles) {
+  std::vector<bool> named(particles);
+  for (const Link& link : links) named[link.a] = named[link.b] = true;
+  std::vector<std::uint32_t> result;
   for (std::uint32_t i = 0; i < particles; ++i)
-    if (number[i] != none) number[i] = static_cast<std::uint32_t>(result.size()), result.push_back(i);
-  for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
+    if (named[i]) result.push_back(i);
   return result;
+}
+
+float inverse(float mass) {
+  return mass > 0 ? 1 / mass : 0;
+}
+
+float compliance_of(const Link& link) {
+  return link.length * link.length / link.energy;
+}
+
+/// A sum of scaled records, all four lanes: one instruction each.
+struct Sum {
+  Vec4f value;
+  void add(const Vec4f& v, float scale) {
+    value.x += v.x * scale, value.y += v.y * scale, value.z += v.z * scale, value.w += v.w * scale;
+  }
+};
+
+/// What the coarse particles that particle i follows were corrected by.
+Vec3f prolonged(const CoarseLevel& map, std::span<const Vec4f> correction, std::size_t i) {
+  Sum sum;
+  for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
+    sum.add(correction[map.parent[k]], map.weight[k]);
+  return sum.value.xyz();
 }
 
 }  // namespace
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
   std::vector<Link> links;
-  for (const Projector* projector : projectors)
+  for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      add_links(*distances, particles, links);
-  particle_ = compact(links, particles.position.size());
+      add_links(*distances, links);
+    if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
+      add_links(*membranes, links);
+  }
+  merge(links);
+  std::vector<std::uint32_t> linked_particles = linked(links, particles.position.size());
   std::vector<float> masses;
-  for (const std::uint32_t i : particle_)
-    masses.push_back(particles.inverse_mass(i) > 0 ? 1 / particles.inverse_mass(i) : 0);
+  for (const std::uint32_t i : linked_particles) masses.push_back(inverse(particles.inverse_mass(i)));
+  if (links == links_ && masses == masses_) return;
 
   links_ = links;
+  masses_ = std::move(masses);
+  particle_ = std::move(linked_particles);
+  std::vector<std::uint32_t> number(particles.position.size(), none);
+  for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
+  for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
-  std::span<const std::uint32_t> finer = particle_;
-  for (CoarseLevel& map : build_levels(links, masses, smallest_level)) {
-    Level& level = levels_.emplace_back();
-    level.map = std::move(map);
-    for (const std::uint32_t i : level.map.finer) level.particle.push_back(finer[i]);
-    for (const float mass : level.map.mass) level.position.push_back({0, 0, 0, mass > 0 ? 1 / mass : 0});
-    level.moving.resize(level.position.size());
-    level.before.resize(level.position.size());
-    for (const Link& link : level.map.links)
-      if (level.map.mass[link.a] > 0 || level.map.mass[link.b] > 0)
-        level.constraints.add({link.a, link.b}, {link.length}, {0});
-    level.constraints.prepare(level.particle.size());
-    level.excess.resize(level.map.links.size()), level.path = level.ratio = level.excess;
-    for (std::size_t i = 0; i < level.constraints.size(); ++i) {
-      const auto [a, b] = level.constraints.set().indices(i);
-      const auto found = std::lower_bound(
-          level.map.links.begin(), level.map.links.end(), std::pair(a, b),
-          [](const Link& link, const std::pair<std::uint32_t, std::uint32_t>& ends) {
-            return std::pair(link.a, link.b) < ends;
-          });
-      level.link.push_back(static_cast<std::uint32_t>(found - level.map.links.begin()));
-    }
-    finer = level.particle;
+  for (CoarseLevel& level : build_levels(links, masses_, smallest_level)) add_level(std::move(level));
+  compliant_ =
+      std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
+  // These two columns are rewritten during steps: make room for a number for each constraint now.
+  for (Level& level : levels_) {
+    level.longest = level.constraints.set().parameters.data();
+    level.shortest = level.apart.set().parameters.data();
+    level.compliance = level.constraints.set().compliances.data();
+    if (level.constraints.size() == 0) continue;
+    level.longest->set(0, 0);
+    level.shortest->set(0, 0);
+    if (compliant_) level.compliance->set(0, 1);
   }
-  compliant_ = false;
   h_ = 0;
 }
 
-void Hierarchical::restrict_to(std::size_t l, const ParticleView& particles, Threads& threads) {
-  Level& level = levels_[l];
-  const CoarseLevel& map = level.map;
-  threads.for_each(level.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t j = begin; j < end; ++j) {
-      Vec3f x{}, d{};
-      for (std::uint32_t k = map.child_begin[j]; k < map.child_begin[j + 1]; ++k) {
-        const std::uint32_t i = map.child[k];
-        if (l > 0) {
-          x += levels_[l - 1].position[i].xyz() * map.share[k];
-          d += levels_[l - 1].moving[i].xyz() * map.share[k];
-        } else if (particles.form == Form::plain) {
-          x += particles.start[particle_[i]].xyz() * map.share[k];
-          d += particles.moved(particle_[i]) * map.share[k];
-        } else {
-          x += particles.position[particle_[i]].xyz() * map.share[k];
-          d += particles.moving[particle_[i]].xyz() * map.share[k];
-        }
-      }
-      level.position[j].set_xyz(x);
-      level.moving[j].set_xyz(d);
-    }
-  });
+void Hierarchical::add_level(CoarseLevel map) {
+  const std::span<const std::uint32_t> finer = levels_.empty() ? particle_ : levels_.back().particle;
+  Level level;
+  for (const std::uint32_t i : map.finer) level.particle.push_back(finer[i]);
+  for (const float mass : map.mass) level.position.push_back({0, 0, 0, inverse(mass)});
+  level.moving.resize(map.mass.size());  // w = 0: kernels subtract whole records
+  level.correction = level.before = level.moving;
+  level.constraint.assign(map.links.size(), none);
+  level.stretch.resize(map.links.size());
+  level.way_length = level.softening = level.stretch;
+
+  for (std::size_t e = 0; !levels_.empty() && e < map.links.size(); ++e)
+    for (std::uint32_t k = map.way_begin[e]; k < map.way_begin[e + 1]; ++k)
+      level.way_length[e] += levels_.back().map.links[map.way[k]].length;
+
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
+  for (const Link& link : map.links) {
+    ends.emplace_back(link.a, link.b);
+    if (map.mass[link.a] > 0 || map.mass[link.b] > 0)
+      level.constraints.add({link.a, link.b}, {link.length}, {0}, 0, link.stiffness),
+          level.apart.add({link.a, link.b}, {link.length});
+  }
+  level.constraints.prepare(map.mass.size());
+  level.apart.prepare(map.mass.size());
+  for (std::uint32_t i = 0; i < level.constraints.size(); ++i) {
+    const auto [a, b] = level.constraints.set().indices(i);
+    const auto found = std::lower_bound(ends.begin(), ends.end(), std::pair(a, b));
+    level.constraint[static_cast<std::size_t>(found - ends.begin())] = i;
+  }
+  level.map = std::move(map);
+  levels_.push_back(std::move(level));
 }
 
+int Hierarchical::sweeps_of(std::size_t l) const {
+  return l + 1 == levels_.size() ? coarsest_sweeps : sweeps;
+}
+
+std::size_t Hierarchical::coarse_projections() const {
+  std::size_t sum = 0;
+  for (std::size_t l = 0; l < levels_.size(); ++l)
+    sum += static_cast<std::size_t>(sweeps_of(l)) * levels_[l].constraints.size();
+  return sum;
+}
+
+// How far ways are stretched and where coarse links end, from where the substep began.
 void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
   const std::span<const Vec4f> start = particles.form == Form::plain ? particles.start : particles.position;
+  for (std::size_t l = 0; l < levels_.size(); ++l)
+    threads.for_each(levels_[l].map.links.size(), grain,
+                     [&](std::size_t begin, std::size_t end) { measure_level(l, start, begin, end); });
+}
+
+void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, std::size_t begin,
+                                 std::size_t end) {
+  Level& level = levels_[l];
+  for (std::size_t e = begin; e < end; ++e) {
+    const Link& link = level.map.links[e];
+    const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
+    float ratio = link.length / std::fmax(now, link.length * 1e-6f);
+    if (l == 0) {
+      level.stretch[e] = now - link.length;
+    } else {
+      float stretch = 0;
+      for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k)
+        stretch += levels_[l - 1].stretch[level.map.way[k]];
+      level.stretch[e] = stretch;
+      const float way = level.way_length[e];
+      ratio = std::fmax(ratio, way / std::fmax(way + stretch, way * 1e-6f));
+    }
+    if (level.constraint[e] == none) continue;
+    const float mean = length(level.position[link.a].xyz() - level.position[link.b].xyz());
+    const float longest = l < 3 ? std::fmax(mean * ratio, level.map.mean_length[e]) : mean * ratio;
+    level.longest->set(level.constraint[e], longest);
+    const Vec3f relative = level.position[link.a].xyz() - level.position[link.b].xyz();
+    const float predicted = length(relative + (level.moving[link.a].xyz() - level.moving[link.b].xyz()));
+    level.shortest->set(level.constraint[e], std::fmin(longest, std::fmin(mean, predicted)));
+  }
+}
+
+// A sweep from lambda = 0 acts on a smooth stretch like springs of compliance alpha + c h^2 (w_a + w_b), c
+// measured on cloths of 50 to 200: with 1/alpha the stiffness that a level has to supply it supplies k, and
+// the next coarser one the rest:
+//
+//   k = 1 / (alpha + c h^2 w),   1/alpha - k = 1 / (alpha (1 + alpha / (c h^2 w)))
+//
+// So each level's compliance is that of the material times a factor, which grows towards coarser levels;
+// rigid stays rigid. Without it each level supplies all, and a soft cloth hangs five times too stiff
+// (measured).
+void Hierarchical::set_compliance(const Substep& substep) {
+  if (!compliant_ || (h_ == substep.h && iterations_ == substep.iterations)) return;
+  h_ = substep.h;
+  iterations_ = substep.iterations;
+  const auto left = [&](const Link& link, float factor, float w, int n) {
+    constexpr float c = 0.4f;
+    const float reached = c * h_ * h_ * w / static_cast<float>(n * iterations_);
+    return reached > 0 ? factor * (1 + factor * compliance_of(link) / reached) : factor;
+  };
+  const std::span<const std::uint32_t> finest = particle_;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
-    threads.for_each(level.excess.size(), grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t e = begin; e < end; ++e) {
-        float sum = 0, path = 0;
-        for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k) {
-          const std::uint32_t step = level.map.way[k];
+    for (std::size_t e = 0; e < level.map.links.size(); ++e) {
+      const std::uint32_t begin = level.map.way_begin[e], end = level.map.way_begin[e + 1];
+      float sum = 0;
+      for (std::uint32_t k = begin; k < end; ++k) {
+        const std::uint32_t step = level.map.way[k];
+        if (l > 0) {
+          const Level& finer = levels_[l - 1];
+          const Link& link = finer.map.links[step];
+          sum +=
+              left(link, finer.softening[step], finer.position[link.a].w + finer.position[link.b].w, sweeps);
+        } else {
+          const Link& link = links_[step];
+          const auto mass = [&](std::uint32_t i) {
+            return masses_[static_cast<std::size_t>(std::lower_bound(finest.begin(), finest.end(), i) -
+                                                    finest.begin())];
+          };
+          sum += left(link, 1, inverse(mass(link.a)) + inverse(mass(link.b)), 1);
+        }
+      }
+      level.softening[e] = sum / static_cast<float>(end - begin);
+      if (level.constraint[e] != none)
+        level.compliance->set(level.constraint[e], compliance_of(level.map.links[e]) * level.softening[e]);
+    }
+  }
+}
+
+void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
+  const bool plain = particles.form == Form::plain;
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    Level& level = levels_[l];
+    threads.for_each(level.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t j = begin; j < end; ++j) {
+        Sum x, d;
+        for (std::uint32_t k = level.map.child_begin[j]; k < level.map.child_begin[j + 1]; ++k) {
+          const float share = level.map.share[k];
+          const std::uint32_t child = level.map.child[k];
           if (l > 0) {
-            sum += levels_[l - 1].excess[step];
-            path += levels_[l - 1].path[step];
+            x.add(levels_[l - 1].position[child], share);
+            d.add(levels_[l - 1].moving[child], share);
           } else {
-            const Link& link = links_[step];
-            sum += length(start[particle_[link.a]].xyz() - start[particle_[link.b]].xyz()) - link.length;
-            path += link.length;
+            const std::uint32_t i = particle_[child];
+            x.add(plain ? particles.start[i] : particles.position[i], share);
+            d.add(particles.moving[i], share);
           }
         }
-        level.excess[e] = sum;
-        level.path[e] = path;
-        const Link& link = level.map.links[e];
-        const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
-        float ratio = path / (path + sum);
-        if (geo) ratio = fas ? std::max(ratio, link.length / now) : link.length / now;
-        level.ratio[e] = now > 0 ? 1 + beta * (ratio - 1) : 1;
+        level.position[j].set_xyz(x.value.xyz());
+        level.moving[j].set_xyz(plain && l == 0 ? d.value.xyz() - x.value.xyz() : d.value.xyz());
       }
     });
   }
 }
 
-void Hierarchical::prolong(const Level& from, std::span<const std::uint32_t> to, std::span<Vec4f> moving,
-                           std::span<const Vec4f> masses, bool scattered, Threads& threads) const {
-  const CoarseLevel& map = from.map;
-  threads.for_each(map.begin.size() - 1, grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t target = scattered ? to[i] : i;
-      if (masses[target].w == 0) continue;
-      Vec3f dx{};
-      for (std::uint32_t k = map.begin[i]; k < map.begin[i + 1]; ++k) {
-        const std::uint32_t j = map.parent[k];
-        dx += (from.moving[j].xyz() - from.before[j].xyz()) * map.weight[k];
-      }
-      moving[target].set_xyz(moving[target].xyz() + dx);
-    }
-  });
-}
-
-void Hierarchical::descend(const ParticleView& particles, const Substep& substep, Threads& threads) {
+void Hierarchical::project_levels(const Substep& substep, bool first, Threads& threads) {
   Substep coarse = substep;
   coarse.form = Form::displacement;
-  coarse.mode = compliant_ ? Mode::xpbd : Mode::small_steps;
-  coarse.iterations = 1;
-  for (std::size_t l = 0; l < levels_.size(); ++l) restrict_to(l, particles, threads);
+  if (substep.mode != Mode::pbd) {
+    coarse.mode = compliant_ ? Mode::xpbd : Mode::small_steps;
+    coarse.iterations = 1;
+  }
   for (std::size_t l = levels_.size(); l-- > 0;) {
     Level& level = levels_[l];
-    level.before = level.moving;
-    if (l + 1 < levels_.size()) prolong(levels_[l + 1], {}, level.moving, level.position, false, threads);
+    const std::size_t count = level.particle.size();
+    threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        level.before[i] = level.moving[i];
+        if (l + 1 == levels_.size() || level.position[i].w == 0) continue;
+        const Level& above = levels_[l + 1];
+        level.moving[i].set_xyz(level.moving[i].xyz() + prolonged(above.map, above.correction, i));
+      }
+    });
     const ParticleView view{level.position, level.moving, level.before, Form::displacement};
-    auto& set = level.constraints.set();
-    for (std::size_t i = 0; i < set.size(); ++i) {
-      const auto [a, b] = set.indices(i);
-      set.parameters[0].set(
-          i, level.ratio[level.link[i]] * length(level.position[a].xyz() - level.position[b].xyz()));
-    }
-    level.constraints.begin_substep(view, coarse);
-    const int n = l + 1 == levels_.size() ? coarsest_sweeps : sweeps;
-    projections += double(n) * double(level.constraints.size());
-    for (int s = 0; s < n; ++s) sweep(level.constraints, view, coarse, threads);
+    if (first) level.constraints.begin_substep(view, coarse), level.apart.begin_substep(view, coarse);
+    for (int s = 0; s < sweeps_of(l); ++s)
+      sweep(level.constraints, view, coarse, threads), sweep(level.apart, view, coarse, threads);
+    threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        level.correction[i].set_xyz(level.moving[i].xyz() - level.before[i].xyz());
+    });
   }
-  prolong(levels_.front(), particle_, particles.moving, particles.position, true, threads);
 }
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
-  measure(particles, threads);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    for (int k = 0; k < pre; ++k) for (Projector* projector : projectors) { sweep(*projector, particles, substep, threads);
-      projections += double(projector->size());}
-    if (!levels_.empty())
-      for (int c = 0; c < cycles; ++c) descend(particles, substep, threads);
-    for (int k = 0; k < post; ++k) for (Projector* projector : projectors) {
-      sweep(*projector, particles, substep, threads);
-      projections += double(projector->size());
+    if (!levels_.empty()) {
+      restrict_particles(particles, threads);
+      if (iteration == 0) measure(particles, threads), set_compliance(substep);
+      project_levels(substep, iteration == 0, threads);
+      const Level& level = levels_.front();
+      threads.for_each(particle_.size(), grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          if (masses_[i] > 0) particles.correct(particle_[i], prolonged(level.map, level.correction, i));
+      });
     }
+    for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
   }
 }
 
 std::string Hierarchical::remark() const {
-  if (!levels_.empty()) return {};
-  return "the hierarchical solver found no distance constraints to coarsen, and is plain Gauss-Seidel here";
+  if (!links_.empty()) return {};
+  return "the hierarchical solver found no distances or membranes to build its levels from: it is "
+         "Gauss-Seidel "
+         "here";
 }
 
 }  // namespace souple

@@ -10,20 +10,24 @@ namespace souple {
 /// A distance that a material keeps, as the levels of a hierarchy see it.
 struct Link {
   std::uint32_t a = 0, b = 0;
-  float length = 0;  ///< at rest, along the material [m]
-  float energy = 0;  ///< k l^2, twice the energy at strain 1 [J]; infinite where rigid
-  float ease = 0;    ///< alpha / (w_a + w_b) [s^2]: how soft it is for one projection
+  float length = 0;     ///< at rest, along the material [m]
+  float energy = 0;     ///< k l^2, twice the energy at strain 1 [J]; infinite where rigid
+  float stiffness = 1;  ///< PBD mode: k in [0, 1]
+
+  bool operator==(const Link&) const = default;
 };
 
 /// One coarser level of particles above a finer one.
 struct CoarseLevel {
   std::vector<std::uint32_t> finer;  ///< of each coarse particle, which of the finer level it is; ascending
   std::vector<Link> links;           ///< between coarse particles; a < b, sorted
+  std::vector<float> mean_length;    ///< of each link at rest, between the means of its ends' children [m]
   /// A way along finer links from a to b of each link: way[k], k in [way_begin[e], way_begin[e + 1]).
   std::vector<std::uint32_t> way_begin, way;
   /// Where the correction of the finer level's particle i comes from: sum_k weight[k] *
-  /// correction(parent[k]), k in [begin[i], begin[i + 1]). Weights of a particle are at least 0 and sum to 1.
-  std::vector<std::uint32_t> begin, parent;
+  /// correction(parent[k]), k in [parent_begin[i], parent_begin[i + 1]). Weights of a particle are at least 0
+  /// and sum to 1.
+  std::vector<std::uint32_t> parent_begin, parent;
   std::vector<float> weight;
   /// Mean of the finer particles that follow coarse particle j, by mass: sum_k share[k] * of child[k], k in
   /// [child_begin[j], child_begin[j + 1]). Shares sum to 1; one that does not move has itself alone.

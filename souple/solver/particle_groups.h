@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/solver/colouring.h"
+#include "souple/state/bytes.h"
 
 #include <string_view>
 #include <utility>
@@ -34,6 +35,7 @@ class ParticleGroups {
       for (const std::uint32_t i : colour(c)) f(i, c);
   }
 
+  std::size_t bytes() const { return bytes_of(particles_, begin_, colours_.order, colours_.colour_begin); }
   /// Drops groups that name a particle of [begin, end), renumbers the rest; returns which were kept,
   /// ascending.
   std::vector<std::uint32_t> erase_particles(std::uint32_t begin, std::uint32_t end);

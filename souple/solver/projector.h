@@ -141,6 +141,8 @@ class Projector {
   virtual Residual residual(const ParticleView&) const = 0;
   /// Calls the visitor for each constraint, colour after colour; unless a kind says how, for none.
   virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
+  /// What the constraints take on the heap. [bytes]
+  virtual std::size_t bytes() const { return 0; }
   /// Particles [begin, end) cease to exist: drop the constraints that name one of them, renumber the rest.
   virtual void erase_particles(std::uint32_t begin, std::uint32_t end) = 0;
 };

@@ -43,6 +43,7 @@ class SetProjector final : public Projector {
 
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
+  std::size_t bytes() const override { return set_.bytes() + scales_.bytes(); }
   int colour_count() const override { return static_cast<int>(set_.colour_begin.size()) - 1; }
 
   /// Throws Error when a constraint names a particle that does not exist.

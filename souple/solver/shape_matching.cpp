@@ -217,4 +217,10 @@ void ShapeMatching::erase_particles(std::uint32_t begin, std::uint32_t end) {
   keep_only(regions_, groups_.erase_particles(begin, end));
 }
 
+std::size_t ShapeMatching::bytes() const {
+  std::size_t sum = groups_.bytes() + bytes_of(regions_);
+  for (const Region& region : regions_) sum += bytes_of(region.rest, region.inverse_mass, region.mass);
+  return sum;
+}
+
 }  // namespace souple

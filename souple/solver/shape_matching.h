@@ -53,6 +53,7 @@ class ShapeMatching final : public Projector {
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:

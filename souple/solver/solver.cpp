@@ -5,6 +5,7 @@
 #include "souple/solver/dense.h"
 #include "souple/solver/direct.h"
 #include "souple/solver/gauss_seidel.h"
+#include "souple/solver/hierarchical.h"
 #include "souple/solver/jacobi.h"
 #include "souple/solver/partitioned_gauss_seidel.h"
 
@@ -23,9 +24,10 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
       return std::make_unique<ConjugateGradient>();
     case SolverKind::dense:
       return std::make_unique<Dense>();
-    default:
-      throw Error("this solver is not there yet: use gauss_seidel");
+    case SolverKind::hierarchical:
+      return std::make_unique<Hierarchical>(settings);
   }
+  throw Error("no solver of kind " + std::to_string(static_cast<int>(settings.kind)));
 }
 
 }  // namespace souple

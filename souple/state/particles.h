@@ -37,6 +37,9 @@ struct Particles {
   void resize(std::size_t count) {
     for_each_array([count](auto& array) { array.resize(count); });
   }
+  void shrink_to_fit() {
+    for_each_array([](auto& array) { array.shrink_to_fit(); });
+  }
   /// Removes particles [begin, end).
   void erase(std::size_t begin, std::size_t end) {
     for_each_array([begin, end](auto& array) {

@@ -83,6 +83,15 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
   }
 }
 
+/// What grew item by item keeps no room for more: an object's shape is made once.
+void shrink(Object& object) {
+  const auto shrink_all = [](auto&... vectors) { (vectors.shrink_to_fit(), ...); };
+  shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colours,
+             object.mesh.faces, object.mesh.face_uvs, object.tets.positions, object.tets.tets, object.rest,
+             object.particle_of, object.vertex_of, object.surface, object.surface_source,
+             object.stiffness_map, object.thickness_map, object.outside);
+}
+
 /// Gives the object its particles and its place in the world. Nothing has changed if anything before this
 /// threw.
 ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
@@ -94,6 +103,7 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   if (left_out > 0)
     world.tell(object.name,
                {std::to_string(left_out) + " elements are too thin to carry bending or a membrane"});
+  shrink(object);
   object.id = {world.next_id++};
   Particles& particles = world.particles;
   object.begin = static_cast<std::uint32_t>(particles.size());
@@ -252,7 +262,7 @@ ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& materia
   world.tell(object.name, repaired.sentences);
   const Weld& weld = repaired.weld;
   adopt_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
-  object.surface_source = repaired.source;
+  if (repaired.source != identity(object.mesh.triangles.size())) object.surface_source = repaired.source;
   for (const Triangle& triangle : repaired.triangles)
     object.surface.push_back({object.particle_of[weld.to_vertex[triangle[0]]],
                               object.particle_of[weld.to_vertex[triangle[1]]],

@@ -101,7 +101,8 @@ void add_membrane(const Object& object, const ClothMaterial& m, Kinds& kinds) {
     add_if_sound(kinds, [&] {
       kinds.membrane->add(
           shifted(triangle, object.begin),
-          TriangleMembrane::from_rest(x, frames[object.surface_source[t]].warp),
+          TriangleMembrane::from_rest(
+              x, frames[object.surface_source.empty() ? t : object.surface_source[t]].warp),
           TriangleMembrane::compliance(warp * scale, weft * scale, poisson, shear * scale, area),
           m.damping_time, m.pbd_stretch);
     });

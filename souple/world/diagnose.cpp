@@ -79,6 +79,8 @@ void bring_constraints_up_to_date(WorldState& world) {
   if (world.dirty_constraints) {
     build_constraints(world);
     build_contact_radii(world);
+    world.particles.shrink_to_fit();
+    world.object_of.shrink_to_fit();
     world.dirty_constraints = false;
     world.dirty_solver = true;
   }

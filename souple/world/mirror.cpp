@@ -31,7 +31,6 @@ Mirror& fresh_mirror(const WorldState& world, ObjectId id) {
   Mirror& mirror = world.mirrors[id.value];
   if (mirror.version == world.version) return mirror;
   fill(object, mirror.positions, [&](std::size_t i) { return world.exact_position(i); });
-  fill(object, mirror.velocities, [&](std::size_t i) { return Vec3d(world.particles.velocity[i].xyz()); });
   mirror.version = world.version;
   return mirror;
 }
@@ -42,7 +41,13 @@ std::span<const Vec3f> World::positions(ObjectId id) const {
   return fresh_mirror(impl_->state, id).positions;
 }
 std::span<const Vec3f> World::velocities(ObjectId id) const {
-  return fresh_mirror(impl_->state, id).velocities;
+  const WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  Mirror& mirror = world.mirrors[id.value];
+  if (mirror.velocities_version == world.version) return mirror.velocities;
+  fill(object, mirror.velocities, [&](std::size_t i) { return Vec3d(world.particles.velocity[i].xyz()); });
+  mirror.velocities_version = world.version;
+  return mirror.velocities;
 }
 
 std::span<const Vec3f> World::normals(ObjectId id) const {

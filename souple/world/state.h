@@ -52,7 +52,8 @@ struct Object {
   std::optional<Embedding> embedding;      ///< user vertices in `tets`, when they are no particles
   std::vector<std::array<std::uint32_t, 3>>
       surface;  ///< triangles over particles, for wind and pressure; may be empty
-  std::vector<std::uint32_t> surface_source;  ///< cloth: per triangle of `surface`, its index in `mesh`
+  std::vector<std::uint32_t> surface_source;  ///< cloth: per triangle of `surface`, its index in `mesh`;
+                                              ///< empty: the same
   std::vector<float> stiffness_map;           ///< per particle; empty: 1
   std::vector<float> thickness_map;           ///< per particle; empty: 1
   std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
@@ -74,8 +75,8 @@ struct Object {
 
 /// The user-order mirror of an object; refreshed lazily.
 struct Mirror {
-  std::uint64_t version = 0;  ///< of the state it shows
-  std::uint64_t normals_version = 0;
+  std::uint64_t version = 0;  ///< of the state that the positions show
+  std::uint64_t velocities_version = 0, normals_version = 0;
   std::vector<Vec3f> positions, velocities, normals;
 };
 

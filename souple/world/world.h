@@ -10,6 +10,7 @@
 #include "souple/solver/projector.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/materials.h"
+#include "souple/world/memory.h"
 #include "souple/world/profile.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
@@ -262,7 +263,7 @@ class World {
   /// Grows whenever positions or velocities may have changed: what was made from them is out of date.
   std::uint64_t version() const;
 
-  // --- measuring; both leave every particle as it was
+  // --- measuring; all leave every particle as it was
   // -----------------------------------------------------
   /// Projects the constraints of each kind alone, `sweeps` times, as a substep of step(dt) would. Attachments
   /// and the like are kinds of their own; contacts are left out. Throws Error as for a step that cannot be
@@ -271,6 +272,8 @@ class World {
   /// Solves one substep of step(dt) with `iterations` from where the particles are: no forces, no velocities.
   /// 0 iterations only look.
   SolveTime time_solve(double dt, int iterations);
+  /// What is held on the heap now: after a step and a look at the positions, all that a running scene needs.
+  MemoryReport memory();
 
  private:
   struct Impl;

@@ -30,7 +30,8 @@ namespace {
 TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
   for (SolverSettings settings :
        {test::kind_of(SolverKind::gauss_seidel), SolverSettings{.colours = 3},
-        test::kind_of(SolverKind::jacobi), test::kind_of(SolverKind::conjugate_gradient)}) {
+        test::kind_of(SolverKind::jacobi), test::kind_of(SolverKind::conjugate_gradient),
+        test::kind_of(SolverKind::hierarchical)}) {
     test::SolverScene scene = test::sheet(20, 0.1, 0.01, 1e-6f, true);
     scene.gravity = {0, -9.81f, 0};
     scene.substep.iterations = 4;

@@ -1,0 +1,85 @@
+#include "benchmarks/peers/contest.h"
+
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+namespace souple::peers {
+
+namespace {
+
+btVector3 bullet(const Vec3d& v) {
+  return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
+}
+
+/// Nothing collides and nothing damps: what is left is integration and the links.
+class Bullet final : public Contestant {
+ public:
+  Bullet(const Contest& contest, int substeps, int iterations)
+      : links_(contest.links.size()), substeps_(substeps), iterations_(iterations) {
+    const btVector3 gravity(0, btScalar(-9.81), 0);
+    world_.setGravity(gravity);
+    world_.getWorldInfo().m_gravity = gravity;
+    world_.getWorldInfo().air_density = 0;
+    std::vector<btVector3> x;
+    std::vector<btScalar> m;
+    for (std::size_t i = 0; i < contest.positions.size(); ++i) {
+      x.push_back(bullet(contest.positions[i]));
+      m.push_back(static_cast<btScalar>(contest.masses[i]));
+    }
+    // The world frees the bodies that it has.
+    body_ = new btSoftBody(&world_.getWorldInfo(), static_cast<int>(x.size()), x.data(), m.data());
+    body_->m_materials[0]->m_kLST = 1;
+    body_->m_cfg.piterations = iterations;
+    body_->m_cfg.viterations = body_->m_cfg.diterations = body_->m_cfg.citerations = 0;
+    body_->m_cfg.kDP = body_->m_cfg.kDG = body_->m_cfg.kLF = 0;
+    body_->m_cfg.collisions = 0;
+    for (const Edge& link : contest.links)
+      body_->appendLink(static_cast<int>(link[0]), static_cast<int>(link[1]));
+    for (int i = 0; i < body_->m_nodes.size(); ++i)
+      if (body_->m_nodes[i].m_im > 0) body_->m_nodes[i].m_v = bullet(contest.velocity);
+    world_.addSoftBody(body_);
+  }
+  Bullet(const Bullet&) = delete;
+  Bullet& operator=(const Bullet&) = delete;
+  ~Bullet() override {
+    world_.removeSoftBody(body_);
+    delete body_;
+  }
+
+  std::string name() const override {
+    return "Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100) +
+           ", " + std::to_string(substeps_) + " x " + std::to_string(iterations_);
+  }
+  void step(double dt) override {
+    for (int i = 0; i < substeps_; ++i) world_.stepSimulation(static_cast<btScalar>(dt / substeps_), 0);
+  }
+  std::vector<Vec3d> positions() const override {
+    std::vector<Vec3d> result;
+    for (int i = 0; i < body_->m_nodes.size(); ++i) {
+      const btVector3& x = body_->m_nodes[i].m_x;
+      result.push_back({double(x.x()), double(x.y()), double(x.z())});
+    }
+    return result;
+  }
+  double projections() const override { return double(links_) * substeps_ * iterations_; }
+
+ private:
+  btSoftBodyRigidBodyCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btSoftRigidDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  btSoftBody* body_ = nullptr;
+  std::size_t links_;
+  int substeps_, iterations_;
+};
+
+}  // namespace
+
+std::unique_ptr<Contestant> make_bullet(const Contest& contest, int substeps, int iterations) {
+  return std::make_unique<Bullet>(contest, substeps, iterations);
+}
+
+}  // namespace souple::peers

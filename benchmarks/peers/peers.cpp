@@ -1,0 +1,226 @@
+// The same scene in Souple and in its peers, frame by frame in turn, so that whatever slows the machine slows
+// all of them: medians, ratios, and how far each engine's links are stretched at the end.
+//   peers [--size N] [--frames N] [--threads N] [--json]
+
+#include "app/bench_scenes.h"
+#include "benchmarks/peers/contest.h"
+#include "souple/geometry/builders.h"
+#include "souple/geometry/measures.h"
+#include "souple/scene/json.h"
+#include "souple/solver/instruction_set.h"
+#include "souple/world/world.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <numeric>
+
+namespace souple::peers {
+namespace {
+
+constexpr double frame = 1.0 / 60;  // s
+constexpr int substeps = 10;
+
+struct Options {
+  int size = 200, frames = 60, threads = 1;
+  bool json = false;
+};
+
+/// Souple with its default solver.
+class Ours final : public Contestant {
+ public:
+  Ours(World world, std::string name) : world_(std::move(world)), name_(std::move(name)) {}
+  std::string name() const override { return name_; }
+  void step(double dt) override { world_.step(dt); }
+  std::vector<Vec3d> positions() const override {
+    std::vector<Vec3d> result;
+    for (const Vec3f& x : world_.positions(world_.objects()[0])) result.emplace_back(x);
+    return result;
+  }
+  double projections() const override { return static_cast<double>(world_.report().constraints) * substeps; }
+
+ private:
+  World world_;
+  std::string name_;
+};
+
+Settings settings(const Options& options) {
+  Settings result;
+  result.substeps = substeps;
+  result.threads = options.threads;
+  result.measure_residuals = false;
+  return result;
+}
+
+void pin(Contest& contest, const World& world) {
+  for (const std::uint32_t i : world.pinned(world.objects()[0])) contest.masses[i] = 0;
+}
+
+/// A game: a scene, and the engines that play it.
+struct Game {
+  std::string scene;
+  Contest contest;
+  std::vector<std::unique_ptr<Contestant>> contestants;
+};
+
+void add_peers(Game& game) {
+  game.contestants.push_back(make_bullet(game.contest, substeps, 1));
+  game.contestants.push_back(make_bullet(game.contest, 1, substeps));
+}
+
+/// The benchmark `cloth`.
+Game cloth(const Options& options) {
+  Game game;
+  game.scene = "cloth " + std::to_string(options.size) + " x " + std::to_string(options.size);
+  World world(settings(options));
+  app::find_bench_scene("cloth").build(world, options.size);
+  const TriangleMesh mesh = app::hanging_grid(options.size);
+  Contest& contest = game.contest;
+  contest.positions = mesh.positions;
+  contest.masses = lumped_masses(mesh.positions, mesh.triangles, double(ClothMaterial{}.areal_density));
+  contest.links = unique_edges(mesh.triangles);
+  for (const Hinge& hinge : interior_edges(mesh.triangles)) contest.links.push_back({hinge[2], hinge[3]});
+  contest.velocity = Vec3d(world.velocities(world.objects()[0]).back());
+  pin(contest, world);
+  game.contestants.push_back(std::make_unique<Ours>(std::move(world), "Souple"));
+  add_peers(game);
+  return game;
+}
+
+/// The bar of the benchmark `tets`: links along the edges of its tets. Souple holds their volumes as well, or
+/// takes them as a neo-Hookean solid; Bullet's links alone are the least that makes a soft body of it.
+Game bar(const Options& options) {
+  Game game;
+  const int thick = std::max(2, options.size * 12 / 200), length = 5 * thick;
+  const Vec3d size{0.02 * length, 0.02 * thick, 0.02 * thick};
+  const TetMesh mesh = tet_bar(length, thick, thick, size);
+  game.scene = "bar of " + std::to_string(mesh.tets.size()) + " tets";
+  Contest& contest = game.contest;
+  contest.positions = mesh.positions;
+  contest.masses.assign(mesh.positions.size(), 0);
+  const std::vector<double> volumes = tet_volumes(mesh);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+    for (const std::uint32_t i : mesh.tets[t]) contest.masses[i] += 1000 * volumes[t] / 4;
+  contest.links = unique_edges(mesh.tets);
+  for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::neo_hookean}) {
+    World world(settings(options));
+    SoftBodyMaterial material;
+    material.model = model;
+    material.young_modulus = 1e8f;  // stiff enough for strains to show what the solver lacks
+    const ObjectId object = world.add_soft_body(mesh, material);
+    const auto end = static_cast<float>(-size.x / 2);
+    world.pin(object, in_box({end - 1e-3f, -9, -9}, {end + 1e-3f, 9, 9}));
+    pin(contest, world);
+    game.contestants.push_back(std::make_unique<Ours>(std::move(world), model == SoftBodyModel::springs
+                                                                            ? "Souple, edges and volumes"
+                                                                            : "Souple, neo-Hookean"));
+  }
+  add_peers(game);
+  return game;
+}
+
+double largest_strain(const Contest& contest, const std::vector<Vec3d>& now) {
+  double largest = 0;
+  for (const Edge& link : contest.links) {
+    const double rest = length(contest.positions[link[0]] - contest.positions[link[1]]);
+    largest = std::max(largest, length(now[link[0]] - now[link[1]]) / rest - 1);
+  }
+  return largest;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+/// Who plays first changes from frame to frame.
+std::vector<double> play(Game& game, int frames) {
+  std::vector<std::vector<double>> milliseconds(game.contestants.size());
+  constexpr int warm_up = 2;
+  for (int f = 0; f < frames; ++f)
+    for (std::size_t k = 0; k < game.contestants.size(); ++k) {
+      const std::size_t who = (k + static_cast<std::size_t>(f)) % game.contestants.size();
+      const auto start = std::chrono::steady_clock::now();
+      game.contestants[who]->step(frame);
+      const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+      if (f >= warm_up || frames <= warm_up) milliseconds[who].push_back(spent.count());
+    }
+  std::vector<double> result;
+  for (const std::vector<double>& one : milliseconds) result.push_back(median(one));
+  return result;
+}
+
+/// Prints a game, or adds it to the list.
+void report(Game& game, const Options& options, scene_format::Json& list) {
+  using scene_format::Json;
+  const std::vector<double> milliseconds = play(game, options.frames);
+  if (!options.json)
+    std::printf("%s\n  %-28s %10s %14s %8s %14s\n", game.scene.c_str(), "", "ms/frame", "M constr./s",
+                "ratio", "largest strain");
+  for (std::size_t k = 0; k < game.contestants.size(); ++k) {
+    const Contestant& one = *game.contestants[k];
+    const double rate = one.projections() / (milliseconds[k] * 1e3);
+    const double ratio = milliseconds[k] / milliseconds[0];
+    const double strain = largest_strain(game.contest, one.positions());
+    if (!options.json)
+      std::printf("  %-28s %10.3f %14.1f %8.2f %12.2f %%\n", one.name().c_str(), milliseconds[k], rate, ratio,
+                  100 * strain);
+    Json row = Json::object();
+    row.set("scene", Json::of(game.scene));
+    row.set("engine", Json::of(one.name()));
+    row.set("ms_per_frame", Json::of(static_cast<float>(milliseconds[k])));
+    row.set("constraints_per_second", Json::of(static_cast<float>(1e6 * rate)));
+    row.set("ratio", Json::of(static_cast<float>(ratio)));
+    row.set("largest_strain", Json::of(static_cast<float>(strain)));
+    list.items.push_back(std::move(row));
+  }
+}
+
+Options parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    int* number = word == "--size"      ? &options.size
+                  : word == "--frames"  ? &options.frames
+                  : word == "--threads" ? &options.threads
+                                        : nullptr;
+    if (word == "--json") {
+      options.json = true;
+    } else if (number != nullptr && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
+      *number = std::atoi(argv[++i]);
+    } else {
+      throw Error(word + ": expected --size N, --frames N, --threads N or --json, N above 0");
+    }
+  }
+  return options;
+}
+
+void run(const Options& options) {
+  scene_format::Json result = scene_format::Json::object(), list = scene_format::Json::array();
+  for (const auto make : {cloth, bar}) {
+    Game game = make(options);
+    report(game, options, list);
+  }
+  if (!options.json) return;
+  result.set("size", scene_format::Json::whole(options.size));
+  result.set("threads", scene_format::Json::whole(options.threads));
+  result.set("simd", scene_format::Json::of(std::string(simd_name())));
+  result.set("frames", scene_format::Json::whole(options.frames));
+  result.set("rows", std::move(list));
+  std::fputs(dump_json(result).c_str(), stdout);
+}
+
+}  // namespace
+}  // namespace souple::peers
+
+int main(int argc, char** argv) {
+  try {
+    souple::peers::run(souple::peers::parse(argc, argv));
+    return 0;
+  } catch (const souple::Error& error) {
+    std::fprintf(stderr, "peers: %s\n", error.what());
+    return 2;
+  }
+}

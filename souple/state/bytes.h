@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace souple {
+
+/// What vectors of plain items take on the heap. [bytes]
+template <class... Item>
+std::size_t bytes_of(const std::vector<Item>&... vectors) {
+  return (std::size_t{0} + ... + (vectors.capacity() * sizeof(Item)));
+}
+
+}  // namespace souple

@@ -1,0 +1,81 @@
+#include "souple/world/memory.h"
+
+#include "souple/state/bytes.h"
+#include "souple/world/diagnose.h"
+#include "souple/world/impl.h"
+
+namespace souple {
+namespace {
+
+template <class Item>
+std::size_t nested_bytes(const std::vector<std::vector<Item>>& lists) {
+  std::size_t sum = bytes_of(lists);
+  for (const std::vector<Item>& list : lists) sum += bytes_of(list);
+  return sum;
+}
+
+std::size_t bytes_of_mesh(const TriangleMesh& mesh) {
+  std::size_t sum = bytes_of(mesh.positions, mesh.triangles, mesh.uvs, mesh.colours) +
+                    nested_bytes(mesh.faces) + nested_bytes(mesh.face_uvs);
+  for (const auto& [name, indices] : mesh.groups) sum += name.capacity() + bytes_of(indices);
+  return sum;
+}
+
+/// Which particle carries which vertex, and the triangles over particles.
+std::size_t bytes_of_maps(const Object& object) {
+  std::size_t sum = bytes_of(object.particle_of, object.vertex_of, object.surface, object.surface_source,
+                             object.stiffness_map, object.thickness_map, object.outside, object.pins);
+  if (object.embedding)
+    sum += bytes_of(object.embedding->vertices, object.embedding->weights, object.embedding->tets);
+  return sum;
+}
+
+void add_constraints(const WorldState& world, MemoryReport& report) {
+  const auto add = [&](const Projector& projector) {
+    for (MemoryReport::Part& part : report.simulation)
+      if (part.name == projector.kind()) {
+        part.bytes += projector.bytes();
+        return;
+      }
+    report.simulation.push_back({std::string(projector.kind()), projector.bytes()});
+  };
+  for (const auto& projector : world.standard) add(*projector);
+  for (const Extra& extra : world.extras) add(*extra.projector);
+}
+
+void add_objects(const WorldState& world, MemoryReport& report) {
+  std::size_t meshes = 0, rest = 0, maps = 0, mirrors = 0;
+  for (const auto& object : world.objects) {
+    meshes += bytes_of_mesh(object->mesh) + bytes_of(object->tets.positions, object->tets.tets);
+    rest += bytes_of(object->rest);
+    maps += sizeof(Object) + bytes_of_maps(*object);
+  }
+  for (const auto& [id, mirror] : world.mirrors)
+    mirrors += sizeof mirror + bytes_of(mirror.positions, mirror.velocities, mirror.normals);
+  report.objects.push_back({"meshes", meshes});
+  report.objects.push_back({"rest positions", rest});
+  report.objects.push_back({"maps from vertices to particles", maps});
+  report.objects.push_back({"positions and normals users see", mirrors});
+}
+
+}  // namespace
+
+MemoryReport World::memory() {
+  WorldState& world = impl_->state;
+  if (!world.stepping) bring_up_to_date(world);
+  const Particles& p = world.particles;
+  MemoryReport report;
+  report.particles = p.size();
+  report.simulation.push_back(
+      {"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass, p.radius, world.object_of)});
+  report.simulation.push_back(
+      {"last good state", bytes_of(world.good_position, world.good_offset, world.good_velocity)});
+  report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force)});
+  add_constraints(world, report);
+  report.simulation.push_back(
+      {"contacts", world.particle_contacts.bytes() + world.collider_contacts.bytes()});
+  add_objects(world, report);
+  return report;
+}
+
+}  // namespace souple

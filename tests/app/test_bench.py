@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Tests of `souple bench` and `souple info --memory`: test_bench.py PROGRAM SOURCE_FOLDER [unittest's arguments]."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
+SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
+
+NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
+         "cubes": 2}
+
+
+def souple(*arguments, code=0, **environment):
+    done = subprocess.run([PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=120, env={**os.environ, **environment})
+    assert done.returncode == code, f"{arguments}: {done.returncode}\n{done.stdout}\n{done.stderr}"
+    return done
+
+
+def bench(*arguments, **environment):
+    warm_up = [] if "--warm-up" in arguments else ["--warm-up", 1]
+    return json.loads(souple("bench", *arguments, *warm_up, "--json", "--runs", 4, **environment).stdout)
+
+
+class Bench(unittest.TestCase):
+    def test_lists_what_there_is(self):
+        listed = souple("bench").stdout.splitlines()
+        self.assertEqual([line.split()[0] for line in listed], list(NAMES))
+
+    def test_every_benchmark_says_everything(self):
+        for name, size in NAMES.items():
+            result = bench(name, "--size", size)
+            self.assertEqual((result["name"], result["size"], result["threads"]), (name, size, 1))
+            for key in ("particles", "constraints", "ms_per_step", "constraints_per_second", "max_strain"):
+                self.assertGreater(result[key], -1e-9, f"{name}: {key}")
+            self.assertGreater(result["constraints"], 0)
+            self.assertRegex(result["hash"], "^[0-9a-f]{16}$")
+            self.assertIn("solve", result["ms_per_stage"])
+            self.assertTrue(result["projections_per_second"], name)
+            whole = result["constraints"] * result["substeps"] * result["iterations"] / result["ms_per_step"] * 1e3
+            self.assertAlmostEqual(result["constraints_per_second"] / whole, 1, places=3)
+            parts = sum(result["ms_per_stage"].values())
+            self.assertGreater(parts, 0.5 * result["ms_per_step"], name)
+
+    def test_kinds_and_counts_are_those_of_the_meshes(self):
+        n = 12
+        edges, inner = 3 * n * n - 4 * n + 1, 3 * n * n - 8 * n + 5  # 119201 and 118405 at 200
+        cloth = bench("cloth", "--size", n)
+        self.assertEqual(cloth["constraints"], edges + inner)
+        self.assertEqual(list(cloth["projections_per_second"]), ["distance"])
+        dihedral = bench("cloth-dihedral", "--size", n)
+        self.assertEqual(dihedral["constraints"], edges + inner + (n - 1) ** 2)
+        self.assertEqual(set(dihedral["projections_per_second"]), {"distance", "dihedral_bending"})
+
+    def test_results_depend_on_no_thread_and_no_instruction_set(self):
+        for name, size in ("cloth", 30), ("cloth-membrane", 20), ("tets", 500):
+            reference = bench(name, "--size", size)["hash"]
+            for threads in 2, 3:
+                self.assertEqual(bench(name, "--size", size, "--threads", threads)["hash"], reference)
+            self.assertEqual(bench(name, "--size", size, SOUPLE_SIMD="scalar")["hash"], reference)
+
+    def test_measuring_changes_nothing(self):
+        """The hash is that of the steps alone, however long the projections were timed."""
+        once, twice = bench("cloth", "--size", 20), bench("cloth", "--size", 20, "--residual", 0.05)
+        self.assertEqual(once["hash"], twice["hash"])
+
+    def test_more_substeps_stretch_less(self):
+        few, many = (bench("cloth", "--size", 20, "--substeps", n, "--warm-up", 30)["max_strain"] for n in (2, 30))
+        self.assertLess(many, 0.5 * few)
+
+    def test_time_to_a_residual(self):
+        result = bench("cloth", "--size", 16, "--residual", 0.02)["residual"]
+        self.assertTrue(result["reached"])
+        self.assertGreater(result["ms"], 0)
+        self.assertGreater(result["start"], 0.08)
+        iterations = [point["iterations"] for point in result["curve"]]
+        self.assertEqual(iterations, sorted(set(iterations)))
+        self.assertLessEqual(result["iterations"], iterations[-1])
+        self.assertLess(result["curve"][-1]["mean_strain"], 0.02)
+        self.assertGreater(result["curve"][0]["mean_strain"], 0.02)
+
+    def test_compare(self):
+        with tempfile.TemporaryDirectory() as folder:
+            before = Path(folder) / "before.json"
+            result = bench("cloth", "--size", 10)
+            result["ms_per_step"] *= 3
+            before.write_text(json.dumps(result))
+            faster = bench("cloth", "--size", 10, "--compare", before)["faster"]
+            self.assertGreater(faster["ms_per_step"], 1)
+            self.assertIn("distance", faster["projections_per_second"])
+            text = souple("bench", "cloth", "--size", 11, "--runs", 3, "--compare", before).stdout
+            self.assertIn("size: 11, was 10", text)
+            self.assertRegex(text, r"a step .* ms +[0-9.]+x")
+
+    def test_bad_input_is_one_line(self):
+        wrong = Path(tempfile.mkdtemp()) / "wrong.json"
+        wrong.write_text("[1]")
+        for arguments, words in ((["clth"], 'did you mean "cloth"'), (["cloth", "--size", "1"], "--size 1"),
+                                 (["cloth", "--solver", "gauss"], "gauss_seidel"), (["cloth", "--form", "x"], "--form"),
+                                 (["cloth", "--residual", "2"], "--residual"), (["cloth", "--runs", "0"], "--runs 0"),
+                                 (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),
+                                 (["tets", "--size", "100", "--residual", "0.01"], "not a cloth"),
+                                 (["cloth", "--size", "9", "--compare", wrong], "wrong.json"),
+                                 (["cloth", "--compare", "missing.json"], "missing.json")):
+            done = souple("bench", *arguments, code=2)
+            self.assertEqual(done.stdout, "")
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn(words, done.stderr)
+
+
+class Memory(unittest.TestCase):
+    def test_parts_add_up(self):
+        lines = souple("info", "--memory", "flag").stdout.splitlines()
+        particles = int(lines[0].split()[0])
+        number = {line[:40].strip(): int(line[40:].split()[0]) for line in lines[2:]}
+        parts = {line[:40].strip(): int(line[40:].split()[0]) for line in lines[2:] if line.startswith("  ")}
+        self.assertEqual(number["total"], sum(parts.values()))
+        self.assertEqual(number["simulation"] + number["objects"], number["total"])
+        self.assertGreaterEqual(parts["particles"], 4 * 16 * particles)
+        self.assertIn("distance", parts)
+
+    def test_bad_scene(self):
+        self.assertEqual(souple("info", "--memory", "nothing", code=2).stderr.count("\n"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
