@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/solver/kernels/kernels.h"
+#include "souple/solver/kernels/motion.h"
 
 #include <string_view>
 
@@ -41,5 +42,8 @@ const kernels::KindKernels* find_kernels(InstructionSet set) {
   }
   return nullptr;
 }
+
+/// The kernels that move particles, for an instruction set, or null: use the scalar code.
+const kernels::MotionKernels* find_motion_kernels(InstructionSet set);
 
 }  // namespace souple

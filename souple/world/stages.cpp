@@ -1,10 +1,13 @@
 #include "souple/world/stages.h"
 
+#include "souple/solver/instruction_set.h"
 #include "souple/world/contacts.h"
 #include "souple/world/damping.h"
 #include "souple/world/forces.h"
 
+#include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace souple {
 namespace {
@@ -14,43 +17,132 @@ std::vector<Vec4f>& moving(WorldState& world) {
   return world.settings.form == Form::plain ? world.particles.position : world.particles.offset;
 }
 
-// The first bad number names the culprit; the solver would spread it within the substep.
-void note_if_bad(WorldState& world, std::size_t i, const Vec3f& v) {
-  if (!std::isfinite(v.x + v.y + v.z) && !world.first_bad) world.first_bad = i;
+// How many particles are worth a thread of their own.
+constexpr std::size_t grain = 2048;
+
+bool is_bad(const Vec3f& v) {
+  return !std::isfinite(v.x + v.y + v.z);
+}
+
+/// The lowest particle that any thread found bad. It names the culprit; the solver would spread it within the
+/// substep.
+class FirstBad {
+ public:
+  void note(std::size_t i) {
+    std::size_t known = lowest_;
+    while (i < known && !lowest_.compare_exchange_weak(known, i)) {
+    }
+  }
+  void tell(WorldState& world) const {
+    if (lowest_ != none && !world.first_bad) world.first_bad = lowest_;
+  }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::atomic<std::size_t> lowest_{none};
+};
+
+/// What accelerates particles in a substep.
+struct Air {
+  bool windy;
+  Vec3f wind;
+};
+
+void predict_one(WorldState& world, std::size_t i, const Substep& substep, const Air& air,
+                 std::vector<Vec4f>& p, FirstBad& first_bad) {
+  Particles& particles = world.particles;
+  particles.start[i] = p[i];
+  if (particles.position[i].w == 0) return;
+  const float h = substep.h;
+  const Vec3f v = particles.velocity[i].xyz();
+  const Vec3f x = particles.position[i].xyz();
+  Vec3f v_star, move;
+  switch (world.settings.integrator) {
+    case Integrator::semi_implicit:
+      v_star = v + acceleration(world, i, x, v, air.windy, air.wind, world.time) * h;
+      move = v_star * h;
+      break;
+    case Integrator::explicit_euler:
+      v_star = v + acceleration(world, i, x, v, air.windy, air.wind, world.time) * h;
+      move = v * h;
+      break;
+    case Integrator::implicit_euler:
+      v_star = implicit_velocity(world, i, x, v, h, air.windy, air.wind, world.time + static_cast<double>(h));
+      move = v_star * h;
+      break;
+  }
+  if (is_bad(v_star)) first_bad.note(i);
+  particles.velocity[i].set_xyz(v_star);
+  p[i].set_xyz(p[i].xyz() + move);
+}
+
+void finish_one(WorldState& world, std::size_t i, const Substep& substep, const std::vector<Vec4f>& p,
+                FirstBad& first_bad) {
+  Particles& particles = world.particles;
+  // v = v* + (p - p*) / h: a particle that nothing corrects keeps its velocity to the bit. The
+  // semi-implicit p* is made again from v* with the roundings of the prediction. A pinned particle has no
+  // v*: v = (p - x) / h.
+  const bool semi_implicit = world.settings.integrator == Integrator::semi_implicit;
+  const Vec3f start = particles.start[i].xyz();
+  const Vec3f v_star = particles.velocity[i].xyz();
+  const bool pinned = particles.position[i].w == 0;
+  const Vec3f base = pinned ? Vec3f{} : v_star;
+  const Vec3f since = pinned ? start : semi_implicit ? start + v_star * substep.h : world.predicted[i].xyz();
+  const Vec3f v = base + (p[i].xyz() - since) / substep.h;
+  particles.velocity[i].set_xyz(v);
+  if (is_bad(v)) first_bad.note(i);
+  if (world.settings.form == Form::plain) return;
+  // x += q; what x cannot represent stays in the offset.
+  const Vec3f q = particles.offset[i].xyz();
+  const Vec3f x = particles.position[i].xyz();
+  const Vec3f moved = x + q;
+  particles.position[i].set_xyz(moved);
+  particles.offset[i].set_xyz(q - (moved - x));
+  if (is_bad(moved)) first_bad.note(i);
+}
+
+// The packed code of predict_one and finish_one, or null where it does not serve.
+const kernels::MotionKernels* packed(const Settings& settings) {
+  return settings.integrator == Integrator::semi_implicit ? find_motion_kernels(instruction_set()) : nullptr;
+}
+
+kernels::MotionArrays arrays_of(WorldState& world, bool windy) {
+  Particles& particles = world.particles;
+  return {&particles.position.data()->x, &moving(world).data()->x, &particles.start.data()->x,
+          &particles.velocity.data()->x, windy ? &world.force.data()->x : nullptr};
+}
+
+// Packed code says only that something may be bad.
+void look_for_bad(const WorldState& world, std::size_t begin, std::size_t end, FirstBad& first_bad) {
+  const Particles& particles = world.particles;
+  for (std::size_t i = begin; i < end; ++i)
+    if (is_bad(particles.velocity[i].xyz()) || is_bad(particles.position[i].xyz())) return first_bad.note(i);
 }
 
 void predict(WorldState& world, const Substep& substep) {
-  const bool windy = accumulate_wind(world, substep.h);
-  const Vec3f wind = wind_at(world.settings, world.time);
-  const Integrator integrator = world.settings.integrator;
-  const float h = substep.h;
-  const double t_end = world.time + static_cast<double>(h);
-  Particles& particles = world.particles;
+  const Settings& settings = world.settings;
+  const Air air{accumulate_wind(world, substep.h), wind_at(settings, world.time)};
+  const std::size_t count = world.particles.size();
   std::vector<Vec4f>& p = moving(world);
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    particles.start[i] = p[i];
-    if (particles.position[i].w == 0) continue;
-    const Vec3f v = particles.velocity[i].xyz();
-    const Vec3f x = particles.position[i].xyz();
-    Vec3f v_star, move;
-    switch (integrator) {
-      case Integrator::semi_implicit:
-        v_star = v + acceleration(world, i, x, v, windy, wind, world.time) * h;
-        move = v_star * h;
-        break;
-      case Integrator::explicit_euler:
-        v_star = v + acceleration(world, i, x, v, windy, wind, world.time) * h;
-        move = v * h;
-        break;
-      case Integrator::implicit_euler:
-        v_star = implicit_velocity(world, i, x, v, h, windy, wind, t_end);
-        move = v_star * h;
-        break;
-    }
-    note_if_bad(world, i, v_star);
-    particles.velocity[i].set_xyz(v_star);
-    p[i].set_xyz(p[i].xyz() + move);
+  FirstBad first_bad;
+  const auto one_by_one = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) predict_one(world, i, substep, air, p, first_bad);
+  };
+  const kernels::MotionKernels* kernels = packed(settings);
+  if (!world.force_fields.empty()) {
+    one_by_one(0, count);  // users' functions are called from the user's thread
+  } else if (!kernels || settings.drag > 0) {
+    world.threads->for_each(count, grain, one_by_one);
+  } else {
+    const Vec3f& g = settings.gravity;
+    const float gravity[3] = {g.x, g.y, g.z};
+    const kernels::MotionArrays arrays = arrays_of(world, air.windy);
+    world.threads->for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      if (!kernels->predict(arrays, begin, end, gravity, substep.h))
+        look_for_bad(world, begin, end, first_bad);
+    });
   }
+  first_bad.tell(world);
 }
 
 // Pinned particles: to target(vertex, t + h) + offset, or nowhere.
@@ -93,33 +185,21 @@ void solve(WorldState& world, const Substep& substep) {
 }
 
 bool finish(WorldState& world, const Substep& substep) {
-  Particles& particles = world.particles;
+  const std::size_t count = world.particles.size();
   const std::vector<Vec4f>& p = moving(world);
-  const bool semi_implicit = world.settings.integrator == Integrator::semi_implicit;
-  const bool displacement = world.settings.form == Form::displacement;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    // v = v* + (p - p*) / h: a particle that nothing corrects keeps its velocity to the bit. The
-    // semi-implicit p* is made again from v* with the roundings of the prediction. A pinned particle has no
-    // v*: v = (p - x) / h.
-    const Vec3f start = particles.start[i].xyz();
-    const Vec3f v_star = particles.velocity[i].xyz();
-    const bool pinned = particles.position[i].w == 0;
-    const Vec3f base = pinned ? Vec3f{} : v_star;
-    const Vec3f since = pinned          ? start
-                        : semi_implicit ? start + v_star * substep.h
-                                        : world.predicted[i].xyz();
-    const Vec3f v = base + (p[i].xyz() - since) / substep.h;
-    particles.velocity[i].set_xyz(v);
-    note_if_bad(world, i, v);
-    if (!displacement) continue;
-    // x += q; what x cannot represent stays in the offset.
-    const Vec3f q = particles.offset[i].xyz();
-    const Vec3f x = particles.position[i].xyz();
-    const Vec3f moved = x + q;
-    particles.position[i].set_xyz(moved);
-    particles.offset[i].set_xyz(q - (moved - x));
-    note_if_bad(world, i, moved);
+  FirstBad first_bad;
+  if (const kernels::MotionKernels* kernels = packed(world.settings)) {
+    const kernels::MotionArrays arrays = arrays_of(world, false);
+    const kernels::Finish finish_packed = kernels->finish[world.settings.form == Form::plain ? 0 : 1];
+    world.threads->for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      if (!finish_packed(arrays, begin, end, substep.h)) look_for_bad(world, begin, end, first_bad);
+    });
+  } else {
+    world.threads->for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) finish_one(world, i, substep, p, first_bad);
+    });
   }
+  first_bad.tell(world);
   ++world.version;
   return !world.first_bad;
 }

@@ -1,7 +1,9 @@
 #include "souple/solver/kernels/compile.h"
+#include "souple/solver/kernels/compile_motion.h"
 
 namespace souple::kernels {
 
 template struct Compile<simd::Avx2, EveryConstraint>;
+template const MotionKernels& motion_kernels<simd::Avx2>();
 
 }  // namespace souple::kernels
