@@ -191,7 +191,7 @@ class SetProjector final : public Projector {
     set_.reorder(colouring.order);
     set_.colour_begin = std::move(colouring.colour_begin);
     scales_for_ = -1;
-    find_scales({});  // before a first substep: 1
+    find_scales({});  // a solver may linearise before the first substep
   }
   // What `project` acts on: where particles were split, phantoms in their place.
   const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
@@ -293,7 +293,6 @@ class SetProjector final : public Projector {
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
-      set.scale = view(of.stiffnesses);  // any numbers do where nothing is projected
     }
     Arrays(const Arrays&) = delete;
     Arrays& operator=(const Arrays&) = delete;
