@@ -85,6 +85,7 @@ void ParticleContacts::find_near_objects() {
 void ParticleContacts::find_members(const ParticleView& particles, std::span<const Vec4f> velocity) {
   members_.clear();
   largest_diameter_ = 0;
+  if (objects_.size() == 1 && !objects_[0].hits_itself) return;
   for (const ContactObject& object : objects_)
     for (std::uint32_t i = object.begin; i < object.end; ++i)
       largest_diameter_ = max(largest_diameter_, 2 * radius_[i]);
