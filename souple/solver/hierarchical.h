@@ -21,7 +21,7 @@ namespace souple {
 ///
 /// A coarse particle is the mean of those that follow it, not one of them as in the paper: then what a level
 /// corrects adds no kinetic energy (as far as C is linear), whatever the level is made of, and momentum is
-/// kept. With the paper's injection a swinging 100 x 100 cloth explodes within ten frames (measured).
+/// kept. With injection a swinging 100 x 100 cloth exploded within ten frames (docs/solvers.md).
 ///
 /// L_JK: a link that is stretched when the substep begins shrinks by its stretch, one that is folded may
 /// unfold, and one whose finer links all hold is not shrunk, however badly its rest length is known. l_JK: no
