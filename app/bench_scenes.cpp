@@ -81,10 +81,14 @@ void build_membrane(World& world, int size) {
   hang(world, size, material);
 }
 
+/// Where the i-th of `count` things stands, `spacing` apart in rows and columns.
+Vec3d place_of(int i, int count, double spacing) {
+  const int columns = static_cast<int>(std::ceil(std::sqrt(count))), row = i / columns;
+  return {spacing * (i % columns), 0, spacing * row};
+}
+
 void build_cloths(World& world, int count) {
-  const int columns = static_cast<int>(std::ceil(std::sqrt(count)));
-  for (int i = 0; i < count; ++i)
-    hang(world, small_side, rigid_material(), {1.5 * side * (i % columns), 0, 1.5 * side * (i / columns)});
+  for (int i = 0; i < count; ++i) hang(world, small_side, rigid_material(), place_of(i, count, 1.5 * side));
 }
 
 SoftBodyMaterial rubbery() {
@@ -108,10 +112,9 @@ void build_tets(World& world, int count) {
 void build_cubes(World& world, int count) {
   constexpr double width = cube_cells * cell;
   const TetMesh mesh = tet_bar(cube_cells, cube_cells, cube_cells, {width, width, width});
-  const int columns = static_cast<int>(std::ceil(std::sqrt(count)));
   for (int i = 0; i < count; ++i) {
     ObjectOptions options;
-    options.transform.translation = {2 * width * (i % columns), 0, 2 * width * (i / columns)};
+    options.transform.translation = place_of(i, count, 2 * width);
     const ObjectId cube = world.add_soft_body(mesh, rubbery(), options);
     constexpr float top = static_cast<float>(width / 2);
     world.pin(cube, in_box({-1e4f, top - 1e-3f, -1e4f}, {1e4f, top + 1e-3f, 1e4f}));

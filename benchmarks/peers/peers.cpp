@@ -35,9 +35,8 @@ class Ours final : public Contestant {
   std::string name() const override { return name_; }
   void step(double dt) override { world_.step(dt); }
   std::vector<Vec3d> positions() const override {
-    std::vector<Vec3d> result;
-    for (const Vec3f& x : world_.positions(world_.objects()[0])) result.emplace_back(x);
-    return result;
+    const auto x = world_.positions(world_.objects()[0]);
+    return {x.begin(), x.end()};
   }
   double projections() const override { return static_cast<double>(world_.report().constraints) * substeps; }
 
@@ -148,6 +147,7 @@ std::vector<double> play(Game& game, int frames) {
       if (f >= warm_up || frames <= warm_up) milliseconds[who].push_back(spent.count());
     }
   std::vector<double> result;
+  result.reserve(milliseconds.size());
   for (const std::vector<double>& one : milliseconds) result.push_back(median(one));
   return result;
 }

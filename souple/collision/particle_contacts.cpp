@@ -13,6 +13,9 @@ namespace {
 // The margin as a part of the largest diameter: less means many broad phases, more means many idle pairs.
 constexpr float least_margin = 0.1f;
 constexpr float largest_margin = 1.0f;
+// Objects are looked at in detail when their boxes meet; boxes are larger by this part of their size than
+// what velocities ask for: something may be pulled along within the step.
+constexpr float surprise = 0.125f;
 constexpr std::size_t pair_grain = 256;  // pairs worth a thread
 constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::max();
 
@@ -38,18 +41,62 @@ bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) 
   return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
 }
 
-void ParticleContacts::find_members() {
+// Where each object may go within the step: its box, with room for its fastest particle and for surprises. A
+// number that is not finite makes the box endless.
+void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  boxes_.clear();
+  for (const ContactObject& object : objects_) {
+    Vec3f lo{infinity, infinity, infinity}, hi = -lo, sum;
+    float fastest = 0;
+    for (std::uint32_t i = object.begin; i < object.end; ++i) {
+      const Vec3f x = particles.relative(i, {}), v = velocity[i].xyz();
+      lo = {min(lo.x, x.x), min(lo.y, x.y), min(lo.z, x.z)};
+      hi = {max(hi.x, x.x), max(hi.y, x.y), max(hi.z, x.z)};
+      fastest = max(fastest, dot(v, v));
+      sum += x + v;
+    }
+    if (!is_finite(sum)) hi = {infinity, infinity, infinity}, lo = -hi;
+    const Vec3f size = hi - lo;
+    const float room = 2.2f * (sqrt(fastest) + step_.gravity * step_.dt) * step_.dt +
+                       (1 + largest_margin) * largest_diameter_ + surprise * max(size.x, max(size.y, size.z));
+    const Vec3f grown{room, room, room};
+    boxes_.push_back({lo - grown, hi + grown, static_cast<std::uint32_t>(boxes_.size()), object.hits_itself});
+  }
+}
+
+// Objects whose boxes meet that of one they interact with: in order of their lower corners along x, each
+// looks at those that begin before it ends.
+void ParticleContacts::find_near_objects() {
+  std::sort(boxes_.begin(), boxes_.end(), [](const Box& a, const Box& b) {
+    return a.lo.x < b.lo.x || (a.lo.x == b.lo.x && a.object < b.object);
+  });
+  for (std::size_t a = 0; a < boxes_.size(); ++a)
+    for (std::size_t b = a + 1; b < boxes_.size() && boxes_[b].lo.x <= boxes_[a].hi.x; ++b) {
+      Box &one = boxes_[a], &other = boxes_[b];
+      const bool apart =
+          one.lo.y > other.hi.y || other.lo.y > one.hi.y || one.lo.z > other.hi.z || other.lo.z > one.hi.z;
+      if (!apart && interact(one.object, other.object)) one.near = other.near = true;
+    }
+  std::sort(boxes_.begin(), boxes_.end(), [](const Box& a, const Box& b) { return a.object < b.object; });
+}
+
+// Particles of objects that may meet another, or themselves, within the step.
+void ParticleContacts::find_members(const ParticleView& particles, std::span<const Vec4f> velocity) {
   members_.clear();
   largest_diameter_ = 0;
-  for (std::uint32_t a = 0; a < objects_.size(); ++a) {
-    bool meets_some = false;
-    for (std::uint32_t b = 0; b < objects_.size(); ++b) meets_some = meets_some || interact(a, b);
-    if (!meets_some) continue;
-    for (std::uint32_t i = objects_[a].begin; i < objects_[a].end; ++i) {
-      members_.push_back({i, a});
+  if (objects_.size() == 1 && !objects_[0].hits_itself) return;
+  for (const ContactObject& object : objects_)
+    for (std::uint32_t i = object.begin; i < object.end; ++i)
       largest_diameter_ = max(largest_diameter_, 2 * radius_[i]);
-    }
+  find_boxes(particles, velocity);
+  find_near_objects();
+  for (const Box& box : boxes_) {
+    if (!box.near) continue;
+    const ContactObject& object = objects_[box.object];
+    for (std::uint32_t i = object.begin; i < object.end; ++i) members_.push_back({i, box.object});
   }
+  if (members_.empty()) largest_diameter_ = 0;  // nothing to look for
 }
 
 void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
@@ -63,7 +110,7 @@ void ParticleContacts::begin_step(const ParticleView& particles, std::span<const
   sweeps_.begin_step();
   forget_contacts();
   remember();
-  find_members();
+  find_members(particles, velocity);
   const auto speed = [&](std::size_t m) { return velocity[members_[m].particle].xyz(); };
   find_pairs(particles, 2.2f * largest_from_mean(speed, threads) * step.dt);
 }
@@ -490,8 +537,8 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
 }
 
 std::size_t ParticleContacts::bytes() const {
-  return bytes_of(excluded_, members_, placed_, cells_, bucket_begin_, entries_, pairs_, drift_, memory_,
-                  contacts_);
+  return bytes_of(excluded_, boxes_, members_, placed_, cells_, bucket_begin_, entries_, pairs_, drift_,
+                  memory_, contacts_);
 }
 
 }  // namespace souple

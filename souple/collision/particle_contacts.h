@@ -91,6 +91,12 @@ class ParticleContacts final : public Projector {
     std::uint32_t member;
     Cell cell;
   };
+  /// Where an object may be within the step.
+  struct Box {
+    Vec3f lo, hi;
+    std::uint32_t object;
+    bool near;  ///< to one that it interacts with
+  };
   /// Members i < j that may touch before the next broad phase.
   struct Pair {
     std::uint32_t i, j;
@@ -142,7 +148,9 @@ class ParticleContacts final : public Projector {
   };
 
   bool interact(std::uint32_t object_a, std::uint32_t object_b) const;
-  void find_members();
+  void find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity);
+  void find_near_objects();
+  void find_members(const ParticleView& particles, std::span<const Vec4f> velocity);
   void find_pairs(const ParticleView& particles, float wanted_margin);
   void remember();
   void recall();
@@ -171,6 +179,7 @@ class ParticleContacts final : public Projector {
   float margin_ = 0;  // of the last broad phase: two members may approach each other this much [m]
   Sweeps sweeps_;     // of this step; odd ones go backwards
   Vec3f corner_{};    // of the grid; positions below are relative to it
+  std::vector<Box> boxes_;
   std::vector<Member> members_;
   std::vector<Vec3f> placed_;  // where each member was in the last broad phase
   std::vector<Cell> cells_;    // of each member

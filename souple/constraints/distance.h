@@ -2,6 +2,8 @@
 
 #include "souple/constraints/constraint.h"
 
+#include <limits>
+
 namespace souple {
 
 /// Keeps two particles at rest length. C = |x0 - x1| - l  [m].  Müller et al. 2007, eq. 10.
@@ -29,7 +31,10 @@ struct Distance {
   }
 
   /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
-  static float strain(const Params<float>& p, float C) { return p.rest_length > 0 ? C / p.rest_length : 0; }
+  static float strain(const Params<float>& p, float C) {
+    // One choice and no branch about the division: it vectorises.
+    return C / (p.rest_length > 0 ? p.rest_length : std::numeric_limits<float>::infinity());
+  }
 };
 
 }  // namespace souple

@@ -114,6 +114,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   merge(links);
   std::vector<std::uint32_t> linked_particles = linked(links, particles.position.size());
   std::vector<float> masses;
+  masses.reserve(linked_particles.size());
   for (const std::uint32_t i : linked_particles) masses.push_back(inverse(particles.inverse_mass(i)));
   if (links == links_ && masses == masses_) return;
 
@@ -127,12 +128,15 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   for (CoarseLevel& level : build_levels(links, masses_, smallest_level)) add_level(std::move(level));
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
-  // These two columns are rewritten during steps: make room for a number for each constraint now.
+  inverse_masses_.clear();
+  for (const Link& link : links_)
+    inverse_masses_.push_back(particles.inverse_mass(link.a) + particles.inverse_mass(link.b));
+  // These columns are rewritten during steps: make room for a number for each constraint now.
   for (Level& level : levels_) {
-    level.longest = level.constraints.set().parameters.data();
-    level.shortest = level.apart.set().parameters.data();
-    level.compliance = level.constraints.set().compliances.data();
-    if (level.constraints.size() == 0) continue;
+    level.longest = level.at_most.set().parameters.data();
+    level.shortest = level.at_least.set().parameters.data();
+    level.compliance = level.at_most.set().compliances.data();
+    if (level.at_most.size() == 0) continue;
     level.longest->set(0, 0);
     level.shortest->set(0, 0);
     if (compliant_) level.compliance->set(0, 1);
@@ -158,14 +162,14 @@ void Hierarchical::add_level(CoarseLevel map) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
   for (const Link& link : map.links) {
     ends.emplace_back(link.a, link.b);
-    if (map.mass[link.a] > 0 || map.mass[link.b] > 0)
-      level.constraints.add({link.a, link.b}, {link.length}, {0}, 0, link.stiffness),
-          level.apart.add({link.a, link.b}, {link.length});
+    if (map.mass[link.a] == 0 && map.mass[link.b] == 0) continue;
+    level.at_most.add({link.a, link.b}, {link.length}, {0}, 0, link.stiffness);
+    level.at_least.add({link.a, link.b}, {link.length});
   }
-  level.constraints.prepare(map.mass.size());
-  level.apart.prepare(map.mass.size());
-  for (std::uint32_t i = 0; i < level.constraints.size(); ++i) {
-    const auto [a, b] = level.constraints.set().indices(i);
+  level.at_most.prepare(map.mass.size());
+  level.at_least.prepare(map.mass.size());
+  for (std::uint32_t i = 0; i < level.at_most.size(); ++i) {
+    const auto [a, b] = level.at_most.set().indices(i);
     const auto found = std::lower_bound(ends.begin(), ends.end(), std::pair(a, b));
     level.constraint[static_cast<std::size_t>(found - ends.begin())] = i;
   }
@@ -180,7 +184,7 @@ int Hierarchical::sweeps_of(std::size_t l) const {
 std::size_t Hierarchical::coarse_projections() const {
   std::size_t sum = 0;
   for (std::size_t l = 0; l < levels_.size(); ++l)
-    sum += static_cast<std::size_t>(sweeps_of(l)) * levels_[l].constraints.size();
+    sum += static_cast<std::size_t>(sweeps_of(l)) * (levels_[l].at_most.size() + levels_[l].at_least.size());
   return sum;
 }
 
@@ -196,74 +200,75 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
                                  std::size_t end) {
   Level& level = levels_[l];
   for (std::size_t e = begin; e < end; ++e) {
-    const Link& link = level.map.links[e];
-    const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
-    float ratio = link.length / std::fmax(now, link.length * 1e-6f);
-    if (l == 0) {
-      level.stretch[e] = now - link.length;
-    } else {
-      float stretch = 0;
-      for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k)
-        stretch += levels_[l - 1].stretch[level.map.way[k]];
-      level.stretch[e] = stretch;
-      const float way = level.way_length[e];
-      ratio = std::fmax(ratio, way / std::fmax(way + stretch, way * 1e-6f));
-    }
+    const float ratio = stretch_ratio(l, e, start);
     if (level.constraint[e] == none) continue;
-    const float mean = length(level.position[link.a].xyz() - level.position[link.b].xyz());
-    const float longest = l < 3 ? std::fmax(mean * ratio, level.map.mean_length[e]) : mean * ratio;
+    const Link& link = level.map.links[e];
+    const Vec3f x = level.position[link.a].xyz() - level.position[link.b].xyz();
+    const Vec3f d = level.moving[link.a].xyz() - level.moving[link.b].xyz();
+    const float now = length(x);
+    const float longest = now * ratio;
     level.longest->set(level.constraint[e], longest);
-    const Vec3f relative = level.position[link.a].xyz() - level.position[link.b].xyz();
-    const float predicted = length(relative + (level.moving[link.a].xyz() - level.moving[link.b].xyz()));
-    level.shortest->set(level.constraint[e], std::fmin(longest, std::fmin(mean, predicted)));
+    level.shortest->set(level.constraint[e], std::fmin(longest, std::fmin(now, length(x + d))));
   }
 }
 
+// By what a link has to shrink (below 1) or may grow. Notes the stretch of the link for the ways of coarser
+// ones. Links of the first coarse level need no way: their lengths are those of ways across triangles of
+// finer links, so no state in which the finer ones hold is longer.
+float Hierarchical::stretch_ratio(std::size_t l, std::size_t e, std::span<const Vec4f> start) {
+  Level& level = levels_[l];
+  const Link& link = level.map.links[e];
+  const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
+  const float least = 1e-6f * link.length;
+  const float ratio = link.length / std::fmax(now, least);
+  level.stretch[e] = now - link.length;
+  if (l == 0) return ratio;
+  float stretch = 0;
+  for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k)
+    stretch += levels_[l - 1].stretch[level.map.way[k]];
+  level.stretch[e] = stretch;
+  return std::fmax(ratio, level.way_length[e] / std::fmax(level.way_length[e] + stretch, least));
+}
+
 // A sweep from lambda = 0 acts on a smooth stretch like springs of compliance alpha + c h^2 (w_a + w_b), c
-// measured on cloths of 50 to 200: with 1/alpha the stiffness that a level has to supply it supplies k, and
-// the next coarser one the rest:
+// measured on cloths of 50 to 200: of the stiffness 1/alpha that a level has to supply it supplies k, and the
+// next coarser one the rest:
 //
 //   k = 1 / (alpha + c h^2 w),   1/alpha - k = 1 / (alpha (1 + alpha / (c h^2 w)))
 //
-// So each level's compliance is that of the material times a factor, which grows towards coarser levels;
-// rigid stays rigid. Without it each level supplies all, and a soft cloth hangs five times too stiff
-// (measured).
+// So each level's compliance is that of the material times a factor, its softening, which grows towards
+// coarser levels; rigid stays rigid. Without it each level supplies all, and a soft cloth hangs five times
+// too stiff (measured).
 void Hierarchical::set_compliance(const Substep& substep) {
   if (!compliant_ || (h_ == substep.h && iterations_ == substep.iterations)) return;
   h_ = substep.h;
   iterations_ = substep.iterations;
-  const auto left = [&](const Link& link, float factor, float w, int n) {
-    constexpr float c = 0.4f;
-    const float reached = c * h_ * h_ * w / static_cast<float>(n * iterations_);
-    return reached > 0 ? factor * (1 + factor * compliance_of(link) / reached) : factor;
-  };
-  const std::span<const std::uint32_t> finest = particle_;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
     for (std::size_t e = 0; e < level.map.links.size(); ++e) {
-      const std::uint32_t begin = level.map.way_begin[e], end = level.map.way_begin[e + 1];
-      float sum = 0;
-      for (std::uint32_t k = begin; k < end; ++k) {
-        const std::uint32_t step = level.map.way[k];
-        if (l > 0) {
-          const Level& finer = levels_[l - 1];
-          const Link& link = finer.map.links[step];
-          sum +=
-              left(link, finer.softening[step], finer.position[link.a].w + finer.position[link.b].w, sweeps);
-        } else {
-          const Link& link = links_[step];
-          const auto mass = [&](std::uint32_t i) {
-            return masses_[static_cast<std::size_t>(std::lower_bound(finest.begin(), finest.end(), i) -
-                                                    finest.begin())];
-          };
-          sum += left(link, 1, inverse(mass(link.a)) + inverse(mass(link.b)), 1);
-        }
-      }
-      level.softening[e] = sum / static_cast<float>(end - begin);
+      level.softening[e] = softening_of(l, e);
       if (level.constraint[e] != none)
         level.compliance->set(level.constraint[e], compliance_of(level.map.links[e]) * level.softening[e]);
     }
   }
+}
+
+// The mean of what the links of the way leave to the next level.
+float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
+  constexpr float c = 0.4f;
+  const CoarseLevel& map = levels_[l].map;
+  float sum = 0;
+  for (std::uint32_t k = map.way_begin[e]; k < map.way_begin[e + 1]; ++k) {
+    const std::uint32_t step = map.way[k];
+    const Level* const finer = l > 0 ? &levels_[l - 1] : nullptr;
+    const Link& link = finer ? finer->map.links[step] : links_[step];
+    const float factor = finer ? finer->softening[step] : 1;
+    const float w = finer ? finer->position[link.a].w + finer->position[link.b].w : inverse_masses_[step];
+    const int n = iterations_ * (finer ? sweeps : 1);
+    const float reached = c * h_ * h_ * w / static_cast<float>(n);
+    sum += reached > 0 ? factor * (1 + factor * compliance_of(link) / reached) : factor;
+  }
+  return sum / static_cast<float>(map.way_begin[e + 1] - map.way_begin[e]);
 }
 
 void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
@@ -311,9 +316,11 @@ void Hierarchical::project_levels(const Substep& substep, bool first, Threads& t
       }
     });
     const ParticleView view{level.position, level.moving, level.before, Form::displacement};
-    if (first) level.constraints.begin_substep(view, coarse), level.apart.begin_substep(view, coarse);
-    for (int s = 0; s < sweeps_of(l); ++s)
-      sweep(level.constraints, view, coarse, threads), sweep(level.apart, view, coarse, threads);
+    if (first) level.at_most.begin_substep(view, coarse), level.at_least.begin_substep(view, coarse);
+    for (int s = 0; s < sweeps_of(l); ++s) {
+      sweep(level.at_most, view, coarse, threads);
+      sweep(level.at_least, view, coarse, threads);
+    }
     threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         level.correction[i].set_xyz(level.moving[i].xyz() - level.before[i].xyz());
@@ -340,9 +347,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
 
 std::string Hierarchical::remark() const {
   if (!links_.empty()) return {};
-  return "the hierarchical solver found no distances or membranes to build its levels from: it is "
-         "Gauss-Seidel "
-         "here";
+  return "the hierarchical solver found no distances or membranes to make levels of: it is Gauss-Seidel here";
 }
 
 }  // namespace souple

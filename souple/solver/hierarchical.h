@@ -15,28 +15,27 @@ namespace souple {
 /// before each iteration of Gauss-Seidel, levels of ever fewer particles correct what Gauss-Seidel is slow
 /// at, the stretch of a large cloth as a whole. Coarsest level first:
 ///
-///   restrict     X_J = sum_i w_iJ m_i x_i / m_J,   m_J = sum_i w_iJ m_i      (positions and displacements)
-///   project      |X_J - X_K| <= L_JK on each level, a few sweeps
+///   restrict     X_J = sum_i w_iJ m_i x_i / m_J,   m_J = sum_i w_iJ m_i       (positions and displacements)
+///   project      l_JK <= |X_J - X_K| <= L_JK for the links of each level, a few sweeps
 ///   prolong      d_i += sum_J w_iJ (what J was corrected by)
 ///
-/// A coarse particle is the mean of those that follow it, not one of them as in the paper: then the
-/// corrections of a level never add kinetic energy (as far as C is linear), whatever the level is made of,
-/// and momentum is kept. With the paper's injection a swinging 100 x 100 cloth exploded within ten frames
-/// (measured).
+/// A coarse particle is the mean of those that follow it, not one of them as in the paper: then what a level
+/// corrects adds no kinetic energy (as far as C is linear), whatever the level is made of, and momentum is
+/// kept. With injection a swinging 100 x 100 cloth exploded within ten frames (docs/solvers.md).
 ///
-/// L_JK: the way along the material between J and K may not get longer than at rest, so a link that is
-/// stretched at the substep's beginning shrinks by its stretch, one that is folded may unfold, and one whose
-/// finer links all hold is never shrunk, however badly its rest length is known:
+/// L_JK: a link that is stretched when the substep begins shrinks by its stretch, one that is folded may
+/// unfold, and one whose finer links all hold is not shrunk, however badly its rest length is known. l_JK: no
+/// correction presses together what was not stretched, but what moves together by itself may, so that cloth
+/// folds freely (the paper's unilateral constraints alone crumple a moving cloth, two cells at a time).
 ///
-///   L_JK = |X_J - X_K| max(1 - stretch of the way along finer links, rest length / |x_J - x_K|)
-///
-/// All of it at the substep's beginning. Corrections act only along links that get longer, so folds survive.
+///   L_JK = |X_J - X_K| max(rest length / |x_J - x_K|, 1 - stretch of the way from J to K along finer links)
+///   l_JK = min(L_JK, |X_J - X_K| at the substep's beginning, the same as predicted)
 ///
 /// With compliance, a coarse link is a spring beside the finer ones, strong enough to supply, together with
-/// what one iteration of each finer level reaches, the stiffness of the material and no more.
+/// what the sweeps of the finer levels reach, the stiffness of the material and no more.
 ///
 /// Needs SetProjector<Distance> or SetProjector<TriangleMembrane>; what has neither gets Gauss-Seidel alone.
-/// Linear momentum is kept to rounding, angular momentum as well as the material is smooth.
+/// Linear momentum is kept to rounding, angular momentum as far as the cloth is smooth.
 class Hierarchical final : public Solver {
  public:
   explicit Hierarchical(const SolverSettings&) {}
@@ -56,31 +55,34 @@ class Hierarchical final : public Solver {
   /// A coarser level and what its particles and links hold during a substep.
   struct Level {
     CoarseLevel map;
-    std::vector<std::uint32_t> particle;    ///< of the world
-    std::vector<std::uint32_t> constraint;  ///< of each link; `none` where neither end moves
-    std::vector<Vec4f> position;            ///< X at the substep's beginning; w = inverse mass
-    std::vector<Vec4f> moving;              ///< displacement since
-    std::vector<Vec4f> before;              ///< the same before anything was corrected
-    std::vector<Vec4f> correction;          ///< moving - before, once solved
-    std::vector<float> stretch;             ///< of the way along finer links of each link [m]
-    std::vector<float> way_length;          ///< at rest [m]
-    std::vector<float> softening;           ///< of each link, see set_compliance
-    SetProjector<Tether> constraints;
-    SetProjector<ParticleContact> apart;
-    Column* shortest = nullptr;
-    Column* longest = nullptr;  ///< of `constraints`: L and alpha, rewritten during steps
-    Column* compliance = nullptr;
+    std::vector<std::uint32_t> particle;     ///< of the world
+    std::vector<std::uint32_t> constraint;   ///< of each link, in both sets; none where neither end moves
+    std::vector<Vec4f> position;             ///< X at the substep's beginning; w = inverse mass
+    std::vector<Vec4f> moving;               ///< displacement since
+    std::vector<Vec4f> before;               ///< the same before anything was corrected
+    std::vector<Vec4f> correction;           ///< moving - before, once solved
+    std::vector<float> stretch;              ///< of the way along finer links of each link [m]
+    std::vector<float> way_length;           ///< at rest [m]
+    std::vector<float> softening;            ///< of each link, see set_compliance
+    SetProjector<Tether> at_most;            ///< |X_J - X_K| <= L_JK
+    SetProjector<ParticleContact> at_least;  ///< |X_J - X_K| >= l_JK; in the same order
+    Column* longest = nullptr;               ///< L of `at_most`, rewritten during steps
+    Column* shortest = nullptr;              ///< l of `at_least`
+    Column* compliance = nullptr;            ///< of `at_most`
   };
 
   void add_level(CoarseLevel map);
   void measure(const ParticleView& particles, Threads& threads);
   void measure_level(std::size_t l, std::span<const Vec4f> start, std::size_t begin, std::size_t end);
+  float stretch_ratio(std::size_t l, std::size_t e, std::span<const Vec4f> start);
   void set_compliance(const Substep& substep);
+  float softening_of(std::size_t l, std::size_t e) const;
   void restrict_particles(const ParticleView& particles, Threads& threads);
   void project_levels(const Substep& substep, bool first, Threads& threads);
   int sweeps_of(std::size_t l) const;
 
   std::vector<Link> links_;              ///< finest; ends are the world's particles
+  std::vector<float> inverse_masses_;    ///< of the world's particles at its ends, summed, for each link
   std::vector<float> masses_;            ///< of the linked particles; 0: does not move
   std::vector<std::uint32_t> particle_;  ///< the linked particles, ascending
   std::vector<Level> levels_;            ///< finest first

@@ -397,26 +397,6 @@ void add_children(std::span<const float> masses, CoarseLevel& level) {
     }
 }
 
-/// Rest lengths between means X_J = sum_i s_iJ x_i, from distances d alone. Along n from K to J, d_JK long,
-///   n . (x_i - x_J) = (d_iK^2 - d_JK^2 - d_iJ^2) / (2 d_JK);
-/// what the means lie aside of their line counts in second order and is left out.
-void measure_means(const std::vector<Near>& near, CoarseLevel& level) {
-  const auto beyond = [&](std::uint32_t j, std::uint32_t k, float length) {
-    const std::uint32_t here = level.finer[j], there = level.finer[k];
-    float sum = 0;
-    for (std::uint32_t c = level.child_begin[j]; c < level.child_begin[j + 1]; ++c) {
-      const std::uint32_t i = level.child[c];
-      const float to_here = length_between(near, i, here);
-      const float to_there = std::min(length_between(near, i, there), to_here + length);
-      sum += level.share[c] * (to_there * to_there - length * length - to_here * to_here) / (2 * length);
-    }
-    return sum;
-  };
-  for (const Link& link : level.links)
-    level.mean_length.push_back(std::max(
-        0.0f, link.length + beyond(link.a, link.b, link.length) + beyond(link.b, link.a, link.length)));
-}
-
 CoarseLevel build_level(std::span<const Link> links, std::span<const float> masses) {
   const Graph graph(links, masses.size());
   std::vector<Near> near(masses.size());
@@ -455,7 +435,6 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
   for (std::size_t j = 0; j < mass.size(); ++j)
     level.mass.push_back(masses[level.finer[j]] > 0 ? static_cast<float>(mass[j]) : 0);
   add_children(masses, level);
-  measure_means(near, level);
   share_energy(links, realm, level.finer.size(), level.links);
   return level;
 }

@@ -21,7 +21,6 @@ struct Link {
 struct CoarseLevel {
   std::vector<std::uint32_t> finer;  ///< of each coarse particle, which of the finer level it is; ascending
   std::vector<Link> links;           ///< between coarse particles; a < b, sorted
-  std::vector<float> mean_length;    ///< of each link at rest, between the means of its ends' children [m]
   /// A way along finer links from a to b of each link: way[k], k in [way_begin[e], way_begin[e + 1]).
   std::vector<std::uint32_t> way_begin, way;
   /// Where the correction of the finer level's particle i comes from: sum_k weight[k] *

@@ -15,8 +15,8 @@ bool has_linear_form(const Projector& projector, const ParticleView& particles);
 /// The constraints of all kinds that have a linear form, linearised where the particles are now: what the
 /// solvers of the global system share. All in double; J is kept in the float it is computed in.
 ///
-/// One constraint is a block of rows. With alpha~ = alpha / h^2 and gamma = tau / h (kernels/projection.h) it asks of
-/// a move dx and its multipliers dlambda (Macklin et al. 2016, eqs. 17 and 26)
+/// One constraint is a block of rows. With alpha~ = alpha / h^2 and gamma = tau / h (kernels/projection.h) it
+/// asks of a move dx and its multipliers dlambda (Macklin et al. 2016, eqs. 17 and 26)
 ///
 ///   (1 + gamma) J dx + alpha~ dlambda = -C - alpha~ lambda - gamma J (x - x_start),   M dx = J^T dlambda
 ///

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "souple/solver/threads.h"
 #include "souple/state/particles.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -76,6 +78,15 @@ struct Residual {
   std::size_t count = 0;
   double energy = 0;          ///< 1/2 C^T alpha^-1 C of those with compliance [J]
   double largest_strain = 0;  ///< (l - l0) / l0, extension only; kinds that have one
+
+  /// Takes in the residual of further constraints.
+  void add(const Residual& other) {
+    largest = std::max(largest, other.largest);
+    sum += other.sum;
+    count += other.count;
+    energy += other.energy;
+    largest_strain = std::max(largest_strain, other.largest_strain);
+  }
 };
 
 /// One constraint as it is now, for those who show it.
@@ -140,6 +151,8 @@ class Projector {
   /// Hands out the multipliers stored in this substep, for solvers that extrapolate them with the positions.
   virtual void multipliers(const MultiplierVisitor&) {}
   virtual Residual residual(const ParticleView&) const = 0;
+  /// The same without the energy, on all threads: what every step asks for.
+  virtual Residual measure(const ParticleView& particles, Threads&) { return residual(particles); }
   /// Calls the visitor for each constraint, colour after colour; unless a kind says how, for none.
   virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
   /// What the constraints take on the heap. [bytes]

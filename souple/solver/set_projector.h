@@ -3,6 +3,7 @@
 #include "souple/constraints/constraint_set.h"
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
+#include "souple/math/reductions.h"
 #include "souple/solver/colouring.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/solver/kernels/projection.h"
@@ -43,7 +44,9 @@ class SetProjector final : public Projector {
 
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
-  std::size_t bytes() const override { return set_.bytes() + scales_.bytes(); }
+  std::size_t bytes() const override {
+    return set_.bytes() + scales_.bytes() + partial_.capacity() * sizeof(Residual);
+  }
   int colour_count() const override { return static_cast<int>(set_.colour_begin.size()) - 1; }
 
   /// Throws Error when a constraint names a particle that does not exist.
@@ -110,17 +113,18 @@ class SetProjector final : public Projector {
 
   Residual residual(const ParticleView& particles) const override {
     Residual result;
-    result.count = set_.size() * rows_of<Kind>;
-    float buffer[rows_of<Kind>][residual_chunk];
-    for (std::size_t begin = 0; begin < set_.size(); begin += residual_chunk) {
-      const std::size_t end = std::min(begin + residual_chunk, set_.size());
-      evaluate(begin, end, particles, buffer);
-      for (std::size_t i = begin; i < end; ++i) {
-        float C[rows_of<Kind>];
-        for (std::size_t r = 0; r < rows_of<Kind>; ++r) C[r] = buffer[r][i - begin];
-        add_to(result, i, C);
-      }
-    }
+    for (std::size_t chunk = 0; chunk < chunk_count(); ++chunk)
+      result.add(residual_of(chunk, particles, true));
+    return result;
+  }
+  Residual measure(const ParticleView& particles, Threads& threads) override {
+    partial_.resize(chunk_count());
+    threads.for_each(chunk_count(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t chunk = begin; chunk < end; ++chunk)
+        partial_[chunk] = residual_of(chunk, particles, false);
+    });
+    Residual result;
+    for (const Residual& partial : partial_) result.add(partial);
     return result;
   }
 
@@ -189,7 +193,7 @@ class SetProjector final : public Projector {
     set_.reorder(colouring.order);
     set_.colour_begin = std::move(colouring.colour_begin);
     scales_for_ = -1;
-    find_scales({});  // before a first substep: 1
+    find_scales({});  // a solver may linearise before the first substep
   }
   // What `project` acts on: where particles were split, phantoms in their place.
   const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
@@ -232,14 +236,46 @@ class SetProjector final : public Projector {
     }
   }
 
-  void add_to(Residual& result, std::size_t i, const float (&C)[rows_of<Kind>]) const {
-    for (const float c : C) {
-      const double violation = violation_of(c);
-      result.largest = std::fmax(result.largest, violation);
-      result.sum += violation;
+  std::size_t chunk_count() const { return (set_.size() + residual_chunk - 1) / residual_chunk; }
+
+  // Chunks are the same for any number of threads, and so are the bits of what is made of them.
+  Residual residual_of(std::size_t chunk, const ParticleView& particles, bool with_energy) const {
+    const std::size_t begin = chunk * residual_chunk, end = std::min(begin + residual_chunk, set_.size());
+    const std::size_t count = end - begin;
+    float C[rows_of<Kind>][residual_chunk], values[residual_chunk];
+    evaluate(begin, end, particles, C);
+    Residual result;
+    result.count = count * rows_of<Kind>;
+    for (const auto& row : C) {
+      for (std::size_t i = 0; i < count; ++i) values[i] = violation_of(row[i]);
+      result.largest = std::max(result.largest, static_cast<double>(largest_of(values, count)));
+      result.sum += static_cast<double>(sum_of(values, count));
     }
-    result.energy += energy(C, set_.compliance(i));
-    result.largest_strain = std::fmax(result.largest_strain, strain_of(i, C));
+    if constexpr (has_strain) {
+      find_strains(begin, count, C[0], values);
+      result.largest_strain = static_cast<double>(largest_of(values, count));
+    }
+    for (std::size_t i = 0; with_energy && i < count; ++i) {
+      float of_one[rows_of<Kind>];
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) of_one[r] = C[r][i];
+      result.energy += energy(of_one, set_.compliance(begin + i));
+    }
+    return result;
+  }
+
+  // Parameters are spread first: the loop over them then knows neither strides nor aliases.
+  void find_strains(std::size_t begin, std::size_t count, const float (&C)[residual_chunk],
+                    float (&strains)[residual_chunk]) const {
+    float parameters[Set::param_count][residual_chunk];
+    for (std::size_t k = 0; k < Set::param_count; ++k)
+      for (std::size_t i = 0; i < count; ++i) parameters[k][i] = set_.parameters[k][begin + i];
+    for (std::size_t i = 0; i < count; ++i) {
+      float of_one[Set::param_count];
+      for (std::size_t k = 0; k < Set::param_count; ++k) of_one[k] = parameters[k][i];
+      Params params;
+      std::memcpy(&params, of_one, sizeof params);
+      strains[i] = Kind::strain(params, C[i]);
+    }
   }
 
   // What the kernels see of a set.
@@ -259,7 +295,6 @@ class SetProjector final : public Projector {
       set.parameters = parameters;
       set.compliances = compliances;
       set.damping_time = view(of.damping_times);
-      set.scale = view(of.stiffnesses);  // any numbers do where nothing is projected
     }
     Arrays(const Arrays&) = delete;
     Arrays& operator=(const Arrays&) = delete;
@@ -280,11 +315,16 @@ class SetProjector final : public Projector {
     arrays.set.inverse_h2 = inverse_h2(substep);
     const float undamped = 0;
     if (substep.mode == Mode::pbd) arrays.set.damping_time = {&undamped, 0};
+    arrays.set.relaxation = substep.relaxation;
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
+    static constexpr float none = 0;
+    if (substep.mode == Mode::pbd) arrays.set.damping_time = {&none, 0};
     const std::size_t form = particles.form == Form::displacement ? 1 : 0;
-    (general ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin, end);
+    const bool apart = !particles.corrected.empty();
+    (general || apart ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin,
+                                                                   end);
   }
 
   // The scalar, readable version: what packs are tested against, and what a user's own kind runs.
@@ -303,19 +343,15 @@ class SetProjector final : public Projector {
     return substep.mode == Mode::pbd ? 0 : 1 / (substep.h * substep.h);
   }
 
-  // The relaxation, times k' in PBD mode.
+  // k' of every constraint in PBD mode, 1 otherwise.
   void find_scales(const Substep& substep) {
     const int iterations = substep.mode == Mode::pbd ? substep.iterations : 0;
-    if (iterations == scales_for_ && substep.relaxation == relaxed_by_ && scales_.size() == set_.size())
-      return;
+    if (iterations == scales_for_ && scales_.size() == set_.size()) return;
     scales_for_ = iterations;
-    relaxed_by_ = substep.relaxation;
     scales_ = {};
-    for (std::size_t i = 0; i < set_.size(); ++i) {
-      const float k =
-          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1;
-      scales_.push_back(k * substep.relaxation);
-    }
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      scales_.push_back(
+          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1);
   }
 
   void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {
@@ -326,11 +362,14 @@ class SetProjector final : public Projector {
   }
 
   static float violation_of(float C) {
-    return Kind::sense == Sense::non_negative ? std::fmax(-C, 0.0f) : std::fabs(C);
+    // std::fmax is a call; what is no number gives 0 here too.
+    return Kind::sense == Sense::equality ? std::fabs(C) : -C > 0 ? -C : 0;
   }
 
+  static constexpr bool has_strain = requires(const Params& params, float C) { Kind::strain(params, C); };
+
   float strain_of(std::size_t i, const float (&C)[rows_of<Kind>]) const {
-    if constexpr (requires { Kind::strain(set_.params(i), C[0]); }) return Kind::strain(set_.params(i), C[0]);
+    if constexpr (has_strain) return Kind::strain(set_.params(i), C[0]);
     return 0;
   }
 
@@ -350,7 +389,7 @@ class SetProjector final : public Projector {
     for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
       in.alpha[k] = set_.compliances[k][i] * inverse_h2(substep);
     in.gamma = substep.mode == Mode::pbd ? 0 : set_.damping_time(i) / substep.h;
-    in.scale = scales_[i];
+    in.scale = scales_[i] * substep.relaxation;
   }
 
   template <Terms terms>
@@ -376,9 +415,9 @@ class SetProjector final : public Projector {
   }
 
   Set set_;
-  Column scales_;        // of every correction, for:
-  int scales_for_ = -1;  // iterations in PBD mode, else 0
-  float relaxed_by_ = 1;
+  std::vector<Residual> partial_;  // of each chunk
+  Column scales_;                  // k', for:
+  int scales_for_ = -1;            // iterations in PBD mode, else 0
   const kernels::KindKernels* kernels_ = nullptr;
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split

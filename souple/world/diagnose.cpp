@@ -5,17 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace souple {
 namespace {
 
 constexpr double large_strain = 0.1;
-
-void keep_last_good(WorldState& world) {
-  world.good_position = world.particles.position;
-  world.good_offset = world.particles.offset;
-  world.good_velocity = world.particles.velocity;
-}
 
 void restore_last_good(WorldState& world) {
   Particles& particles = world.particles;
@@ -33,12 +28,12 @@ void restore_last_good(WorldState& world) {
 void measure(WorldState& world) {
   StepReport& report = world.report;
   const ParticleView view = world.view();
-  world.for_each_projector([&](const Projector& projector) {
+  world.for_each_projector([&](Projector& projector) {
     if (projector.size() == 0) return;
     report.constraints += projector.size();
     KindReport kind{.kind = projector.kind(), .count = projector.size()};
     if (world.settings.measure_residuals) {
-      const Residual residual = projector.residual(view);
+      const Residual residual = projector.measure(view, *world.threads);
       kind.largest = residual.largest;
       kind.mean = residual.count > 0 ? residual.sum / static_cast<double>(residual.count) : 0;
       report.largest_strain = std::max(report.largest_strain, residual.largest_strain);
@@ -59,6 +54,7 @@ void report_custom_errors(WorldState& world) {
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
   if (report.largest_strain > large_strain) world.complain(Flag::large_strain, advice(Flag::large_strain));
+  if (!(report.deepest_contact > 0)) return;
   float thickest = 0;
   for (const float radius : world.particles.radius) thickest = std::max(thickest, radius);
   if (report.deepest_contact > 2 * static_cast<double>(thickest))
@@ -129,7 +125,6 @@ bool begin_step(WorldState& world, double dt) {
     world.complain(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
     return false;
   }
-  keep_last_good(world);
   world.forget_contacts();
   world.first_bad.reset();
   report.step = ++world.steps;
@@ -137,6 +132,19 @@ bool begin_step(WorldState& world, double dt) {
   report.iterations = world.settings.iterations;
   report.particles = world.particles.size();
   return true;
+}
+
+void keep_last_good(WorldState& world) {
+  const Particles& particles = world.particles;
+  const auto keep = [&world](const std::vector<Vec4f>& array, std::vector<Vec4f>& good) {
+    good.resize(array.size());
+    world.threads->for_each(array.size(), 8192, [&](std::size_t begin, std::size_t end) {
+      std::memcpy(&good[begin], &array[begin], (end - begin) * sizeof(Vec4f));
+    });
+  };
+  keep(particles.position, world.good_position);
+  keep(particles.offset, world.good_offset);
+  keep(particles.velocity, world.good_velocity);
 }
 
 void end_step(WorldState& world, bool good) {

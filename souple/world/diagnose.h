@@ -8,9 +8,11 @@ namespace souple {
 void bring_up_to_date(WorldState& world);
 /// The constraints and their colours only: contacts stay what the last step left.
 void bring_constraints_up_to_date(WorldState& world);
-/// Readies the world for a step of dt seconds: builds what changed, keeps the last good state, empties the
-/// report. False, with a report that says why, when dt is not positive and finite.
+/// Readies the world for a step of dt seconds: builds what changed, empties the report. False, with a report
+/// that says why, when dt is not positive and finite.
 bool begin_step(WorldState& world, double dt);
+/// Keeps the state that end_step puts back after a bad step.
+void keep_last_good(WorldState& world);
 Substep substep_of(const Settings& settings, double dt);
 /// Completes the report; when a number went bad, names the particle and puts the last good state back.
 void end_step(WorldState& world, bool good);

@@ -1,5 +1,6 @@
 #include "souple/world/forces.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace souple {
@@ -36,29 +37,57 @@ Vec3f air_force(const Vec3f (&x)[3], const Vec3f& v, const Air& air, float mass,
   return size > most ? force * (most / size) : force;
 }
 
-void add(Vec4f& a, const Vec3f& f) {
-  a.x += f.x, a.y += f.y, a.z += f.z;
+// How many triangles or particles are worth a thread of their own.
+constexpr std::size_t grain = 512;
+
+void find_triangles_of_particles(Object& object) {
+  if (object.triangle_begin.size() == object.particle_count() + 1 &&
+      object.triangles_of.size() == 3 * object.surface.size())
+    return;
+  object.triangle_begin.assign(object.particle_count() + 1, 0);
+  object.triangles_of.resize(3 * object.surface.size());
+  for (const auto& triangle : object.surface)
+    for (const std::uint32_t i : triangle) ++object.triangle_begin[i];
+  std::uint32_t sum = 0;
+  for (std::uint32_t& begin : object.triangle_begin) begin = sum += begin;
+  // Filled from the back, each list's end becomes its beginning.
+  for (std::size_t t = object.surface.size(); t-- > 0;)
+    for (const std::uint32_t i : object.surface[t])
+      object.triangles_of[--object.triangle_begin[i]] = static_cast<std::uint32_t>(t);
 }
 
-void add_wind_on(const Object& object, const ClothMaterial& material, const Vec3f& wind, float h,
-                 WorldState& world) {
+// A third of the force on each triangle.
+void push_triangles(const Object& object, const ClothMaterial& material, const Vec3f& wind, float h,
+                    WorldState& world) {
   const Air air{world.settings.wind.air_density, material.air_drag, material.air_lift};
   const Particles& particles = world.particles;
   const ParticleView view = world.view();
-  for (const auto& triangle : object.surface) {
-    const std::uint32_t a = object.begin + triangle[0], b = object.begin + triangle[1],
-                        c = object.begin + triangle[2];
-    const Vec3f x[3] = {{}, view.difference(b, a), view.difference(c, a)};
-    const Vec3f v =
-        (particles.velocity[a].xyz() + particles.velocity[b].xyz() + particles.velocity[c].xyz()) *
-            (1.0f / 3) -
-        wind;
-    const float mass = 0.5f * length(cross(x[1], x[2])) * material.areal_density;
-    const Vec3f third = air_force(x, v, air, mass, h) * (1.0f / 3);
-    add(world.force[a], third);
-    add(world.force[b], third);
-    add(world.force[c], third);
-  }
+  world.threads->for_each(object.surface.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& triangle = object.surface[t];
+      const std::uint32_t a = object.begin + triangle[0], b = object.begin + triangle[1],
+                          c = object.begin + triangle[2];
+      const Vec3f x[3] = {{}, view.difference(b, a), view.difference(c, a)};
+      const Vec3f v =
+          (particles.velocity[a].xyz() + particles.velocity[b].xyz() + particles.velocity[c].xyz()) *
+              (1.0f / 3) -
+          wind;
+      const float mass = 0.5f * length(cross(x[1], x[2])) * material.areal_density;
+      world.triangle_force[t].set_xyz(air_force(x, v, air, mass, h) * (1.0f / 3));
+    }
+  });
+}
+
+// Every particle gathers from its triangles: no two threads write one, and the order of the sum is fixed.
+void gather_forces(const Object& object, WorldState& world) {
+  world.threads->for_each(object.particle_count(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Vec3f sum;
+      for (std::uint32_t k = object.triangle_begin[i]; k < object.triangle_begin[i + 1]; ++k)
+        sum += world.triangle_force[object.triangles_of[k]].xyz();
+      world.force[object.begin + i].set_xyz(sum);
+    }
+  });
 }
 
 }  // namespace
@@ -79,10 +108,17 @@ bool accumulate_wind(WorldState& world, float h) {
   const bool windy = !(world.settings.wind.velocity == Vec3f{});
   if (!windy) return false;
   const Vec3f wind = wind_at(world.settings, world.time);
-  world.force.assign(world.particles.size(), {});
-  for (const auto& object : world.objects)
-    if (const auto* material = std::get_if<ClothMaterial>(&object->material))
-      add_wind_on(*object, *material, wind, h, world);
+  world.force.resize(world.particles.size());
+  for (const auto& object : world.objects) {
+    if (const auto* material = std::get_if<ClothMaterial>(&object->material)) {
+      find_triangles_of_particles(*object);
+      world.triangle_force.resize(std::max(world.triangle_force.size(), object->surface.size()));
+      push_triangles(*object, *material, wind, h, world);
+      gather_forces(*object, world);
+    } else {
+      std::fill(world.force.begin() + object->begin, world.force.begin() + object->end, Vec4f{});
+    }
+  }
   return true;
 }
 

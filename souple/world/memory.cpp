@@ -24,7 +24,8 @@ std::size_t bytes_of_mesh(const TriangleMesh& mesh) {
 /// Which particle carries which vertex, and the triangles over particles.
 std::size_t bytes_of_maps(const Object& object) {
   std::size_t sum = bytes_of(object.particle_of, object.vertex_of, object.surface, object.surface_source,
-                             object.stiffness_map, object.thickness_map, object.outside, object.pins);
+                             object.stiffness_map, object.thickness_map, object.outside, object.pins,
+                             object.triangle_begin, object.triangles_of);
   if (object.embedding)
     sum += bytes_of(object.embedding->vertices, object.embedding->weights, object.embedding->tets);
   return sum;
@@ -70,7 +71,8 @@ MemoryReport World::memory() {
       {"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass, p.radius, world.object_of)});
   report.simulation.push_back(
       {"last good state", bytes_of(world.good_position, world.good_offset, world.good_velocity)});
-  report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force)});
+  report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
+                                                                  world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);
   report.simulation.push_back(
       {"contacts", world.particle_contacts.bytes() + world.collider_contacts.bytes()});

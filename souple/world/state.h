@@ -52,6 +52,9 @@ struct Object {
   std::optional<Embedding> embedding;      ///< user vertices in `tets`, when they are no particles
   std::vector<std::array<std::uint32_t, 3>>
       surface;  ///< triangles over particles, for wind and pressure; may be empty
+  /// Made of `surface` when the wind first blows: triangles [triangle_begin[i], triangle_begin[i + 1]) of
+  /// triangles_of touch particle i, in ascending order.
+  std::vector<std::uint32_t> triangle_begin, triangles_of;
   std::vector<std::uint32_t> surface_source;  ///< cloth: per triangle of `surface`, its index in `mesh`;
                                               ///< empty: the same
   std::vector<float> stiffness_map;           ///< per particle; empty: 1
@@ -113,6 +116,14 @@ struct ContactTables {
   SurfaceMatrix against_colliders, against_objects;
 };
 
+/// Sums over particles, about a point near them: mass, m x, m v, m x x^T (lower triangle), m x cross v.
+struct RigidSums {
+  double mass = 0;
+  Vec3d position, momentum;
+  std::array<double, 6> second{};
+  Vec3d angular;
+};
+
 struct WorldState {
   Settings settings;
   double time = 0;
@@ -121,7 +132,9 @@ struct WorldState {
 
   Particles particles;
   std::vector<Vec4f> predicted;          ///< p* of explicit and implicit integration
-  std::vector<Vec4f> force;              ///< of the wind on triangles [N]
+  std::vector<Vec4f> force;              ///< of the wind on particles [N]
+  std::vector<Vec4f> triangle_force;     ///< a third of that on each triangle of the object at hand [N]
+  std::vector<RigidSums> rigid_sums;     ///< of each chunk of the object that is damped
   std::vector<std::uint32_t> object_of;  ///< per particle: index into objects
 
   std::vector<std::unique_ptr<Object>> objects;  ///< stable addresses

@@ -29,6 +29,7 @@ const StepReport& World::step(double dt) {
   bool good = true;
   world.stepping = true;
   const Wakefulness awake(*world.threads);
+  keep_last_good(world);
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; good && i <= substep.count; ++i) {
     run(*this, world, Stage::integrate, [&] { integrate(world, substep); });

@@ -32,9 +32,9 @@ inline World busy_world(Settings settings = {}) {
   settings.substeps = 5;
   settings.wind.velocity = {1, 0, 0};
   World world(settings);
-  const ObjectId cloth = world.add_cloth(grid(40, 40, 1.0), {.bending = BendingModel::dihedral},
+  const ObjectId cloth = world.add_cloth(grid(56, 56, 1.0), {.bending = BendingModel::dihedral},
                                          {.transform = {{0, 0.52, 0}, {}, 1}});
-  world.pin(cloth, vertices({0, 39}));
+  world.pin(cloth, vertices({0, 55}));
   std::vector<Vec3d> centres;
   for (int y = 0; y < 5; ++y)
     for (int k = 0; k < 400; ++k)

@@ -18,7 +18,7 @@ class WarmStep : public testing::TestWithParam<Settings> {};
 // Cloth, soft bodies, grains, a balloon, colliders and custom constraints, residuals measured, wind.
 TEST_P(WarmStep, AllocatesNothing) {
   World world = test::busy_world(GetParam());
-  EXPECT_EQ(allocations_of_a_warm_step(world, 60), 0);
+  EXPECT_EQ(allocations_of_a_warm_step(world, 30), 0);
   EXPECT_GT(world.report().contacts, 100u);
 }
 

@@ -21,9 +21,10 @@ std::vector<Vec4f> contract_chain() {
   for (std::uint32_t i = 0; i + 1 < particles; ++i) links.add({i, i + 1}, {0.01f});
   links.prepare(particles);
   const ParticleView view{position, position, start, Form::plain};
+  const Substep substep{.h = 0.01f, .form = Form::plain};
+  links.begin_substep(view, substep);
   for (int sweep = 0; sweep < 50; ++sweep)
-    for (int colour = 0; colour < links.colour_count(); ++colour)
-      links.project(colour, view, {.h = 0.01f, .form = Form::plain});
+    for (int colour = 0; colour < links.colour_count(); ++colour) links.project(colour, view, substep);
   return position;
 }
 

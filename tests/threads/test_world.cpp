@@ -83,6 +83,24 @@ TEST(WorldThreads, ARunGoesOnTheSameWithOtherThreads) {
   EXPECT_EQ(straight.hash(), resumed.hash());
 }
 
+// Of several that go bad at once the same is named, whichever thread meets it first.
+TEST(WorldThreads, TheSameParticleIsBlamed) {
+  std::vector<Vec3d> line(20000);
+  for (std::size_t i = 0; i < line.size(); ++i) line[i].x = 0.1 * static_cast<double>(i);
+  std::vector<Vec3f> velocities(line.size());
+  for (const std::size_t i : {9000u, 9001u, 15000u, 19999u}) velocities[i].x = 3e38f;
+  std::uint32_t blamed = 0;
+  for (const int threads : {1, 2, 7}) {
+    World world({.threads = threads});
+    world.set_velocities(world.add_grains(line), velocities);
+    const StepReport& report = world.step(100);
+    EXPECT_FALSE(report.ok());
+    if (threads == 1) blamed = report.bad_vertex;
+    EXPECT_EQ(report.bad_vertex, blamed) << threads << " threads";
+  }
+  EXPECT_EQ(velocities[blamed].x, 3e38f);
+}
+
 TEST(WorldThreads, WorldsOnDifferentThreadsDoNotDisturbEachOther) {
   const std::uint64_t alone = hashes_of({.threads = 1}).back();
   std::vector<std::uint64_t> together(3);

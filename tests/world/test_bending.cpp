@@ -12,8 +12,8 @@
 namespace souple {
 namespace {
 
-constexpr double D = 0.01;    // N m
-constexpr double side = 0.3;  // m
+constexpr double stiffness = 0.01;  // D [N m]
+constexpr double side = 0.3;        // m
 const double height = std::sqrt(0.75) * side;
 
 /// Two equilateral triangles with a common edge along X, the second turned up by theta.
@@ -36,9 +36,10 @@ TriangleMesh hinge() {
 double relative_energy(BendingModel model, double theta) {
   World world;
   const ObjectId cloth = world.add_cloth(
-      hinge(), {.membrane_stiffness = 100, .bending_stiffness = static_cast<float>(D), .bending = model});
+      hinge(),
+      {.membrane_stiffness = 100, .bending_stiffness = static_cast<float>(stiffness), .bending = model});
   world.set_positions(cloth, folded(theta));
-  return world.elastic_energy() / (0.5 * D * side * side / (height * side) * theta * theta);
+  return world.elastic_energy() / (0.5 * stiffness * side * side / (height * side) * theta * theta);
 }
 
 TEST(Bending, ModelsStoreTheSameEnergyAtOneRadian) {

@@ -191,5 +191,23 @@ TEST(Objects, SettersCheckWhatTheyGet) {
   expect_error([&] { world.set_positions(body, three); }, {"embedded"});
 }
 
+// Objects that are far apart are not looked at in detail; one that flies at another is, in time.
+TEST(Objects, AFastBodyHitsWhatWasFarAway) {
+  World world({.gravity = {}});
+  ClothMaterial sheet;
+  sheet.thickness = 0.05f;
+  const ObjectId cloth = world.add_cloth(grid(20, 20, 0.5), sheet);
+  SoftBodyMaterial stone;
+  stone.thickness = 0.05f;
+  ObjectOptions thrown;
+  thrown.transform.translation = {0, 20, 0};
+  thrown.velocity = {0, -60, 0};
+  world.add_soft_body(tet_bar(4, 4, 4, {0.1, 0.1, 0.1}), stone, thrown);
+  std::size_t contacts = 0;
+  for (int i = 0; i < 30; ++i) contacts += world.step(1.0 / 60).contacts;
+  EXPECT_GT(contacts, 0u);
+  EXPECT_LT(world.momentum(cloth).y, -0.1);
+}
+
 }  // namespace
 }  // namespace souple

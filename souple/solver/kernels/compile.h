@@ -51,10 +51,10 @@ struct LocalSet {
   LoadedColumn<Set> parameters[param_count], compliances[alpha_count], damping_time, scale;
   float* multipliers[rows_of<Kind>];
   bool stored;
-  simd::Pack<Set> h, inverse_h2;
+  simd::Pack<Set> h, inverse_h2, relaxation;
 
   explicit LocalSet(const SetArrays& set)
-      : stored(set.multipliers != nullptr), h(set.h), inverse_h2(set.inverse_h2) {
+      : stored(set.multipliers != nullptr), h(set.h), inverse_h2(set.inverse_h2), relaxation(set.relaxation) {
     for (int k = 0; k < Kind::arity; ++k) records[k] = set.records[k];
     for (int k = 0; k < param_count; ++k) parameters[k].set(set.parameters[k]);
     for (int k = 0; k < alpha_count; ++k) compliances[k].set(set.compliances[k]);
@@ -200,7 +200,7 @@ template <class Set, class Kind, bool displacement, bool in_place, Terms terms>
     load_particles<Set, Kind, displacement>(p, block);
     for (int k = 0; k < LocalSet<Set, Kind>::alpha_count; ++k)
       block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
-    block.in.scale = set.scale.load(i);
+    block.in.scale = set.scale.load(i) * set.relaxation;
     if constexpr (terms == Terms::general) {
       block.in.gamma = set.damping_time.load(i) / set.h;
       load_moved(p, block);

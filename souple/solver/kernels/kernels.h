@@ -43,6 +43,7 @@ struct SetArrays {
   float* const* multipliers = nullptr;            ///< [rows], each [i]; null: not stored
   float h = 0;                                    ///< s
   float inverse_h2 = 0;                           ///< 1 / h^2; 0 in PBD mode
+  float relaxation = 1;                           ///< factor on every correction, besides `scale`
 };
 
 /// Projects constraints [begin, end), which share no particle.

@@ -29,6 +29,7 @@ struct ProjectionInput {
   T scale{1};                      ///< PBD: k'; otherwise 1
 
   ProjectionInput() {
+    for (T& a : alpha) a = T(0);
     for (T& l : lambda) l = T(0);
   }
 };

@@ -1,0 +1,151 @@
+#include "souple/solver/instruction_set.h"
+#include "souple/souple.h"
+#include "souple/state/particles.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// Prediction and velocity update are written twice, packed and one particle at a time: both must give the
+// same bits.
+
+namespace souple {
+namespace {
+
+World hanging_cloth(const Settings& settings) {
+  World world(settings);
+  const ObjectId cloth = world.add_cloth(grid(9, 6, 1), {.damping = 3});
+  world.pin(cloth, vertices({0, 4}));
+  world.add_cloth(grid(3, 3, 0.3));  // 63 particles in all: the last do not fill a register
+  return world;
+}
+
+// Users' force fields take the world to the code that moves one particle after another: a field without force
+// must not change a bit of what the packed code does.
+TEST(Motion, AFieldWithoutForceChangesNoBit) {
+  for (const Form form : {Form::displacement, Form::plain}) {
+    for (const float wind : {0.0f, 8.0f}) {
+      Settings settings{.form = form};
+      settings.wind.velocity = {wind, 0, 0.5f * wind};
+      World packed = hanging_cloth(settings), one_by_one = hanging_cloth(settings);
+      one_by_one.add_force_field([](const Vec3f&, const Vec3f&, float, double) { return Vec3f{}; });
+      for (int i = 0; i < 30; ++i) packed.step(1.0 / 60), one_by_one.step(1.0 / 60);
+      EXPECT_EQ(packed.hash(), one_by_one.hash());
+      const Vec3f before = hanging_cloth(settings).positions(packed.objects()[0])[49];
+      EXPECT_GT(length(packed.positions(packed.objects()[0])[49] - before), 0.1f);
+    }
+  }
+}
+
+TEST(Motion, ThreadsChangeNoBit) {
+  const auto hash = [](int threads) {
+    World world({.wind = {.velocity = {4, 0, 1}}, .threads = threads});
+    const ObjectId cloth = world.add_cloth(grid(90, 90, 2), {.damping = 5});
+    world.pin(cloth, vertices({0, 89}));
+    for (int i = 0; i < 5; ++i) world.step(1.0 / 60);
+    EXPECT_GT(world.report().largest_strain, 0);
+    return std::pair(world.hash(), world.report().kinds[0].mean);
+  };
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(hash(threads), hash(1));
+}
+
+struct Bodies {
+  std::vector<Vec4f> position, offset, start, velocity, force;
+
+  explicit Bodies(std::size_t count)
+      : position(count), offset(count), start(count), velocity(count), force(count) {
+    float number = 0.37f;
+    const auto next = [&number] { return number = std::fmod(number * 7.13f + 0.61f, 3.7f); };
+    for (std::size_t i = 0; i < count; ++i) {
+      position[i] = {next(), -next(), next() - 1, i % 5 == 2 ? 0.0f : next()};
+      offset[i] = {1e-8f * next(), -1e-8f * next(), 0, 0};
+      velocity[i] = {next(), next() - 2, -next(), 0};
+      force[i] = {next(), 0, -next(), 0};
+    }
+  }
+  kernels::MotionArrays arrays(bool plain, bool windy) {
+    return {&position[0].x, plain ? &position[0].x : &offset[0].x, &start[0].x, &velocity[0].x,
+            windy ? &force[0].x : nullptr};
+  }
+  bool operator==(const Bodies& other) const {
+    const auto same = [](const std::vector<Vec4f>& a, const std::vector<Vec4f>& b) {
+      return std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec4f)) == 0;
+    };
+    return same(position, other.position) && same(offset, other.offset) && same(start, other.start) &&
+           same(velocity, other.velocity);
+  }
+};
+
+constexpr float gravity[3] = {0.5f, -9.81f, 0};
+constexpr float h = 1.0f / 600;
+
+// Predicts, moves one particle as a solver would, finishes: particles [begin, end) of 23.
+Bodies advance(const kernels::MotionKernels& kernels, bool plain, bool windy, std::size_t begin,
+               std::size_t end) {
+  Bodies bodies(23);
+  const kernels::MotionArrays arrays = bodies.arrays(plain, windy);
+  EXPECT_TRUE(kernels.predict(arrays, begin, end, gravity, h));
+  arrays.moving[4 * 9 + 1] += 0.01f;
+  EXPECT_TRUE(kernels.finish[plain ? 0 : 1](arrays, begin, end, h));
+  return bodies;
+}
+
+std::vector<const kernels::MotionKernels*> all_kernels() {
+  std::vector<const kernels::MotionKernels*> result;
+#if defined(__x86_64__)
+  result.push_back(find_motion_kernels(InstructionSet::sse));
+  if (__builtin_cpu_supports("avx2")) result.push_back(find_motion_kernels(InstructionSet::avx2));
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+    result.push_back(find_motion_kernels(InstructionSet::avx512));
+#elif defined(__aarch64__)
+  result.push_back(find_motion_kernels(InstructionSet::neon));
+#endif
+  return result;
+}
+
+TEST(Motion, EveryInstructionSetGivesTheSameBits) {
+  for (const bool plain : {false, true})
+    for (const bool windy : {false, true})
+      for (const std::size_t begin : {0, 1, 6})
+        for (const std::size_t end : {7, 16, 23}) {
+          const Bodies expected = advance(*all_kernels().front(), plain, windy, begin, end);
+          for (const kernels::MotionKernels* kernels : all_kernels())
+            EXPECT_TRUE(advance(*kernels, plain, windy, begin, end) == expected);
+        }
+}
+
+// A free particle falls by the book, a pinned one stays, and neither loses its inverse mass.
+TEST(Motion, PinnedParticlesStay) {
+  for (const kernels::MotionKernels* kernels : all_kernels())
+    for (const bool plain : {false, true}) {
+      const Bodies before(23), after = advance(*kernels, plain, false, 0, 23);
+      for (std::size_t i = 0; i < 23; ++i) {
+        EXPECT_EQ(after.position[i].w, before.position[i].w);
+        if (i == 9) continue;
+        const bool pinned = before.position[i].w == 0;
+        const float v = before.velocity[i].y - 9.81f * h;
+        EXPECT_NEAR(after.velocity[i].y, pinned ? 0 : v, 1e-6) << i;
+        EXPECT_NEAR(after.position[i].y, before.position[i].y + (pinned ? 0 : v * h), 1e-6) << i;
+      }
+    }
+}
+
+TEST(Motion, BadNumbersAreSeen) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  for (const kernels::MotionKernels* kernels : all_kernels())
+    for (const float bad : {infinity, -infinity, std::nanf(""), 3e38f})
+      for (const std::size_t i : {0, 13, 22}) {
+        Bodies bodies(23);
+        bodies.velocity[i].z = bad;
+        EXPECT_FALSE(kernels->predict(bodies.arrays(true, false), 0, 23, gravity, h));
+        bodies = Bodies(23);
+        bodies.offset[i].x = bad;
+        EXPECT_FALSE(kernels->finish[1](bodies.arrays(false, false), 0, 23, h));
+      }
+}
+
+}  // namespace
+}  // namespace souple
