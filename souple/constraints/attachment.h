@@ -27,7 +27,7 @@ struct Attachment {
   template <class T>
   static T evaluate(const Vec3<T> (&x)[1], const Params<T>&, Vec3<T> (&gradient)[1]) {
     const T l = sqrt(dot(x[0], x[0]));
-    gradient[0] = x[0] * (T(1) / max(l, T(1e-30f)));
+    gradient[0] = x[0] * (T(1) / max(l, T(1e-18f)));
     return l;
   }
 };

@@ -47,7 +47,7 @@ struct BallJointBetween {
       second = second - p.weight[m + j - 2];
     }
     const T l = sqrt(dot(d, d));
-    const Vec3<T> direction = d * (T(1) / max(l, T(1e-30f)));
+    const Vec3<T> direction = d * (T(1) / max(l, T(1e-18f)));
     gradient[0] = direction * first;
     gradient[m] = -(direction * second);
     for (int i = 1; i < m; ++i) gradient[i] = direction * p.weight[i - 1];

@@ -24,7 +24,7 @@ struct Distance {
   static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]) {
     const Vec3<T> d = x[0] - x[1];
     const T l = sqrt(dot(d, d));
-    const Vec3<T> n = d * (T(1) / max(l, T(1e-30f)));
+    const Vec3<T> n = d * (T(1) / max(l, T(1e-18f)));  // below, dot(d, d) has lost its digits
     gradient[0] = n;
     gradient[1] = -n;
     return l - p.rest_length;

@@ -27,7 +27,7 @@ struct Tether {
   static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]) {
     const Vec3<T> d = x[1] - x[0];
     const T l = sqrt(dot(d, d));
-    gradient[0] = d * (T(1) / max(l, T(1e-30f)));
+    gradient[0] = d * (T(1) / max(l, T(1e-18f)));
     gradient[1] = -gradient[0];
     return p.longest - l;
   }

@@ -319,12 +319,8 @@ class SetProjector final : public Projector {
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
-    static constexpr float none = 0;
-    if (substep.mode == Mode::pbd) arrays.set.damping_time = {&none, 0};
     const std::size_t form = particles.form == Form::displacement ? 1 : 0;
-    const bool apart = !particles.corrected.empty();
-    (general || apart ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin,
-                                                                   end);
+    (general ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin, end);
   }
 
   // The scalar, readable version: what packs are tested against, and what a user's own kind runs.
