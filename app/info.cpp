@@ -3,6 +3,7 @@
 #include "app/find_scene.h"
 #include "souple/io/mesh_file.h"
 #include "souple/scene/scene.h"
+#include "souple/solver/instruction_set.h"
 #include "souple/solver/threads.h"
 #include "souple/version.h"
 
@@ -42,9 +43,12 @@ int info(InfoPart part) {
     std::fputs(scene_manual().c_str(), stdout);
     return fine;
   }
+  const std::string instructions(simd_name());  // may throw: before anything is printed
+  const int threads = thread_count(0);
   std::printf("souple %s\n", version);
   std::printf("compiler: %s, %s\n", compiler(), SOUPLE_BUILD_TYPE);
-  std::printf("threads: %d; oneTBB: %s\n", thread_count(0), has_tbb() ? "yes" : "no (not built in)");
+  std::printf("instruction set: %s\n", instructions.c_str());
+  std::printf("threads: %d; oneTBB: %s\n", threads, has_tbb() ? "yes" : "no (not built in)");
   std::printf("mesh files: OBJ, PLY, STL, Gmsh, TetGen, VTK\n");
   std::printf("other mesh files, through assimp: %s\n",
               mesh_import_has_assimp() ? "yes" : "no (not built in)");

@@ -1,5 +1,6 @@
 #include "souple/world/world.h"
 
+#include "souple/solver/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/build.h"
 #include "souple/world/impl.h"
@@ -43,7 +44,8 @@ const Settings& World::settings() const {
 
 void World::set_settings(const Settings& settings) {
   validate(settings);
-  thread_count(settings.threads);  // throws here, not in a step, where SOUPLE_THREADS is no number
+  thread_count(settings.threads);  // throw here, not in a step, where SOUPLE_THREADS is no number
+  instruction_set();               // or SOUPLE_SIMD no instruction set
   WorldState& world = impl_->state;
   world.require_between_steps("set_settings");
   if (settings.form == Form::plain)
