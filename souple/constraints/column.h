@@ -1,8 +1,8 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -44,7 +44,9 @@ class Column {
 
  private:
   // The same bits: 0 and -0 differ.
-  bool same(float value) const { return std::memcmp(&value, values_.data(), sizeof value) == 0; }
+  bool same(float value) const {
+    return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(values_[0]);
+  }
   void spread() {
     values_.resize(size_, values_[0]);
     uniform_ = false;

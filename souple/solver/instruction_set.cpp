@@ -13,23 +13,16 @@ constexpr std::array all{InstructionSet::scalar, InstructionSet::sse, Instructio
                          InstructionSet::avx512, InstructionSet::neon};
 
 bool is_there(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::scalar:
-      return true;
 #if defined(__x86_64__)
-    case InstructionSet::sse:
-      return true;  // SSE2 is part of x86-64
-    case InstructionSet::avx2:
-      return __builtin_cpu_supports("avx2");
-    case InstructionSet::avx512:
-      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
+  if (set == InstructionSet::avx2) return __builtin_cpu_supports("avx2") != 0;
+  if (set == InstructionSet::avx512)
+    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0;
+  return set == InstructionSet::scalar || set == InstructionSet::sse;  // SSE2 is part of x86-64
 #elif defined(__aarch64__)
-    case InstructionSet::neon:
-      return true;
+  return set == InstructionSet::scalar || set == InstructionSet::neon;
+#else
+  return set == InstructionSet::scalar;
 #endif
-    default:
-      return false;
-  }
 }
 
 InstructionSet widest() {

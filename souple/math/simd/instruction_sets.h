@@ -22,8 +22,8 @@ namespace souple::simd {
 #if defined(__SSE2__)
 struct Sse {
   static constexpr int lanes = 4;
-  typedef float Vector __attribute__((vector_size(16)));
-  typedef std::int32_t Mask __attribute__((vector_size(16)));
+  using Vector __attribute__((vector_size(16))) = float;
+  using Mask __attribute__((vector_size(16))) = std::int32_t;
 
   static Vector broadcast(float a) { return _mm_set1_ps(a); }
   static Vector sqrt(Vector a) { return _mm_sqrt_ps(a); }
@@ -49,8 +49,8 @@ struct Sse {
 #if defined(__AVX2__)
 struct Avx2 {
   static constexpr int lanes = 8;
-  typedef float Vector __attribute__((vector_size(32)));
-  typedef std::int32_t Mask __attribute__((vector_size(32)));
+  using Vector __attribute__((vector_size(32))) = float;
+  using Mask __attribute__((vector_size(32))) = std::int32_t;
 
   static Vector broadcast(float a) { return _mm256_set1_ps(a); }
   static Vector sqrt(Vector a) { return _mm256_sqrt_ps(a); }
@@ -78,8 +78,8 @@ struct Avx2 {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 struct Avx512 {
   static constexpr int lanes = 16;
-  typedef float Vector __attribute__((vector_size(64)));
-  typedef std::int32_t Mask __attribute__((vector_size(64)));
+  using Vector __attribute__((vector_size(64))) = float;
+  using Mask __attribute__((vector_size(64))) = std::int32_t;
 
   static Vector broadcast(float a) { return _mm512_set1_ps(a); }
   static Vector sqrt(Vector a) { return _mm512_sqrt_ps(a); }
@@ -113,8 +113,8 @@ struct Avx512 {
 #if defined(__aarch64__)
 struct Neon {
   static constexpr int lanes = 4;
-  typedef float Vector __attribute__((vector_size(16)));
-  typedef std::int32_t Mask __attribute__((vector_size(16)));
+  using Vector __attribute__((vector_size(16))) = float;
+  using Mask __attribute__((vector_size(16))) = std::int32_t;
 
   static Vector broadcast(float a) { return vdupq_n_f32(a); }
   static Vector sqrt(Vector a) { return vsqrtq_f32(a); }

@@ -22,7 +22,8 @@ struct Pack {
 
   Vector v;
 
-  Pack() {}  // not set: arrays of packs that are filled later cost nothing
+  // Not set, and not zero for {} either: arrays of packs that are filled later cost nothing.
+  Pack() {}  // NOLINT(modernize-use-equals-default)
   /// The same number in every lane. Implicit, so that plain numbers mix with packs as they do with floats.
   Pack(float a) : v(Set::broadcast(a)) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(double a) : Pack(static_cast<float>(a)) {}

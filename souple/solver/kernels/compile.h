@@ -261,7 +261,7 @@ struct Tail {
       for (int k = 0; k < arity; ++k) {
         indices[k][lane] = 4 * (static_cast<std::uint32_t>(k * lanes) + static_cast<std::uint32_t>(lane));
         const std::size_t record = set.records[k][source(lane)];
-        for (int axis = 0; axis < 4; ++axis) {
+        for (std::size_t axis = 0; axis < 4; ++axis) {
           position[k][lane][axis] = p.position[record + axis];
           moving[k][lane][axis] = p.moving[record + axis];
           start[k][lane][axis] = p.start ? p.start[record + axis] : 0;

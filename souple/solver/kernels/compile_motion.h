@@ -32,7 +32,8 @@ class Watch {
  public:
   void add(typename Set::Vector a) {
     const typename Set::Vector large = a * 8.0f;
-    sum_ = sum_ + (large - large);  // infinity less infinity is no number, nor is any sum with it
+    sum_ = sum_ + (large - large);  // NOLINT(misc-redundant-expression): infinity less infinity is no number,
+                                    // nor is any sum with it
   }
   bool is_clean() const {
     for (int lane = 0; lane < Set::lanes; ++lane)

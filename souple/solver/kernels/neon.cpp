@@ -1,3 +1,5 @@
+#if defined(__aarch64__)
+
 #include "souple/solver/kernels/compile.h"
 #include "souple/solver/kernels/compile_motion.h"
 
@@ -7,3 +9,5 @@ template struct Compile<simd::Neon, EveryConstraint>;
 template const MotionKernels& motion_kernels<simd::Neon>();
 
 }  // namespace souple::kernels
+
+#endif
