@@ -38,6 +38,11 @@ struct SolverSettings {
   int colours = 0;
 };
 
+inline bool operator==(const SolverSettings& a, const SolverSettings& b) {
+  return a.kind == b.kind && a.sweep == b.sweep && a.relaxation == b.relaxation &&
+         a.chebyshev == b.chebyshev && a.colours == b.colours;
+}
+
 /// Moves the particles of a world towards satisfying all constraints, once per substep.
 class Solver {
  public:

@@ -52,7 +52,9 @@ void World::set_settings(const Settings& settings) {
     for (Vec4f& offset : world.particles.offset) offset = {};
   if (settings.threads != world.settings.threads || settings.threading != world.settings.threading)
     world.threads.reset();
-  world.dirty_solver = true;
+  const Settings& old = world.settings;
+  const bool same = settings.solver == old.solver && settings.form == old.form && settings.mode == old.mode;
+  world.dirty_solver = world.dirty_solver || !same;  // a hierarchy takes a while to build
   world.settings = settings;
 }
 

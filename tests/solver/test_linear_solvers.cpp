@@ -195,15 +195,17 @@ double largest_strain_of_hanging(SolverKind kind, std::size_t n, int frames, boo
   scene.gravity = {0, -9.81f, 0};
   scene.substep.h = 1.0f / 600;
   scene.use(test::kind_of(kind));
-  double largest = 0;
+  double largest = 0, lowest = 0;
   for (int frame = 0; frame < frames; ++frame) {
     for (int k = 0; k < 10; ++k) scene.step();
+    lowest = std::min(lowest, scene.body.at(n * n - 1).y);
     const Residual residual = scene.projectors[0]->residual(scene.body.view());
     for (const Vec3f& v : scene.velocity)
       if (!is_finite(v) || length(v) > 30) return 1e30;
     largest = std::max(largest, residual.largest_strain);
   }
-  EXPECT_LT(scene.body.at(n * n - 1).y, -0.5 * 0.5 * 9.81 * std::pow(frames / 60.0, 2) / 2) << "it falls";
+  // A quarter of free fall, or as far down as half of the sheet is long.
+  EXPECT_LT(lowest, -std::min(9.81 / 8 * std::pow(frames / 60.0, 2), 1.0)) << "it falls";
   return largest;
 }
 

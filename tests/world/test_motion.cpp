@@ -109,8 +109,8 @@ std::vector<const kernels::MotionKernels*> all_kernels() {
 TEST(Motion, EveryInstructionSetGivesTheSameBits) {
   for (const bool plain : {false, true})
     for (const bool windy : {false, true})
-      for (const std::size_t begin : {0, 1, 6})
-        for (const std::size_t end : {7, 16, 23}) {
+      for (const std::size_t begin : {0u, 1u, 6u})
+        for (const std::size_t end : {7u, 16u, 23u}) {
           const Bodies expected = advance(*all_kernels().front(), plain, windy, begin, end);
           for (const kernels::MotionKernels* kernels : all_kernels())
             EXPECT_TRUE(advance(*kernels, plain, windy, begin, end) == expected);
@@ -137,7 +137,7 @@ TEST(Motion, BadNumbersAreSeen) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   for (const kernels::MotionKernels* kernels : all_kernels())
     for (const float bad : {infinity, -infinity, std::nanf(""), 3e38f})
-      for (const std::size_t i : {0, 13, 22}) {
+      for (const std::size_t i : {0u, 13u, 22u}) {
         Bodies bodies(23);
         bodies.velocity[i].z = bad;
         EXPECT_FALSE(kernels->predict(bodies.arrays(true, false), 0, 23, gravity, h));
