@@ -108,6 +108,7 @@ const kernels::MotionKernels* packed(const Settings& settings) {
 
 kernels::MotionArrays arrays_of(WorldState& world, bool windy) {
   Particles& particles = world.particles;
+  if (particles.size() == 0) return {};
   return {&particles.position.data()->x, &moving(world).data()->x, &particles.start.data()->x,
           &particles.velocity.data()->x, windy ? &world.force.data()->x : nullptr};
 }
