@@ -53,7 +53,6 @@ class SetProjector final : public Projector {
   void prepare(std::size_t particle_count) override {
     if (!dirty_) return;
     kernels_ = find_kernels<Kind>(instruction_set());
-    scales_for_ = -1;
     for (std::size_t i = 0; i < set_.size(); ++i)
       for (const std::uint32_t index : set_.indices(i))
         if (index >= particle_count)
@@ -62,7 +61,6 @@ class SetProjector final : public Projector {
     dirty_ = false;
     split_ = {};
     arrange(colour_constraints(flat_indices(), Kind::arity, particle_count));
-    find_scales({});  // a solver may linearise before the first substep
   }
 
   std::span<const std::uint32_t> split(int colours, std::uint32_t first_phantom) override {

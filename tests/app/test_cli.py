@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Tests of the souple program: test_cli.py PROGRAM SOURCE_FOLDER [unittest's arguments]."""
 
+import contextlib
 import json
 import os
 import pty
@@ -332,10 +333,17 @@ class Stopping(Case):
             time.sleep(0.005)
         self.fail("nothing happened for ten seconds")
 
+    def written(self, folder):
+        """Bytes of the film so far, under its own name or its unfinished one; a run may rename it meanwhile."""
+        size = 0
+        for file in (self.folder / folder).glob("flag.pc2*"):
+            with contextlib.suppress(FileNotFoundError):
+                size += file.stat().st_size
+        return size
+
     def growing(self, folder):
         """True once the run has written a few frames."""
-        files = list((self.folder / folder).glob("flag.pc2*"))
-        return any(f.stat().st_size > 3000 for f in files)
+        return self.written(folder) > 3000
 
     def stopped(self, scene, folder, how, *arguments):
         run = self.start(scene, "--out", folder, *arguments)
@@ -363,9 +371,8 @@ class Stopping(Case):
         self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
         again = subprocess.Popen([PROGRAM, "run", "--resume", "out"], cwd=self.folder, stderr=subprocess.PIPE,
                                  stdout=subprocess.PIPE, text=True, env=self.environment)
-        size = sum(f.stat().st_size for f in (self.folder / "out").glob("flag.pc2*"))
-        self.wait_for(lambda: sum(f.stat().st_size for f in (self.folder / "out").glob("flag.pc2*")) > size + 3000
-                      or again.poll() is not None)
+        size = self.written("out")
+        self.wait_for(lambda: self.written("out") > size + 3000 or again.poll() is not None)
         again.send_signal(signal.SIGINT)
         again.communicate(timeout=60)
         self.assertEqual(again.returncode, 130)

@@ -1,28 +1,8 @@
 #include "tests/collision/mini_world.h"
 #include "tests/collision/random.h"
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
+#include "tests/count_allocations.h"
 
 #include <gtest/gtest.h>
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Counts what this test program allocates.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace souple {
 namespace {
@@ -47,7 +27,7 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
   const Substep substep{1.0f / 600, 1, Mode::small_steps, Form::displacement};
   world.start = world.moving();
   const ParticleView view = world.view();
-  const long before = allocations;
+  const long before = test::allocations();
   world.on_colliders.begin_step(view, world.velocity, world.radius, world.objects, world.colliders, matrix,
                                 step, *world.threads);
   world.on_particles.begin_step(view, world.velocity, world.radius, world.objects, matrix, step,
@@ -55,7 +35,7 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
   for (int k = 0; k < 10; ++k) world.substep(substep);
   EXPECT_GT(world.on_particles.report().count + world.on_colliders.report().count, 300u);
 
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(test::allocations() - before, 0);
 }
 
 }  // namespace

@@ -1,27 +1,7 @@
+#include "tests/count_allocations.h"
 #include "tests/solver/solver_scene.h"
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Counts what this test program allocates.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace souple {
 namespace {
@@ -41,12 +21,12 @@ TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
     scene.step();
     const std::vector<Projector*> order = scene.order();
     const ParticleView view = scene.body.view();
-    const long before = allocations;
+    const long before = test::allocations();
     for (int k = 0; k < 3; ++k) {
       for (Projector* projector : order) projector->begin_substep(view, scene.substep);
       scene.solver->solve(order, view, scene.substep, *scene.threads);
     }
-    EXPECT_EQ(allocations - before, 0) << scene.solver->name();
+    EXPECT_EQ(test::allocations() - before, 0) << scene.solver->name();
   }
 }
 

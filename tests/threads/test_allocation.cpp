@@ -1,5 +1,5 @@
+#include "tests/count_allocations.h"
 #include "tests/threads/busy_world.h"
-#include "tests/threads/count_allocations.h"
 
 #include <gtest/gtest.h>
 

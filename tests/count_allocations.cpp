@@ -1,4 +1,4 @@
-#include "tests/threads/count_allocations.h"
+#include "tests/count_allocations.h"
 
 #include <atomic>
 #include <cstdlib>
