@@ -69,21 +69,26 @@ void add_peers(Game& game) {
   game.contestants.push_back(make_bullet(game.contest, 1, substeps));
 }
 
-/// The benchmark `cloth`.
+/// The benchmark `cloth`, in both forms.
 Game cloth(const Options& options) {
   Game game;
   game.scene = "cloth " + std::to_string(options.size) + " x " + std::to_string(options.size);
-  World world(settings(options));
-  app::find_bench_scene("cloth").build(world, options.size);
   const TriangleMesh mesh = app::hanging_grid(options.size);
   Contest& contest = game.contest;
   contest.positions = mesh.positions;
   contest.masses = lumped_masses(mesh.positions, mesh.triangles, double(ClothMaterial{}.areal_density));
   contest.links = unique_edges(mesh.triangles);
   for (const Hinge& hinge : interior_edges(mesh.triangles)) contest.links.push_back({hinge[2], hinge[3]});
-  contest.velocity = Vec3d(world.velocities(world.objects()[0]).back());
-  pin(contest, world);
-  game.contestants.push_back(std::make_unique<Ours>(std::move(world), "Souple"));
+  for (const Form form : {Form::displacement, Form::plain}) {
+    Settings with_form = settings(options);
+    with_form.form = form;
+    World world(with_form);
+    app::find_bench_scene("cloth").build(world, options.size);
+    contest.velocity = Vec3d(world.velocities(world.objects()[0]).back());
+    pin(contest, world);
+    game.contestants.push_back(
+        std::make_unique<Ours>(std::move(world), form == Form::plain ? "Souple, plain form" : "Souple"));
+  }
   add_peers(game);
   return game;
 }

@@ -40,6 +40,14 @@ std::vector<double> lumped_masses(std::span<const Vec3d> positions, std::span<co
                                   double areal_density);
 std::vector<double> lumped_masses(const TetMesh& mesh, double density);
 
+/// A sum of triangles' normals brought to length 1; zero where there is none.
+template <class T>
+Vec3<T> unit_normal(const Vec3<T>& n) {
+  // Brought to size 1 first: the square of a millimetre triangle's normal is lost in a float.
+  const T largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+  return largest > T(0) ? normalized(n / largest) : Vec3<T>{};
+}
+
 /// Unit vertex normals, weighted by triangle area, into `normals` (one per position); zero where there is
 /// none. Allocates nothing.
 template <class T>
@@ -51,11 +59,7 @@ void vertex_normals(std::span<const Vec3<T>> positions, std::span<const Triangle
     const Vec3<T> n = cross(positions[t[1]] - a, positions[t[2]] - a);  // twice the area long
     for (const std::uint32_t v : t) normals[v] += n;
   }
-  for (Vec3<T>& n : normals) {
-    // Brought to size 1 first: the square of a millimetre triangle's normal is lost in a float.
-    const T largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
-    n = largest > T(0) ? normalized(n / largest) : Vec3<T>{};
-  }
+  for (Vec3<T>& n : normals) n = unit_normal(n);
 }
 std::vector<Vec3d> vertex_normals(const TriangleMesh& mesh);
 

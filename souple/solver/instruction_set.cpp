@@ -68,22 +68,4 @@ InstructionSet instruction_set() {
   return set;
 }
 
-const kernels::MotionKernels* find_motion_kernels(InstructionSet set) {
-  switch (set) {
-#if defined(__x86_64__)
-    case InstructionSet::sse:
-      return &kernels::motion_kernels<simd::Sse>();
-    case InstructionSet::avx2:
-      return &kernels::motion_kernels<simd::Avx2>();
-    case InstructionSet::avx512:
-      return &kernels::motion_kernels<simd::Avx512>();
-#elif defined(__aarch64__)
-    case InstructionSet::neon:
-      return &kernels::motion_kernels<simd::Neon>();
-#endif
-    default:
-      return nullptr;
-  }
-}
-
 }  // namespace souple

@@ -2,8 +2,10 @@
 
 #include "souple/solver/kernels/kernels.h"
 #include "souple/solver/kernels/motion.h"
+#include "souple/solver/kernels/triangles.h"
 
 #include <string_view>
+#include <type_traits>
 
 namespace souple {
 
@@ -20,30 +22,51 @@ inline std::string_view simd_name() {
   return simd_name(instruction_set());
 }
 
-/// The kernels of a kind for an instruction set, or null: use the scalar code.
+namespace detail {
+
+/// find(the set's tag), or null where kernels are not compiled.
+template <class Find>
+auto find_for(InstructionSet set, const Find& find) {
+  switch (set) {
+#if defined(__x86_64__)
+    case InstructionSet::sse:
+      return find(std::type_identity<simd::Sse>{});
+    case InstructionSet::avx2:
+      return find(std::type_identity<simd::Avx2>{});
+    case InstructionSet::avx512:
+      return find(std::type_identity<simd::Avx512>{});
+#elif defined(__aarch64__)
+    case InstructionSet::neon:
+      return find(std::type_identity<simd::Neon>{});
+#endif
+    default:
+      return decltype(find(std::type_identity<simd::Sse>{})){};
+  }
+}
+
+}  // namespace detail
+
+// Each gives null where there are none: use the scalar code.
+
+/// The kernels of a kind of constraints for an instruction set.
 template <class Kind>
 const kernels::KindKernels* find_kernels(InstructionSet set) {
-  if constexpr (kernels::is_compiled<Kind>) {
-    switch (set) {
-#if defined(__x86_64__)
-      case InstructionSet::sse:
-        return &kernels::kind_kernels<simd::Sse, Kind>();
-      case InstructionSet::avx2:
-        return &kernels::kind_kernels<simd::Avx2, Kind>();
-      case InstructionSet::avx512:
-        return &kernels::kind_kernels<simd::Avx512, Kind>();
-#elif defined(__aarch64__)
-      case InstructionSet::neon:
-        return &kernels::kind_kernels<simd::Neon, Kind>();
-#endif
-      default:
-        break;
-    }
-  }
+  if constexpr (kernels::is_compiled<Kind>)
+    return detail::find_for(
+        set, []<class Set>(std::type_identity<Set>) { return &kernels::kind_kernels<Set, Kind>(); });
   return nullptr;
 }
 
-/// The kernels that move particles, for an instruction set, or null: use the scalar code.
-const kernels::MotionKernels* find_motion_kernels(InstructionSet set);
+/// The kernels that move particles.
+inline const kernels::MotionKernels* find_motion_kernels(InstructionSet set) {
+  return detail::find_for(set,
+                          []<class Set>(std::type_identity<Set>) { return &kernels::motion_kernels<Set>(); });
+}
+
+/// The kernels of triangles: wind and normals.
+inline const kernels::TriangleKernels* find_triangle_kernels(InstructionSet set) {
+  return detail::find_for(
+      set, []<class Set>(std::type_identity<Set>) { return &kernels::triangle_kernels<Set>(); });
+}
 
 }  // namespace souple

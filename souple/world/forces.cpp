@@ -1,10 +1,14 @@
 #include "souple/world/forces.h"
 
+#include "souple/solver/instruction_set.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace souple {
 namespace {
+
+using kernels::Air;
 
 // A number in [0, 1) from a seed and an index (the finaliser of SplitMix64).
 double hashed(std::uint64_t seed, std::uint64_t index) {
@@ -12,29 +16,6 @@ double hashed(std::uint64_t seed, std::uint64_t index) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-struct Air {
-  float density, drag, lift;
-};
-
-// With v the triangle's velocity through the air, n its normal, A its area:
-//   drag = -rho/2 c_d A |v.n| v
-//   lift = -rho/2 c_l A (v.n) |v| (n - (n.v) v / |v|^2)
-// The impulse is capped at what stops the triangle in the air: light cloth stays stable at any wind.
-Vec3f air_force(const Vec3f (&x)[3], const Vec3f& v, const Air& air, float mass, float h) {
-  const float speed = length(v);
-  const Vec3f normal = cross(x[1] - x[0], x[2] - x[0]);
-  const float twice_area = length(normal);
-  if (!(speed > 0) || !(twice_area > 0)) return {};
-  const Vec3f n = normal / twice_area;
-  const float vn = dot(v, n);
-  const float q = 0.5f * air.density * 0.5f * twice_area;
-  const Vec3f across = n - v * (vn / (speed * speed));
-  const Vec3f force = v * (-q * air.drag * std::fabs(vn)) - across * (q * air.lift * vn * speed);
-  const float most = mass * speed / h;
-  const float size = length(force);
-  return size > most ? force * (most / size) : force;
 }
 
 // How many triangles or particles are worth a thread of their own.
@@ -56,24 +37,33 @@ void find_triangles_of_particles(Object& object) {
       object.triangles_of[--object.triangle_begin[i]] = static_cast<std::uint32_t>(t);
 }
 
-// A third of the force on each triangle.
-void push_triangles(const Object& object, const ClothMaterial& material, const Vec3f& wind, float h,
-                    WorldState& world) {
-  const Air air{world.settings.wind.air_density, material.air_drag, material.air_lift};
-  const Particles& particles = world.particles;
+Air air_of(const WorldState& world, const ClothMaterial& material, const Vec3f& wind, float h) {
+  return {{wind.x, wind.y, wind.z}, world.settings.wind.air_density, material.air_drag,
+          material.air_lift,        material.areal_density,          h};
+}
+
+// A third of the force on one triangle: what air_forces of the kernels gives as well, in the same bits.
+Vec3f third_of_air_force(const WorldState& world, const ParticleView& view, std::uint32_t a, std::uint32_t b,
+                         std::uint32_t c, const Air& air) {
+  const std::vector<Vec4f>& velocity = world.particles.velocity;
+  const Vec3f sum = velocity[a].xyz() + velocity[b].xyz() + velocity[c].xyz();
+  const Vec3f v = sum * (1.0f / 3) - Vec3f{air.wind[0], air.wind[1], air.wind[2]};
+  return kernels::air_force(view.difference(b, a), view.difference(c, a), v, air) * (1.0f / 3);
+}
+
+void push_triangles(const Object& object, const Air& air, WorldState& world) {
   const ParticleView view = world.view();
-  world.threads->for_each(object.surface.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const auto& triangle = object.surface[t];
-      const std::uint32_t a = object.begin + triangle[0], b = object.begin + triangle[1],
-                          c = object.begin + triangle[2];
-      const Vec3f x[3] = {{}, view.difference(b, a), view.difference(c, a)};
-      const Vec3f v =
-          (particles.velocity[a].xyz() + particles.velocity[b].xyz() + particles.velocity[c].xyz()) *
-              (1.0f / 3) -
-          wind;
-      const float mass = 0.5f * length(cross(x[1], x[2])) * material.areal_density;
-      world.triangle_force[t].set_xyz(air_force(x, v, air, mass, h) * (1.0f / 3));
+  const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
+  const kernels::TriangleArrays arrays{
+      &view.position.data()->x, &view.moving.data()->x, &world.particles.velocity.data()->x,
+      object.surface.data(),    object.begin,           &world.triangle_force.data()->x};
+  world.threads->for_each(object.surface.size(), grain, [&](std::size_t t, std::size_t end) {
+    if (kernels) t = kernels->air_forces[view.form == Form::displacement](arrays, air, t, end);
+    for (; t < end; ++t) {
+      const Triangle& corner = object.surface[t];
+      const std::uint32_t first = object.begin;
+      world.triangle_force[t].set_xyz(
+          third_of_air_force(world, view, first + corner[0], first + corner[1], first + corner[2], air));
     }
   });
 }
@@ -113,7 +103,7 @@ bool accumulate_wind(WorldState& world, float h) {
     if (const auto* material = std::get_if<ClothMaterial>(&object->material)) {
       find_triangles_of_particles(*object);
       world.triangle_force.resize(std::max(world.triangle_force.size(), object->surface.size()));
-      push_triangles(*object, *material, wind, h, world);
+      push_triangles(*object, air_of(world, *material, wind, h), world);
       gather_forces(*object, world);
     } else {
       std::fill(world.force.begin() + object->begin, world.force.begin() + object->end, Vec4f{});

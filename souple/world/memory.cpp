@@ -52,7 +52,9 @@ void add_objects(const WorldState& world, MemoryReport& report) {
     maps += sizeof(Object) + bytes_of_maps(*object);
   }
   for (const auto& [id, mirror] : world.mirrors)
-    mirrors += sizeof mirror + bytes_of(mirror.positions, mirror.velocities, mirror.normals);
+    mirrors += sizeof mirror + bytes_of(mirror.positions, mirror.velocities, mirror.normals,
+                                        mirror.triangles_of.begin, mirror.triangles_of.items,
+                                        mirror.position_records, mirror.area_normals);
   report.objects.push_back({"meshes", meshes});
   report.objects.push_back({"rest positions", rest});
   report.objects.push_back({"maps from vertices to particles", maps});

@@ -1,5 +1,6 @@
 #include "souple/geometry/measures.h"
 #include "souple/math/fnv1a.h"
+#include "souple/solver/instruction_set.h"
 #include "souple/world/impl.h"
 
 #include <algorithm>
@@ -35,6 +36,51 @@ Mirror& fresh_mirror(const WorldState& world, ObjectId id) {
   return mirror;
 }
 
+// How many triangles or vertices are worth a thread of their own.
+constexpr std::size_t grain = 1024;
+
+void for_each(const WorldState& world, std::size_t n, RangeFunction f) {
+  if (world.threads) return world.threads->for_each(n, grain, f);
+  f(0, n);
+}
+
+// The cross product of two sides of each triangle, twice its area long.
+void fill_area_normals(const WorldState& world, std::span<const Triangle> triangles, Mirror& mirror) {
+  const std::vector<Vec3f>& x = mirror.positions;
+  for_each(world, x.size(), [&](std::size_t v, std::size_t end) {
+    for (; v < end; ++v) mirror.position_records[v].set_xyz(x[v]);
+  });
+  const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
+  const float* records = &mirror.position_records.data()->x;
+  const kernels::TriangleArrays arrays{records,          records, records,
+                                       triangles.data(), 0,       &mirror.area_normals.data()->x};
+  for_each(world, triangles.size(), [&](std::size_t t, std::size_t end) {
+    if (kernels) t = kernels->area_normals(arrays, t, end);
+    for (; t < end; ++t) {
+      const auto [a, b, c] = triangles[t];
+      mirror.area_normals[t].set_xyz(cross(x[b] - x[a], x[c] - x[a]));
+    }
+  });
+}
+
+// The same sums as vertex_normals of geometry/measures.h makes, gathered vertex by vertex.
+void fill_normals(const WorldState& world, std::span<const Triangle> triangles, Mirror& mirror) {
+  const std::size_t vertices = mirror.positions.size();
+  if (mirror.triangles_of.begin.size() != vertices + 1)
+    mirror.triangles_of = vertex_triangles(triangles, vertices);
+  mirror.normals.resize(vertices);
+  mirror.position_records.resize(vertices);
+  mirror.area_normals.resize(triangles.size());
+  fill_area_normals(world, triangles, mirror);
+  for_each(world, vertices, [&](std::size_t v, std::size_t end) {
+    for (; v < end; ++v) {
+      Vec3f sum;
+      for (const std::uint32_t t : mirror.triangles_of.of(v)) sum += mirror.area_normals[t].xyz();
+      mirror.normals[v] = unit_normal(sum);
+    }
+  });
+}
+
 }  // namespace
 
 std::span<const Vec3f> World::positions(ObjectId id) const {
@@ -57,8 +103,7 @@ std::span<const Vec3f> World::normals(ObjectId id) const {
   Mirror& mirror = fresh_mirror(world, id);
   if (mirror.normals_version == world.version) return mirror.normals;
   mirror.normals_version = world.version;
-  mirror.normals.resize(mirror.positions.size());
-  vertex_normals<float>(mirror.positions, triangles, mirror.normals);
+  fill_normals(world, triangles, mirror);
   return mirror.normals;
 }
 

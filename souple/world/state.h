@@ -81,6 +81,10 @@ struct Mirror {
   std::uint64_t version = 0;  ///< of the state that the positions show
   std::uint64_t velocities_version = 0, normals_version = 0;
   std::vector<Vec3f> positions, velocities, normals;
+
+  // What normals are computed with, made when they are first asked for.
+  VertexTriangles triangles_of;
+  std::vector<Vec4f> position_records, area_normals;
 };
 
 /// A projector that does not come from one object alone: attachments, ties, tethers, the user's own.

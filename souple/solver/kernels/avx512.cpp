@@ -1,9 +1,11 @@
 #include "souple/solver/kernels/compile.h"
 #include "souple/solver/kernels/compile_motion.h"
+#include "souple/solver/kernels/compile_triangles.h"
 
 namespace souple::kernels {
 
 template struct Compile<simd::Avx512, EveryConstraint>;
 template const MotionKernels& motion_kernels<simd::Avx512>();
+template const TriangleKernels& triangle_kernels<simd::Avx512>();
 
 }  // namespace souple::kernels

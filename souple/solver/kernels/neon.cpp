@@ -2,11 +2,13 @@
 
 #include "souple/solver/kernels/compile.h"
 #include "souple/solver/kernels/compile_motion.h"
+#include "souple/solver/kernels/compile_triangles.h"
 
 namespace souple::kernels {
 
 template struct Compile<simd::Neon, EveryConstraint>;
 template const MotionKernels& motion_kernels<simd::Neon>();
+template const TriangleKernels& triangle_kernels<simd::Neon>();
 
 }  // namespace souple::kernels
 

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "souple/solver/kernels/air_force.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+// What is computed of every triangle of a surface, a register's worth at a time.
+
+namespace souple::kernels {
+
+/// Arrays of 16-byte records, one per particle, and one per triangle for what comes out.
+struct TriangleArrays {
+  const float* position = nullptr;
+  const float* moving = nullptr;  ///< displacement form: see MotionArrays
+  const float* velocity = nullptr;
+  const std::array<std::uint32_t, 3>* triangles = nullptr;
+  std::uint32_t first = 0;  ///< added to what triangles name
+  float* result = nullptr;
+};
+
+/// Of triangles [begin, end) as many as fill whole registers; returns the first that is left.
+using AirForces = std::size_t (*)(const TriangleArrays&, const Air&, std::size_t begin, std::size_t end);
+using AreaNormals = std::size_t (*)(const TriangleArrays&, std::size_t begin, std::size_t end);
+
+struct TriangleKernels {
+  AirForces air_forces[2];   ///< a third of air_force [N]; [0] plain form, [1] displacement form
+  AreaNormals area_normals;  ///< (x_b - x_a) x (x_c - x_a) of positions [m^2]
+};
+
+/// Compiled in one translation unit per instruction set (compile_triangles.h).
+template <class Set>
+const TriangleKernels& triangle_kernels();
+
+}  // namespace souple::kernels
