@@ -1,0 +1,100 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+// Nearest points without a branch, for T = float, double or simd::Pack<Set>. A pack's lanes hold the bits
+// that float gives.
+//
+// Every candidate lies on the triangle or on the edges, and the nearest of them is the answer, judged by its
+// distance and not by the signs that place a point in a region (Ericson, Real-Time Collision Detection, 2005,
+// section 5.1.5): these signs are noise for slivers and for nearly parallel edges, and a wrong region answers
+// with a point that is far away. So the distance is right to some rounding errors of the size of the
+// coordinates, for any shape. The point itself is right to the square root of that where the distance is
+// flat.
+//
+// Give coordinates relative to a point nearby. Sizes from 1e-9 to 1e9 neither overflow nor underflow in
+// float.
+
+namespace souple {
+
+/// The parameter s in [0, 1] of the point a + s (b - a) nearest to p; 0 on an edge without length.
+template <class T>
+T nearest_on_edge(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b) {
+  const Vec3<T> ab = b - a;
+  const T squared = dot(ab, ab);
+  const T s = dot(p - a, ab) / select(squared > T(0), squared, T(1));
+  return min(max(s, T(0)), T(1));
+}
+
+/// The barycentric weights, all >= 0 and their sum 1 to rounding, of the point of triangle a, b, c nearest to
+/// p. A triangle without area answers with a point on it.
+///
+/// Inside: with n = (b - a) x (c - a), weight a is n . ((b - p) x (c - p)) / |n|^2, and so on around. It
+/// counts where all three are >= 0; else an edge is nearest.
+template <class T>
+void nearest_on_triangle(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c,
+                         T (&weight)[3]) {
+  const T zero(0), one(1);
+  const Vec3<T> pa = a - p, pb = b - p, pc = c - p;
+  const T s_ab = nearest_on_edge(p, a, b), s_bc = nearest_on_edge(p, b, c), s_ca = nearest_on_edge(p, c, a);
+
+  T nearest = length_squared(pa * (one - s_ab) + pb * s_ab);
+  weight[0] = one - s_ab;
+  weight[1] = s_ab;
+  weight[2] = zero;
+  const auto consider = [&](auto valid, T squared, T wa, T wb, T wc) {
+    const auto better = valid && squared < nearest;
+    nearest = select(better, squared, nearest);
+    weight[0] = select(better, wa, weight[0]);
+    weight[1] = select(better, wb, weight[1]);
+    weight[2] = select(better, wc, weight[2]);
+  };
+  const auto always = zero <= zero;
+  consider(always, length_squared(pb * (one - s_bc) + pc * s_bc), zero, one - s_bc, s_bc);
+  consider(always, length_squared(pc * (one - s_ca) + pa * s_ca), s_ca, zero, one - s_ca);
+
+  const Vec3<T> n = cross(b - a, c - a);
+  const T va = dot(n, cross(pb, pc)), vb = dot(n, cross(pc, pa)), vc = dot(n, cross(pa, pb));
+  const T sum = va + vb + vc;
+  const T divisor = select(sum > zero, sum, one);
+  const T wa = va / divisor, wb = vb / divisor, wc = vc / divisor;
+  const auto inside = va >= zero && vb >= zero && vc >= zero && sum > zero;
+  consider(inside, length_squared(pa * wa + pb * wb + pc * wc), wa, wb, wc);
+}
+
+/// The parameters s and t in [0, 1] of the nearest points p0 + s (p1 - p0) and q0 + t (q1 - q0) of two edges.
+/// Parallel edges answer with one of the nearest pairs, edges without length with s or t = 0.
+///
+/// Either an end of one edge is nearest to the other (four cases), or the two lines are nearest within both:
+/// with d = p1 - p0, e = q1 - q0, n = d x e, r = q0 - p0, s = (r x e) . n / |n|^2. From any s in [0, 1] two
+/// projections, onto q and back onto p, only come nearer, which mends what cancels in n where d and e are
+/// nearly parallel.
+template <class T>
+void nearest_on_edges(const Vec3<T>& p0, const Vec3<T>& p1, const Vec3<T>& q0, const Vec3<T>& q1, T& s,
+                      T& t) {
+  const T zero(0), one(1);
+  const Vec3<T> d = p1 - p0, e = q1 - q0, r = q0 - p0;
+  const T t0 = nearest_on_edge(p0, q0, q1);
+  T nearest = length_squared(r + e * t0);
+  s = zero;
+  t = t0;
+  const auto consider = [&](T s_, T t_) {
+    const T squared = length_squared((r - d * s_) + e * t_);
+    const auto better = squared < nearest;
+    nearest = select(better, squared, nearest);
+    s = select(better, s_, s);
+    t = select(better, t_, t);
+  };
+  consider(one, nearest_on_edge(p1, q0, q1));
+  consider(nearest_on_edge(q0, p0, p1), zero);
+  consider(nearest_on_edge(q1, p0, p1), one);
+
+  const Vec3<T> n = cross(d, e);
+  const T squared = dot(n, n);
+  const T within = dot(cross(r, e), n) / select(squared > zero, squared, one);
+  const T s_guess = min(max(within, zero), one);
+  const T t_inner = nearest_on_edge(p0 + d * s_guess, q0, q1);
+  consider(nearest_on_edge(q0 + e * t_inner, p0, p1), t_inner);
+}
+
+}  // namespace souple
