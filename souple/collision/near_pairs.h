@@ -1,0 +1,69 @@
+#pragma once
+
+#include "souple/collision/spatial_hash.h"
+#include "souple/collision/surface_elements.h"
+#include "souple/solver/threads.h"
+#include "souple/state/particles.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// A vertex near a triangle (particles v; a, b, c), or an edge near an edge (a, b; c, d).
+struct NearPair {
+  std::uint32_t particle[4];
+};
+
+struct NearPairs {
+  std::vector<NearPair> vertex_triangle, edge_edge;
+};
+
+/// Which objects' surfaces are compared; symmetric. at(a, a): an object with itself.
+class ObjectMatrix {
+ public:
+  ObjectMatrix() = default;
+  /// `meet`: what all pairs begin with.
+  explicit ObjectMatrix(std::size_t objects, bool meet = false)
+      : objects_(objects), meets_(objects * objects, meet) {}
+  void set(std::size_t a, std::size_t b, bool meet) {
+    meets_[a * objects_ + b] = meets_[b * objects_ + a] = meet;
+  }
+  bool at(std::size_t a, std::size_t b) const { return meets_[a * objects_ + b] != 0; }
+  std::size_t size() const { return objects_; }
+
+ private:
+  std::size_t objects_ = 0;
+  std::vector<std::uint8_t> meets_;
+};
+
+/// Finds what may touch within a step: vertices whose box overlaps that of a triangle, edges whose box
+/// overlaps that of an edge.
+class NearPairFinder {
+ public:
+  /// Replaces `out`. `boxes`: of each particle, swept over the step and thickened [m]; that of an edge or a
+  /// triangle is the smallest around its corners'. Compared where meets.at(object, object). Left out: pairs
+  /// that share a particle, pairs of which nothing can move (inverse mass 0 everywhere) and whatever has a
+  /// box that is not finite. Two loose vertices are never a pair. The order depends on elements and boxes
+  /// alone: it is the same for any number of threads. `position_w`: particles, w = inverse mass. Throws Error
+  /// when `boxes`, `position_w` or `meets` are too small. Allocates nothing when warm.
+  void find(const SurfaceElements& elements, std::span<const Box> boxes, const ObjectMatrix& meets,
+            std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
+
+  /// Of the last find: vertices, edges and triangles left out because a box was not finite.
+  std::size_t left_out() const { return left_out_; }
+  /// Of the last find, wall clock [ms].
+  struct Milliseconds {
+    double boxes = 0, build = 0, pairs = 0;
+  };
+  const Milliseconds& milliseconds() const { return milliseconds_; }
+  std::size_t bytes() const;
+
+ private:
+  std::size_t left_out_ = 0;
+  Milliseconds milliseconds_;
+};
+
+}  // namespace souple

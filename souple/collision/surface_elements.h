@@ -1,0 +1,59 @@
+#pragma once
+
+#include "souple/geometry/adjacency.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// A triangle, a loose edge or a loose vertex of some object.
+struct SurfaceElement {
+  static constexpr std::uint32_t no_edge = TriangleEdges::no_edge;
+  std::uint32_t particle[3]{};  ///< corners; those that an edge or a vertex lacks repeat the last one
+  std::uint32_t edge[3]{no_edge, no_edge,
+                        no_edge};  ///< side k joins corners k and (k + 1) % 3; no_edge where there is none
+  std::uint32_t object = 0;        ///< whose it is
+  std::uint8_t corners = 0;        ///< 3, 2 or 1
+  std::uint8_t owns_particle = 0;  ///< bit k: corner k belongs to this element and to no other
+  std::uint8_t owns_edge = 0;      ///< bit k: so does side k
+};
+
+/// What can touch: all surfaces, ropes and grains of a world, by the numbers of their particles. Built when
+/// objects come and go, not in a step. Vertices, edges and elements are numbered in the order in which they
+/// were added; each vertex and edge is there once, and belongs to the first element that has it.
+class SurfaceElements {
+ public:
+  /// A mesh's surface. Its vertex i is particle first_particle + i; a vertex that no triangle has is left
+  /// out, and so is a triangle with a repeated corner. One object may be added in several calls, if they
+  /// share no particle.
+  void add_triangles(std::span<const Triangle> triangles, std::uint32_t first_particle, std::uint32_t object);
+  /// Edges that no triangle has: a rope. One from a vertex to itself is left out.
+  void add_edges(std::span<const Edge> edges, std::uint32_t first_particle, std::uint32_t object);
+  /// Particles [begin, end), each alone: grains.
+  void add_particles(std::uint32_t begin, std::uint32_t end, std::uint32_t object);
+  void clear();
+
+  std::span<const SurfaceElement> elements() const { return elements_; }
+  /// Those that are triangles, in the same order.
+  std::span<const SurfaceElement> triangles() const { return triangles_; }
+  /// Particles of each edge.
+  std::span<const Edge> edges() const { return edges_; }
+  std::span<const std::uint32_t> edge_objects() const { return edge_objects_; }
+  /// Particle of each vertex.
+  std::span<const std::uint32_t> vertices() const { return vertices_; }
+  std::span<const std::uint32_t> vertex_objects() const { return vertex_objects_; }
+
+  std::size_t bytes() const;
+
+ private:
+  void take_particles(SurfaceElement& element);
+  void own_particles_once(std::size_t first_element);
+
+  std::vector<SurfaceElement> elements_, triangles_;
+  std::vector<Edge> edges_;
+  std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;
+};
+
+}  // namespace souple
