@@ -302,6 +302,7 @@ class Builder {
     options.transform = transform_of(object.transform);
     options.velocity = object.velocity;
     options.angular_velocity = object.angular_velocity;
+    options.self_collision = object.self_collision;
     return options;
   }
 

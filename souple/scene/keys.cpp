@@ -679,12 +679,18 @@ void add_object_keys(Table<T>& keys) {
                                      "vertices held by springs");
 }
 
+template <class T>
+void add_self_collision_key(Table<T>& keys) {
+  keys.template key<&T::self_collision>("self_collision", boolean(), "its surface touches itself");
+}
+
 std::shared_ptr<Table<ClothDescription>> cloth_table() {
   using T = ClothDescription;
   auto keys = object_table<T>("cloth", "A thin sheet: cloth, paper, skin.");
   keys->required<&T::mesh>("mesh", mesh_codec(MeshUse::surface), "its surface at rest")
       .key<&T::material>("material", cloth_material_codec(), "what it is made of");
   add_object_keys(*keys);
+  add_self_collision_key(*keys);
   keys->key<&T::maps>("maps", maps_codec(), "what differs from vertex to vertex")
       .key<&T::tethers>("tethers", maybe(tethers_codec()), "limits how far it hangs from its pins")
       .key<&T::pressure>("pressure", maybe(number<float>(signed_range(1e9))),
@@ -712,6 +718,7 @@ std::shared_ptr<Table<SoftBodyDescription>> soft_body_table() {
       .key<&T::lattice>("lattice", maybe(lattice_codec()), "how a surface is filled with tets")
       .key<&T::material>("material", soft_body_material_codec(), "what it is made of");
   add_object_keys(*keys);
+  add_self_collision_key(*keys);
   keys->key<&T::maps>("maps", maps_codec(), "what differs from vertex to vertex");
   return keys;
 }
@@ -724,6 +731,7 @@ std::shared_ptr<Table<RopeDescription>> rope_table() {
                          "pieces of equal length it is cut into")
       .key<&T::material>("material", rope_material_codec(), "what it is made of");
   add_object_keys(*keys);
+  add_self_collision_key(*keys);
   keys->key<&T::tethers>("tethers", maybe(tethers_codec()), "limits how far it hangs from its pins");
   return keys;
 }

@@ -136,6 +136,7 @@ struct ObjectDescription {
   Vec3f velocity{};                     ///< m/s
   Vec3f angular_velocity{};             ///< rad/s
   std::optional<std::uint32_t> colour;  ///< 0xRRGGBB (sRGB), for those who show it
+  bool self_collision = false;          ///< not of grains
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;
 };

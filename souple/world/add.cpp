@@ -103,6 +103,7 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   if (left_out > 0)
     world.tell(object.name,
                {std::to_string(left_out) + " elements are too thin to carry bending or a membrane"});
+  object.self_collision = options.self_collision;
   shrink(object);
   object.id = {world.next_id++};
   Particles& particles = world.particles;
@@ -195,6 +196,7 @@ void remove_object(WorldState& world, const Object& object) {
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
   for (Extra& extra : world.extras) extra.erase_particles(begin, end);
   world.particle_contacts.erase_particles(begin, end);
+  world.surface_contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty_all();

@@ -8,16 +8,36 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t solid_layer = 1, grain_layer = 2;
+// What has no triangles and is no rope is a cloud of balls: grains, and bodies whose surface is embedded in a
+// lattice.
+bool is_loose(const Object& object) {
+  return object.surface.empty() && object.kind != ObjectKind::rope;
+}
 
-// Grains meet each other and the particles of everything else; particles of two other objects meet as spheres
-// too. (Triangles against triangles is a later piece of work.)
+// Balls meet balls as particles; everything else meets as surfaces.
 ContactObject contact_object(const Object& object) {
   ContactObject result{.begin = object.begin, .end = object.end};
+  const bool loose = is_loose(object);
   result.hits_itself = object.kind == ObjectKind::grains;
-  result.layers = object.kind == ObjectKind::grains ? grain_layer : solid_layer;
-  result.hits_layers = solid_layer | grain_layer;
+  result.layers = result.hits_layers = loose ? 1 : 0;
   return result;
+}
+
+std::vector<Edge> edges_of_rope(const Object& object) {
+  std::vector<Edge> edges;
+  for (std::uint32_t i = 0; object.kind == ObjectKind::rope && i + 1 < object.particle_count(); ++i)
+    edges.push_back({i, i + 1});
+  return edges;
+}
+
+ContactSurface contact_surface(const Object& object, std::span<const Edge> rope_edges) {
+  return {.begin = object.begin,
+          .end = object.end,
+          .triangles = object.surface,
+          .edges = rope_edges,
+          .loose_particles = is_loose(object),
+          .meets_itself = object.self_collision && !is_loose(object),
+          .rest = object.rest};
 }
 
 Surface surface_of(const Material& material) {
@@ -70,7 +90,14 @@ void build_contact_tables(WorldState& world) {
   for (const Extra& extra : world.extras)
     for (std::size_t i = 0; extra.tie && i < extra.tie->size(); ++i)
       tied.push_back(extra.tie->set().indices(i));
+  world.surface_contacts.exclude(tied);
   world.particle_contacts.exclude(std::move(tied));
+  tables.rope_edges.clear();
+  for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
+  std::vector<ContactSurface> surfaces;
+  for (std::size_t a = 0; a < world.objects.size(); ++a)
+    surfaces.push_back(contact_surface(*world.objects[a], tables.rope_edges[a]));
+  world.surface_contacts.set_surfaces(std::move(surfaces));
 }
 
 void find_candidates(WorldState& world, double dt) {
@@ -84,6 +111,8 @@ void find_candidates(WorldState& world, double dt) {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                        tables.colliders, tables.against_colliders, step, *world.threads);
   });
+  world.surface_contacts.begin_step(view, particles.velocity, particles.radius, tables.against_objects, step,
+                                    *world.threads);
   world.particle_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                      tables.against_objects, step, *world.threads);
 }
@@ -92,11 +121,17 @@ void generate_contacts(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
+  world.surface_contacts.refresh(view, substep, *world.threads);
   world.particle_contacts.refresh(view, substep, *world.threads);
+}
+
+void keep_apart(WorldState& world) {
+  world.report.kept_apart += world.surface_contacts.keep_apart(world.view(), *world.threads);
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
+  world.surface_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
   world.particle_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
   world.collider_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
 }
@@ -104,8 +139,10 @@ void apply_restitution(WorldState& world, const Substep& substep) {
 void report_contacts(WorldState& world) {
   const ContactReport colliders = world.collider_contacts.report();
   const ContactReport particles = world.particle_contacts.report();
-  world.report.contacts = colliders.count + particles.count;
-  world.report.deepest_contact = static_cast<double>(std::max(colliders.deepest, particles.deepest));
+  const ContactReport surfaces = world.surface_contacts.report();
+  world.report.contacts = colliders.count + particles.count + surfaces.count;
+  world.report.deepest_contact =
+      static_cast<double>(std::max({colliders.deepest, particles.deepest, surfaces.deepest}));
 }
 
 std::span<const ContactEvent> World::contacts() const {
@@ -119,6 +156,7 @@ std::span<const ContactEvent> World::contacts() const {
   world.collider_contacts.events(view, pushes);
   for (const ContactPush& push : pushes) append_event(world, push, true, world.events);
   pushes.clear();
+  world.surface_contacts.events(view, pushes);
   world.particle_contacts.events(view, pushes);
   for (const ContactPush& push : pushes) append_event(world, push, false, world.events);
   return world.events;

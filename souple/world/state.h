@@ -5,6 +5,7 @@
 #include "souple/collision/collider.h"
 #include "souple/collision/collider_contacts.h"
 #include "souple/collision/particle_contacts.h"
+#include "souple/collision/surface_contacts.h"
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/geometry/embedding.h"
@@ -61,6 +62,7 @@ struct Object {
   std::vector<float> thickness_map;           ///< per particle; empty: 1
   std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
+  bool self_collision = false;                             ///< its surface touches itself
   float pressure = 0;                                      ///< Pa
   std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance
 
@@ -117,6 +119,7 @@ struct ColliderRecord {
 struct ContactTables {
   std::vector<ContactObject> objects;
   std::vector<Collider> colliders;
+  std::vector<std::vector<Edge>> rope_edges;  ///< of each object; empty but for ropes
   SurfaceMatrix against_colliders, against_objects;
 };
 
@@ -152,6 +155,7 @@ struct WorldState {
   std::unique_ptr<Threads> threads;  ///< null: make them before the next step
   ColliderContacts collider_contacts;
   ParticleContacts particle_contacts;
+  SurfaceContacts surface_contacts;
   ContactTables tables;
   PairTable pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: build before the next step
@@ -196,6 +200,7 @@ struct WorldState {
   template <class Function>
   void for_each_projector(const Function& f) {
     for_each_constraint_projector(f);
+    f(surface_contacts);
     f(particle_contacts);
     f(collider_contacts);
   }

@@ -53,6 +53,8 @@ struct ObjectOptions {
   /// Per vertex, scales stiffness (mean over a constraint's vertices); empty: 1.
   std::vector<float> stiffness_map{};
   std::vector<float> thickness_map{};  ///< per vertex, scales thickness; empty: 1
+  /// Its surface touches itself: cloth folds over itself, a rope cannot pass through itself.
+  bool self_collision = false;
 };
 
 struct ColliderOptions {
