@@ -49,7 +49,7 @@ class NearPairFinder {
   /// box that is not finite. Two loose vertices are never a pair. The order depends on elements and boxes
   /// alone: it is the same for any number of threads. `position_w`: particles, w = inverse mass. Throws Error
   /// when `boxes`, `position_w` or `meets` are too small. Allocates nothing when warm.
-  void find(const SurfaceElements& elements, std::span<const Box> boxes, const ObjectMatrix& meets,
+  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectMatrix& meets,
             std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
   /// Of the last find: vertices, edges and triangles left out because a box was not finite.
@@ -62,6 +62,38 @@ class NearPairFinder {
   std::size_t bytes() const;
 
  private:
+  /// What one thread finds: pairs[0] to pairs[count - 1].
+  struct Part {
+    std::vector<NearPair> pairs;
+    std::size_t count = 0;
+    std::vector<std::uint32_t> found;
+
+    NearPair* room_for(std::size_t more);
+  };
+  /// Of items [begin, begin + a fixed number): where its pairs are in its part, and where they go.
+  struct Chunk {
+    std::size_t begin, count, place;
+  };
+
+  void make_boxes(std::span<const Vec4f> position_w, Threads& threads);
+  void build(Threads& threads);
+  void triangles_near(std::uint32_t vertex, Part& part) const;
+  void larger_vertices_near(std::uint32_t triangle, Part& part) const;
+  void edges_near(std::uint32_t edge, Part& part) const;
+  template <class Function>
+  void collect(std::size_t items, const Function& pairs_of, std::vector<NearPair>& out, Threads& threads);
+
+  // Of the find that runs.
+  const SurfaceElements* elements_ = nullptr;
+  const ObjectMatrix* meets_ = nullptr;
+
+  std::vector<Bounds> clean_boxes_;  // of each particle: endless where it was not finite
+  std::vector<Bounds> triangle_boxes_, edge_boxes_, vertex_boxes_;
+  std::vector<std::uint8_t> triangle_moves_, edge_moves_, vertex_moves_;  // whether a corner can
+  SpatialHash triangles_, edges_;
+  SpatialHash vertices_;  // empty, unless one is larger than some triangle
+  std::vector<Part> parts_;
+  std::vector<Chunk> chunks_;
   std::size_t left_out_ = 0;
   Milliseconds milliseconds_;
 };

@@ -3,6 +3,7 @@
 #include "souple/math/vec3.h"
 #include "souple/solver/threads.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,19 +11,128 @@
 namespace souple {
 
 /// All points between two corners, these included [m].
-struct Box {
+struct Bounds {
   Vec3f lo, hi;
 };
 
-inline bool overlap(const Box& a, const Box& b) {
+/// The smallest box around both.
+inline Bounds united(const Bounds& a, const Bounds& b) {
+  return {{min(a.lo.x, b.lo.x), min(a.lo.y, b.lo.y), min(a.lo.z, b.lo.z)},
+          {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
+}
+
+/// Whether they share a point.
+inline bool overlap(const Bounds& a, const Bounds& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
          b.lo.z <= a.hi.z;
 }
 
-/// The smallest box around both.
-inline Box united(const Box& a, const Box& b) {
-  return {{min(a.lo.x, b.lo.x), min(a.lo.y, b.lo.y), min(a.lo.z, b.lo.z)},
-          {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
+/// Gives a vector a size, and room for a quarter more where it must grow: sizes that change a little from step
+/// to step soon allocate nothing.
+template <class Item>
+void resize_with_room(std::vector<Item>& items, std::size_t size) {
+  if (size > items.capacity()) items.reserve(size + size / 4 + 16);
+  items.resize(size);
 }
+
+/// Boxes by the cells of a grid that they touch, found by a hash of the cell (Teschner et al. 2003,
+/// "Optimized spatial hashing for collision detection of deformable objects", section 3):
+///
+///   hash(i, j, k) = (i p1 xor j p2 xor k p3) mod n,  p1 = 73856093, p2 = 19349663, p3 = 83492791
+///
+/// We differ in this:
+/// - There are grids of several cell sizes, each four times that of the one below. A box is entered in the
+///   finest whose cells are as large as itself, so in 8 cells at most: a huge triangle among small ones costs
+///   no more than they do. Two boxes meet in the grid of the larger.
+/// - What is hashed is a block of 4 x 4 x 4 cells; within it cells lie in order. Neighbours in space are then
+///   neighbours in memory, and two cells that a box touches never fall on one bucket.
+/// - Buckets are filled by counting sort, first by parts of the table, then within each: no lists, no time
+///   stamps, the same contents for any number of threads.
+/// - A pair that meets in several cells is taken in the one that holds the lower corner of what they share.
+class SpatialHash {
+ public:
+  /// Boxes that can be told apart: 3 bits of an entry say which of its cells it is in.
+  static constexpr std::size_t most_boxes = std::size_t{1} << 28;
+
+  /// One and a half times the median of the largest sides of boxes, of about a thousand of them evenly
+  /// spread; 1 where all are points. Boxes that are not finite do not count. [m]
+  static float choose_cell_size(std::span<const Bounds> boxes);
+
+  /// Replaces what was there. `boxes` must live as long as it is asked. `cell_size`: of one of the grids [m].
+  /// Boxes that are not finite are left out. Throws Error when there are more than most_boxes. Allocates
+  /// nothing when warm.
+  void build(std::span<const Bounds> boxes, float cell_size, Threads& threads);
+
+  /// Those that were entered overlap `box` and are as large or larger, by grids, or only those larger:
+  /// appended to `found`, ascending. Who asks one hash for "as large or larger" and, with the boxes of that
+  /// one, another for "larger" has all pairs between the two once.
+  enum class Sizes { as_large_or_larger, larger };
+  void find(const Bounds& box, Sizes sizes, std::vector<std::uint32_t>& found) const;
+  /// All that overlap `box`, of any size, ascending.
+  void find(const Bounds& box, std::vector<std::uint32_t>& found) const;
+  /// Those that overlap box a and are larger, by grids, or as large and come after it: appended, ascending.
+  /// Asked for every a, this gives each pair once.
+  void find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const;
+
+  /// Whether `box` may have something in find(box, Sizes::larger) of a hash in which it is the only one:
+  /// larger than some box that is here.
+  bool larger_than_some(const Bounds& box) const;
+
+  std::size_t size() const { return boxes_.size(); }
+  std::size_t left_out() const { return left_out_; }
+  /// Boxes in cells.
+  std::size_t entries() const { return entries_.size(); }
+  std::size_t bytes() const;
+
+ private:
+  /// Cells of one size, and their part of the table.
+  struct Grid {
+    float cell_size = 0, inverse = 0;  // m, 1/m
+    std::uint32_t first_bucket = 0;
+    int shift = 32;  // of the hash: what is left counts blocks
+    std::uint32_t boxes = 0;
+  };
+  /// The last has one cell.
+  static constexpr int grid_count = 16, finer_grids = 6;
+  static constexpr std::uint8_t nowhere = grid_count;
+  /// The cells that a box touches in a grid: lo, and its neighbours along the axes whose bits are set.
+  struct Cells {
+    std::int32_t lo[3];
+    std::uint32_t spans;
+  };
+  struct Keyed {
+    std::uint32_t bucket, entry;
+  };
+
+  static Cells cells_of(const Bounds& box, const Grid& grid);
+  static bool fits(const Bounds& box, const Grid& grid);
+  std::uint8_t grid_of(const Bounds& box) const;
+  static std::uint32_t bucket_of(const Grid& grid, std::int32_t i, std::int32_t j, std::int32_t k);
+  static std::uint32_t bucket_of(const Grid& grid, const Cells& cells, std::uint32_t which);
+  void lay_out_grids(float cell_size);
+  void place(Threads& threads);
+  void lay_out_table();
+  void place_chunk(std::size_t chunk);
+  void sort_by_parts(Threads& threads);
+  std::size_t sum_up_parts();
+  void sort_part(std::size_t part);
+  template <class Function>
+  void for_each_entry(std::size_t chunk, const Function& function) const;
+  void find_from(const Bounds& box, int first_grid, std::vector<std::uint32_t>& found) const;
+  void find_in(const Bounds& box, const Grid& grid, std::uint32_t first,
+               std::vector<std::uint32_t>& found) const;
+  void find_in_finer(const Bounds& box, int index, std::vector<std::uint32_t>& found) const;
+
+  std::span<const Bounds> boxes_;
+  std::array<Grid, grid_count> grids_;
+  std::size_t left_out_ = 0, chunks_ = 0, parts_ = 0;
+  int part_shift_ = 0;
+  std::vector<std::uint8_t> grid_;                                   // of each box
+  std::vector<std::array<std::uint32_t, grid_count + 1>> boxes_in_;  // of each chunk, by grid
+  std::vector<std::uint32_t> place_;                                 // [part][chunk] in keyed_
+  std::vector<Keyed> keyed_;                                         // by part, then box
+  std::vector<std::uint32_t> end_;                                   // bucket b: end_[b] to end_[b + 1]
+  std::vector<std::uint32_t> entries_;                               // 8 box + which of its cells
+};
 
 }  // namespace souple

@@ -45,12 +45,15 @@ class SurfaceElements {
   std::span<const std::uint32_t> vertices() const { return vertices_; }
   std::span<const std::uint32_t> vertex_objects() const { return vertex_objects_; }
 
+  /// One more than the largest particle and the largest object that are named.
+  std::uint32_t particle_end() const { return particle_end_; }
+  std::uint32_t object_end() const { return object_end_; }
   std::size_t bytes() const;
 
  private:
-  void take_particles(SurfaceElement& element);
   void own_particles_once(std::size_t first_element);
 
+  std::uint32_t particle_end_ = 0, object_end_ = 0;
   std::vector<SurfaceElement> elements_, triangles_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;

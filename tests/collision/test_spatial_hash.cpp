@@ -1,0 +1,111 @@
+#include "souple/collision/spatial_hash.h"
+#include "tests/collision/random.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+std::vector<Box> random_boxes(std::size_t count, double cube, double largest, std::uint64_t seed) {
+  test::Random random(seed);
+  std::vector<Box> boxes;
+  for (std::size_t b = 0; b < count; ++b) {
+    const Vec3f lo(random.point(-cube, cube));
+    const double size = largest * std::pow(random.uniform(0, 1), 6);
+    boxes.push_back({lo, lo + Vec3f(random.point(0, size))});
+  }
+  return boxes;
+}
+
+std::vector<std::uint32_t> overlapping(const std::vector<Box>& boxes, const Box& box) {
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t b = 0; b < boxes.size(); ++b)
+    if (overlap(boxes[b], box)) result.push_back(b);
+  return result;
+}
+
+// Boxes from points to the whole cube are asked for; each answer is that of looking at all.
+TEST(SpatialHash, FindsWhatOverlapsABoxOfAnySize) {
+  const auto threads = make_threads(Threading::pool, 2);
+  const std::vector<Box> boxes = random_boxes(3000, 1, 0.5, 1);
+  SpatialHash hash;
+  hash.build(boxes, SpatialHash::choose_cell_size(boxes), *threads);
+  test::Random random(2);
+  std::size_t sum = 0;
+  for (int query = 0; query < 300; ++query) {
+    const Vec3f lo(random.point(-1, 1));
+    const Box box{lo, lo + Vec3f(random.point(0, std::pow(0.5, query % 12)))};
+    std::vector<std::uint32_t> found;
+    hash.find(box, found);
+    ASSERT_EQ(found, overlapping(boxes, box));
+    sum += found.size();
+  }
+  EXPECT_GT(sum, 1000u);
+  std::vector<std::uint32_t> all;
+  hash.find({{-1e30f, -1e30f, -1e30f}, {1e30f, 1e30f, 1e30f}}, all);
+  EXPECT_EQ(all.size(), boxes.size());
+}
+
+TEST(SpatialHash, EachPairHasOneWhoFindsIt) {
+  const auto threads = make_threads(Threading::pool, 2);
+  const std::vector<Box> boxes = random_boxes(2000, 1, 0.6, 3);
+  SpatialHash hash;
+  hash.build(boxes, SpatialHash::choose_cell_size(boxes), *threads);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> found, expected;
+  for (std::uint32_t a = 0; a < boxes.size(); ++a) {
+    std::vector<std::uint32_t> partners;
+    hash.find_partners(a, partners);
+    for (const std::uint32_t b : partners) found.push_back(std::minmax(a, b));
+    for (const std::uint32_t b : overlapping(boxes, boxes[a]))
+      if (b > a) expected.push_back({a, b});
+  }
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, expected);
+}
+
+// Two hashes with the same cells: small ones ask for those as large, and the others for what is larger.
+TEST(SpatialHash, TwoHashesMeetOnce) {
+  const auto threads = make_threads(Threading::serial, 1);
+  const std::vector<Box> boxes_a = random_boxes(800, 1, 0.6, 4), boxes_b = random_boxes(900, 1, 0.2, 5);
+  SpatialHash a, b;
+  a.build(boxes_a, 0.01f, *threads);
+  b.build(boxes_b, 0.01f, *threads);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> found, expected;
+  std::vector<std::uint32_t> one;
+  for (std::uint32_t i = 0; i < boxes_a.size(); ++i) {
+    one.clear();
+    b.find(boxes_a[i], SpatialHash::Sizes::as_large_or_larger, one);
+    for (const std::uint32_t j : one) found.push_back({i, j});
+    for (const std::uint32_t j : overlapping(boxes_b, boxes_a[i])) expected.push_back({i, j});
+  }
+  for (std::uint32_t j = 0; j < boxes_b.size(); ++j) {
+    one.clear();
+    a.find(boxes_b[j], SpatialHash::Sizes::larger, one);
+    for (const std::uint32_t i : one) found.push_back({i, j});
+  }
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, expected);
+}
+
+// What one huge box costs is one entry in few cells, and no other is entered more often for it.
+TEST(SpatialHash, AHugeBoxCostsNothing) {
+  const auto threads = make_threads(Threading::serial, 1);
+  std::vector<Box> boxes;
+  test::Random random(6);
+  for (int b = 0; b < 10000; ++b) {
+    const Vec3f lo(random.point(-1, 1));
+    boxes.push_back({lo, lo + Vec3f{0.02f, 0.02f, 0.02f}});
+  }
+  SpatialHash hash;
+  hash.build(boxes, SpatialHash::choose_cell_size(boxes), *threads);
+  const std::size_t before = hash.entries();
+  EXPECT_LE(before, 8 * boxes.size());
+  boxes.push_back({{-20, -20, -20}, {20, 20, 20}});
+  hash.build(boxes, SpatialHash::choose_cell_size(boxes), *threads);
+  EXPECT_LE(hash.entries(), before + 8);
+}
+
+}  // namespace
+}  // namespace souple
