@@ -125,7 +125,8 @@ void NearPairFinder::build(Threads& threads) {
   // A vertex looks for triangles as large as itself; only triangles among larger vertices must look for them.
   const bool larger = std::any_of(vertex_boxes_.begin(), vertex_boxes_.end(),
                                   [&](const Bounds& box) { return triangles_.larger_than_some(box); });
-  vertices_.build(larger ? std::span<const Bounds>(vertex_boxes_) : std::span<const Bounds>(), cell_size, threads);
+  vertices_.build(larger ? std::span<const Bounds>(vertex_boxes_) : std::span<const Bounds>(), cell_size,
+                  threads);
   const auto finite = std::count_if(vertex_boxes_.begin(), vertex_boxes_.end(),
                                     [](const Bounds& box) { return is_finite(box); });
   left_out_ =

@@ -27,8 +27,8 @@ inline bool overlap(const Bounds& a, const Bounds& b) {
          b.lo.z <= a.hi.z;
 }
 
-/// Gives a vector a size, and room for a quarter more where it must grow: sizes that change a little from step
-/// to step soon allocate nothing.
+/// Gives a vector a size, and room for a quarter more where it must grow: sizes that change a little from
+/// step to step soon allocate nothing.
 template <class Item>
 void resize_with_room(std::vector<Item>& items, std::size_t size) {
   if (size > items.capacity()) items.reserve(size + size / 4 + 16);

@@ -196,7 +196,8 @@ void SurfaceContacts::find_boxes(const ParticleView& particles, std::span<const 
 // Surfaces whose boxes meet, of those that may: their elements are compared.
 void SurfaceContacts::find_crossing() {
   const std::size_t n = surfaces_.size();
-  std::vector<Bounds> around_all(n, Bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
+  std::vector<Bounds> around_all(n,
+                                 Bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
   for (std::size_t a = 0; a < n; ++a)
     for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i)
       around_all[a] = united(around_all[a], boxes_[i]);
@@ -376,6 +377,7 @@ bool SurfaceContacts::contact_of(Candidate& candidate, bool edges, const Particl
   for (std::size_t k = 1; k < 4; ++k)
     at[k] = part < 1 ? motion.x[k] + (motion.p[k] - motion.x[k]) * part : motion.p[k];
   nearest_points(at, edges, contact.c);
+  if (edges && part >= 1 && is_end(contact)) return false;
   const Vec3f apart = weighted(at, contact.c);
   const float size = length(apart);
   if (!(size > 0)) return false;
@@ -390,6 +392,14 @@ bool SurfaceContacts::contact_of(Candidate& candidate, bool edges, const Particl
   contact.surface = matrix_->at(surface_of_[i[0]], surface_of_[i[3]]);
   for (std::size_t k = 0; k < 4; ++k) contact.predicted += particles.moved(i[k]) * contact.c[k];
   return true;
+}
+
+// An edge whose nearest point is its end: a vertex against a triangle is the same contact, unless it is of a
+// rope.
+bool SurfaceContacts::is_end(const Contact& contact) const {
+  const auto is_rope = [&](std::uint32_t i) { return surfaces_[surface_of_[i]].triangles.empty(); };
+  const bool first = contact.c[0] == 0 || contact.c[1] == 0, second = contact.c[2] == 0 || contact.c[3] == 0;
+  return (first || second) && !is_rope(contact.particle[0]) && !is_rope(contact.particle[2]);
 }
 
 // The lowest colour that none of its particles has yet, in order. A particle that cannot move takes none.

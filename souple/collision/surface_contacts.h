@@ -122,6 +122,7 @@ class SurfaceContacts final : public Projector {
   bool left_boxes(const ParticleView& particles, Threads& threads);
   bool contact_of(Candidate& candidate, bool edges, const ParticleView& particles, float h,
                   Contact& contact) const;
+  bool is_end(const Contact& contact) const;
   float safe_part(Candidate& candidate, bool edges, const ParticleView& particles) const;
   std::size_t cut_ways(const ParticleView& particles, Threads& threads);
   void colour_found(const ParticleView& particles);
@@ -132,7 +133,7 @@ class SurfaceContacts final : public Projector {
 
   std::vector<ContactSurface> surfaces_;
   std::vector<std::array<std::uint32_t, 2>> excluded_;  // both ways, sorted
-  std::vector<std::uint32_t> surface_of_;  // of each particle; none where it has none
+  std::vector<std::uint32_t> surface_of_;               // of each particle; none where it has none
   SurfaceElements own_, crossing_;     // of those that meet themselves; of those that may meet another now
   std::vector<std::uint8_t> crosses_;  // which those are
   ObjectMatrix own_matrix_, crossing_matrix_;
@@ -141,13 +142,13 @@ class SurfaceContacts final : public Projector {
   std::span<const float> radius_;
   const SurfaceMatrix* matrix_ = nullptr;
   ContactStep step_;
-  float elapsed_ = 0;           // since pairs were found [s]
-  float covered_ = 0;           // how long they were found for [s]
-  float last_h_ = 0;            // [s]
-  std::vector<Vec3f> frame_;    // mean velocity of each surface when pairs were found [m/s]
+  float elapsed_ = 0;              // since pairs were found [s]
+  float covered_ = 0;              // how long they were found for [s]
+  float last_h_ = 0;               // [s]
+  std::vector<Vec3f> frame_;       // mean velocity of each surface when pairs were found [m/s]
   std::vector<Bounds> boxes_;      // of particles, swept in the world
   std::vector<Bounds> own_boxes_;  // and relative to the frame of their surface
-  std::vector<float> travel_;   // how far each may go relative to that frame [m]
+  std::vector<float> travel_;      // how far each may go relative to that frame [m]
   NearPairFinder own_finder_, crossing_finder_;
   NearPairs own_pairs_, crossing_pairs_;
   std::vector<Candidate> candidates_;  // vertices against triangles, then edges against edges

@@ -76,8 +76,8 @@ MemoryReport World::memory() {
   report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
                                                                   world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);
-  report.simulation.push_back(
-      {"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() + world.collider_contacts.bytes()});
+  report.simulation.push_back({"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
+                                               world.collider_contacts.bytes()});
   add_objects(world, report);
   return report;
 }
