@@ -12,7 +12,9 @@ namespace souple::test {
 using Rational = mpq_class;
 
 /// Coefficients in ascending order; the last is not zero, none for the zero polynomial.
-using Polynomial = std::vector<Rational>;
+struct Polynomial : std::vector<Rational> {
+  using std::vector<Rational>::vector;
+};
 
 inline Polynomial trimmed(Polynomial a) {
   while (!a.empty() && a.back() == 0) a.pop_back();
@@ -128,15 +130,27 @@ class RootCounter {
   void inner(Rational lo, Rational hi, const Rational& width, std::vector<Root>& roots) const {
     const int inside = changes(lo) - changes(hi) - (lo < hi && value_at(chain_[0], hi) == 0 ? 1 : 0);
     if (inside == 0) return;
-    const Rational middle = (lo + hi) / 2;
-    const bool narrow = hi - lo <= width;
-    if (inside == 1 && narrow) {
-      roots.push_back({lo, hi});
+    if (inside == 1) {
+      bisect(lo, hi, width, roots);
       return;
     }
+    const Rational middle = (lo + hi) / 2;
     inner(lo, middle, width, roots);
     if (value_at(chain_[0], middle) == 0) roots.push_back({middle, middle});
     inner(middle, hi, width, roots);
+  }
+  // A simple root alone: its sign changes there, and an end that is a root itself was taken before.
+  void bisect(Rational lo, Rational hi, const Rational& width, std::vector<Root>& roots) const {
+    const Polynomial& p = chain_[0];
+    int low = sgn(value_at(p, lo));
+    if (low == 0) low = sgn(value_at(derivative(p), lo));  // what it is just after
+    while (hi - lo > width) {
+      const Rational middle = (lo + hi) / 2;
+      const int sign = sgn(value_at(p, middle));
+      if (sign == 0) lo = hi = middle;
+      (sign == low ? lo : hi) = middle;
+    }
+    roots.push_back({lo, hi});
   }
 
   std::vector<Polynomial> chain_;
