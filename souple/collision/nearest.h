@@ -42,16 +42,15 @@ void nearest_on_triangle(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, c
   weight[0] = one - s_ab;
   weight[1] = s_ab;
   weight[2] = zero;
-  const auto consider = [&](auto valid, T squared, T wa, T wb, T wc) {
-    const auto better = valid && squared < nearest;
+  const auto consider = [&](T squared, T wa, T wb, T wc) {
+    const auto better = squared < nearest;
     nearest = select(better, squared, nearest);
     weight[0] = select(better, wa, weight[0]);
     weight[1] = select(better, wb, weight[1]);
     weight[2] = select(better, wc, weight[2]);
   };
-  const auto always = zero <= zero;
-  consider(always, length_squared(pb * (one - s_bc) + pc * s_bc), zero, one - s_bc, s_bc);
-  consider(always, length_squared(pc * (one - s_ca) + pa * s_ca), s_ca, zero, one - s_ca);
+  consider(length_squared(pb * (one - s_bc) + pc * s_bc), zero, one - s_bc, s_bc);
+  consider(length_squared(pc * (one - s_ca) + pa * s_ca), s_ca, zero, one - s_ca);
 
   const Vec3<T> n = cross(b - a, c - a);
   const T va = dot(n, cross(pb, pc)), vb = dot(n, cross(pc, pa)), vc = dot(n, cross(pa, pb));
@@ -59,7 +58,8 @@ void nearest_on_triangle(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, c
   const T divisor = select(sum > zero, sum, one);
   const T wa = va / divisor, wb = vb / divisor, wc = vc / divisor;
   const auto inside = va >= zero && vb >= zero && vc >= zero && sum > zero;
-  consider(inside, length_squared(pa * wa + pb * wb + pc * wc), wa, wb, wc);
+  const T squared = length_squared(pa * wa + pb * wb + pc * wc);
+  consider(select(inside, squared, nearest), wa, wb, wc);
 }
 
 /// The parameters s and t in [0, 1] of the nearest points p0 + s (p1 - p0) and q0 + t (q1 - q0) of two edges.
