@@ -179,6 +179,7 @@ enum Motion {
   sliver,
   parallel,
   resting,
+  hairline,
   motions
 };
 
@@ -249,6 +250,10 @@ Moving4 motion(Kind kind, int which, Random& random) {
       lay_down(height);
       for (int i = 0; i < 4; ++i) m.p[i] += random.point(-3, 3) * height;
       break;
+    case hairline:  // next to rounding
+      lay_down(height * 3e-5);
+      for (int i = 0; i < 4; ++i) m.p[i] += random.point(-1, 1) * height;
+      break;
     default:
       break;
   }
@@ -273,7 +278,7 @@ void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
   for (int k = 0; k < motions * cases; ++k) {
     const int which = k % motions;
     const Moving4 m = motion(kind, which, random);
-    if (distance_at(kind, m, 0) < 1e-14 * reach(m)) continue;  // in touch at the begin
+    if (distance_at(kind, m, 0) < 1e-13 * reach(m)) continue;  // in touch at the begin
     const auto touch = first_touch(kind, m);
     if (!touch) continue;
     const double t = time_of(kind, m, 0);
@@ -330,10 +335,12 @@ TEST_P(Continuous, KeepsItsDistanceAndStopsOnlyWhenNear) {
     }
     ++stopped;
     if (distance_at(GetParam(), m, t) <= 1.05 * least + rounding) continue;
-    // Turning at thousands of its size, or about a vertex within the plane, it gives up once in a while.
+    // Where turning is fierce or within the plane it gives up once in a while; elsewhere never.
     ++early;
-    ASSERT_TRUE(which == fast || which == coplanar || which == oblique_coplanar) << "motion " << which;
+    ASSERT_TRUE(which == fast || which == rotating || which == coplanar || which == oblique_coplanar)
+        << "motion " << which;
   }
+  RecordProperty("early", early);
   EXPECT_LE(early, cases / 1000);
   EXPECT_GT(stopped, 1000);
   EXPECT_GT(passed, 1000);
