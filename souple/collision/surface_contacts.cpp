@@ -24,6 +24,9 @@ constexpr float rest_part = 0.9f;
 constexpr float least_thickness = 1e-5f;  // m
 // A particle is boxed for the way that its velocity takes it and a little more: it may be pushed.
 constexpr float surprise = 0.1f;
+// Nearer than this no side is left to keep: what began so is not held back, or two sheets that lie in one
+// plane would never come apart. [m]
+constexpr float touching = 1e-8f;
 // Contacts are made somewhat before features are near enough to push: the solver moves them too.
 constexpr float early = 0.1f;
 
@@ -196,17 +199,17 @@ void SurfaceContacts::find_boxes(const ParticleView& particles, std::span<const 
 // Surfaces whose boxes meet, of those that may: their elements are compared.
 void SurfaceContacts::find_crossing() {
   const std::size_t n = surfaces_.size();
-  std::vector<Bounds> around_all(n,
-                                 Bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
+  surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
   for (std::size_t a = 0; a < n; ++a)
     for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i)
-      around_all[a] = united(around_all[a], boxes_[i]);
-  std::vector<std::uint8_t> crosses(n, 0);
+      surface_bounds_[a] = united(surface_bounds_[a], boxes_[i]);
+  crosses_now_.assign(n, 0);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < a; ++b)
-      if (crossing_matrix_.at(a, b) && overlap(around_all[a], around_all[b])) crosses[a] = crosses[b] = 1;
-  if (crosses == crosses_) return;
-  crosses_ = crosses;
+      if (crossing_matrix_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b]))
+        crosses_now_[a] = crosses_now_[b] = 1;
+  if (crosses_now_ == crosses_) return;
+  crosses_ = crosses_now_;
   crossing_.clear();
   for (std::uint32_t a = 0; a < n; ++a) {
     if (crosses_[a] == 0) continue;
@@ -479,7 +482,7 @@ float SurfaceContacts::safe_part(Candidate& candidate, bool edges, const Particl
   if (way < 0.9f * candidate.known) return 1;
   const Motion motion = motion_of(candidate.particle, particles);
   candidate.known = distance(motion.x, edges);
-  if (way < 0.9f * candidate.known) return 1;
+  if (way < 0.9f * candidate.known || candidate.known < touching) return 1;
   return safe_time(motion, edges);
 }
 

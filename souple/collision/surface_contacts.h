@@ -134,8 +134,9 @@ class SurfaceContacts final : public Projector {
   std::vector<ContactSurface> surfaces_;
   std::vector<std::array<std::uint32_t, 2>> excluded_;  // both ways, sorted
   std::vector<std::uint32_t> surface_of_;               // of each particle; none where it has none
-  SurfaceElements own_, crossing_;     // of those that meet themselves; of those that may meet another now
-  std::vector<std::uint8_t> crosses_;  // which those are
+  SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
+  std::vector<Bounds> surface_bounds_;
+  std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are
   ObjectMatrix own_matrix_, crossing_matrix_;
   bool any_pair_ = false;  // of surfaces that could meet
 
