@@ -8,8 +8,8 @@
 
 namespace souple::app {
 
-/// Crumpled sheets in motion: folded in layers that nearly touch, each turning and moving its own way, rippled,
-/// packed as close as their size allows. Edges are 2 cm long, thickness is 4 mm.
+/// Crumpled sheets in motion: folded in layers that nearly touch, each turning and moving its own way,
+/// rippled, packed as close as their size allows. Edges are 2 cm long, thickness is 4 mm.
 class Sheets {
  public:
   static constexpr double thickness = 0.004;  ///< m

@@ -6,6 +6,8 @@
 // Included by the translation units that are compiled for one instruction set, and by nothing else; every
 // template here carries the set's tag.
 
+#define SOUPLE_INLINE __attribute__((always_inline))
+
 namespace souple::kernels {
 
 /// Comparisons of all lanes at once. bits: bit l is set where lane l is true.
@@ -43,30 +45,6 @@ struct Lanes {
   }
 };
 
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-/// With mask registers.
-template <>
-struct Lanes<simd::Avx512> {
-  static constexpr std::uint32_t count = 16;
-  using Vector = __m512;
-  using Mask = std::uint32_t;
-  static Vector broadcast(float a) { return _mm512_set1_ps(a); }
-  static Mask at_most(const float* a, Vector b) {
-    return _mm512_cmp_ps_mask(_mm512_loadu_ps(a), b, _CMP_LE_OQ);
-  }
-  static Mask at_least(const float* a, Vector b) {
-    return _mm512_cmp_ps_mask(_mm512_loadu_ps(a), b, _CMP_GE_OQ);
-  }
-  static Mask equal(const std::uint32_t* a, std::uint32_t b) {
-    return _mm512_cmpeq_epi32_mask(_mm512_loadu_si512(a), _mm512_set1_epi32(static_cast<std::int32_t>(b)));
-  }
-  static Mask has_none(const std::uint32_t* a, std::uint32_t b) {
-    return _mm512_testn_epi32_mask(_mm512_loadu_si512(a), _mm512_set1_epi32(static_cast<std::int32_t>(b)));
-  }
-  static std::uint32_t bits(Mask mask) { return mask; }
-};
-#endif
-
 /// A box in every lane.
 template <class Set>
 struct SpreadBox {
@@ -99,7 +77,8 @@ std::uint32_t first_bits(std::uint32_t count) {
 
 /// Bit k: item k of the group overlaps the box.
 template <class Set>
-std::uint32_t items_in(const BoxColumns& items, const BoxGroup& group, const float (&box)[6]) {
+SOUPLE_INLINE inline std::uint32_t items_in(const BoxColumns& items, const BoxGroup& group,
+                                            const float (&box)[6]) {
   const SpreadBox<Set> spread(box);
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < group.count; k += Lanes<Set>::count)
@@ -107,62 +86,93 @@ std::uint32_t items_in(const BoxColumns& items, const BoxGroup& group, const flo
   return bits & first_bits<Set>(group.count);
 }
 
-/// Of `n` corners of item i against all of group's items: bits of those whose boxes overlap and that share no
-/// particle with it.
+/// Bit k: item k of the group overlaps box i of `from` and shares no particle with it. No branch looks at
+/// what is found: it could not be foreseen.
 template <class Set, int n, int other_n>
-std::uint32_t near_one(const BoxColumns& from, std::size_t i, const BoxColumns& items,
-                       const BoxGroup& group) {
+SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t i, const BoxColumns& items,
+                                            const BoxGroup& group) {
   using L = Lanes<Set>;
   const SpreadBox<Set> box(from, i);
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < group.count; k += L::count) {
     const std::size_t at = group.begin + k;
-    const std::uint32_t near = L::bits(box.overlaps(items, at));
-    if (near == 0) continue;
     auto shared = L::equal(items.particle[0] + at, from.particle[0][i]);
-    for (int a = 0; a < n; ++a)
+    for (int b = 1; b < other_n; ++b) shared |= L::equal(items.particle[b] + at, from.particle[0][i]);
+    for (int a = 1; a < n; ++a)
       for (int b = 0; b < other_n; ++b) shared |= L::equal(items.particle[b] + at, from.particle[a][i]);
-    bits |= (near & ~L::bits(shared)) << k;
+    bits |= L::bits(box.overlaps(items, at) & ~shared) << k;
   }
-  return bits;
+  return bits & first_bits<Set>(group.count);
 }
+
+/// What is near each item of a group: only items that have something near. One loop then goes over all pairs;
+/// a loop for each item would end as many times at a place that nobody foresees.
+template <class Set>
+struct Rows {
+  std::uint32_t item[BoxGroup::most_items + 1], near[BoxGroup::most_items + 1];
+  std::uint32_t count = 0, pairs = 0;
+
+  void add(std::uint32_t which, std::uint32_t bits) {
+    item[count] = which;
+    near[count] = bits;
+    count += bits != 0 ? 1 : 0;
+    pairs += bits_of(bits);
+  }
+  static std::uint32_t bits_of(std::uint32_t x) {
+    x -= x >> 1 & 0x55555555u;
+    x = (x & 0x33333333u) + (x >> 2 & 0x33333333u);
+    return ((x + (x >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24;
+  }
+  /// f(item, bit) for each pair.
+  template <class Function>
+  SOUPLE_INLINE void for_each(const Function& f) {
+    near[count] = item[count] = 0;
+    std::uint32_t row = 0, left = near[0];
+    for (std::uint32_t p = 0; p < pairs; ++p) {
+      f(item[row], static_cast<std::uint32_t>(__builtin_ctz(left)));
+      left &= left - 1;
+      row += left == 0 ? 1 : 0;
+      left = left == 0 ? near[row] : left;
+    }
+  }
+};
 
 template <class Set>
 std::size_t vertices_triangles(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& triangles,
                                const BoxGroup& t, Quad* pairs) {
-  std::size_t count = 0;
+  Rows<Set> rows;
   for (std::uint32_t near = items_in<Set>(vertices, v, t.box); near != 0; near &= near - 1) {
-    const std::size_t i = v.begin + static_cast<std::uint32_t>(__builtin_ctz(near));
-    std::uint32_t hits = near_one<Set, 1, 3>(vertices, i, triangles, t) & first_bits<Set>(t.count);
-    for (; hits != 0; hits &= hits - 1) {
-      const std::size_t j = t.begin + static_cast<std::uint32_t>(__builtin_ctz(hits));
-      Quad& pair = pairs[count++];
-      pair[0] = vertices.particle[0][i];
-      for (int k = 0; k < 3; ++k) pair[1 + k] = triangles.particle[k][j];
-    }
+    const std::uint32_t i = v.begin + static_cast<std::uint32_t>(__builtin_ctz(near));
+    rows.add(i, near_one<Set, 1, 3>(vertices, i, triangles, t));
   }
-  return count;
+  Quad* next = pairs;
+  rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
+    Quad& pair = *next++;
+    pair[0] = vertices.particle[0][i];
+    for (int k = 0; k < 3; ++k) pair[1 + k] = triangles.particle[k][t.begin + bit];
+  });
+  return rows.pairs;
 }
 
+// Going over the fewer edges of both groups costs more in finding out which they are than it saves (5 %).
 template <class Set>
 std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs) {
-  std::size_t count = 0;
+  Rows<Set> rows;
   const bool same = a.begin == b.begin;
   for (std::uint32_t near = items_in<Set>(edges, a, b.box); near != 0; near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
-    const std::size_t i = a.begin + k;
-    std::uint32_t hits = near_one<Set, 2, 2>(edges, i, edges, b) & first_bits<Set>(b.count);
-    if (same) hits &= ~first_bits<Set>(k + 1);
-    for (; hits != 0; hits &= hits - 1) {
-      const std::size_t j = b.begin + static_cast<std::uint32_t>(__builtin_ctz(hits));
-      Quad& pair = pairs[count++];
-      for (int e = 0; e < 2; ++e) {
-        pair[e] = edges.particle[e][i];
-        pair[2 + e] = edges.particle[e][j];
-      }
-    }
+    const std::uint32_t hits = near_one<Set, 2, 2>(edges, a.begin + k, edges, b);
+    rows.add(a.begin + k, same ? hits & ~first_bits<Set>(k + 1) : hits);
   }
-  return count;
+  Quad* next = pairs;
+  rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
+    Quad& pair = *next++;
+    for (int e = 0; e < 2; ++e) {
+      pair[e] = edges.particle[e][i];
+      pair[2 + e] = edges.particle[e][b.begin + bit];
+    }
+  });
+  return rows.pairs;
 }
 
 template <class Set>

@@ -2,10 +2,23 @@
 
 namespace souple::kernels {
 
+// Groups are small, and masks that come from registers of their own arrive later than they are worth: AVX-512
+// took 12 % more than AVX2 (Zen 5, 100 k triangles).
 const PatchKernels& find_patch_kernels(InstructionSet set) {
-  const PatchKernels* kernels =
-      souple::detail::find_for(set, []<class Set>(std::type_identity<Set>) { return &patch_kernels<Set>(); });
-  return kernels != nullptr ? *kernels : patch_kernels<Scalar>();
+  switch (set) {
+#if defined(__x86_64__)
+    case InstructionSet::sse:
+      return patch_kernels<simd::Sse>();
+    case InstructionSet::avx2:
+    case InstructionSet::avx512:
+      return patch_kernels<simd::Avx2>();
+#elif defined(__aarch64__)
+    case InstructionSet::neon:
+      return patch_kernels<simd::Neon>();
+#endif
+    default:
+      return patch_kernels<Scalar>();
+  }
 }
 
 }  // namespace souple::kernels
