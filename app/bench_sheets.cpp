@@ -74,9 +74,9 @@ Vec3d Sheets::position(std::size_t sheet, const Vec3d& flat, double time) const 
   x = turned(x, normalized(own_vector(sheet, 3)), phase.z + 0.7 * time);
   const auto columns = static_cast<std::size_t>(std::ceil(std::cbrt(double(sheets()))));
   const double width = packing * (flat_.back().z - flat_.front().z);
-  const Vec3d place =
-      Vec3d{double(sheet % columns), double(sheet / columns % columns), double(sheet / (columns * columns))} *
-      (0.5 * width);
+  const std::size_t column = sheet % columns, row = sheet / columns % columns,
+                    floor = sheet / columns / columns;
+  const Vec3d place = Vec3d{double(column), double(row), double(floor)} * (0.5 * width);
   return x + place + own_vector(sheet, 6) * (drift * std::sin(3 * time + phase.y));
 }
 

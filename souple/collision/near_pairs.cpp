@@ -169,11 +169,11 @@ std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> 
   }
   for (std::uint32_t e = patch.first_edge; e < patch.first_edge + patch.edges; ++e) {
     const auto& [i, j] = elements_->edges()[e];
-    add(edge_boxes_, e, united(boxes[i], boxes[j]), moves(i) | moves(j));
+    add(edge_boxes_, e, united(boxes[i], boxes[j]), moves(i) || moves(j));
   }
   for (std::uint32_t t = patch.first_triangle; t < patch.first_triangle + patch.triangles; ++t) {
     const auto& [i, j, k] = elements_->triangles()[t].particle;
-    add(triangle_boxes_, t, united(united(boxes[i], boxes[j]), boxes[k]), moves(i) | moves(j) | moves(k));
+    add(triangle_boxes_, t, united(united(boxes[i], boxes[j]), boxes[k]), moves(i) || moves(j) || moves(k));
   }
   patch_boxes_[a] = around;
   const std::size_t items = std::size_t{patch.vertices} + patch.edges + patch.triangles;

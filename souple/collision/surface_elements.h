@@ -2,6 +2,7 @@
 
 #include "souple/geometry/adjacency.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -79,7 +80,9 @@ class SurfaceElements {
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;
   std::vector<SurfacePatch> patches_;
-  std::vector<std::uint32_t> vertex_particles_, edge_particles_[2], triangle_particles_[3];
+  std::vector<std::uint32_t> vertex_particles_;
+  std::array<std::vector<std::uint32_t>, 2> edge_particles_;
+  std::array<std::vector<std::uint32_t>, 3> triangle_particles_;
 };
 
 }  // namespace souple
