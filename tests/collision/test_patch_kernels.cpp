@@ -55,7 +55,7 @@ BoxGroup random_group(std::uint32_t most, test::Random& random) {
 TEST(PatchKernels, EveryInstructionSetFindsTheSame) {
   test::Random random(1);
   const Items a(200, random), b(200, random);
-  std::vector<std::array<std::uint32_t, 4>> room(BoxGroup::most_items * BoxGroup::most_items);
+  std::vector<std::array<std::uint32_t, 4>> room(std::size_t{BoxGroup::most_items} * BoxGroup::most_items);
   auto* const pairs = reinterpret_cast<kernels::Quad*>(room.data());
   std::size_t sum = 0;
   for (int round = 0; round < 2000; ++round) {
