@@ -14,6 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2}
+STAGES = ["triangles"]  # of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -31,7 +32,7 @@ def bench(*arguments, **environment):
 class Bench(unittest.TestCase):
     def test_lists_what_there_is(self):
         listed = souple("bench").stdout.splitlines()
-        self.assertEqual([line.split()[0] for line in listed], list(NAMES))
+        self.assertEqual([line.split()[0] for line in listed], list(NAMES) + STAGES)
 
     def test_every_benchmark_says_everything(self):
         for name, size in NAMES.items():
@@ -47,6 +48,18 @@ class Bench(unittest.TestCase):
             self.assertAlmostEqual(result["constraints_per_second"] / whole, 1, places=3)
             parts = sum(result["ms_per_stage"].values())
             self.assertGreater(parts, 0.5 * result["ms_per_step"], name)
+
+    def test_triangles(self):
+        result = bench("triangles", "--size", 10000)
+        self.assertAlmostEqual(result["triangles"] / 10000, 1, places=0)
+        self.assertEqual(list(result["ms_per_stage"]), ["boxes", "build", "pairs"])
+        self.assertLessEqual(sum(result["ms_per_stage"].values()), 1.5 * result["ms_per_step"] + 1)
+        self.assertGreater(result["pairs"]["vertex_triangle"], result["vertices"])
+        self.assertGreater(result["pairs"]["edge_edge"], result["edges"])
+        self.assertGreater(result["queries_per_second"], 0)
+        for threads in 2, 3:
+            self.assertEqual(bench("triangles", "--size", 10000, "--threads", threads)["hash"], result["hash"])
+        self.assertEqual(bench("triangles", "--size", 10000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
 
     def test_kinds_and_counts_are_those_of_the_meshes(self):
         n = 12
