@@ -81,9 +81,9 @@ class Cases {
     }
   }
   void small_and_far() {
-    const Vec3d where = random_.point(-1, 1) * 100.0;
-    for (Vec3d* corner : {&corners_.a, &corners_.b, &corners_.c}) *corner = *corner * 0.01 + where;
-    aim(inside() + random_.point(-1, 1) * 0.01, 2);
+    const Vec3d where = random_.point(-1, 1) * 20.0;
+    for (Vec3d* corner : {&corners_.a, &corners_.b, &corners_.c}) *corner = *corner * 0.1 + where;
+    aim(inside() + random_.point(-1, 1) * 0.1, 2);
   }
   /// So that the segment passes `target` at 1 / times.
   void aim(const Vec3d& target, double times) { direction_ = (target - origin_) * times; }

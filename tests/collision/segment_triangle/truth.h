@@ -100,7 +100,8 @@ Slack slack_of(const Segment<T>& segment, const Corners<T>& corners, const Lengt
   const long double edge = lengths.corners_alone ? S : L;
   const Vec3<long double> e(Vec3<long double>(b) - Vec3<long double>(a)),
       f(Vec3<long double>(c) - Vec3<long double>(a));
-  const long double n = std::max(largest(cross(e, f)), std::numeric_limits<long double>::min());
+  const long double n =
+      std::max(largest(cross(e, f)), 1e-12L * L * L + std::numeric_limits<long double>::min());
   const long double thin = lengths.by_plane ? std::max(1.0L, L * L / n) : 1;
   const long double unit = static_cast<long double>(std::numeric_limits<T>::epsilon()) / 2;
   const long double filter = std::numeric_limits<long double>::epsilon() * 64;

@@ -1,0 +1,124 @@
+#include "app/bench_segments.h"
+
+#include "souple/solver/instruction_set.h"
+#include "souple/version.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+
+namespace souple::app {
+
+using scene_format::Json;
+
+namespace {
+
+constexpr int segment_count = 64;
+constexpr double shortest_try = 0.01;  // s
+
+/// Uniform in [lo, hi): the same numbers on every machine.
+class Uniform {
+ public:
+  float operator()(float lo, float hi) {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+    return lo + (hi - lo) * (static_cast<float>(state_ >> 40) / 16777216.0f);
+  }
+
+ private:
+  std::uint64_t state_ = 1;
+};
+
+struct Crossings {
+  std::vector<float> t, weight[3], side;
+  explicit Crossings(std::size_t count) : t(count), weight{t, t, t}, side(t) {}
+  CrossingColumns columns() {
+    return {t.data(), {weight[0].data(), weight[1].data(), weight[2].data()}, side.data()};
+  }
+};
+
+double seconds_of(SegmentTest test, const SegmentStack& stack, Crossings& found, InstructionSet set,
+                  int repeats) {
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < repeats; ++i)
+    for (const Segment<float>& segment : stack.segments)
+      find_crossings(test, segment, stack.columns(), found.columns(), set);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double rate_of(SegmentTest test, const SegmentStack& stack, InstructionSet set, int runs) {
+  Crossings found(stack.columns().count);
+  int repeats = 1;
+  while (seconds_of(test, stack, found, set, repeats) < shortest_try) repeats *= 2;
+  double least = seconds_of(test, stack, found, set, repeats);
+  for (int i = 1; i < runs; ++i) least = std::min(least, seconds_of(test, stack, found, set, repeats));
+  return static_cast<double>(stack.columns().count * stack.segments.size()) * repeats / least;
+}
+
+}  // namespace
+
+SegmentStack::SegmentStack(int triangles) {
+  Uniform uniform;
+  for (int i = 0; i < triangles; ++i) {
+    const float z = static_cast<float>(i + 1) / static_cast<float>(triangles);
+    const float corners[3][2] = {{-1, -1}, {1, -1}, {-1, 1}};
+    for (int k = 0; k < 3; ++k) {
+      corner[k][0].push_back(corners[k][0] + uniform(-0.05f, 0.05f));
+      corner[k][1].push_back(corners[k][1] + uniform(-0.05f, 0.05f));
+      corner[k][2].push_back(z + uniform(-0.01f, 0.01f));
+    }
+  }
+  for (int i = 0; i < segment_count; ++i) {
+    const float x = uniform(0.4f, 0.6f), y = uniform(0.4f, 0.6f);
+    segments.push_back({{x, y, -1}, {uniform(-0.1f, 0.1f), uniform(-0.1f, 0.1f), 3}});
+  }
+}
+
+TriangleColumns SegmentStack::columns() const {
+  TriangleColumns columns;
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j) columns.corner[k][j] = corner[k][j].data();
+  columns.count = corner[0][0].size();
+  return columns;
+}
+
+std::vector<SegmentRate> measure_segments(const SegmentStack& stack, int runs) {
+  std::vector<SegmentRate> rates;
+  for (const auto& [name, test] : segment_test_names)
+    rates.push_back({name, rate_of(test, stack, InstructionSet::scalar, runs),
+                     rate_of(test, stack, instruction_set(), runs)});
+  return rates;
+}
+
+Json segments_json(int size, const std::vector<SegmentRate>& rates) {
+  Json result = Json::object();
+  result.set("name", Json::of(segments_name));
+  result.set("size", Json::whole(size));
+  result.set("threads", Json::whole(1));
+  result.set("simd", Json::of(std::string(simd_name())));
+  result.set("version", Json::of(version));
+  for (const auto& [name, test] : segment_test_names)
+    if (test == default_segment_test) result.set("default", Json::of(name));
+  Json tests = Json::object();
+  for (const SegmentRate& rate : rates) {
+    Json entry = Json::object();
+    entry.set("scalar", Json::of(std::round(rate.scalar)));
+    entry.set("packed", Json::of(std::round(rate.packed)));
+    tests.set(rate.name, std::move(entry));
+  }
+  result.set("tests_per_second", std::move(tests));
+  return result;
+}
+
+void print_segments(const Json& result) {
+  const std::string& chosen = result.find("default")->text;
+  std::printf("segments: million tests of a segment and a triangle a second, one thread, of %.0f triangles\n",
+              result.find("size")->number);
+  std::printf("  %-20s %10s %10s\n", "", "scalar", result.find("simd")->text.c_str());
+  for (const scene_format::Member& test : result.find("tests_per_second")->members)
+    std::printf("  %-20s %10.1f %10.1f%s\n", test.key.c_str(), test.value.find("scalar")->number / 1e6,
+                test.value.find("packed")->number / 1e6, test.key == chosen ? "  the default" : "");
+}
+
+}  // namespace souple::app
