@@ -1,5 +1,6 @@
 #include "app/bench_segments.h"
 
+#include "souple/geometry/builders.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/version.h"
 
@@ -56,6 +57,44 @@ double rate_of(SegmentTest test, const SegmentStack& stack, InstructionSet set, 
   return static_cast<double>(stack.columns().count * stack.segments.size()) * repeats / least;
 }
 
+/// A ball far from the origin, where corners are round numbers no more, in columns.
+struct Ball {
+  std::vector<Vec3f> corners;
+  std::vector<Triangle> triangles;
+  std::vector<float> numbers[3][3];
+
+  Ball() {
+    const TriangleMesh mesh = sphere(3, 1);
+    for (const Vec3d& v : mesh.positions) corners.emplace_back(v + Vec3d{21, -18, 27});
+    triangles = mesh.triangles;
+    for (const Triangle& triangle : triangles)
+      for (std::size_t k = 0; k < 3; ++k)
+        for (int j = 0; j < 3; ++j) numbers[k][j].push_back(corners[triangle[k]][j]);
+  }
+  TriangleColumns columns() const {
+    TriangleColumns columns;
+    for (int k = 0; k < 3; ++k)
+      for (int j = 0; j < 3; ++j) columns.corner[k][j] = numbers[k][j].data();
+    columns.count = triangles.size();
+    return columns;
+  }
+};
+
+int count_leaks(SegmentTest test) {
+  const Ball ball;
+  Crossings found(ball.triangles.size());
+  const Vec3f middle{21.1f, -18.2f, 26.7f};
+  int leaks = 0;
+  const auto shoot = [&](const Vec3f& target) {
+    find_crossings(test, {middle, target - middle, 10}, ball.columns(), found.columns());
+    leaks += std::all_of(found.side.begin(), found.side.end(), [](float side) { return side == 0; });
+  };
+  for (const Vec3f& corner : ball.corners) shoot(corner);
+  for (const Triangle& t : ball.triangles)
+    for (std::size_t k = 0; k < 3; ++k) shoot((ball.corners[t[k]] + ball.corners[t[(k + 1) % 3]]) * 0.5f);
+  return leaks;
+}
+
 }  // namespace
 
 SegmentStack::SegmentStack(int triangles) {
@@ -87,7 +126,7 @@ std::vector<SegmentRate> measure_segments(const SegmentStack& stack, int runs) {
   std::vector<SegmentRate> rates;
   for (const auto& [name, test] : segment_test_names)
     rates.push_back({name, rate_of(test, stack, InstructionSet::scalar, runs),
-                     rate_of(test, stack, instruction_set(), runs)});
+                     rate_of(test, stack, instruction_set(), runs), count_leaks(test)});
   return rates;
 }
 
@@ -103,11 +142,13 @@ Json segments_json(int size, const std::vector<SegmentRate>& rates) {
   Json tests = Json::object();
   for (const SegmentRate& rate : rates) {
     Json entry = Json::object();
-    entry.set("scalar", Json::of(std::round(rate.scalar)));
-    entry.set("packed", Json::of(std::round(rate.packed)));
+    entry.set("scalar_per_second", Json::of(std::round(rate.scalar)));
+    entry.set("packed_per_second", Json::of(std::round(rate.packed)));
+    entry.set("leaks", Json::whole(rate.leaks));
     tests.set(rate.name, std::move(entry));
   }
-  result.set("tests_per_second", std::move(tests));
+  result.set("tests", std::move(tests));
+  result.set("leak_rays", Json::whole(leak_rays));
   return result;
 }
 
@@ -115,10 +156,14 @@ void print_segments(const Json& result) {
   const std::string& chosen = result.find("default")->text;
   std::printf("segments: million tests of a segment and a triangle a second, one thread, of %.0f triangles\n",
               result.find("size")->number);
-  std::printf("  %-20s %10s %10s\n", "", "scalar", result.find("simd")->text.c_str());
-  for (const scene_format::Member& test : result.find("tests_per_second")->members)
-    std::printf("  %-20s %10.1f %10.1f%s\n", test.key.c_str(), test.value.find("scalar")->number / 1e6,
-                test.value.find("packed")->number / 1e6, test.key == chosen ? "  the default" : "");
+  std::printf("  %-20s %10s %10s %10s\n", "", "scalar", result.find("simd")->text.c_str(), "leaks");
+  for (const scene_format::Member& test : result.find("tests")->members)
+    std::printf("  %-20s %10.1f %10.1f %10.0f%s\n", test.key.c_str(),
+                test.value.find("scalar_per_second")->number / 1e6,
+                test.value.find("packed_per_second")->number / 1e6, test.value.find("leaks")->number,
+                test.key == chosen ? "  the default" : "");
+  std::printf("  leaks: rays that get out of a closed mesh, of %d aimed at its corners and edges\n",
+              leak_rays);
 }
 
 }  // namespace souple::app

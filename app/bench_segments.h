@@ -11,7 +11,7 @@
 namespace souple::app {
 
 inline constexpr const char* segments_name = "segments";
-inline constexpr int default_segments_size = 4096;
+inline constexpr int default_segments_size = 512;  // all of it in the first-level cache
 
 /// Triangles one behind the other, and segments that pass through all of their boxes and none of them: who
 /// has a hierarchy of boxes has to test every triangle too. One triangle is half of a square.
@@ -26,7 +26,11 @@ struct SegmentStack {
 struct SegmentRate {
   std::string name;
   double scalar = 0, packed = 0;  ///< tests per second, one thread
+  int leaks = 0;                  ///< of `leak_rays` how many get out of a closed mesh
 };
+
+/// Rays from within a ball to all of its corners and to the middles of its edges.
+inline constexpr int leak_rays = 642 + 3 * 1280;
 
 /// The fastest of `runs` tries of each.
 std::vector<SegmentRate> measure_segments(const SegmentStack& stack, int runs);
