@@ -106,6 +106,36 @@ TEST(SegmentTriangleLeaks, TheRaysFindTheHolesOfTheOtherTests) {
   EXPECT_GT((count_all_leaks<MoellerTrumbore, float>(rays)), 0);
 }
 
+/// A sliver around the ray, so thin that all three areas round to zero: exactly they are 2 u^2, u^2 and u^2
+/// with u = 2^-23. In a mesh of such slivers it is the only one that holds the ray.
+TEST(SegmentTriangleLeaks, WatertightSeesWhatRoundsToNothing) {
+  const float u = std::numeric_limits<float>::epsilon();
+  const Corners<float> sliver{{1 + u, 1, 5}, {-1, u - 1, 5}, {-1 - 2 * u, -1 - u, 5}};
+  const Segment<float> along_z{{0, 0, 0}, {0, 0, 10}};
+  const Crossing<float> found = find_crossing<Watertight>(along_z, sliver);
+  EXPECT_EQ(found.side, -1);
+  EXPECT_EQ(found.t, 0.5f);
+  EXPECT_EQ(found.weight, (Vec3f{0.5f, 0.25f, 0.25f}));
+
+  // In some lanes of a pack.
+  std::vector<float> numbers[3][3];
+  const Corners<float> other{{1, 0, 3}, {-1, 1, 3}, {-1, -1, 3}};
+  TriangleColumns columns;
+  columns.count = 32;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j) {
+      for (std::size_t i = 0; i < columns.count; ++i) {
+        const Corners<float>& one = i % 3 == 0 ? sliver : other;
+        numbers[k][j].push_back((k == 0 ? one.a : (k == 1 ? one.b : one.c))[j]);
+      }
+      columns.corner[k][j] = numbers[k][j].data();
+    }
+  std::vector<float> t(columns.count), a(t), b(t), c(t), side(t);
+  find_crossings(SegmentTest::watertight, along_z, columns,
+                 {t.data(), {a.data(), b.data(), c.data()}, side.data()});
+  for (std::size_t i = 0; i < columns.count; ++i) EXPECT_EQ(t[i], i % 3 == 0 ? 0.5f : 0.3f) << i;
+}
+
 /// From outside to a point within: it goes in, and it goes out.
 TEST(SegmentTriangleLeaks, WhatEntersLeaves) {
   const Surface<float> ball = placed<float>(sphere(3, 1), {1, 1, 1}, {3, -2, 5});
