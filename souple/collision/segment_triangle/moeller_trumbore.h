@@ -33,7 +33,7 @@ struct MoellerTrumbore {
   };
 
   template <class T, class Function>
-  static auto prepare(const Segment<scalar_of<T>>& segment, const Function& f) {
+  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
     return f(Prepared<T>{spread<T>(segment)});
   }
 };

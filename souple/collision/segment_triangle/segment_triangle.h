@@ -10,7 +10,7 @@
 //
 // A test is a struct `Test` with
 //
-//   template <class T, class Function> static auto prepare(const Segment<scalar_of<T>>&, const Function& f);
+//   template <class T, class Function> static auto prepare(const Segment<ScalarOf<T>>&, const Function& f);
 //
 // which calls f(crosses) with what is the same for every triangle; crosses(Corners<T>) is the Crossing<T>.
 // T is float, double or a SIMD pack: one segment against as many triangles as a pack has lanes.
@@ -55,14 +55,14 @@ struct Crossing {
 namespace detail {
 
 template <class T>
-struct ScalarOf {
+struct LaneType {
   using type = T;
 };
 template <class T>
 requires requires {
   typename T::Vector;
 }  // a pack
-struct ScalarOf<T> {
+struct LaneType<T> {
   using type = float;
 };
 
@@ -70,17 +70,17 @@ struct ScalarOf<T> {
 
 /// The type of one lane.
 template <class T>
-using scalar_of = typename detail::ScalarOf<T>::type;
+using ScalarOf = typename detail::LaneType<T>::type;
 
 /// A segment in every lane.
 template <class T>
-Segment<T> spread(const Segment<scalar_of<T>>& segment) {
+Segment<T> spread(const Segment<ScalarOf<T>>& segment) {
   return {Vec3<T>(segment.origin), Vec3<T>(segment.direction), T(segment.reach)};
 }
 
 /// The crossing of one segment and one triangle, or of one segment and a pack of them.
 template <class Test, class T>
-Crossing<T> find_crossing(const Segment<scalar_of<T>>& segment, const Corners<T>& corners) {
+Crossing<T> find_crossing(const Segment<ScalarOf<T>>& segment, const Corners<T>& corners) {
   return Test::template prepare<T>(segment, [&](const auto& crosses) { return crosses(corners); });
 }
 
@@ -91,7 +91,7 @@ template <class T, class Mask>
 Crossing<T> crossing(Mask inside, T t, const Vec3<T>& weight, T towards_front, T reach) {
   const auto hit = inside && t >= T(0) && t <= reach;
   const T zero(0);
-  constexpr scalar_of<T> never = std::numeric_limits<scalar_of<T>>::infinity();
+  constexpr ScalarOf<T> never = std::numeric_limits<ScalarOf<T>>::infinity();
   return {select(hit, t, T(never)),
           {select(hit, weight.x, zero), select(hit, weight.y, zero), select(hit, weight.z, zero)},
           select(hit, select(towards_front > zero, T(-1), T(1)), zero)};

@@ -75,8 +75,8 @@ struct Watertight {
     struct Halves {
       T high, low;
       explicit Halves(T whole) {
-        constexpr int half = (std::numeric_limits<scalar_of<T>>::digits + 1) / 2;
-        const T spread_out = whole * T(static_cast<scalar_of<T>>((1 << half) + 1));
+        constexpr int half = (std::numeric_limits<ScalarOf<T>>::digits + 1) / 2;
+        const T spread_out = whole * T(static_cast<ScalarOf<T>>((1 << half) + 1));
         high = spread_out - (spread_out - whole);
         low = whole - high;
       }
@@ -87,9 +87,9 @@ struct Watertight {
   };
 
   template <class T, class Function>
-  static auto prepare(const Segment<scalar_of<T>>& segment, const Function& f) {
+  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
     // No abs: code of one float that this translation unit shares with others must not come out of it.
-    const auto squared = [](scalar_of<T> a) { return a * a; };
+    const auto squared = [](ScalarOf<T> a) { return a * a; };
     const auto x = squared(segment.direction.x), y = squared(segment.direction.y),
                z = squared(segment.direction.z);
     if (x > y && x > z) return f(Prepared<T, 0>(spread<T>(segment)));

@@ -2,7 +2,8 @@
 #include "tests/collision/segment_triangle/cases.h"
 #include "tests/collision/segment_triangle/every_test.h"
 
-#include <cstring>
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 // Packs give the bits of the scalar code, on every instruction set of this machine.
@@ -48,7 +49,7 @@ struct Found {
 };
 
 bool same_bits(float a, float b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
 }
 
 template <class Test>

@@ -2,8 +2,8 @@
 #include "souple/world/world.h"
 #include "tests/collision/segment_triangle/every_test.h"
 
+#include <array>
 #include <set>
-#include <vector>
 
 // Settings::segment_test decides how a world's rays meet its surfaces.
 
@@ -55,12 +55,12 @@ TEST(SegmentTestSetting, IsWhatRaysAreTestedBy) {
   Ball ball;
   const auto distances = [&](SegmentTest test) {
     ball.choose(test);
-    std::vector<double> found;
-    for (int i = 0; i < 50; ++i)
-      found.push_back(ball.world.ray_cast({3, 0.01f * static_cast<float>(i), 0.1f}, {-1, 0, 0}).distance);
+    std::array<double, 50> found{};
+    for (std::size_t i = 0; i < found.size(); ++i)
+      found[i] = ball.world.ray_cast({3, 0.01f * static_cast<float>(i), 0.1f}, {-1, 0, 0}).distance;
     return found;
   };
-  std::set<std::vector<double>> different;
+  std::set<std::array<double, 50>> different;
   for (const auto& [name, test] : segment_test_names) different.insert(distances(test));
   EXPECT_GT(different.size(), 2u);
 }
