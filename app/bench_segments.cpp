@@ -80,19 +80,20 @@ struct Ball {
   }
 };
 
-int count_leaks(SegmentTest test) {
+void count_leaks(SegmentTest test, SegmentRate& rate) {
   const Ball ball;
   Crossings found(ball.triangles.size());
   const Vec3f middle{21.1f, -18.2f, 26.7f};
-  int leaks = 0;
-  const auto shoot = [&](const Vec3f& target) {
+  const auto gets_out = [&](const Vec3f& target) {
     find_crossings(test, {middle, target - middle, 10}, ball.columns(), found.columns());
-    leaks += std::all_of(found.side.begin(), found.side.end(), [](float side) { return side == 0; });
+    return std::all_of(found.side.begin(), found.side.end(), [](float side) { return side == 0; });
   };
-  for (const Vec3f& corner : ball.corners) shoot(corner);
+  for (const Vec3f& corner : ball.corners) rate.corner_leaks += gets_out(corner);
   for (const Triangle& t : ball.triangles)
-    for (std::size_t k = 0; k < 3; ++k) shoot((ball.corners[t[k]] + ball.corners[t[(k + 1) % 3]]) * 0.5f);
-  return leaks;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (a < b) rate.edge_leaks += gets_out((ball.corners[a] + ball.corners[b]) * 0.5f);  // each edge once
+    }
 }
 
 }  // namespace
@@ -124,9 +125,11 @@ TriangleColumns SegmentStack::columns() const {
 
 std::vector<SegmentRate> measure_segments(const SegmentStack& stack, int runs) {
   std::vector<SegmentRate> rates;
-  for (const auto& [name, test] : segment_test_names)
+  for (const auto& [name, test] : segment_test_names) {
     rates.push_back({name, rate_of(test, stack, InstructionSet::scalar, runs),
-                     rate_of(test, stack, instruction_set(), runs), count_leaks(test)});
+                     rate_of(test, stack, instruction_set(), runs)});
+    count_leaks(test, rates.back());
+  }
   return rates;
 }
 
@@ -144,11 +147,13 @@ Json segments_json(int size, const std::vector<SegmentRate>& rates) {
     Json entry = Json::object();
     entry.set("scalar_per_second", Json::of(std::round(rate.scalar)));
     entry.set("packed_per_second", Json::of(std::round(rate.packed)));
-    entry.set("leaks", Json::whole(rate.leaks));
+    entry.set("corner_leaks", Json::whole(rate.corner_leaks));
+    entry.set("edge_leaks", Json::whole(rate.edge_leaks));
     tests.set(rate.name, std::move(entry));
   }
   result.set("tests", std::move(tests));
-  result.set("leak_rays", Json::whole(leak_rays));
+  result.set("corner_rays", Json::whole(corner_rays));
+  result.set("edge_rays", Json::whole(edge_rays));
   return result;
 }
 
@@ -156,14 +161,16 @@ void print_segments(const Json& result) {
   const std::string& chosen = result.find("default")->text;
   std::printf("segments: million tests of a segment and a triangle a second, one thread, of %.0f triangles\n",
               result.find("size")->number);
-  std::printf("  %-20s %10s %10s %10s\n", "", "scalar", result.find("simd")->text.c_str(), "leaks");
-  for (const scene_format::Member& test : result.find("tests")->members)
-    std::printf("  %-20s %10.1f %10.1f %10.0f%s\n", test.key.c_str(),
-                test.value.find("scalar_per_second")->number / 1e6,
-                test.value.find("packed_per_second")->number / 1e6, test.value.find("leaks")->number,
-                test.key == chosen ? "  the default" : "");
-  std::printf("  leaks: rays that get out of a closed mesh, of %d aimed at its corners and edges\n",
-              leak_rays);
+  std::printf("  %-20s %10s %10s %10s %10s\n", "", "scalar", result.find("simd")->text.c_str(), "corners",
+              "edges");
+  for (const scene_format::Member& test : result.find("tests")->members) {
+    const auto number = [&](const char* key) { return test.value.find(key)->number; };
+    std::printf("  %-20s %10.1f %10.1f %10.0f %10.0f%s\n", test.key.c_str(),
+                number("scalar_per_second") / 1e6, number("packed_per_second") / 1e6, number("corner_leaks"),
+                number("edge_leaks"), test.key == chosen ? "  the default" : "");
+  }
+  std::printf("  corners, edges: rays that get out of a closed mesh, of %d and %d aimed at them\n",
+              corner_rays, edge_rays);
 }
 
 }  // namespace souple::app

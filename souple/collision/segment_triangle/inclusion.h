@@ -13,8 +13,8 @@ namespace souple {
 ///   weight of a = [b - g, c - g] / [e, f],   of b = [c - g, a - g] / [e, f],   of c = [a - g, b - g] / [e,
 ///   f].
 ///
-/// Inside where none is negative. All corners are treated alike: none is a difference of the others, as in
-/// Badouel's test and in Möller and Trumbore's, and a sliver's weights keep their digits.
+/// Inside where none is negative. All corners are treated alike: no weight is a difference of the others, as
+/// in Badouel's test and in Möller and Trumbore's. Slivers are as hard as for Badouel's.
 struct Inclusion {
   template <class T>
   struct Prepared {

@@ -17,6 +17,9 @@ namespace souple {
 ///
 /// and the point is inside where v >= 0, w >= 0 and v + w <= 1. Badouel divides by a coordinate of e and
 /// needs a case for where it is zero; Cramer's rule needs none, and [e, f] is that component of n.
+///
+/// Slivers lose digits twice: n, rounded, is not quite perpendicular to the long edges, and far along them
+/// the plane is off by more than the sliver is wide.
 struct PlaneProjection {
   template <class T>
   struct Prepared {
