@@ -1,6 +1,7 @@
 #include "app/bench_measure.h"
 #include "app/bench_report.h"
 #include "app/bench_scenes.h"
+#include "app/bench_segments.h"
 #include "app/bench_stages.h"
 #include "app/bench_words.h"
 #include "app/commands.h"
@@ -26,6 +27,8 @@ int list_benchmarks() {
   std::for_each(stage_benches().begin(), stage_benches().end(), name_length);
   std::for_each(bench_scenes().begin(), bench_scenes().end(), print);
   std::for_each(stage_benches().begin(), stage_benches().end(), print);
+  std::printf("%-*s  a segment against triangles, by each of the tests; --size: triangles [%d]\n",
+              static_cast<int>(widest), segments_name, default_segments_size);
   return fine;
 }
 
@@ -71,10 +74,26 @@ BenchOptions options_of(const BenchRequest& request) {
   return options;
 }
 
+/// Not a scene: of the options it takes --size, --runs and --json.
+int bench_segments(const BenchRequest& request) {
+  if (!request.compare.empty()) throw Error("--compare: segments has no steps to compare");
+  int size = default_segments_size, runs = 10;
+  take(request.size, "--size", 1, 10000000, size);
+  take(request.runs, "--runs", 1, 1000, runs);
+  const auto result = segments_json(size, measure_segments(SegmentStack(size), runs));
+  if (request.json) {
+    std::fputs(dump_json(result).c_str(), stdout);
+  } else {
+    print_segments(result);
+  }
+  return fine;
+}
+
 }  // namespace
 
 int bench(const BenchRequest& request) {
   if (request.name.empty()) return list_benchmarks();
+  if (request.name == segments_name) return bench_segments(request);
   using scene_format::Json;
   Json before;
   if (!request.compare.empty()) before = read_bench_json(request.compare);

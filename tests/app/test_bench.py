@@ -32,7 +32,7 @@ def bench(*arguments, **environment):
 class Bench(unittest.TestCase):
     def test_lists_what_there_is(self):
         listed = souple("bench").stdout.splitlines()
-        self.assertEqual([line.split()[0] for line in listed], list(NAMES) + STAGES)
+        self.assertEqual([line.split()[0] for line in listed], [*NAMES, *STAGES, "segments"])
 
     def test_every_benchmark_says_everything(self):
         for name, size in NAMES.items():
@@ -111,6 +111,18 @@ class Bench(unittest.TestCase):
             self.assertIn("size: 11, was 10", text)
             self.assertRegex(text, r"a step .* ms +[0-9.]+x")
 
+    def test_segments(self):
+        result = json.loads(souple("bench", "segments", "--size", 100, "--runs", 1, "--json").stdout)
+        self.assertEqual((result["name"], result["size"], result["threads"]), ("segments", 100, 1))
+        tests = result["tests"]
+        self.assertEqual(list(tests), ["plane_projection", "signed_volumes", "inclusion", "moeller_trumbore", "watertight"])
+        for test in tests.values():
+            self.assertGreater(test["scalar_per_second"], 1e5)
+            self.assertGreater(test["packed_per_second"], 1e5)
+        default = tests[result["default"]]
+        self.assertEqual((default["corner_leaks"], default["edge_leaks"]), (0, 0))
+        self.assertIn("watertight", souple("bench", "segments", "--size", 8, "--runs", 1).stdout)
+
     def test_bad_input_is_one_line(self):
         wrong = Path(tempfile.mkdtemp()) / "wrong.json"
         wrong.write_text("[1]")
@@ -120,7 +132,9 @@ class Bench(unittest.TestCase):
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),
                                  (["tets", "--size", "100", "--residual", "0.01"], "not a cloth"),
                                  (["cloth", "--size", "9", "--compare", wrong], "wrong.json"),
-                                 (["cloth", "--compare", "missing.json"], "missing.json")):
+                                 (["cloth", "--compare", "missing.json"], "missing.json"),
+                                 (["segments", "--size", "0"], "--size 0"),
+                                 (["segments", "--compare", wrong], "segments")):
             done = souple("bench", *arguments, code=2)
             self.assertEqual(done.stdout, "")
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
