@@ -67,6 +67,19 @@ void build_cloth(World& world, int size) {
   hang(world, size, rigid_material());
 }
 
+// The sheet comes down on its edge and folds over itself; what is measured begins when it lies in a heap.
+void build_heap(World& world, int size) {
+  ClothMaterial material;
+  material.thickness = 0.35f * static_cast<float>(side) / static_cast<float>(size);
+  ObjectOptions options;
+  options.self_collision = true;
+  options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
+  options.transform.translation = {0, 0.5 * side + 0.02, 0};
+  world.add_cloth(grid(size, size, static_cast<float>(side)), material, options);
+  world.add_collider(Plane{});
+  for (int frame = 0; frame < 48; ++frame) world.step(1.0 / 60);
+}
+
 void build_dihedral(World& world, int size) {
   add_second_diagonals(world, hang(world, size, bending_material(BendingModel::dihedral)), size);
 }
@@ -133,6 +146,8 @@ constexpr std::array scenes{
     BenchScene{"tets", "a neo-Hookean bar held at one end", "tets, about", 43200, 5, 20000000, build_tets},
     BenchScene{"cloths", "many rigid cloths of 32 x 32 vertices", "cloths", 1000, 1, 10000, build_cloths},
     BenchScene{"cubes", "many neo-Hookean cubes of 5 x 5 x 5 cells", "cubes", 400, 1, 20000, build_cubes},
+    BenchScene{"heap", "a cloth of 2 m that fell on its edge, in folds", "vertices along a side", 60, 4, 1000,
+               build_heap},
 };
 
 /// One cloth of `size` rows and columns.

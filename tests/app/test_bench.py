@@ -13,7 +13,7 @@ PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
 SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
-         "cubes": 2}
+         "cubes": 2, "heap": 12}
 STAGES = ["triangles"]  # of one stage, without a world
 
 
