@@ -15,10 +15,14 @@
 // which makes a vertex that slides along a triangle crawl). Any n is sound, so nothing hangs on how exactly
 // it was computed.
 //
-// Volume. With e, f, r as in Wedge, V(t) = r . (e x f) is a cubic, and |V| / |e x f| is the distance of the
-// particle to the plane, or of the two lines: it bounds the distance. Where |V| is above bound * max |e x f|
-// nothing is near (Provot 1997 asks for V = 0). If the four Bernstein coefficients say so there is no root to
-// look for; else the intervals of cubic.h remain, and separation advances within them.
+// Volume. With e, f, r as in wedge below and n = e x f, V(t) = r . n is a cubic, and |V| / |n| is the
+// distance of the particle to the plane, or of the two lines: it bounds the distance. With N(t) >= |n(t)| a
+// quadratic, its Bernstein coefficients the lengths of those of n, nothing is near before the first root of
+// |V| - bound N (Provot 1997 asks for V = 0, which leaves nothing for rounding). If its Bernstein
+// coefficients are positive there is none, else cubic.h says where.
+//
+// Separation finds straight motion in one step and is slow where things turn around each other; volume knows
+// turning and is blind beside the triangle. So both look, and the later time counts.
 
 namespace souple {
 namespace {
@@ -34,6 +38,7 @@ double largest(const Vec3d& v) {
 }
 
 struct VertexTriangle {
+  static constexpr int first = 1;  // particles of the one side, the others are the other side's
   static constexpr Pair pairs[] = {{0, 1}, {0, 2}, {0, 3}};
 
   /// From the nearest point of the triangle to the particle.
@@ -51,6 +56,7 @@ struct VertexTriangle {
 };
 
 struct EdgeEdge {
+  static constexpr int first = 2;
   static constexpr Pair pairs[] = {{0, 2}, {0, 3}, {1, 2}, {1, 3}};
 
   /// From the nearest point of edge 2, 3 to that of edge 0, 1.
@@ -71,15 +77,12 @@ void positions_at(const Moving4& m, double t, Vec3d (&x)[4]) {
   for (int i = 0; i < 4; ++i) x[i] = m.x[i] * (1 - t) + m.p[i] * t;
 }
 
-/// What the projection of a pair on a unit vector, at any time, may be wrong by: the difference, three
-/// products and two sums, the length of n, the interpolation; under 16 eps of the largest component, 64
+/// What the projection of a pair on a unit vector, at any time, may be wrong by: the differences, three
+/// products and two sums, the length of n, the interpolation; under 20 eps of the largest component, 64
 /// leaves room.
-template <class Kind>
 double rounding(const Moving4& m) {
   double size = 0;
-  for (const auto [a, b] : Kind::pairs) {
-    size = max(size, max(largest(m.x[a] - m.x[b]), largest(m.p[a] - m.p[b])));
-  }
+  for (int i = 1; i < 4; ++i) size = max(size, max(largest(m.x[i]), largest(m.p[i])));
   return 64 * eps * size;
 }
 
@@ -104,28 +107,33 @@ Vec3d plane_normal(const Vec3d (&x)[4]) {
   return dot(n, r) < 0 ? -n : n;
 }
 
-/// Volume: the times at which the two may be closer than `bound`, one interval [0, 1] where nothing is known.
+/// Volume: until when the two stay apart by more than `bound`, given that at `t` they are at x; t where it
+/// tells nothing.
 template <class Kind>
-CubicRoots near_plane(const Moving4& m, double bound) {
+double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double bound) {
   Vec3d e0, f0, r0, e1, f1, r1;
-  Kind::wedge(m.x, e0, f0, r0);
+  Kind::wedge(x, e0, f0, r0);
   Kind::wedge(m.p, e1, f1, r1);
-  // Bernstein coefficients over [0, 1] of e x f, and of r . (e x f).
-  const Vec3d n0 = cross(e0, f0), n1 = 0.5 * (cross(e0, f1) + cross(e1, f0)), n2 = cross(e1, f1);
-  const double b0 = dot(r0, n0), b1 = (dot(r1, n0) + 2 * dot(r0, n1)) / 3;
-  const double b2 = (2 * dot(r1, n1) + dot(r0, n2)) / 3, b3 = dot(r1, n2);
-  // n1 .. n3 are wrong by at most 6 eps areas, b0 .. b3 by 24 eps areas * reach, and what c rounds by 54 eps
-  // largest b: each coefficient is three or four roundings of terms whose sum is at most 27 times that.
+  // Bernstein coefficients over [t, 1] of n, N and V; one sign of V is enough.
+  const Vec3d n[3] = {cross(e0, f0), 0.5 * (cross(e0, f1) + cross(e1, f0)), cross(e1, f1)};
+  const double N[3] = {length(n[0]), length(n[1]), length(n[2])};
+  const double V0 = dot(r0, n[0]), side = V0 < 0 ? -1 : 1;
+  const double b[4] = {side * V0 - bound * N[0],
+                       (side * (dot(r1, n[0]) + 2 * dot(r0, n[1])) - bound * (N[0] + 2 * N[1])) / 3,
+                       (side * (2 * dot(r1, n[1]) + dot(r0, n[2])) - bound * (2 * N[1] + N[2])) / 3,
+                       side * dot(r1, n[2]) - bound * N[2]};
+  // n is wrong by at most 6 eps area, V by 24 eps area * reach, a time by eps; what c rounds is at most 54
+  // eps times the largest b: each is three or four roundings of terms whose sum is at most 27 times that.
   const double area = max(largest(e0), largest(e1)) * max(largest(f0), largest(f1));
-  const double reach = max(largest(r0), largest(r1));
-  const double normal = sqrt(max(max(length_squared(n0), length_squared(n1)), length_squared(n2)));
-  const double extent = max(max(abs(b0), abs(b1)), max(abs(b2), abs(b3)));
-  const double error = bound * (normal + 16 * eps * area) + 64 * eps * (area * reach + extent);
-
-  const double lowest = min(min(b0, b1), min(b2, b3)), highest = max(max(b0, b1), max(b2, b3));
-  if (lowest > error || highest < -error) return {};
-  const double c[4] = {b0, 3 * (b1 - b0), 3 * (b2 - 2 * b1 + b0), (b3 - b0) + 3 * (b1 - b2)};
-  return cubic_roots(c, error);
+  const double reach = max(largest(r0), largest(r1)) + bound;
+  const double extent = max(max(abs(b[0]), abs(b[1])), max(abs(b[2]), abs(b[3])));
+  const double error = 128 * eps * (area * reach + extent);
+  if (!(b[0] > error)) return t;
+  if (min(min(b[1], b[2]), b[3]) > error) return 1;
+  const double c[4] = {b[0], 3 * (b[1] - b[0]), 3 * (b[2] - 2 * b[1] + b[0]),
+                       (b[3] - b[0]) + 3 * (b[1] - b[2])};
+  const CubicRoots roots = cubic_roots(c, error);
+  return roots.count == 0 ? 1 : t + (1 - t) * roots.interval[0].lo;
 }
 
 /// In touch at the begin: no bound can hold, but they may part at once, along the normal and at every corner.
@@ -143,38 +151,75 @@ double parting(const Moving4& m, double touch) {
   return 0;
 }
 
+/// min and max overlook NaN.
+bool all_finite(const Moving4& m) {
+  Vec3d sum;
+  for (int i = 0; i < 4; ++i) sum += m.x[i] + m.p[i];
+  return is_finite(sum);
+}
+
+/// The cheapest way out, for most of what a broad phase brings: whether the boxes that the two sweep are
+/// apart by more than `gap` and a 1024th of any distance at the begin. Then the bound holds without knowing
+/// that distance.
 template <class Kind>
-double safe_time(const Moving4& m, double gap) {
+bool swept_boxes_apart(const Moving4& m, double gap, double far) {
+  for (int axis = 0; axis < 3; ++axis) {
+    double lo[2], hi[2];
+    for (const int side : {0, 1}) {
+      const int begin = side == 0 ? 0 : Kind::first, end = side == 0 ? Kind::first : 4;
+      lo[side] = hi[side] = m.x[begin][axis];
+      for (int i = begin; i < end; ++i) {
+        lo[side] = min(lo[side], min(m.x[i][axis], m.p[i][axis]));
+        hi[side] = max(hi[side], max(m.x[i][axis], m.p[i][axis]));
+      }
+    }
+    const double apart = max(lo[0] - hi[1], lo[1] - hi[0]);
+    if (apart > gap && apart > 2 * far * length(m.x[0] - m.x[3])) return all_finite(m);
+  }
+  return false;
+}
+
+/// In the frame of particle 0, where interpolation rounds no more than differences do.
+Moving4 relative(const Moving4& m) {
+  Moving4 r;
+  for (int i = 1; i < 4; ++i) {
+    r.x[i] = m.x[i] - m.x[0];
+    r.p[i] = m.p[i] - m.p[0];
+  }
+  return r;
+}
+
+template <class Kind>
+double safe_time(const Moving4& motion, double gap) {
   constexpr double close = 0.1, far = 1.0 / 1024;  // what must remain of the distance, see the header
   constexpr double near_enough = 1 + 1.0 / 64;
   constexpr int advances = 64;  // ordinary motions need one to five
 
-  const Vec3d first = Kind::connection(m.x);
-  const double distance = length(first), touch = rounding<Kind>(m);
+  if (swept_boxes_apart<Kind>(motion, gap, far)) return 1;
+  const Moving4 m = relative(motion);
+  Vec3d x[4] = {m.x[0], m.x[1], m.x[2], m.x[3]};
+  Vec3d connection = Kind::connection(x);
+  double distance = length(connection);
+  const double touch = rounding(m);
   if (!(distance > touch)) return distance <= touch ? parting<Kind>(m, touch) : 0;
   const double bound = (distance > gap ? max(gap, far * distance) : close * distance) + touch;
-  double t = apart_until<Kind>(m, first / distance, 0, bound);
-  if (t >= 1) return 1;
 
-  const CubicRoots near = near_plane<Kind>(m, bound);
-  int left = advances;
-  for (int k = 0; k < near.count; ++k) {
-    t = max(t, near.interval[k].lo);
-    while (t < near.interval[k].hi) {
-      Vec3d x[4];
-      positions_at(m, t, x);
-      const Vec3d connection = Kind::connection(x);
-      const double now = length(connection);
-      if (!(now > bound * near_enough) || left-- == 0) return t;
-      double next = apart_until<Kind>(m, connection / now, t, bound);
-      // A short connection's direction is rounded too much to part anything; the normal's is not.
-      if (next <= t) next = apart_until<Kind>(m, plane_normal<Kind>(x), t, bound);
-      if (!(next > t)) return t;
-      if (next >= 1) return 1;
-      t = next;
-    }
+  double t = 0;
+  for (int k = 0; k < advances && distance > bound * near_enough; ++k) {
+    double next = apart_until<Kind>(m, connection / distance, t, bound);
+    if (next >= 1) return 1;
+    // The direction of a short connection may be rounded too much to part anything; volume does not depend on
+    // it.
+    if (k % 4 == 0 || !(next > t)) next = max(next, volume_until<Kind>(m, x, t, bound));
+    if (next >= 1) return 1;
+    if (!(next > t)) next = apart_until<Kind>(m, plane_normal<Kind>(x), t, bound);
+    if (!(next > t)) return t;
+    t = next;
+    positions_at(m, t, x);
+    connection = Kind::connection(x);
+    distance = length(connection);
   }
-  return 1;
+  return t;
 }
 
 }  // namespace

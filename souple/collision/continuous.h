@@ -16,8 +16,13 @@ struct Moving4 {
 ///   a tenth of the distance at the begin elsewhere;
 /// so the two never touch, all rounding included. 1 if that holds for the whole motion.
 ///
-/// Where the distance comes within 1/64 of its bound the answer may stop. A motion that begins in touch (to
-/// rounding) gets 1 if it parts along the normal, else 0. Coordinates that are not finite get 0.
+/// Where the distance comes within 1/64 of its bound the answer may stop; a gap just below the distance at
+/// the begin so stops at once what approaches. A straight approach is answered within 1/500 of the first
+/// touch (gap 0). Where parts turn by more than their size about each other, one answer in some thousands
+/// stops earlier: still safe.
+///
+/// A motion that begins in touch (to rounding, 64 eps of the particles' reach) gets 1 if every corner parts
+/// along the normal, else 0. Coordinates that are not finite get 0.
 double vertex_triangle_time(const Moving4& motion, double gap);
 
 /// The same of the edges 0, 1 and 2, 3.

@@ -47,16 +47,17 @@ int turning_points(const Cubic& f, double (&t)[2]) {
   return count;
 }
 
-/// From `inside`, where f may be zero, towards `outside`, where it is not: a point where it surely is not, at
-/// most twice as far from `inside` as need be. Steps grow fourfold, then the last is halved once.
+/// From `inside`, where f may be zero, towards `outside`, where it is not: a point that has the sign f has
+/// there, at most twice as far from `inside` as need be. Steps grow fourfold, then the last is halved once.
+/// (Any sign will not do: at the rim of what may be zero, the next value may be beyond it on the other side.)
 double leave_zero(const Cubic& f, double inside, double outside) {
+  const int sign = f.sign(f(outside));
   const double way = outside - inside;
-  for (double step = std::numeric_limits<double>::epsilon() / 2; step < 1; step *= 4) {
+  for (double step = std::numeric_limits<double>::epsilon() / 2; step < std::abs(way); step *= 4) {
     const double t = inside + std::copysign(step, way);
-    if (std::abs(step) >= std::abs(way)) break;
-    if (f.sign(f(t)) == 0) continue;
+    if (f.sign(f(t)) != sign) continue;
     const double half = inside + std::copysign(step / 2, way);
-    return f.sign(f(half)) != 0 ? half : t;
+    return f.sign(f(half)) == sign ? half : t;
   }
   return outside;
 }

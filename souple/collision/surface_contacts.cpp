@@ -24,6 +24,9 @@ constexpr float rest_part = 0.9f;
 constexpr float least_thickness = 1e-5f;  // m
 // A particle is boxed for the way that its velocity takes it and a little more: it may be pushed.
 constexpr float surprise = 0.1f;
+// Nearer than this no side is left to keep: what began so is not held back, or two sheets that lie in one
+// plane would never come apart. [m]
+constexpr float touching = 1e-8f;
 // Contacts are made somewhat before features are near enough to push: the solver moves them too.
 constexpr float early = 0.1f;
 
@@ -196,17 +199,17 @@ void SurfaceContacts::find_boxes(const ParticleView& particles, std::span<const 
 // Surfaces whose boxes meet, of those that may: their elements are compared.
 void SurfaceContacts::find_crossing() {
   const std::size_t n = surfaces_.size();
-  std::vector<Bounds> around_all(n,
-                                 Bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
+  surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
   for (std::size_t a = 0; a < n; ++a)
     for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i)
-      around_all[a] = united(around_all[a], boxes_[i]);
-  std::vector<std::uint8_t> crosses(n, 0);
+      surface_bounds_[a] = united(surface_bounds_[a], boxes_[i]);
+  crosses_now_.assign(n, 0);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < a; ++b)
-      if (crossing_matrix_.at(a, b) && overlap(around_all[a], around_all[b])) crosses[a] = crosses[b] = 1;
-  if (crosses == crosses_) return;
-  crosses_ = crosses;
+      if (crossing_matrix_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b]))
+        crosses_now_[a] = crosses_now_[b] = 1;
+  if (crosses_now_ == crosses_) return;
+  crosses_ = crosses_now_;
   crossing_.clear();
   for (std::uint32_t a = 0; a < n; ++a) {
     if (crosses_[a] == 0) continue;
@@ -317,6 +320,18 @@ bool SurfaceContacts::left_boxes(const ParticleView& particles, Threads& threads
   return std::find(chunk_flags_.begin(), chunk_flags_.end(), 1) != chunk_flags_.end();
 }
 
+// Pairs for the rest of the step, from where the substep began, by the ways that it takes.
+void SurfaceContacts::find_again(const ParticleView& particles, float h, Threads& threads) {
+  velocity_now_.resize(surface_of_.size());
+  for (std::size_t i = 0; i < velocity_now_.size(); ++i) velocity_now_[i].set_xyz(particles.moved(i) / h);
+  before_.assign(particles.start.begin(), particles.start.end());
+  ParticleView before = particles;
+  before.moving = before_;
+  if (particles.form == Form::plain) before.position = before_;
+  find_pairs(before, velocity_now_, max(covered_ - elapsed_ + h, h), threads);
+  elapsed_ = h;
+}
+
 // --- contacts of a substep
 
 void SurfaceContacts::forget_contacts() {
@@ -329,18 +344,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   if (!any_pair_) return;
   last_h_ = substep.h;
   elapsed_ += substep.h;
-  if (left_boxes(particles, threads)) {
-    // From where the substep began, by the way that it takes: the rest of the step, but a substep at least.
-    velocity_now_.resize(surface_of_.size());
-    for (std::size_t i = 0; i < velocity_now_.size(); ++i)
-      velocity_now_[i].set_xyz(particles.moved(i) / substep.h);
-    ParticleView before = particles;
-    before_.assign(particles.start.begin(), particles.start.end());
-    before.moving = before_;
-    if (particles.form == Form::plain) before.position = before_;
-    find_pairs(before, velocity_now_, max(covered_ - elapsed_ + substep.h, substep.h), threads);
-    elapsed_ = substep.h;
-  }
+  if (left_boxes(particles, threads)) find_again(particles, substep.h, threads);
   const std::size_t chunks = chunks_of(candidates_.size());
   if (chunks_.size() < chunks) chunks_.resize(chunks);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t last) {
@@ -479,13 +483,14 @@ float SurfaceContacts::safe_part(Candidate& candidate, bool edges, const Particl
   if (way < 0.9f * candidate.known) return 1;
   const Motion motion = motion_of(candidate.particle, particles);
   candidate.known = distance(motion.x, edges);
-  if (way < 0.9f * candidate.known) return 1;
+  if (way < 0.9f * candidate.known || candidate.known < touching) return 1;
   return safe_time(motion, edges);
 }
 
-// One look along all ways. Particles of a pair that would touch keep the part that is safe.
-std::size_t SurfaceContacts::cut_ways(const ParticleView& particles, Threads& threads) {
+// Pairs that would touch on their ways, in order.
+void SurfaceContacts::find_cuts(const ParticleView& particles, Threads& threads) {
   const std::size_t chunks = chunks_of(candidates_.size());
+  if (chunks_.size() < chunks) chunks_.resize(chunks);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
       std::vector<Cut>& cuts = chunks_[c].cuts;
@@ -496,28 +501,48 @@ std::size_t SurfaceContacts::cut_ways(const ParticleView& particles, Threads& th
       }
     }
   });
-  std::size_t count = 0;
-  part_.assign(surface_of_.size(), 1);
+  cuts_.clear();
   for (std::size_t c = 0; c < chunks; ++c)
-    for (const Cut& cut : chunks_[c].cuts) {
-      ++count;
-      for (const std::uint32_t i : candidates_[cut.candidate].particle) part_[i] = min(part_[i], cut.part);
-    }
-  if (count == 0) return 0;
+    cuts_.insert(cuts_.end(), chunks_[c].cuts.begin(), chunks_[c].cuts.end());
+}
+
+// What the solver left undone: contacts of the pairs that would still touch, one after the other. They keep
+// momentum.
+void SurfaceContacts::push_cuts(const ParticleView& particles, float h) {
+  Contact contact;
+  for (const Cut& cut : cuts_)
+    if (contact_of(candidates_[cut.candidate], cut.candidate >= first_edges_, particles, h, contact))
+      rescues_.push_back(contact);
+  for (Contact& rescue : rescues_) project_one(rescue, particles);
+}
+
+// Particles of a pair that would touch keep the part of their way that is safe.
+void SurfaceContacts::shorten_ways(const ParticleView& particles) {
+  part_.assign(surface_of_.size(), 1);
+  for (const Cut& cut : cuts_)
+    for (const std::uint32_t i : candidates_[cut.candidate].particle) part_[i] = min(part_[i], cut.part);
   for (std::size_t i = 0; i < part_.size(); ++i)
     if (part_[i] < 1 && particles.inverse_mass(i) > 0)
       particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * part_[i]);
-  return count;
 }
 
-std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, Threads& threads) {
-  if (candidates_.empty()) return 0;
+// First pushes, which keep momentum; what they do not settle is stopped.
+std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
+                                        Threads& threads) {
+  if (!any_pair_) return 0;
+  constexpr int pushes = 6, passes = 14;
+  rescues_.clear();
   std::size_t count = 0;
-  constexpr int most = 8;
-  for (int pass = 0; pass < most; ++pass) {
-    const std::size_t cuts = cut_ways(particles, threads);
-    count += cuts;
-    if (cuts == 0) break;
+  for (int pass = 0; pass < passes; ++pass) {
+    if (left_boxes(particles, threads)) find_again(particles, substep.h, threads);
+    find_cuts(particles, threads);
+    if (cuts_.empty()) break;
+    if (pass < pushes) {
+      push_cuts(particles, substep.h);
+    } else {
+      count += cuts_.size();
+      shorten_ways(particles);
+    }
   }
   const std::size_t chunks = chunks_of(candidates_.size());
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t last) {

@@ -35,8 +35,9 @@ struct ContactSurface {
 /// (continuous.h). So n always points to the side that the features came from. Corrections w_k c_k n keep
 /// momentum. Friction, restitution and the slow release of an old overlap are those of ParticleContacts.
 ///
-/// After the solver, `keep_apart` looks along the way of everything once more and shortens it wherever two
-/// features would pass through each other all the same: what was not tangled never becomes so.
+/// After the solver, `keep_apart` looks along the way of everything once more. Pairs that would pass through
+/// each other all the same are pushed some more; where that does not settle it either (something is squeezed
+/// between walls), ways are shortened: what was not tangled never becomes so.
 ///
 /// Near pairs are found once per step from boxes swept by the velocities (near_pairs.h), those of one object
 /// relative to its mean velocity; and again when a particle leaves its box.
@@ -53,8 +54,8 @@ class SurfaceContacts final : public Projector {
                   Threads& threads);
   /// After prediction: the contacts of this substep.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
-  /// After the solver, before velocities are taken. Returns how many ways were shortened.
-  std::size_t keep_apart(const ParticleView& particles, Threads& threads);
+  /// After the solver, before velocities are taken. Returns how often a way was shortened.
+  std::size_t keep_apart(const ParticleView& particles, const Substep& substep, Threads& threads);
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
 
@@ -115,6 +116,7 @@ class SurfaceContacts final : public Projector {
   void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
   void find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
   void find_pairs(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
+  void find_again(const ParticleView& particles, float h, Threads& threads);
   void find_crossing();
   void add_candidates(std::span<const NearPair> pairs, bool edges, const ParticleView& particles,
                       Threads& threads);
@@ -124,7 +126,9 @@ class SurfaceContacts final : public Projector {
                   Contact& contact) const;
   bool is_end(const Contact& contact) const;
   float safe_part(Candidate& candidate, bool edges, const ParticleView& particles) const;
-  std::size_t cut_ways(const ParticleView& particles, Threads& threads);
+  void find_cuts(const ParticleView& particles, Threads& threads);
+  void push_cuts(const ParticleView& particles, float h);
+  void shorten_ways(const ParticleView& particles);
   void colour_found(const ParticleView& particles);
   void project_one(Contact& contact, const ParticleView& particles) const;
   void restore_speed(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
@@ -134,8 +138,9 @@ class SurfaceContacts final : public Projector {
   std::vector<ContactSurface> surfaces_;
   std::vector<std::array<std::uint32_t, 2>> excluded_;  // both ways, sorted
   std::vector<std::uint32_t> surface_of_;               // of each particle; none where it has none
-  SurfaceElements own_, crossing_;     // of those that meet themselves; of those that may meet another now
-  std::vector<std::uint8_t> crosses_;  // which those are
+  SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
+  std::vector<Bounds> surface_bounds_;
+  std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are
   ObjectMatrix own_matrix_, crossing_matrix_;
   bool any_pair_ = false;  // of surfaces that could meet
 
@@ -159,6 +164,8 @@ class SurfaceContacts final : public Projector {
   std::vector<float> part_;                   // of each particle's way that is left to it in keep_apart
   std::vector<std::uint64_t> used_;           // of each particle: colours of its contacts
   std::vector<std::uint32_t> waiting_, colour_of_;
+  std::vector<Cut> cuts_;
+  std::vector<Contact> rescues_;           // what the solver left undone
   std::vector<Contact> found_, contacts_;  // in order of candidates; sorted by colour
   std::vector<std::uint32_t> colour_begin_{0}, next_place_;
 };

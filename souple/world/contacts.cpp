@@ -133,8 +133,8 @@ void generate_contacts(WorldState& world, const Substep& substep) {
   world.particle_contacts.refresh(view, substep, *world.threads);
 }
 
-void keep_apart(WorldState& world) {
-  world.report.kept_apart += world.surface_contacts.keep_apart(world.view(), *world.threads);
+void keep_apart(WorldState& world, const Substep& substep) {
+  world.report.kept_apart += world.surface_contacts.keep_apart(world.view(), substep, *world.threads);
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {

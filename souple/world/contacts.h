@@ -7,7 +7,7 @@ namespace souple {
 /// Tells the contact projectors what there is: object ranges, which of them meet, surfaces.
 void build_contact_tables(WorldState& world);
 /// After the solver: shortens what would pass through something.
-void keep_apart(WorldState& world);
+void keep_apart(WorldState& world, const Substep& substep);
 /// Stage (5) at contacts.
 void apply_restitution(WorldState& world, const Substep& substep);
 /// Fills the report's counts.

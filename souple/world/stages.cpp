@@ -185,7 +185,7 @@ void solve(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
   world.solver->solve(world.order, view, substep, *world.threads);
-  keep_apart(world);
+  keep_apart(world, substep);
 }
 
 bool finish(WorldState& world, const Substep& substep) {

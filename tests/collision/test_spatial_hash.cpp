@@ -8,9 +8,9 @@
 namespace souple {
 namespace {
 
-std::vector<Box> random_boxes(std::size_t count, double cube, double largest, std::uint64_t seed) {
+std::vector<Bounds> random_boxes(std::size_t count, double cube, double largest, std::uint64_t seed) {
   test::Random random(seed);
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   for (std::size_t b = 0; b < count; ++b) {
     const Vec3f lo(random.point(-cube, cube));
     const double size = largest * std::pow(random.uniform(0, 1), 6);
@@ -19,7 +19,7 @@ std::vector<Box> random_boxes(std::size_t count, double cube, double largest, st
   return boxes;
 }
 
-std::vector<std::uint32_t> overlapping(const std::vector<Box>& boxes, const Box& box) {
+std::vector<std::uint32_t> overlapping(const std::vector<Bounds>& boxes, const Bounds& box) {
   std::vector<std::uint32_t> result;
   for (std::uint32_t b = 0; b < boxes.size(); ++b)
     if (overlap(boxes[b], box)) result.push_back(b);
@@ -29,14 +29,14 @@ std::vector<std::uint32_t> overlapping(const std::vector<Box>& boxes, const Box&
 // Boxes from points to the whole cube are asked for; each answer is that of looking at all.
 TEST(SpatialHash, FindsWhatOverlapsABoxOfAnySize) {
   const auto threads = make_threads(Threading::pool, 2);
-  const std::vector<Box> boxes = random_boxes(3000, 1, 0.5, 1);
+  const std::vector<Bounds> boxes = random_boxes(3000, 1, 0.5, 1);
   SpatialHash hash;
   hash.build(boxes, SpatialHash::choose_cell_size(boxes), *threads);
   test::Random random(2);
   std::size_t sum = 0;
   for (int query = 0; query < 300; ++query) {
     const Vec3f lo(random.point(-1, 1));
-    const Box box{lo, lo + Vec3f(random.point(0, std::pow(0.5, query % 12)))};
+    const Bounds box{lo, lo + Vec3f(random.point(0, std::pow(0.5, query % 12)))};
     std::vector<std::uint32_t> found;
     hash.find(box, found);
     ASSERT_EQ(found, overlapping(boxes, box));
@@ -50,7 +50,7 @@ TEST(SpatialHash, FindsWhatOverlapsABoxOfAnySize) {
 
 TEST(SpatialHash, EachPairHasOneWhoFindsIt) {
   const auto threads = make_threads(Threading::pool, 2);
-  const std::vector<Box> boxes = random_boxes(2000, 1, 0.6, 3);
+  const std::vector<Bounds> boxes = random_boxes(2000, 1, 0.6, 3);
   SpatialHash hash;
   hash.build(boxes, SpatialHash::choose_cell_size(boxes), *threads);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> found, expected;
@@ -68,7 +68,7 @@ TEST(SpatialHash, EachPairHasOneWhoFindsIt) {
 // Two hashes with the same cells: small ones ask for those as large, and the others for what is larger.
 TEST(SpatialHash, TwoHashesMeetOnce) {
   const auto threads = make_threads(Threading::serial, 1);
-  const std::vector<Box> boxes_a = random_boxes(800, 1, 0.6, 4), boxes_b = random_boxes(900, 1, 0.2, 5);
+  const std::vector<Bounds> boxes_a = random_boxes(800, 1, 0.6, 4), boxes_b = random_boxes(900, 1, 0.2, 5);
   SpatialHash a, b;
   a.build(boxes_a, 0.01f, *threads);
   b.build(boxes_b, 0.01f, *threads);
@@ -92,7 +92,7 @@ TEST(SpatialHash, TwoHashesMeetOnce) {
 // What one huge box costs is one entry in few cells, and no other is entered more often for it.
 TEST(SpatialHash, AHugeBoxCostsNothing) {
   const auto threads = make_threads(Threading::serial, 1);
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   test::Random random(6);
   for (int b = 0; b < 10000; ++b) {
     const Vec3f lo(random.point(-1, 1));

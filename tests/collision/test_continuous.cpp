@@ -1,0 +1,406 @@
+#include "souple/collision/continuous.h"
+#include "souple/geometry/closest_point.h"
+#include "tests/collision/exact_cubic.h"
+#include "tests/collision/random.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// What exact arithmetic says of the same doubles: when the two touch first. With V(t) the volume of the four
+// particles, they touch at a root of V where the plane's point is within the triangle, or the lines meet
+// within the edges. If V is zero all along, a particle meets an edge or a particle first.
+
+namespace souple {
+namespace {
+
+using test::Polynomial;
+using test::Random;
+using test::Rational;
+using test::RootCounter;
+
+enum class Kind { vertex_triangle, edge_edge };
+
+double time_of(Kind kind, const Moving4& m, double gap) {
+  return kind == Kind::vertex_triangle ? vertex_triangle_time(m, gap) : edge_edge_time(m, gap);
+}
+
+// ---- exact ----
+
+struct Vec3p {
+  Polynomial x, y, z;
+  friend Vec3p operator-(const Vec3p& a, const Vec3p& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+};
+Polynomial dot(const Vec3p& a, const Vec3p& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+Vec3p cross(const Vec3p& a, const Vec3p& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Polynomial path(double from, double to) {
+  return test::trimmed({Rational(from), Rational(to) - Rational(from)});
+}
+
+struct Paths {
+  Vec3p x[4];
+  explicit Paths(const Moving4& m) {
+    for (int i = 0; i < 4; ++i)
+      x[i] = {path(m.x[i].x, m.p[i].x), path(m.x[i].y, m.p[i].y), path(m.x[i].z, m.p[i].z)};
+  }
+};
+
+const Rational width = Rational(1) / Rational("1152921504606846976");  // 2^-60
+
+/// Earliest root of `zero` in [0, 1] at whose both ends all of `conditions` are >= 0.
+std::optional<double> earliest(const Polynomial& zero, const std::vector<Polynomial>& conditions) {
+  const auto hold = [&](const Rational& t) {
+    for (const Polynomial& c : conditions)
+      if (value_at(c, t) < 0) return false;
+    return true;
+  };
+  if (zero.empty()) {  // then the conditions alone tell; the first time at which they hold is 0 or a root of
+                       // one
+    if (hold(0)) return 0;
+    std::optional<double> first;
+    for (const Polynomial& c : conditions) {
+      if (c.empty()) continue;
+      for (const auto& root : RootCounter(c).isolate(0, 1, width))
+        if (hold(root.hi) && (!first || root.hi < *first)) first = root.lo.get_d();
+    }
+    return first;
+  }
+  for (const auto& root : RootCounter(zero).isolate(0, 1, width))
+    if (hold(root.lo) && hold(root.hi)) return root.lo.get_d();
+  return {};
+}
+
+std::optional<double> meets_edge(const Vec3p& p, const Vec3p& a, const Vec3p& b) {
+  const Vec3p n = cross(a - p, b - p);
+  return earliest(dot(n, n), {dot(a - p, b - p) * Polynomial{-1}});
+}
+
+void take(std::optional<double>& first, std::optional<double> other) {
+  if (other && (!first || *other < *first)) first = other;
+}
+
+std::optional<double> first_touch(Kind kind, const Moving4& m) {
+  const Paths at(m);
+  const auto& x = at.x;
+  const bool vertex = kind == Kind::vertex_triangle;
+  const Polynomial V = dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]);
+  if (!V.empty() && vertex) {
+    const Vec3p n = cross(x[2] - x[1], x[3] - x[1]), a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];
+    // Strictly positive area, so that a triangle that folds to a line touches nobody by this alone.
+    return earliest(V, {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b)),
+                        dot(n, n) - Polynomial{Rational(1e-40)}});
+  }
+  if (!V.empty()) {
+    const Vec3p d = x[1] - x[0], e = x[3] - x[2], r = x[2] - x[0], n = cross(d, e);
+    const Polynomial s = dot(cross(r, e), n), t = dot(cross(r, d), n), all = dot(n, n);
+    return earliest(V, {s, t, all - s, all - t, all - Polynomial{Rational(1e-40)}});
+  }
+  std::optional<double> first;
+  if (vertex) {
+    for (int i = 1; i < 4; ++i) take(first, meets_edge(x[0], x[i], x[i % 3 + 1]));
+  } else {
+    for (int i = 0; i < 2; ++i) {
+      take(first, meets_edge(x[i], x[2], x[3]));
+      take(first, meets_edge(x[i + 2], x[0], x[1]));
+    }
+  }
+  return first;
+}
+
+// ---- distances in double ----
+
+double point_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  double least = std::numeric_limits<double>::max();
+  const Vec3d corner[3] = {a, b, c};
+  for (int i = 0; i < 3; ++i) {
+    const Vec3d u = corner[i], v = corner[(i + 1) % 3];
+    const double squared = length_squared(v - u);
+    const double s = squared > 0 ? max(0.0, min(1.0, dot(p - u, v - u) / squared)) : 0;
+    least = min(least, length(u + (v - u) * s - p));
+  }
+  const TrianglePoint w = closest_on_triangle(p, a, b, c);
+  return min(least, length((a - p) * w.a + (b - p) * w.b + (c - p) * w.c));
+}
+
+/// Of two edges: from the origin to the parallelogram of their differences.
+double distance_at(Kind kind, const Moving4& m, double t) {
+  Vec3d x[4];
+  for (int i = 0; i < 4; ++i) x[i] = m.x[i] * (1 - t) + m.p[i] * t;
+  if (kind == Kind::vertex_triangle) return point_triangle(x[0], x[1], x[2], x[3]);
+  return min(point_triangle({}, x[0] - x[2], x[1] - x[2], x[0] - x[3]),
+             point_triangle({}, x[1] - x[3], x[1] - x[2], x[0] - x[3]));
+}
+
+double fastest(const Moving4& m) {
+  double v = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < i; ++j) v = max(v, length((m.p[i] - m.x[i]) - (m.p[j] - m.x[j])));
+  return v;
+}
+
+double reach(const Moving4& m) {
+  double size = 0;
+  for (int i = 0; i < 4; ++i) size = max(size, max(length(m.x[i] - m.x[0]), length(m.p[i] - m.p[0])));
+  return size;
+}
+
+/// What the header promises never to fall below.
+double bound(Kind kind, const Moving4& m, double gap) {
+  const double begin = distance_at(kind, m, 0);
+  return begin > gap ? max(gap, begin / 1024) : begin / 10;
+}
+
+// ---- motions ----
+
+Vec3d on_grid(const Vec3d& v) {
+  return {std::round(v.x * 256) / 256, std::round(v.y * 256) / 256, std::round(v.z * 256) / 256};
+}
+
+enum Motion {
+  anything,
+  crossing,
+  rotating,
+  sliding,
+  grazing,
+  coplanar,
+  oblique_coplanar,
+  fast,
+  tiny,
+  sliver,
+  parallel,
+  resting,
+  hairline,
+  motions
+};
+
+Vec3d turned(const Vec3d& v, double angle) {
+  return {v.x * std::cos(angle) - v.z * std::sin(angle), v.y, v.x * std::sin(angle) + v.z * std::cos(angle)};
+}
+
+Moving4 motion(Kind kind, int which, Random& random) {
+  Moving4 m;
+  for (int i = 0; i < 4; ++i) m.x[i] = random.point(-1, 1), m.p[i] = random.point(-1, 1);
+  const auto all = [&](auto&& change) {
+    for (int i = 0; i < 4; ++i) m.x[i] = change(m.x[i]), m.p[i] = change(m.p[i]);
+  };
+  // Flat parts at y = 0 with the other above, which the motion below moves.
+  const int flat = kind == Kind::vertex_triangle ? 1 : 2;
+  const auto lay_down = [&](double height) {
+    for (int i = 0; i < 4; ++i) m.p[i] = m.x[i] = {m.x[i].x, i < flat ? height : 0, m.x[i].z};
+  };
+  const double height = std::ldexp(1.0, -int(random.uniform(1, 30)));
+  const Vec3d shift = random.point(-2, 2);
+  switch (which) {
+    case crossing:
+      lay_down(random.uniform(0.1, 1));
+      for (int i = 0; i < flat; ++i) m.p[i] += Vec3d{0.2 * shift.x, -random.uniform(0, 3), 0.2 * shift.z};
+      for (int i = 0; i < 4; ++i) m.p[i] += random.point(-0.1, 0.1);
+      break;
+    case rotating: {
+      const double angle = random.uniform(-3, 3);
+      for (int i = 0; i < flat; ++i) m.p[i] = turned(m.x[i], angle);
+      break;
+    }
+    case sliding:
+      lay_down(height);
+      for (int i = 0; i < flat; ++i) m.p[i] += Vec3d{shift.x, 0, shift.z};
+      break;
+    case grazing: {  // particle 0 passes exactly through particle 3 or the middle of 2, 3, at half time
+      all(on_grid);
+      const bool corner = random.uniform(0, 1) < 0.5;
+      const Vec3d at = corner ? m.x[3] + m.p[3] : (m.x[3] + m.p[3] + m.x[2] + m.p[2]) * 0.5;
+      m.p[0] = at - m.x[0];
+      break;
+    }
+    case coplanar:
+    case oblique_coplanar:
+      all(on_grid);
+      all([&](const Vec3d& v) { return Vec3d{v.x, 0, v.z}; });
+      if (which == oblique_coplanar)
+        all([](const Vec3d& v) { return Vec3d{v.x, v.x * 0.5 + v.z * 0.25, v.z}; });
+      break;
+    case fast:
+      for (int i = 0; i < flat; ++i)
+        m.p[i] = m.x[i] + (m.p[i] - m.x[i]) * std::ldexp(1.0, int(random.uniform(0, 30)));
+      break;
+    case tiny: {
+      const double size = std::ldexp(1.0, -int(random.uniform(5, 40)));
+      all([&](const Vec3d& v) { return v * size; });
+      break;
+    }
+    case sliver:
+      m.x[3] = m.x[1] + (m.x[2] - m.x[1]) * 0.4 + random.point(-height, height);
+      m.p[3] = m.p[1] + (m.p[2] - m.p[1]) * 0.4 + random.point(-height, height);
+      break;
+    case parallel:
+      m.x[3] = m.x[2] + (m.x[1] - m.x[0]) + random.point(-height, height);
+      m.p[3] = m.p[2] + (m.p[1] - m.p[0]) + random.point(-height, height);
+      break;
+    case resting:
+      lay_down(height);
+      for (int i = 0; i < 4; ++i) m.p[i] += random.point(-3, 3) * height;
+      break;
+    case hairline:  // next to rounding
+      lay_down(height * 3e-5);
+      for (int i = 0; i < 4; ++i) m.p[i] += random.point(-1, 1) * height;
+      break;
+    default:
+      break;
+  }
+  return m;
+}
+
+void describe(const Moving4& m) {
+  for (int i = 0; i < 4; ++i)
+    std::printf("  {%.17g, %.17g, %.17g} -> {%.17g, %.17g, %.17g}\n", m.x[i].x, m.x[i].y, m.x[i].z, m.p[i].x,
+                m.p[i].y, m.p[i].z);
+}
+
+class Continuous : public testing::TestWithParam<Kind> {};
+
+/// Beside the promise, how near the answer comes: 0.995 of the first touch in the mean, under 0.9 in one of
+/// 200 (which may come within its bound before it touches).
+void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
+  Random random(seed);
+  int touches[motions] = {};
+  int behind = 0;
+  double worst = 1, sum = 0;
+  for (int k = 0; k < motions * cases; ++k) {
+    const int which = k % motions;
+    const Moving4 m = motion(kind, which, random);
+    if (distance_at(kind, m, 0) < 1e-13 * reach(m)) continue;  // in touch at the begin
+    const auto touch = first_touch(kind, m);
+    if (!touch) continue;
+    const double t = time_of(kind, m, 0);
+    if (!(t < *touch)) describe(m);
+    ASSERT_LT(t, *touch) << "motion " << which;
+    ++touches[which];
+    sum += t / *touch;
+    if (t / *touch < 0.9) ++behind;
+    worst = min(worst, t / *touch);
+  }
+  int all = 0;
+  for (const int n : touches) all += n;
+  testing::Test::RecordProperty("touches", all);
+  testing::Test::RecordProperty("worst_ratio", std::to_string(worst));
+  testing::Test::RecordProperty("mean_ratio", std::to_string(sum / all));
+  testing::Test::RecordProperty("behind", behind);
+  EXPECT_GT(sum / all, 0.995);
+  EXPECT_LE(behind, all / 200);
+  for (const int which : {crossing, rotating, coplanar, oblique_coplanar, fast, tiny})
+    EXPECT_GT(touches[which], 0);
+  EXPECT_EQ(touches[grazing], cases);
+}
+
+TEST_P(Continuous, NeverPastTheFirstTouchOfExactArithmetic) {
+  ASSERT_NO_FATAL_FAILURE(compare_with_exact(GetParam(), 40, 21));
+}
+
+TEST_P(Continuous, NeverPastTheFirstTouchOfExactArithmeticSlow) {
+  ASSERT_NO_FATAL_FAILURE(compare_with_exact(GetParam(), 1500, 23));
+}
+
+TEST_P(Continuous, KeepsItsDistanceAndStopsOnlyWhenNear) {
+  Random random(22);
+  constexpr int cases = motions * 2000;
+  int stopped = 0, passed = 0, early = 0;
+  for (int k = 0; k < cases; ++k) {
+    const int which = k % motions;
+    const Moving4 m = motion(GetParam(), which, random);
+    const double begin = distance_at(GetParam(), m, 0);
+    const double gap = begin * std::ldexp(1.0, int(random.uniform(-12, 3))) * 1.1;
+    const double least = bound(GetParam(), m, gap), t = time_of(GetParam(), m, gap);
+    const double rounding = 1e-13 * (1 + fastest(m));
+    constexpr int samples = 100;
+    double lowest = begin;
+    for (int i = 0; i <= samples; ++i) {
+      const double now = distance_at(GetParam(), m, t * i / samples);
+      if (now < least - rounding) describe(m);
+      ASSERT_GE(now, least - rounding) << "motion " << which << " gap " << gap << " t " << t << " i " << i;
+      lowest = min(lowest, now);
+    }
+    if (t == 1) {
+      ++passed;
+      continue;
+    }
+    ++stopped;
+    if (distance_at(GetParam(), m, t) <= 1.05 * least + rounding) continue;
+    // Where turning is fierce or within the plane it gives up once in a while; elsewhere never.
+    ++early;
+    ASSERT_TRUE(which == fast || which == rotating || which == coplanar || which == oblique_coplanar)
+        << "motion " << which;
+  }
+  RecordProperty("early", early);
+  EXPECT_LE(early, cases / 1000);
+  EXPECT_GT(stopped, 1000);
+  EXPECT_GT(passed, 1000);
+}
+
+TEST_P(Continuous, WhatPassesByOrPartsIsFree) {
+  const bool vertex = GetParam() == Kind::vertex_triangle;
+  Moving4 m;
+  m.x[0] = {0.2, 1e-3, 0.2};
+  m.x[1] = vertex ? Vec3d{0, 0, 0} : Vec3d{0.2, 1e-3, 0.8};
+  m.x[2] = vertex ? Vec3d{1, 0, 0} : Vec3d{0, 0, 0.5};
+  m.x[3] = vertex ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0.5};
+  for (int i = 0; i < 4; ++i) m.p[i] = m.x[i];
+  EXPECT_EQ(time_of(GetParam(), m, 0), 1);  // at rest
+
+  const auto move_upper = [&](const Vec3d& by) {
+    Moving4 moved = m;
+    for (int i = 0; i < (vertex ? 1 : 2); ++i) moved.p[i] += by;
+    return moved;
+  };
+  EXPECT_EQ(time_of(GetParam(), move_upper({0.5, 0, 0.3}), 9e-4), 1);
+  EXPECT_EQ(time_of(GetParam(), move_upper({1e6, 0, 0}), 9e-4), 1);
+  EXPECT_EQ(time_of(GetParam(), move_upper({1, 1e-3, 0}), 1), 1);
+  EXPECT_NEAR(time_of(GetParam(), move_upper({0, -2e-3, 0}), 0), 0.5, 1e-3);
+  EXPECT_NEAR(time_of(GetParam(), move_upper({0, -2e-3, 0}), 1), 0.45, 1e-3);
+  EXPECT_NEAR(time_of(GetParam(), move_upper({0, -2e-3, 0}), 5e-4), 0.25, 1e-9);
+  EXPECT_NEAR(time_of(GetParam(), move_upper({0, -1e5, 0}), 0) * 1e8, 1, 2e-3);
+}
+
+TEST_P(Continuous, InTouchAtTheBeginItMayOnlyPart) {
+  const bool vertex = GetParam() == Kind::vertex_triangle;
+  Moving4 m;
+  m.x[0] = {0.25, 0, 0.25};
+  m.x[1] = vertex ? Vec3d{0, 0, 0} : Vec3d{0.25, 0, 0.75};
+  m.x[2] = vertex ? Vec3d{1, 0, 0} : Vec3d{0, 0, 0.5};
+  m.x[3] = vertex ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0.5};
+  for (int i = 0; i < 4; ++i) m.p[i] = m.x[i];
+  EXPECT_EQ(time_of(GetParam(), m, 1e-3), 0);
+  m.p[0].y = m.p[1].y = 0.1;
+  if (vertex) m.p[1].y = 0;
+  EXPECT_EQ(time_of(GetParam(), m, 1e-3), 1);
+  for (int i = 0; i < 4; ++i) m.x[i] = m.p[i] = {1, 2, 3};
+  EXPECT_EQ(time_of(GetParam(), m, 1e-3), 0);
+}
+
+TEST_P(Continuous, NotFiniteIsNotSafe) {
+  Random random(25);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    for (int i = 0; i < 8; ++i) {
+      Moving4 m = motion(GetParam(), anything, random);
+      (i < 4 ? m.x[i] : m.p[i - 4]).y = bad;
+      EXPECT_EQ(time_of(GetParam(), m, 1e-3), 0);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Continuous, testing::Values(Kind::vertex_triangle, Kind::edge_edge),
+                         [](const auto& kind) {
+                           return kind.param == Kind::vertex_triangle ? "VertexTriangle" : "EdgeEdge";
+                         });
+
+}  // namespace
+}  // namespace souple
