@@ -3,6 +3,8 @@
 #include "souple/geometry/builders.h"
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
+#include "souple/io/playback.h"
+#include "souple/io/recorder.h"
 #include "tests/expect_error.h"
 
 #include <cmath>
@@ -117,6 +119,31 @@ TEST_F(ObstacleScene, ABallThatBreathesKeepsAClothOutside) {
   // It lies on the ball.
   EXPECT_FALSE(world.contacts().empty());
   EXPECT_GT(world.centre_of_mass(cloth).y, 1.6);
+}
+
+TEST_F(ObstacleScene, ARunKeepsItsMotion) {
+  write_pc2();
+  World world = built(text("breath.pc2"));
+  const ObjectId ball = world.find_object("ball");
+  std::vector<std::vector<Vec3f>> seen;
+  {
+    Recorder recorder(world, file("run"));
+    for (int frame = 0; frame < 5; ++frame) {
+      world.step(1.0 / 60);
+      recorder.capture();
+      seen.emplace_back(world.positions(ball).begin(), world.positions(ball).end());
+    }
+    recorder.finish();
+  }
+  Playback playback(file("run"));
+  ASSERT_EQ(playback.frames(), 5u);
+  ASSERT_EQ(playback.objects().size(), 1u);
+  EXPECT_EQ(playback.objects()[0].kind, "obstacle");
+  EXPECT_EQ(playback.objects()[0].triangles.size(), world.triangles(ball).size());
+  for (std::uint64_t frame = 1; frame <= 5; ++frame) {
+    playback.read(frame);
+    EXPECT_EQ(playback.objects()[0].positions, seen[frame - 1]);
+  }
 }
 
 TEST_F(ObstacleScene, WhatIsBadIsSaidInOneLine) {
