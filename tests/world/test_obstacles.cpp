@@ -131,7 +131,7 @@ TEST(Obstacles, ALoopThatStartsOverHasNoVelocityOfTheJump) {
   }
   const std::vector<PoseKey> keys{{0, {0, 0, 0}}, {0.2, {0, 0.2, 0}}};
   for (const bool by_keys : {false, true}) {
-    World world;
+    World world({.substeps = 1});
     ObstacleMotion motion;
     if (by_keys) {
       motion.pose = ColliderMotion::keyframes(keys, true);
