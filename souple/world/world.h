@@ -189,8 +189,8 @@ class World {
   double total_mass(ObjectId object) const;      ///< kg; 0 of an obstacle
   float particle_radius(ObjectId object) const;  ///< m: of grains and ropes, half the thickness of the others
 
-  /// For objects whose vertices are particles. User order. Not for obstacles, nor is what moves or holds
-  /// them.
+  /// For objects whose vertices are particles. User order. Obstacles go where their motion says: neither
+  /// these nor teleport, apply_impulse, pins and attachments are for them.
   void set_positions(ObjectId object, std::span<const Vec3f> positions);
   void set_velocities(ObjectId object, std::span<const Vec3f> velocities);
   /// Moves a whole object rigidly without giving it the velocity of the jump; its velocities turn with it.
