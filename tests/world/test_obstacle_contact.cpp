@@ -3,14 +3,11 @@
 #include "souple/souple.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 namespace souple {
 namespace {
-
-constexpr double pi_ = std::numbers::pi;
 
 void run(World& world, double seconds, int frame_rate = 60) {
   const int frames = static_cast<int>(std::lround(seconds * frame_rate));
@@ -102,7 +99,7 @@ TEST(ObstacleContact, AGrainBouncesOffWithTwiceTheSpeed) {
   for (const double far : {0.0, 500.0}) {
     World world({.gravity = {0, 0, 0}});
     const Transform upright{.translation = {far, far, 0},
-                            .rotation = Quatd::from_axis_angle({0, 0, 1}, -pi_ / 2)};
+                            .rotation = Quatd::from_axis_angle({0, 0, 1}, -pi / 2)};
     world.add_obstacle(grid(3, 3, 1), {.friction = 0, .restitution = 1}, {.pose = sliding(2)},
                        {.transform = upright});
     const Vec3d start[] = {{far + 0.3, far + 0.1, 0.05}};
@@ -116,7 +113,7 @@ TEST(ObstacleContact, AGrainBouncesOffWithTwiceTheSpeed) {
 TEST(ObstacleContact, AWallPushesABallOfClothWithoutPassing) {
   for (const double speed : {0.5, 5.0}) {
     World world;
-    const Transform upright{.rotation = Quatd::from_axis_angle({0, 0, 1}, -pi_ / 2)};
+    const Transform upright{.rotation = Quatd::from_axis_angle({0, 0, 1}, -pi / 2)};
     world.add_obstacle(grid(6, 6, 2), {.thickness = 0.01f}, {.pose = sliding(speed)}, {.transform = upright});
     world.add_collider(Plane{.offset = -0.3f}, {.friction = 0.2f});
     const ObjectId ball =

@@ -3,18 +3,15 @@
 #include "tests/expect_error.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 namespace souple {
 namespace {
 
-constexpr double pi_ = std::numbers::pi;
-
 ColliderMotion spinning(double turns_per_second) {
   return ColliderMotion::callback([=](double t) {
-    return Transform{.rotation = Quatd::from_axis_angle({0, 1, 0}, 2 * pi_ * turns_per_second * t)};
+    return Transform{.rotation = Quatd::from_axis_angle({0, 1, 0}, 2 * pi * turns_per_second * t)};
   });
 }
 
@@ -22,7 +19,7 @@ ColliderMotion spinning(double turns_per_second) {
 MeshSequence breathing(const TriangleMesh& mesh, double part, double frame_rate) {
   MeshSequence sequence{.frame_rate = frame_rate, .loop = true};
   for (int frame = 0; frame <= static_cast<int>(frame_rate); ++frame) {
-    const double size = 1 - part * (1 - std::cos(2 * pi_ * frame / frame_rate)) / 2;
+    const double size = 1 - part * (1 - std::cos(2 * pi * frame / frame_rate)) / 2;
     std::vector<Vec3f>& x = sequence.frames.emplace_back();
     for (const Vec3d& vertex : mesh.positions) x.push_back(Vec3f(vertex * size));
   }
@@ -61,11 +58,11 @@ TEST(Obstacles, APoseIsFollowed) {
     const ObjectId block = world.add_obstacle(mesh, {}, {.pose = spinning(0.5)}, {.transform = placement});
     for (int i = 1; i <= 30; ++i) {
       world.step(1.0 / 60);
-      const Quatd turn = Quatd::from_axis_angle({0, 1, 0}, pi_ * i / 60);
+      const Quatd turn = Quatd::from_axis_angle({0, 1, 0}, pi * i / 60);
       for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
         const Vec3d wanted = rotate(turn, mesh.positions[v] + Vec3d{1, 0, 0});
         ASSERT_LT(length(Vec3d(world.positions(block)[v]) - wanted), 1e-6);
-        const Vec3d speed = cross(Vec3d{0, pi_, 0}, wanted);
+        const Vec3d speed = cross(Vec3d{0, pi, 0}, wanted);
         ASSERT_LT(length(Vec3d(world.velocities(block)[v]) - speed), 0.01 * length(speed));
       }
     }
@@ -83,7 +80,7 @@ TEST(Obstacles, ASequenceIsFollowedBetweenItsFrames) {
     for (int i = 1; i <= 150; ++i) {
       world.step(1.0 / 60);
       const double t = std::fmod(i / 60.0, 1), frame = std::floor(t * 10 + 1e-9);
-      const auto size = [](double k) { return 1 - 0.2 * (1 - std::cos(2 * pi_ * k / 10)); };
+      const auto size = [](double k) { return 1 - 0.2 * (1 - std::cos(2 * pi * k / 10)); };
       const double now = size(frame) + (size(frame + 1) - size(frame)) * (t * 10 - frame);
       for (std::size_t v = 0; v < mesh.positions.size(); v += 17)
         ASSERT_LT(length(Vec3d(world.positions(ball)[v]) - (mesh.positions[v] * 2 * now + Vec3d{0, 3, 0})),
