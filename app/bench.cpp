@@ -1,6 +1,8 @@
 #include "app/bench_measure.h"
 #include "app/bench_report.h"
 #include "app/bench_scenes.h"
+#include "app/bench_segments.h"
+#include "app/bench_stages.h"
 #include "app/bench_words.h"
 #include "app/commands.h"
 #include "app/exit_codes.h"
@@ -16,11 +18,17 @@ namespace {
 
 int list_benchmarks() {
   std::size_t widest = 0;
-  for (const BenchScene& scene : bench_scenes()) widest = std::max(widest, std::strlen(scene.name));
-  for (const BenchScene& scene : bench_scenes()) {
-    std::printf("%-*s  %s; --size: %s [%d]\n", static_cast<int>(widest), scene.name, scene.description,
-                scene.size_means, scene.default_size);
-  }
+  const auto name_length = [&](const auto& bench) { widest = std::max(widest, std::strlen(bench.name)); };
+  const auto print = [&](const auto& bench) {
+    std::printf("%-*s  %s; --size: %s [%d]\n", static_cast<int>(widest), bench.name, bench.description,
+                bench.size_means, bench.default_size);
+  };
+  std::for_each(bench_scenes().begin(), bench_scenes().end(), name_length);
+  std::for_each(stage_benches().begin(), stage_benches().end(), name_length);
+  std::for_each(bench_scenes().begin(), bench_scenes().end(), print);
+  std::for_each(stage_benches().begin(), stage_benches().end(), print);
+  std::printf("%-*s  a segment against triangles, by each of the tests; --size: triangles [%d]\n",
+              static_cast<int>(widest), segments_name, default_segments_size);
   return fine;
 }
 
@@ -66,19 +74,39 @@ BenchOptions options_of(const BenchRequest& request) {
   return options;
 }
 
+/// Not a scene: of the options it takes --size, --runs and --json.
+int bench_segments(const BenchRequest& request) {
+  if (!request.compare.empty()) throw Error("--compare: segments has no steps to compare");
+  int size = default_segments_size, runs = 10;
+  take(request.size, "--size", 1, 10000000, size);
+  take(request.runs, "--runs", 1, 1000, runs);
+  const auto result = segments_json(size, measure_segments(SegmentStack(size), runs));
+  if (request.json) {
+    std::fputs(dump_json(result).c_str(), stdout);
+  } else {
+    print_segments(result);
+  }
+  return fine;
+}
+
 }  // namespace
 
 int bench(const BenchRequest& request) {
   if (request.name.empty()) return list_benchmarks();
+  if (request.name == segments_name) return bench_segments(request);
   using scene_format::Json;
   Json before;
   if (!request.compare.empty()) before = read_bench_json(request.compare);
   const bool compares = before.is(Json::Kind::object);
   try {
-    Json now = bench_json(measure(options_of(request)));
+    const StageBench* stage = find_stage_bench(request.name);
+    Json now = stage != nullptr ? measure_stage(*stage, options_of(request))
+                                : bench_json(measure(options_of(request)));
     if (request.json) {
       if (compares) now.set("faster", speed_up(now, before));
       std::fputs(dump_json(now).c_str(), stdout);
+    } else if (stage != nullptr) {
+      print_stage(now, compares ? &before : nullptr);
     } else {
       print_bench(now, compares ? &before : nullptr);
     }

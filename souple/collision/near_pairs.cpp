@@ -1,229 +1,244 @@
 #include "souple/collision/near_pairs.h"
 
+#include "souple/collision/patch_kernels/find_kernels.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <numeric>
 
 namespace souple {
 namespace {
 
-constexpr std::size_t chunk_size = 1024;  // items of which one thread finds the pairs in one go
-constexpr std::size_t box_grain = 1024;   // boxes worth a thread
+constexpr std::size_t chunk_size = 128;  // patches that one thread deals with in one go
+constexpr std::size_t box_grain = 1024;  // boxes worth a thread
 
 using Clock = std::chrono::steady_clock;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr Bounds endless{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+constexpr Bounds empty{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// A comparison with what is not a number is false: whatever is united with an endless box is left out.
-Bounds clean(const Bounds& box) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  const bool fine = box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z;
-  return fine ? box : Bounds{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+// A box around an endless one is endless, which tells what to leave out.
+Bounds finite_or_endless(const Bounds& box) {
+  return is_finite(box) ? box : endless;
 }
 
-bool is_finite(const Bounds& box) {
-  return souple::is_finite(box.lo) && souple::is_finite(box.hi);
-}
-
-void require(bool large_enough, const char* what, std::size_t is, std::size_t expected) {
-  if (!large_enough)
+void require(std::size_t is, std::size_t expected, const char* what) {
+  if (is < expected)
     throw Error(std::string("NearPairFinder: ") + what + " has " + std::to_string(is) + ", elements name " +
                 std::to_string(expected) + "; give one for each");
 }
 
+kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& box) {
+  return {begin, count, {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}};
+}
+
+// Pairs of which something can move, in the same order; how many.
+std::size_t keep_moving(kernels::Quad* pairs, std::size_t count, std::span<const Vec4f> position_w) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool moves =
+        std::any_of(pairs[i], pairs[i] + 4, [&](std::uint32_t p) { return position_w[p].w > 0; });
+    std::copy_n(pairs[i], 4, pairs[kept]);
+    kept += moves ? 1 : 0;
+  }
+  return kept;
+}
+
 }  // namespace
 
-// Room for more pairs behind those that are there.
-NearPair* NearPairFinder::Part::room_for(std::size_t more) {
+kernels::Quad* NearPairFinder::List::room_for(std::size_t more) {
   if (count + more > pairs.size()) pairs.resize(2 * (count + more));
-  return pairs.data() + count;
+  return &pairs[count].particle;
+}
+
+void NearPairFinder::Boxes::resize(std::size_t count) {
+  for (auto* columns : {&lo, &hi})
+    for (auto& column : *columns) resize_with_room(column, count + SurfaceElements::padding);
+}
+
+void NearPairFinder::Boxes::set(std::size_t i, const Bounds& box) {
+  lo[0][i] = box.lo.x, lo[1][i] = box.lo.y, lo[2][i] = box.lo.z;
+  hi[0][i] = box.hi.x, hi[1][i] = box.hi.y, hi[2][i] = box.hi.z;
+}
+
+kernels::BoxColumns NearPairFinder::Boxes::columns() const {
+  return {{lo[0].data(), lo[1].data(), lo[2].data()}, {hi[0].data(), hi[1].data(), hi[2].data()}, {}};
 }
 
 void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
                           const ObjectMatrix& meets, std::span<const Vec4f> position_w, NearPairs& out,
                           Threads& threads) {
-  const std::size_t particles = elements.particle_end();
-  require(boxes.size() >= particles, "boxes", boxes.size(), particles);
-  require(position_w.size() >= particles, "position_w", position_w.size(), particles);
-  require(meets.size() >= elements.object_end(), "meets", meets.size(), elements.object_end());
+  require(boxes.size(), elements.particle_end(), "boxes");
+  require(position_w.size(), elements.particle_end(), "position_w");
+  require(meets.size(), elements.object_end(), "meets");
   elements_ = &elements;
   meets_ = &meets;
+  kernels_ = &kernels::find_patch_kernels(instruction_set());
   const Wakefulness awake(threads);
   auto start = Clock::now();
-  clean_boxes_.resize(particles);
-  threads.for_each(particles, box_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) clean_boxes_[i] = clean(boxes[i]);
-  });
-  make_boxes(position_w, threads);
+  make_boxes(boxes, position_w, threads);
   milliseconds_.boxes = milliseconds_since(start);
 
   start = Clock::now();
-  build(threads);
+  hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
   milliseconds_.build = milliseconds_since(start);
 
+  // Chunks of patches go to the parts in turn, so that each has its share of crowded places.
   start = Clock::now();
-  const std::size_t vertices = vertex_boxes_.size();
-  collect(
-      vertices + (vertices_.size() > 0 ? triangle_boxes_.size() : 0),
-      [&](std::size_t i, Part& part) {
-        if (i < vertices) {
-          triangles_near(static_cast<std::uint32_t>(i), part);
-        } else {
-          larger_vertices_near(static_cast<std::uint32_t>(i - vertices), part);
-        }
-      },
-      out.vertex_triangle, threads);
-  collect(
-      edge_boxes_.size(), [&](std::size_t i, Part& part) { edges_near(static_cast<std::uint32_t>(i), part); },
-      out.edge_edge, threads);
-  milliseconds_.pairs = milliseconds_since(start);
-}
-
-void NearPairFinder::make_boxes(std::span<const Vec4f> position_w, Threads& threads) {
-  const std::span<const Bounds> boxes = clean_boxes_;
-  const auto moves = [&](std::uint32_t i) { return position_w[i].w > 0; };
-  const std::span<const std::uint32_t> vertices = elements_->vertices();
-  vertex_boxes_.resize(vertices.size());
-  vertex_moves_.resize(vertices.size());
-  threads.for_each(vertices.size(), box_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      vertex_boxes_[v] = boxes[vertices[v]];
-      vertex_moves_[v] = moves(vertices[v]);
-    }
-  });
-  const std::span<const Edge> edges = elements_->edges();
-  edge_boxes_.resize(edges.size());
-  edge_moves_.resize(edges.size());
-  threads.for_each(edges.size(), box_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) {
-      const auto [a, b] = edges[e];
-      edge_boxes_[e] = united(boxes[a], boxes[b]);
-      edge_moves_[e] = moves(a) || moves(b);
-    }
-  });
-  const std::span<const SurfaceElement> triangles = elements_->triangles();
-  triangle_boxes_.resize(triangles.size());
-  triangle_moves_.resize(triangles.size());
-  threads.for_each(triangles.size(), box_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const auto& [a, b, c] = triangles[t].particle;
-      triangle_boxes_[t] = united(united(boxes[a], boxes[b]), boxes[c]);
-      triangle_moves_[t] = moves(a) || moves(b) || moves(c);
-    }
-  });
-}
-
-void NearPairFinder::build(Threads& threads) {
-  const float cell_size = SpatialHash::choose_cell_size(triangle_boxes_);
-  triangles_.build(triangle_boxes_, cell_size, threads);
-  edges_.build(edge_boxes_, SpatialHash::choose_cell_size(edge_boxes_), threads);
-  // A vertex looks for triangles as large as itself; only triangles among larger vertices must look for them.
-  const bool larger = std::any_of(vertex_boxes_.begin(), vertex_boxes_.end(),
-                                  [&](const Bounds& box) { return triangles_.larger_than_some(box); });
-  vertices_.build(larger ? std::span<const Bounds>(vertex_boxes_) : std::span<const Bounds>(), cell_size,
-                  threads);
-  const auto finite = std::count_if(vertex_boxes_.begin(), vertex_boxes_.end(),
-                                    [](const Bounds& box) { return is_finite(box); });
-  left_out_ =
-      triangles_.left_out() + edges_.left_out() + vertex_boxes_.size() - static_cast<std::size_t>(finite);
-}
-
-// Whether a vertex and a triangle are a pair that counts is known only late and hard to foresee: each is
-// written, and overwritten by the next when it is none.
-
-void NearPairFinder::triangles_near(std::uint32_t vertex, Part& part) const {
-  part.found.clear();
-  triangles_.find(vertex_boxes_[vertex], SpatialHash::Sizes::as_large_or_larger, part.found);
-  const std::uint32_t p = elements_->vertices()[vertex], object = elements_->vertex_objects()[vertex];
-  const bool moves = vertex_moves_[vertex] != 0;
-  NearPair* const pairs = part.room_for(part.found.size());
-  std::size_t count = 0;
-  for (const std::uint32_t t : part.found) {
-    const SurfaceElement& triangle = elements_->triangles()[t];
-    const auto& [a, b, c] = triangle.particle;
-    pairs[count] = {{p, a, b, c}};
-    count += static_cast<std::size_t>((moves | (triangle_moves_[t] != 0)) & (p != a) & (p != b) & (p != c) &
-                                      meets_->at(object, triangle.object));
-  }
-  part.count += count;
-}
-
-void NearPairFinder::larger_vertices_near(std::uint32_t t, Part& part) const {
-  part.found.clear();
-  vertices_.find(triangle_boxes_[t], SpatialHash::Sizes::larger, part.found);
-  const SurfaceElement& triangle = elements_->triangles()[t];
-  const auto& [a, b, c] = triangle.particle;
-  NearPair* const pairs = part.room_for(part.found.size());
-  std::size_t count = 0;
-  for (const std::uint32_t vertex : part.found) {
-    const std::uint32_t p = elements_->vertices()[vertex], object = elements_->vertex_objects()[vertex];
-    pairs[count] = {{p, a, b, c}};
-    count += static_cast<std::size_t>(((vertex_moves_[vertex] | triangle_moves_[t]) != 0) & (p != a) &
-                                      (p != b) & (p != c) & meets_->at(object, triangle.object));
-  }
-  part.count += count;
-}
-
-void NearPairFinder::edges_near(std::uint32_t edge, Part& part) const {
-  part.found.clear();
-  edges_.find_partners(edge, part.found);
-  const auto [a, b] = elements_->edges()[edge];
-  const std::uint32_t object = elements_->edge_objects()[edge];
-  const bool moves = edge_moves_[edge] != 0;
-  NearPair* const pairs = part.room_for(part.found.size());
-  std::size_t count = 0;
-  for (const std::uint32_t other : part.found) {
-    const auto [c, d] = elements_->edges()[other];
-    pairs[count] = {{a, b, c, d}};
-    count += static_cast<std::size_t>((moves | (edge_moves_[other] != 0)) & (a != c) & (a != d) & (b != c) &
-                                      (b != d) & meets_->at(object, elements_->edge_objects()[other]));
-  }
-  part.count += count;
-}
-
-// Chunks of items go to the parts in turn, so that each has its share of crowded places; then their pairs are
-// put one after the other in order of chunks.
-template <class Function>
-void NearPairFinder::collect(std::size_t items, const Function& pairs_of, std::vector<NearPair>& out,
-                             Threads& threads) {
-  chunks_.resize((items + chunk_size - 1) / chunk_size);
+  const std::size_t patches = patch_boxes_.size();
   const std::size_t parts =
       std::clamp<std::size_t>(chunks_.size(), 1, static_cast<std::size_t>(threads.count()));
   if (parts_.size() < parts) parts_.resize(parts);
   threads.for_each(parts, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       Part& part = parts_[p];
-      part.count = 0;
+      part.vertex_triangle.count = part.edge_edge.count = 0;
       for (std::size_t k = p; k < chunks_.size(); k += parts) {
-        const std::size_t first = part.count, last = std::min(items, (k + 1) * chunk_size);
-        for (std::size_t i = k * chunk_size; i < last; ++i) pairs_of(i, part);
-        chunks_[k] = {first, part.count - first, 0};
+        const std::size_t first_vertex_triangle = part.vertex_triangle.count,
+                          first_edge = part.edge_edge.count;
+        const std::size_t last = std::min(patches, (k + 1) * chunk_size);
+        for (std::size_t a = k * chunk_size; a < last; ++a)
+          find_near(static_cast<std::uint32_t>(a), position_w, part);
+        chunks_[k] = {{first_vertex_triangle, part.vertex_triangle.count - first_vertex_triangle, 0},
+                      {first_edge, part.edge_edge.count - first_edge, 0}};
       }
     }
   });
+  join(&Chunk::vertex_triangle, &Part::vertex_triangle, out.vertex_triangle, parts, threads);
+  join(&Chunk::edge_edge, &Part::edge_edge, out.edge_edge, parts, threads);
+  milliseconds_.pairs = milliseconds_since(start);
+}
+
+void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w,
+                                Threads& threads) {
+  const std::size_t particles = elements_->particle_end(), patches = elements_->patches().size();
+  clean_boxes_.resize(particles);
+  threads.for_each(particles, box_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) clean_boxes_[i] = finite_or_endless(boxes[i]);
+  });
+  vertex_boxes_.resize(elements_->vertices().size());
+  edge_boxes_.resize(elements_->edges().size());
+  triangle_boxes_.resize(elements_->triangles().size());
+  patch_boxes_.resize(patches);
+  moves_.resize(patches);
+  chunks_.resize((patches + chunk_size - 1) / chunk_size);
+  left_out_of_.resize(chunks_.size());
+  threads.for_each(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      std::size_t left_out = 0;
+      for (std::size_t a = k * chunk_size; a < std::min(patches, (k + 1) * chunk_size); ++a)
+        left_out += make_boxes_of(a, position_w);
+      left_out_of_[k] = left_out;
+    }
+  });
+  left_out_ = std::accumulate(left_out_of_.begin(), left_out_of_.end(), std::size_t{0});
+  vertices_ = vertex_boxes_.columns();
+  edges_ = edge_boxes_.columns();
+  triangles_ = triangle_boxes_.columns();
+  vertices_.particle[0] = elements_->vertex_particles();
+  for (std::size_t k = 0; k < 2; ++k) edges_.particle[k] = elements_->edge_particles(k);
+  for (std::size_t k = 0; k < 3; ++k) triangles_.particle[k] = elements_->triangle_particles(k);
+}
+
+// Of a patch and all that it has. Returns how many of these are left out.
+std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> position_w) {
+  const SurfacePatch& patch = elements_->patches()[a];
+  std::size_t left_out = 0, moving = 0;
+  Bounds around = empty;
+  const auto add = [&](Boxes& to, std::size_t i, const Bounds& box, bool moves) {
+    const bool finite = box.lo.x > -infinity;
+    const Bounds kept = finite ? box : empty;
+    to.set(i, kept);
+    around = united(around, kept);
+    left_out += finite ? 0 : 1;
+    moving += moves ? 1 : 0;
+  };
+  const std::span<const Bounds> boxes = clean_boxes_;
+  const auto moves = [&](std::uint32_t i) { return position_w[i].w > 0; };
+  for (std::uint32_t v = patch.first_vertex; v < patch.first_vertex + patch.vertices; ++v) {
+    const std::uint32_t i = elements_->vertices()[v];
+    add(vertex_boxes_, v, boxes[i], moves(i));
+  }
+  for (std::uint32_t e = patch.first_edge; e < patch.first_edge + patch.edges; ++e) {
+    const auto& [i, j] = elements_->edges()[e];
+    add(edge_boxes_, e, united(boxes[i], boxes[j]), moves(i) || moves(j));
+  }
+  for (std::uint32_t t = patch.first_triangle; t < patch.first_triangle + patch.triangles; ++t) {
+    const auto& [i, j, k] = elements_->triangles()[t].particle;
+    add(triangle_boxes_, t, united(united(boxes[i], boxes[j]), boxes[k]), moves(i) || moves(j) || moves(k));
+  }
+  patch_boxes_[a] = around;
+  const std::size_t items = std::size_t{patch.vertices} + patch.edges + patch.triangles;
+  moves_[a] = moving == 0 ? Moves::nothing : (moving == items ? Moves::all : Moves::some);
+  return left_out;
+}
+
+void NearPairFinder::find_near(std::uint32_t a, std::span<const Vec4f> position_w, Part& part) const {
+  part.found.clear();
+  hash_.find_partners(a, part.found);
+  find_between(a, a, position_w, part);
+  for (const std::uint32_t b : part.found) find_between(a, b, position_w, part);
+}
+
+void NearPairFinder::find_between(std::uint32_t a, std::uint32_t b, std::span<const Vec4f> position_w,
+                                  Part& part) const {
+  const SurfacePatch &p = elements_->patches()[a], &q = elements_->patches()[b];
+  if (!meets_->at(p.object, q.object)) return;
+  if (moves_[a] == Moves::nothing && moves_[b] == Moves::nothing) return;
+  const bool all_move = moves_[a] == Moves::all || moves_[b] == Moves::all;
+  const auto add = [&](List& list, std::size_t most, const auto& find) {
+    if (most == 0) return;
+    kernels::Quad* const pairs = list.room_for(most);
+    const std::size_t count = find(pairs);
+    list.count += all_move ? count : keep_moving(pairs, count, position_w);
+  };
+  const auto vertices_triangles = [&](const SurfacePatch& v, const Bounds& v_box, const SurfacePatch& t,
+                                      const Bounds& t_box) {
+    add(part.vertex_triangle, std::size_t{v.vertices} * t.triangles, [&](kernels::Quad* pairs) {
+      return kernels_->vertices_triangles(vertices_, group(v.first_vertex, v.vertices, v_box), triangles_,
+                                          group(t.first_triangle, t.triangles, t_box), pairs);
+    });
+  };
+  vertices_triangles(p, patch_boxes_[a], q, patch_boxes_[b]);
+  if (a != b) vertices_triangles(q, patch_boxes_[b], p, patch_boxes_[a]);
+  add(part.edge_edge, std::size_t{p.edges} * q.edges, [&](kernels::Quad* pairs) {
+    return kernels_->edges_edges(edges_, group(p.first_edge, p.edges, patch_boxes_[a]),
+                                 group(q.first_edge, q.edges, patch_boxes_[b]), pairs);
+  });
+}
+
+// Puts the pairs of all chunks one after the other, in order of chunks.
+void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<NearPair>& out,
+                          std::size_t parts, Threads& threads) {
   std::size_t sum = 0;
   for (Chunk& chunk : chunks_) {
-    chunk.place = sum;
-    sum += chunk.count;
+    (chunk.*piece).place = sum;
+    sum += (chunk.*piece).count;
   }
   resize_with_room(out, sum);
   threads.for_each(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      std::copy_n(parts_[k % parts].pairs.data() + chunks_[k].begin, chunks_[k].count,
-                  out.data() + chunks_[k].place);
+    for (std::size_t k = begin; k < end; ++k) {
+      const Piece& from = chunks_[k].*piece;
+      std::copy_n((parts_[k % parts].*list).pairs.data() + from.begin, from.count, out.data() + from.place);
+    }
   });
 }
 
 std::size_t NearPairFinder::bytes() const {
-  std::size_t sum = bytes_of(clean_boxes_, triangle_boxes_, edge_boxes_, vertex_boxes_, triangle_moves_,
-                             edge_moves_, vertex_moves_, parts_, chunks_) +
-                    triangles_.bytes() + edges_.bytes() + vertices_.bytes();
-  for (const Part& part : parts_) sum += bytes_of(part.pairs, part.found);
+  std::size_t sum =
+      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, left_out_of_) + hash_.bytes();
+  for (const Boxes* boxes : {&vertex_boxes_, &edge_boxes_, &triangle_boxes_})
+    for (std::size_t axis = 0; axis < 3; ++axis) sum += bytes_of(boxes->lo[axis], boxes->hi[axis]);
+  for (const Part& part : parts_)
+    sum += bytes_of(part.vertex_triangle.pairs, part.edge_edge.pairs, part.found);
   return sum;
 }
 

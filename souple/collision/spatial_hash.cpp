@@ -1,5 +1,6 @@
 #include "souple/collision/spatial_hash.h"
 
+#include "souple/collision/patch_kernels/find_kernels.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -17,13 +18,6 @@ constexpr int least_part_shift = 12;         // a part of the table counts its e
 constexpr std::size_t most_parts = 256;      // of the table
 constexpr float cell_per_side = 1.5f;        // of the median box
 constexpr float most_cells = 8388608;        // from the origin: up to there floats tell them apart
-
-bool is_box(const Bounds& box) {
-  constexpr float largest = std::numeric_limits<float>::max();
-  return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z && box.lo.x >= -largest &&
-         box.lo.y >= -largest && box.lo.z >= -largest && box.hi.x <= largest && box.hi.y <= largest &&
-         box.hi.z <= largest;
-}
 
 float largest_side(const Bounds& box) {
   const Vec3f side = box.hi - box.lo;
@@ -44,7 +38,7 @@ float SpatialHash::choose_cell_size(std::span<const Bounds> boxes) {
   std::size_t samples = 0;
   const std::size_t stride = boxes.size() / most_samples + 1;
   for (std::size_t b = 0; b < boxes.size(); b += stride)
-    if (is_box(boxes[b])) sides[samples++] = largest_side(boxes[b]);
+    if (is_finite(boxes[b])) sides[samples++] = largest_side(boxes[b]);
   if (samples == 0) return 1;
   const auto median = sides.begin() + static_cast<std::ptrdiff_t>(samples / 2);
   std::nth_element(sides.begin(), median, sides.begin() + static_cast<std::ptrdiff_t>(samples));
@@ -74,7 +68,7 @@ bool SpatialHash::fits(const Bounds& box, const Grid& grid) {
 // The finest grid whose cells are as large as the box. In all coarser ones it also touches at most two cells
 // along each axis: they differ by powers of two, so that nothing rounds.
 std::uint8_t SpatialHash::grid_of(const Bounds& box) const {
-  if (!is_box(box)) return nowhere;
+  if (!is_finite(box)) return nowhere;
   const float side = largest_side(box);
   std::uint8_t g = 0;
   while (side > grids_[g].cell_size || !fits(box, grids_[g])) ++g;
@@ -101,6 +95,7 @@ void SpatialHash::build(std::span<const Bounds> boxes, float cell_size, Threads&
     throw Error("SpatialHash: " + std::to_string(boxes.size()) + " boxes; at most " +
                 std::to_string(most_boxes) + " fit");
   boxes_ = boxes;
+  kernels_ = &kernels::find_patch_kernels(instruction_set());
   chunks_ = (boxes.size() + chunk_size - 1) / chunk_size;
   lay_out_grids(cell_size);
   place(threads);
@@ -186,9 +181,11 @@ void SpatialHash::sort_by_parts(Threads& threads) {
       for (std::size_t part = 0; part < parts_; ++part) place_[part * chunks_ + chunk] = counts[part];
     }
   });
-  const std::size_t entries = sum_up_parts();
-  resize_with_room(keyed_, entries);
-  resize_with_room(entries_, entries);
+  entry_count_ = sum_up_parts();
+  resize_with_room(keyed_, entry_count_);
+  resize_with_room(entries_, entry_count_ + kernels::BoxGroup::most_items);
+  for (auto* columns : {&lo_, &hi_})
+    for (auto& column : *columns) resize_with_room(column, entry_count_ + kernels::BoxGroup::most_items);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       std::array<std::uint32_t, most_parts> next{};
@@ -216,7 +213,7 @@ void SpatialHash::sort_part(std::size_t part) {
   const std::size_t first = part << part_shift_;
   const std::size_t last = std::min(end_.size() - 1, (part + 1) << part_shift_);
   const std::size_t begin = place_[part * chunks_];
-  const std::size_t end = part + 1 < parts_ ? place_[(part + 1) * chunks_] : entries_.size();
+  const std::size_t end = part + 1 < parts_ ? place_[(part + 1) * chunks_] : entry_count_;
   std::fill(end_.begin() + static_cast<std::ptrdiff_t>(first) + 1,
             end_.begin() + static_cast<std::ptrdiff_t>(last) + 1, 0u);
   for (std::size_t e = begin; e < end; ++e) ++end_[keyed_[e].bucket + 1];
@@ -226,25 +223,39 @@ void SpatialHash::sort_part(std::size_t part) {
     end_[bucket + 1] = next;
     next += count;
   }
-  for (std::size_t e = begin; e < end; ++e) entries_[end_[keyed_[e].bucket + 1]++] = keyed_[e].entry;
+  for (std::size_t e = begin; e < end; ++e) {
+    const std::uint32_t place = end_[keyed_[e].bucket + 1]++;
+    entries_[place] = keyed_[e].entry;
+    const Bounds& box = boxes_[keyed_[e].entry >> 3];
+    for (int axis = 0; axis < 3; ++axis) {
+      lo_[static_cast<std::size_t>(axis)][place] = box.lo[axis];
+      hi_[static_cast<std::size_t>(axis)][place] = box.hi[axis];
+    }
+  }
 }
 
 // Those of a grid, from box `first` on; not one whose cells are smaller than the box asked for.
 void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t first,
                           std::vector<std::uint32_t>& found) const {
+  const kernels::BoxColumns columns{
+      {lo_[0].data(), lo_[1].data(), lo_[2].data()}, {hi_[0].data(), hi_[1].data(), hi_[2].data()}, {}};
+  const float corners[] = {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
   const Cells cells = cells_of(box, grid);
   for (std::uint32_t which = 0; which < 8; ++which) {
     if ((which & ~cells.spans) != 0) continue;
     const std::uint32_t bucket = bucket_of(grid, cells, which);
-    const std::uint32_t begin = end_[bucket], end = end_[bucket + 1];
+    const std::size_t begin = end_[bucket], size = end_[bucket + 1] - begin;
+    if (size == 0) continue;
     std::size_t count = found.size();
-    found.resize(count + (end - begin));
-    for (std::uint32_t e = begin; e < end; ++e) {
-      const std::uint32_t b = entries_[e] >> 3;
-      // Along an axis along which both came from the cell before, what they share begins there.
-      const bool first_here = (entries_[e] & which) == 0;
+    found.resize(count + size);
+    // Along an axis along which both came from the cell before, what they share does not begin in this cell.
+    const std::size_t hits =
+        kernels_->overlapping(columns, begin, size, corners, entries_.data(), which, found.data() + count);
+    const std::size_t end = count + hits;
+    for (std::size_t hit = count; hit < end; ++hit) {
+      const std::uint32_t b = found[hit] >> 3;
       found[count] = b;
-      count += static_cast<std::size_t>(first_here & (b >= first) & overlap(box, boxes_[b]));
+      count += b >= first ? 1 : 0;
     }
     found.resize(count);
   }
@@ -320,7 +331,8 @@ bool SpatialHash::larger_than_some(const Bounds& box) const {
 }
 
 std::size_t SpatialHash::bytes() const {
-  return bytes_of(grid_, boxes_in_, place_, keyed_, end_, entries_);
+  return bytes_of(grid_, boxes_in_, place_, keyed_, end_, entries_, lo_[0], lo_[1], lo_[2], hi_[0], hi_[1],
+                  hi_[2]);
 }
 
 }  // namespace souple

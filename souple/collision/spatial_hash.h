@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/patch_kernels/patch_kernels.h"
 #include "souple/math/vec3.h"
 #include "souple/solver/threads.h"
 
@@ -14,6 +15,12 @@ namespace souple {
 struct Bounds {
   Vec3f lo, hi;
 };
+
+/// Whether it is one: no number that is not finite, no corner beyond the other.
+inline bool is_finite(const Bounds& box) {
+  return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z && is_finite(box.lo) &&
+         is_finite(box.hi);
+}
 
 /// The smallest box around both.
 inline Bounds united(const Bounds& a, const Bounds& b) {
@@ -81,7 +88,7 @@ class SpatialHash {
   std::size_t size() const { return boxes_.size(); }
   std::size_t left_out() const { return left_out_; }
   /// Boxes in cells.
-  std::size_t entries() const { return entries_.size(); }
+  std::size_t entries() const { return entry_count_; }
   std::size_t bytes() const;
 
  private:
@@ -124,14 +131,16 @@ class SpatialHash {
   void find_in_finer(const Bounds& box, int index, std::vector<std::uint32_t>& found) const;
 
   std::span<const Bounds> boxes_;
+  const kernels::PatchKernels* kernels_ = nullptr;
   std::array<Grid, grid_count> grids_;
-  std::size_t left_out_ = 0, chunks_ = 0, parts_ = 0;
+  std::size_t left_out_ = 0, entry_count_ = 0, chunks_ = 0, parts_ = 0;
   int part_shift_ = 0;
   std::vector<std::uint8_t> grid_;                                   // of each box
   std::vector<std::array<std::uint32_t, grid_count + 1>> boxes_in_;  // of each chunk, by grid
   std::vector<std::uint32_t> place_;                                 // [part][chunk] in keyed_
   std::vector<Keyed> keyed_;                                         // by part, then box
   std::vector<std::uint32_t> end_;                                   // bucket b: end_[b] to end_[b + 1]
+  std::array<std::vector<float>, 3> lo_, hi_;                        // of each entry's box
   std::vector<std::uint32_t> entries_;                               // 8 box + which of its cells
 };
 

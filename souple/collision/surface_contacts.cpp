@@ -27,11 +27,19 @@ constexpr float surprise = 0.1f;
 // Nearer than this no side is left to keep: what began so is not held back, or two sheets that lie in one
 // plane would never come apart. [m]
 constexpr float touching = 1e-8f;
+// What is far from everything may be pulled along within a step by this part of its size.
+constexpr float unwatched = 0.125f;
 // Contacts are made somewhat before features are near enough to push: the solver moves them too.
 constexpr float early = 0.1f;
 
 std::size_t chunks_of(std::size_t n) {
   return (n + chunk_size - 1) / chunk_size;
+}
+
+/// Room for twice as much as is needed: contacts come and go, and a warm step allocates nothing.
+template <class T>
+void make_room(std::vector<T>& vector, std::size_t size) {
+  if (vector.capacity() < size) vector.reserve(2 * size);
 }
 
 Bounds around(const Vec3f& a, const Vec3f& b, float reach) {
@@ -112,32 +120,33 @@ bool SurfaceContacts::meet(std::size_t a, std::size_t b) const {
 }
 
 void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
+  *this = SurfaceContacts(std::move(excluded_));
   surfaces_ = std::move(surfaces);
-  forget_contacts();
-  candidates_.clear();
   const std::size_t n = surfaces_.size();
-  std::uint32_t end = 0;
-  for (const ContactSurface& surface : surfaces_) end = std::max(end, surface.end);
-  surface_of_.assign(end, none);
-  own_.clear();
-  own_matrix_ = ObjectMatrix(n);
-  crossing_matrix_ = ObjectMatrix(n);
-  crosses_.assign(n, 0);
-  any_pair_ = false;
+  own_matrix_ = crossing_matrix_ = ObjectMatrix(n);
   for (std::uint32_t a = 0; a < n; ++a) {
-    const ContactSurface& surface = surfaces_[a];
-    std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
-    if (surface.meets_itself) {
-      own_.add_triangles(surface.triangles, surface.begin, a);
-      own_.add_edges(surface.edges, surface.begin, a);
-      own_matrix_.set(a, a, true);
-      any_pair_ = true;
-    }
+    own_matrix_.set(a, a, surfaces_[a].meets_itself);
+    any_pair_ = any_pair_ || surfaces_[a].meets_itself;
     for (std::uint32_t b = 0; b < a; ++b) {
       crossing_matrix_.set(a, b, meet(a, b));
       any_pair_ = any_pair_ || meet(a, b);
     }
   }
+  if (!any_pair_) return;
+  crosses_.assign(n, 0);
+  std::uint32_t end = 0;
+  for (const ContactSurface& surface : surfaces_) end = std::max(end, surface.end);
+  surface_of_.assign(end, none);
+  for (std::uint32_t a = 0; a < n; ++a) {
+    const ContactSurface& surface = surfaces_[a];
+    std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
+    if (!surface.meets_itself) continue;
+    own_.add_triangles(surface.triangles, surface.begin, a);
+    own_.add_edges(surface.edges, surface.begin, a);
+  }
+  for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
+  used_.reserve(end), part_.reserve(end);
+  cuts_.reserve(256), rescues_.reserve(256);
 }
 
 void SurfaceContacts::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
@@ -159,6 +168,17 @@ bool SurfaceContacts::is_excluded(const NearPair& pair, bool edges) const {
 }
 
 // --- near pairs
+
+void SurfaceContacts::make_chunks(std::size_t count) {
+  if (chunks_.size() >= count) return;
+  const std::size_t before = chunks_.size();
+  chunks_.resize(count + count / 2 + 16);
+  for (std::size_t c = before; c < chunks_.size(); ++c) {
+    chunks_[c].candidates.reserve(chunk_size);
+    chunks_[c].contacts.reserve(chunk_size / 8);
+    chunks_[c].cuts.reserve(16);
+  }
+}
 
 // Mean velocities of what can move: a heap that falls as one needs no room for it.
 void SurfaceContacts::find_frames(const ParticleView& particles, std::span<const Vec4f> velocity) {
@@ -200,9 +220,12 @@ void SurfaceContacts::find_boxes(const ParticleView& particles, std::span<const 
 void SurfaceContacts::find_crossing() {
   const std::size_t n = surfaces_.size();
   surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i)
-      surface_bounds_[a] = united(surface_bounds_[a], boxes_[i]);
+  for (std::size_t a = 0; a < n; ++a) {
+    Bounds& bounds = surface_bounds_[a];
+    for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i) bounds = united(bounds, boxes_[i]);
+    const Vec3f size = bounds.hi - bounds.lo;
+    bounds = around(bounds.lo, bounds.hi, unwatched * max(size.x, max(size.y, size.z)));
+  }
   crosses_now_.assign(n, 0);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < a; ++b)
@@ -260,7 +283,7 @@ float SurfaceContacts::thickness_of(const NearPair& pair, bool edges) const {
 void SurfaceContacts::add_candidates(std::span<const NearPair> pairs, bool edges,
                                      const ParticleView& particles, Threads& threads) {
   const std::size_t chunks = chunks_of(pairs.size());
-  if (chunks_.size() < chunks) chunks_.resize(chunks);
+  make_chunks(chunks);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
       std::vector<Candidate>& found = chunks_[c].candidates;
@@ -282,6 +305,9 @@ void SurfaceContacts::add_candidates(std::span<const NearPair> pairs, bool edges
       }
     }
   });
+  std::size_t sum = candidates_.size();
+  for (std::size_t c = 0; c < chunks; ++c) sum += chunks_[c].candidates.size();
+  make_room(candidates_, sum);
   for (std::size_t c = 0; c < chunks; ++c)
     candidates_.insert(candidates_.end(), chunks_[c].candidates.begin(), chunks_[c].candidates.end());
 }
@@ -300,6 +326,11 @@ void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const 
   find_pairs(particles, velocity, step.dt, threads);
 }
 
+// Surfaces that are far from all others are not watched within a step; their bounds are larger for it.
+bool SurfaceContacts::is_active(std::size_t surface) const {
+  return surfaces_[surface].meets_itself || crosses_[surface] != 0;
+}
+
 // Whether some particle is no longer where pairs were looked for.
 bool SurfaceContacts::left_boxes(const ParticleView& particles, Threads& threads) {
   const std::size_t n = surface_of_.size(), chunks = chunks_of(n);
@@ -308,7 +339,7 @@ bool SurfaceContacts::left_boxes(const ParticleView& particles, Threads& threads
     for (; c < last; ++c) {
       bool inside = true;
       for (std::size_t i = c * chunk_size; i < std::min(n, (c + 1) * chunk_size); ++i) {
-        if (surface_of_[i] == none) continue;
+        if (surface_of_[i] == none || !is_active(surface_of_[i])) continue;
         const Vec3f x = particles.relative(i, {});
         const float reach = max(radius_[i], least_thickness) * (1 + early);
         inside = inside && is_inside(x, boxes_[i], reach) &&
@@ -346,7 +377,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   elapsed_ += substep.h;
   if (left_boxes(particles, threads)) find_again(particles, substep.h, threads);
   const std::size_t chunks = chunks_of(candidates_.size());
-  if (chunks_.size() < chunks) chunks_.resize(chunks);
+  make_chunks(chunks);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
       std::vector<Contact>& found = chunks_[c].contacts;
@@ -357,6 +388,12 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
           found.push_back(contact);
     }
   });
+  std::size_t sum = 0;
+  for (std::size_t c = 0; c < chunks; ++c) sum += chunks_[c].contacts.size();
+  make_room(found_, sum);
+  make_room(contacts_, sum);
+  make_room(colour_of_, sum);
+  make_room(waiting_, sum);
   found_.clear();
   for (std::size_t c = 0; c < chunks; ++c)
     found_.insert(found_.end(), chunks_[c].contacts.begin(), chunks_[c].contacts.end());
@@ -412,6 +449,8 @@ void SurfaceContacts::colour_found(const ParticleView& particles) {
   colour_of_.resize(found_.size());
   waiting_.clear();
   for (std::uint32_t c = 0; c < found_.size(); ++c) waiting_.push_back(c);
+  make_room(colour_begin_, 256);
+  make_room(next_place_, colour_begin_.capacity());
   colour_begin_.assign(1, 0);
   for (std::uint32_t first = 0; !waiting_.empty(); first += per_round) {
     used_.assign(surface_of_.size(), 0);
@@ -490,7 +529,7 @@ float SurfaceContacts::safe_part(Candidate& candidate, bool edges, const Particl
 // Pairs that would touch on their ways, in order.
 void SurfaceContacts::find_cuts(const ParticleView& particles, Threads& threads) {
   const std::size_t chunks = chunks_of(candidates_.size());
-  if (chunks_.size() < chunks) chunks_.resize(chunks);
+  make_chunks(chunks);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
       std::vector<Cut>& cuts = chunks_[c].cuts;
@@ -513,7 +552,9 @@ void SurfaceContacts::push_cuts(const ParticleView& particles, float h) {
   for (const Cut& cut : cuts_)
     if (contact_of(candidates_[cut.candidate], cut.candidate >= first_edges_, particles, h, contact))
       rescues_.push_back(contact);
-  for (Contact& rescue : rescues_) project_one(rescue, particles);
+  constexpr int sweeps = 4;
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (Contact& rescue : rescues_) project_one(rescue, particles);
 }
 
 // Particles of a pair that would touch keep the part of their way that is safe.
@@ -530,7 +571,7 @@ void SurfaceContacts::shorten_ways(const ParticleView& particles) {
 std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
                                         Threads& threads) {
   if (!any_pair_) return 0;
-  constexpr int pushes = 6, passes = 14;
+  constexpr int pushes = 20, passes = 30;
   rescues_.clear();
   std::size_t count = 0;
   for (int pass = 0; pass < passes; ++pass) {
@@ -646,13 +687,9 @@ void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisit
     }
 }
 
+// Surfaces are set anew before the next step.
 void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
-  // Surfaces are set anew before the next step.
-  surfaces_.clear();
-  surface_of_.clear();
-  candidates_.clear();
-  any_pair_ = false;
-  forget_contacts();
+  set_surfaces({});
 }
 
 std::size_t SurfaceContacts::bytes() const {

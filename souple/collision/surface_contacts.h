@@ -43,6 +43,8 @@ struct ContactSurface {
 /// relative to its mean velocity; and again when a particle leaves its box.
 class SurfaceContacts final : public Projector {
  public:
+  SurfaceContacts() = default;
+
   /// What can touch, anew when objects came, went or changed. `surfaces` and `radius` as for
   /// ParticleContacts.
   void set_surfaces(std::vector<ContactSurface> surfaces);
@@ -111,8 +113,13 @@ class SurfaceContacts final : public Projector {
     std::vector<Contact> contacts;
     std::vector<Cut> cuts;
   };
+  using ParticlePairs = std::vector<std::array<std::uint32_t, 2>>;
+  explicit SurfaceContacts(ParticlePairs excluded) : excluded_(std::move(excluded)) {}
+
+  bool is_active(std::size_t surface) const;
   bool meet(std::size_t a, std::size_t b) const;
   bool is_excluded(const NearPair& pair, bool edges) const;
+  void make_chunks(std::size_t count);
   void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
   void find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
   void find_pairs(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
@@ -136,8 +143,8 @@ class SurfaceContacts final : public Projector {
   void forget_contacts();
 
   std::vector<ContactSurface> surfaces_;
-  std::vector<std::array<std::uint32_t, 2>> excluded_;  // both ways, sorted
-  std::vector<std::uint32_t> surface_of_;               // of each particle; none where it has none
+  ParticlePairs excluded_;                 // both ways, sorted
+  std::vector<std::uint32_t> surface_of_;  // of each particle; none where it has none
   SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
   std::vector<Bounds> surface_bounds_;
   std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are

@@ -3,8 +3,148 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace souple {
+namespace {
+
+constexpr std::uint32_t no_particle = ~std::uint32_t{0};
+
+/// Triangles in order of patches, and how many each patch has.
+struct Grouped {
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> sizes;
+};
+
+/// The triangles on each edge: those of e are items[begin[e] .. begin[e + 1]).
+struct EdgeTriangles {
+  std::vector<std::uint32_t> begin, items;
+};
+
+EdgeTriangles edge_triangles(const TriangleEdges& sides) {
+  EdgeTriangles result;
+  result.begin.assign(sides.edges.size() + 1, 0);
+  for (const auto& three : sides.of_triangle)
+    for (const std::uint32_t e : three) ++result.begin[e + 1];
+  for (std::size_t e = 1; e < result.begin.size(); ++e) result.begin[e] += result.begin[e - 1];
+  std::vector<std::uint32_t> next(result.begin.begin(), result.begin.end() - 1);
+  result.items.resize(3 * sides.of_triangle.size());
+  for (std::uint32_t t = 0; t < sides.of_triangle.size(); ++t)
+    for (const std::uint32_t e : sides.of_triangle[t]) result.items[next[e]++] = t;
+  return result;
+}
+
+/// Grows patches over a mesh, from one triangle to what is left beside it: always to the triangle most of
+/// whose corners the patch has, so that it closes the fan around a vertex and stays round.
+class PatchGrower {
+ public:
+  explicit PatchGrower(std::span<const Triangle> triangles)
+      : triangles_(triangles),
+        sides_(triangle_edges(triangles)),
+        around_(edge_triangles(sides_)),
+        taken_(triangles.size()) {}
+
+  Grouped grow() {
+    Grouped result;
+    for (std::uint32_t seed = 0; seed < triangles_.size(); ++seed) {
+      if (taken_[seed]) continue;
+      patch_.clear();
+      for (std::uint32_t t = seed; t != none; t = next()) take(t);
+      for (const std::uint32_t t : patch_) result.triangles.push_back(triangles_[t]);
+      result.sizes.push_back(static_cast<std::uint32_t>(patch_.size()));
+    }
+    return result;
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  void take(std::uint32_t t) {
+    taken_[t] = true;
+    patch_.push_back(t);
+  }
+  long corners_in_patch(std::uint32_t t) const {
+    return std::count_if(triangles_[t].begin(), triangles_[t].end(), [this](std::uint32_t i) {
+      return std::any_of(patch_.begin(), patch_.end(), [this, i](std::uint32_t p) {
+        return std::find(triangles_[p].begin(), triangles_[p].end(), i) != triangles_[p].end();
+      });
+    });
+  }
+  std::uint32_t next() const {
+    if (patch_.size() == SurfacePatch::most_triangles) return none;
+    std::uint32_t best = none;
+    long most = 0;
+    for (const std::uint32_t p : patch_)
+      for (const std::uint32_t e : sides_.of_triangle[p])
+        for (std::uint32_t k = around_.begin[e]; k < around_.begin[e + 1]; ++k) {
+          const std::uint32_t t = around_.items[k];
+          if (taken_[t]) continue;
+          const long corners = corners_in_patch(t);
+          if (corners > most) best = t, most = corners;
+        }
+    return best;
+  }
+
+  std::span<const Triangle> triangles_;
+  TriangleEdges sides_;
+  EdgeTriangles around_;
+  std::vector<bool> taken_;
+  std::vector<std::uint32_t> patch_;
+};
+
+}  // namespace
+
+// The patches of new elements, by the number of elements in each. Whatever an element owns follows what the
+// one before it owns.
+void SurfaceElements::add_patches(std::size_t first_element, std::span<const std::uint32_t> sizes) {
+  auto e = elements_.begin() + static_cast<std::ptrdiff_t>(first_element);
+  SurfacePatch next;
+  if (!patches_.empty()) {
+    const SurfacePatch& last = patches_.back();
+    next = {last.first_triangle + last.triangles,
+            last.first_edge + last.edges,
+            last.first_vertex + last.vertices,
+            0,
+            0,
+            0,
+            0};
+  }
+  for (const std::uint32_t size : sizes) {
+    SurfacePatch patch = next;
+    patch.object = e->object;
+    for (std::uint32_t k = 0; k < size; ++k, ++e) {
+      patch.triangles = static_cast<std::uint8_t>(patch.triangles + (e->corners == 3 ? 1 : 0));
+      patch.edges =
+          static_cast<std::uint8_t>(patch.edges + std::popcount(static_cast<unsigned>(e->owns_edge)));
+      patch.vertices =
+          static_cast<std::uint8_t>(patch.vertices + std::popcount(static_cast<unsigned>(e->owns_particle)));
+    }
+    patches_.push_back(patch);
+    next = {patch.first_triangle + patch.triangles,
+            patch.first_edge + patch.edges,
+            patch.first_vertex + patch.vertices,
+            0,
+            0,
+            0,
+            0};
+  }
+  extend_columns();
+}
+
+void SurfaceElements::extend_columns() {
+  const auto extend = [](std::vector<std::uint32_t>& column, std::size_t size, const auto& particle) {
+    std::size_t i = column.size() - std::min(column.size(), padding);
+    column.resize(size + padding);
+    for (; i < size; ++i) column[i] = particle(i);
+    std::fill(column.begin() + static_cast<std::ptrdiff_t>(size), column.end(), 0u);
+  };
+  extend(vertex_particles_, vertices_.size(), [this](std::size_t i) { return vertices_[i]; });
+  for (std::size_t k = 0; k < 2; ++k)
+    extend(edge_particles_[k], edges_.size(), [&](std::size_t i) { return edges_[i][k]; });
+  for (std::size_t k = 0; k < 3; ++k)
+    extend(triangle_particles_[k], triangles_.size(),
+           [&](std::size_t i) { return triangles_[i].particle[k]; });
+}
 
 // Marks the corners that no earlier element of this call has, and lists them as vertices.
 void SurfaceElements::own_particles_once(std::size_t first_element) {
@@ -28,18 +168,20 @@ void SurfaceElements::own_particles_once(std::size_t first_element) {
 
 void SurfaceElements::add_triangles(std::span<const Triangle> triangles, std::uint32_t first_particle,
                                     std::uint32_t object) {
-  const TriangleEdges sides = triangle_edges(triangles);
+  std::vector<Triangle> whole;
+  for (const Triangle& t : triangles)
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) whole.push_back(t);
+  const Grouped grouped = PatchGrower(whole).grow();
+  const TriangleEdges sides = triangle_edges(grouped.triangles);
   const std::size_t first_element = elements_.size(), first_edge = edges_.size();
   std::vector<bool> owned(sides.edges.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const auto& [a, b, c] = triangles[t];
-    if (a == b || b == c || c == a) continue;
+  for (std::size_t t = 0; t < grouped.triangles.size(); ++t) {
     SurfaceElement element;
     element.object = object;
     element.corners = 3;
     for (unsigned k = 0; k < 3; ++k) {
       const std::uint32_t edge = sides.of_triangle[t][k];
-      element.particle[k] = first_particle + triangles[t][k];
+      element.particle[k] = first_particle + grouped.triangles[t][k];
       element.edge[k] = static_cast<std::uint32_t>(first_edge) + edge;
       if (owned[edge]) continue;
       owned[edge] = true;
@@ -55,14 +197,20 @@ void SurfaceElements::add_triangles(std::span<const Triangle> triangles, std::ui
   object_end_ = std::max(object_end_, object + 1);
   triangles_.insert(triangles_.end(), elements_.begin() + static_cast<std::ptrdiff_t>(first_element),
                     elements_.end());
+  add_patches(first_element, grouped.sizes);
 }
 
 void SurfaceElements::add_edges(std::span<const Edge> edges, std::uint32_t first_particle,
                                 std::uint32_t object) {
   const std::size_t first_element = elements_.size();
+  std::vector<std::uint32_t> sizes;
+  std::uint32_t last = no_particle;
   for (const Edge& edge : edges) {
     const std::uint32_t a = first_particle + edge[0], b = first_particle + edge[1];
     if (a == b) continue;
+    if (a != last || sizes.back() == SurfacePatch::most_edges) sizes.push_back(0);
+    ++sizes.back();
+    last = b;
     const auto index = static_cast<std::uint32_t>(edges_.size());
     elements_.push_back(
         {{a, b, b}, {index, SurfaceElement::no_edge, SurfaceElement::no_edge}, object, 2, 0, 1});
@@ -71,10 +219,12 @@ void SurfaceElements::add_edges(std::span<const Edge> edges, std::uint32_t first
   }
   own_particles_once(first_element);
   object_end_ = std::max(object_end_, object + 1);
+  add_patches(first_element, sizes);
 }
 
 void SurfaceElements::add_particles(std::uint32_t begin, std::uint32_t end, std::uint32_t object) {
   constexpr std::uint32_t none = SurfaceElement::no_edge;
+  const std::size_t first_element = elements_.size();
   for (std::uint32_t i = begin; i < end; ++i) {
     elements_.push_back({{i, i, i}, {none, none, none}, object, 1, 1, 0});
     vertices_.push_back(i);
@@ -82,6 +232,8 @@ void SurfaceElements::add_particles(std::uint32_t begin, std::uint32_t end, std:
   }
   particle_end_ = std::max(particle_end_, end);
   object_end_ = std::max(object_end_, object + 1);
+  const std::vector<std::uint32_t> sizes(elements_.size() - first_element, 1);
+  add_patches(first_element, sizes);
 }
 
 void SurfaceElements::clear() {
@@ -89,7 +241,9 @@ void SurfaceElements::clear() {
 }
 
 std::size_t SurfaceElements::bytes() const {
-  return bytes_of(elements_, triangles_, edges_, edge_objects_, vertices_, vertex_objects_);
+  return bytes_of(elements_, triangles_, edges_, edge_objects_, vertices_, vertex_objects_, patches_,
+                  vertex_particles_, edge_particles_[0], edge_particles_[1], triangle_particles_[0],
+                  triangle_particles_[1], triangle_particles_[2]);
 }
 
 }  // namespace souple

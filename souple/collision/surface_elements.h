@@ -2,6 +2,7 @@
 
 #include "souple/geometry/adjacency.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,9 +21,19 @@ struct SurfaceElement {
   std::uint8_t owns_edge = 0;      ///< bit k: so does side k
 };
 
+/// Neighbouring elements and what they own, all in a row: triangles, edges and vertices [begin, begin +
+/// count).
+struct SurfacePatch {
+  static constexpr std::uint32_t most_triangles = 15, most_edges = 8;  ///< most_edges: of a rope
+  std::uint32_t first_triangle = 0, first_edge = 0, first_vertex = 0;
+  std::uint32_t object = 0;
+  std::uint8_t triangles = 0, edges = 0, vertices = 0;
+};
+
 /// What can touch: all surfaces, ropes and grains of a world, by the numbers of their particles. Built when
-/// objects come and go, not in a step. Vertices, edges and elements are numbered in the order in which they
-/// were added; each vertex and edge is there once, and belongs to the first element that has it.
+/// objects come and go, not in a step. Elements are numbered by patches: the triangles of a mesh in another
+/// order than its own, so that neighbours follow one another. Vertices and edges are numbered in the order of
+/// the elements; each is there once, and belongs to the first element that has it.
 class SurfaceElements {
  public:
   /// A mesh's surface. Its vertex i is particle first_particle + i; a vertex that no triangle has is left
@@ -44,6 +55,15 @@ class SurfaceElements {
   /// Particle of each vertex.
   std::span<const std::uint32_t> vertices() const { return vertices_; }
   std::span<const std::uint32_t> vertex_objects() const { return vertex_objects_; }
+  std::span<const SurfacePatch> patches() const { return patches_; }
+  /// The particles of all vertices, edges or triangles, corner by corner, and `padding` zeros behind the
+  /// last.
+  static constexpr std::size_t padding = 32;
+  const std::uint32_t* vertex_particles() const { return vertex_particles_.data(); }
+  const std::uint32_t* edge_particles(std::size_t corner) const { return edge_particles_[corner].data(); }
+  const std::uint32_t* triangle_particles(std::size_t corner) const {
+    return triangle_particles_[corner].data();
+  }
 
   /// One more than the largest particle and the largest object that are named.
   std::uint32_t particle_end() const { return particle_end_; }
@@ -52,11 +72,17 @@ class SurfaceElements {
 
  private:
   void own_particles_once(std::size_t first_element);
+  void add_patches(std::size_t first_element, std::span<const std::uint32_t> sizes);
+  void extend_columns();
 
   std::uint32_t particle_end_ = 0, object_end_ = 0;
   std::vector<SurfaceElement> elements_, triangles_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;
+  std::vector<SurfacePatch> patches_;
+  std::vector<std::uint32_t> vertex_particles_;
+  std::array<std::vector<std::uint32_t>, 2> edge_particles_;
+  std::array<std::vector<std::uint32_t>, 3> triangle_particles_;
 };
 
 }  // namespace souple

@@ -25,6 +25,11 @@ inline double select(bool condition, double a, double b) {
   return condition ? a : b;
 }
 
+/// Whether it holds in any lane.
+inline bool any_lane(bool condition) {
+  return condition;
+}
+
 /// atan2(y, x) in [-pi, pi], within 3e-7 rad; 0 at (0, 0). On T = float or a pack of floats, the same bits.
 ///
 /// With t = min(|x|, |y|) / max(|x|, |y|) in [0, 1], reduced to u = (t - 1) / (t + 1) above tan(pi/8):

@@ -1108,6 +1108,10 @@ CodecPtr<SceneDescription> scene_codec() {
       .key<&S::settings, &Settings::solver, &SolverSettings::colours>(
           "colours", number<int>(within(0, 64)),
           "to which phantom particles cut the constraint graph; 0: as many as it takes without")
+      .key<&S::settings, &Settings::segment_test>(
+          "segment_test",
+          enumeration<SegmentTest>({std::begin(segment_test_names), std::end(segment_test_names)}),
+          "how rays that pick are tested against triangles")
       .key<&S::camera>("camera", camera_codec(), "from where the scene is best seen")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
       .key<&S::objects>("objects", list(object_codec(), 0, 10000), "what moves")

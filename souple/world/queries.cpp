@@ -10,19 +10,6 @@
 namespace souple {
 namespace {
 
-/// Where a ray meets triangle a, b, c: distance along the unit direction, or infinity. Möller and Trumbore
-/// 1997.
-double ray_triangle(const Vec3d& origin, const Vec3d& direction, const Vec3d& a, const Vec3d& b,
-                    const Vec3d& c) {
-  constexpr double never = std::numeric_limits<double>::infinity();
-  const Vec3d e1 = b - a, e2 = c - a, p = cross(direction, e2);
-  const double det = dot(e1, p);
-  if (det == 0) return never;
-  const Vec3d s = origin - a, q = cross(s, e1);
-  const double u = dot(s, p) / det, v = dot(direction, q) / det, t = dot(e2, q) / det;
-  return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 ? t : never;
-}
-
 /// Where a ray enters a ball, 0 when it starts inside, or infinity.
 double ray_ball(const Vec3d& origin, const Vec3d& direction, const Vec3d& centre, double radius) {
   const Vec3d s = centre - origin;
@@ -60,13 +47,15 @@ Hit World::ray_cast(const Vec3f& origin, const Vec3f& direction, double longest)
   const Vec3d o(origin), d = normalized(Vec3d(direction));
   if (!is_finite(o) || !(length_squared(d) > 0))
     throw Error("ray_cast: the origin is not finite or the direction is zero");
+  const Segment<double> ray{o, d, std::numeric_limits<double>::infinity()};
   Nearest nearest{{}, longest};
   for (const auto& object : world.objects) {
     const auto x = positions(object->id);
     const auto faces = triangles(object->id);
     for (std::uint32_t t = 0; t < faces.size(); ++t) {
       const Triangle& f = faces[t];
-      const double at = ray_triangle(o, d, Vec3d(x[f[0]]), Vec3d(x[f[1]]), Vec3d(x[f[2]]));
+      const Corners<double> corners{Vec3d(x[f[0]]), Vec3d(x[f[1]]), Vec3d(x[f[2]])};
+      const double at = find_crossing(world.settings.segment_test, ray, corners).t;
       const Vec3d point = o + d * at;
       if (nearest.offer(at))
         nearest.take({.object = object->id,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/segment_triangle/choice.h"
 #include "souple/math/vec3.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/solver.h"
@@ -37,6 +38,7 @@ struct Settings {
   bool measure_residuals = true;  ///< residuals and strain in the report: costs about one iteration a step
   std::uint64_t seed = 1;         ///< of the gusts
   SolverSettings solver{};
+  SegmentTest segment_test = default_segment_test;  ///< of rays against surfaces (docs/segment-triangle.md)
   int threads = 0;  ///< results do not depend on it; 0: one for each processor
   Threading threading = Threading::automatic;
 };

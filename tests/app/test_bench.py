@@ -14,6 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2}
+STAGES = ["triangles"]  # of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -31,7 +32,7 @@ def bench(*arguments, **environment):
 class Bench(unittest.TestCase):
     def test_lists_what_there_is(self):
         listed = souple("bench").stdout.splitlines()
-        self.assertEqual([line.split()[0] for line in listed], list(NAMES))
+        self.assertEqual([line.split()[0] for line in listed], [*NAMES, *STAGES, "segments"])
 
     def test_every_benchmark_says_everything(self):
         for name, size in NAMES.items():
@@ -47,6 +48,18 @@ class Bench(unittest.TestCase):
             self.assertAlmostEqual(result["constraints_per_second"] / whole, 1, places=3)
             parts = sum(result["ms_per_stage"].values())
             self.assertGreater(parts, 0.5 * result["ms_per_step"], name)
+
+    def test_triangles(self):
+        result = bench("triangles", "--size", 10000)
+        self.assertAlmostEqual(result["triangles"] / 10000, 1, places=0)
+        self.assertEqual(list(result["ms_per_stage"]), ["boxes", "build", "pairs"])
+        self.assertLessEqual(sum(result["ms_per_stage"].values()), 1.5 * result["ms_per_step"] + 1)
+        self.assertGreater(result["pairs"]["vertex_triangle"], result["vertices"])
+        self.assertGreater(result["pairs"]["edge_edge"], result["edges"])
+        self.assertGreater(result["queries_per_second"], 0)
+        for threads in 2, 3:
+            self.assertEqual(bench("triangles", "--size", 10000, "--threads", threads)["hash"], result["hash"])
+        self.assertEqual(bench("triangles", "--size", 10000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
 
     def test_kinds_and_counts_are_those_of_the_meshes(self):
         n = 12
@@ -98,6 +111,18 @@ class Bench(unittest.TestCase):
             self.assertIn("size: 11, was 10", text)
             self.assertRegex(text, r"a step .* ms +[0-9.]+x")
 
+    def test_segments(self):
+        result = json.loads(souple("bench", "segments", "--size", 100, "--runs", 1, "--json").stdout)
+        self.assertEqual((result["name"], result["size"], result["threads"]), ("segments", 100, 1))
+        tests = result["tests"]
+        self.assertEqual(list(tests), ["plane_projection", "signed_volumes", "inclusion", "moeller_trumbore", "watertight"])
+        for test in tests.values():
+            self.assertGreater(test["scalar_per_second"], 1e5)
+            self.assertGreater(test["packed_per_second"], 1e5)
+        default = tests[result["default"]]
+        self.assertEqual((default["corner_leaks"], default["edge_leaks"]), (0, 0))
+        self.assertIn("watertight", souple("bench", "segments", "--size", 8, "--runs", 1).stdout)
+
     def test_bad_input_is_one_line(self):
         wrong = Path(tempfile.mkdtemp()) / "wrong.json"
         wrong.write_text("[1]")
@@ -107,7 +132,9 @@ class Bench(unittest.TestCase):
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),
                                  (["tets", "--size", "100", "--residual", "0.01"], "not a cloth"),
                                  (["cloth", "--size", "9", "--compare", wrong], "wrong.json"),
-                                 (["cloth", "--compare", "missing.json"], "missing.json")):
+                                 (["cloth", "--compare", "missing.json"], "missing.json"),
+                                 (["segments", "--size", "0"], "--size 0"),
+                                 (["segments", "--compare", wrong], "segments")):
             done = souple("bench", *arguments, code=2)
             self.assertEqual(done.stdout, "")
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)

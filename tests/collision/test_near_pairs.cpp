@@ -35,6 +35,7 @@ Quad as_edge_edge(const NearPair& pair) {
 template <class Form>
 std::vector<Quad> in_one_form(const std::vector<NearPair>& pairs, const Form& form) {
   std::vector<Quad> quads;
+  quads.reserve(pairs.size());
   for (const NearPair& pair : pairs) quads.push_back(form(pair));
   std::sort(quads.begin(), quads.end());
   return quads;

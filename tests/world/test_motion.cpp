@@ -19,7 +19,9 @@ World hanging_cloth(const Settings& settings) {
   World world(settings);
   const ObjectId cloth = world.add_cloth(grid(9, 6, 1), {.damping = 3});
   world.pin(cloth, vertices({0, 4}));
-  world.add_cloth(grid(3, 3, 0.3));  // 63 particles in all: the last do not fill a register
+  ObjectOptions beside;
+  beside.transform.translation = {2, 0, 0};
+  world.add_cloth(grid(3, 3, 0.3), {}, beside);  // 63 particles in all: the last do not fill a register
   return world;
 }
 

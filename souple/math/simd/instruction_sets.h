@@ -15,7 +15,8 @@
 // code for another's. Records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill
 // a register, so that four registers loaded from i, i + 1, i + 2, i + 3 transpose to components in the order
 // of i. min, max: a < b ? a : b and a > b ? a : b. difference_but_last: a - b, the fourth float of every
-// record that of a. spread_last: the fourth float of every record in all of its four.
+// record that of a. spread_last: the fourth float of every record in all of its four. any: a lane of the mask
+// is set.
 
 namespace souple::simd {
 
@@ -26,6 +27,7 @@ struct Sse {
   using Mask __attribute__((vector_size(16))) = std::int32_t;
 
   static Vector broadcast(float a) { return _mm_set1_ps(a); }
+  static bool any(Mask a) { return _mm_movemask_epi8((__m128i)a) != 0; }
   static Vector sqrt(Vector a) { return _mm_sqrt_ps(a); }
   static Vector min(Vector a, Vector b) { return _mm_min_ps(a, b); }
   static Vector max(Vector a, Vector b) { return _mm_max_ps(a, b); }
@@ -53,6 +55,7 @@ struct Avx2 {
   using Mask __attribute__((vector_size(32))) = std::int32_t;
 
   static Vector broadcast(float a) { return _mm256_set1_ps(a); }
+  static bool any(Mask a) { return _mm256_movemask_epi8((__m256i)a) != 0; }
   static Vector sqrt(Vector a) { return _mm256_sqrt_ps(a); }
   static Vector min(Vector a, Vector b) { return _mm256_min_ps(a, b); }
   static Vector max(Vector a, Vector b) { return _mm256_max_ps(a, b); }
@@ -82,6 +85,7 @@ struct Avx512 {
   using Mask __attribute__((vector_size(64))) = std::int32_t;
 
   static Vector broadcast(float a) { return _mm512_set1_ps(a); }
+  static bool any(Mask a) { return _mm512_movepi32_mask((__m512i)a) != 0; }
   static Vector sqrt(Vector a) { return _mm512_sqrt_ps(a); }
   static Vector min(Vector a, Vector b) { return _mm512_min_ps(a, b); }
   static Vector max(Vector a, Vector b) { return _mm512_max_ps(a, b); }
@@ -117,6 +121,7 @@ struct Neon {
   using Mask __attribute__((vector_size(16))) = std::int32_t;
 
   static Vector broadcast(float a) { return vdupq_n_f32(a); }
+  static bool any(Mask a) { return vmaxvq_u32((uint32x4_t)a) != 0; }
   static Vector sqrt(Vector a) { return vsqrtq_f32(a); }
   static Vector min(Vector a, Vector b) { return a < b ? a : b; }
   static Vector max(Vector a, Vector b) { return a > b ? a : b; }

@@ -46,6 +46,7 @@ struct Pack {
   friend Mask operator<=(Pack a, Pack b) { return {a.v <= b.v}; }
   friend Mask operator>=(Pack a, Pack b) { return {a.v >= b.v}; }
 
+  friend bool any_lane(Mask mask) { return Set::any(mask.lanes); }
   friend Pack select(Mask mask, Pack a, Pack b) { return Pack(mask.lanes ? a.v : b.v); }
   // The operand that std::min and std::max give when neither is smaller.
   friend Pack min(Pack a, Pack b) { return Pack(Set::min(b.v, a.v)); }

@@ -1,0 +1,75 @@
+#include "app/bench_stages.h"
+
+#include "app/bench_report.h"
+#include "souple/error.h"
+#include "souple/solver/instruction_set.h"
+#include "souple/solver/threads.h"
+#include "souple/version.h"
+
+#include <array>
+#include <cstdio>
+
+namespace souple::app {
+
+using scene_format::Json;
+using scene_format::Member;
+
+namespace {
+
+constexpr std::array benches{
+    StageBench{"triangles", "near pairs of crumpled sheets in motion, by spatial hash", "triangles, about",
+               500000, 2, 20000000, measure_triangles},
+};
+
+void print_member(const Member& member, int indent) {
+  const Json& value = member.value;
+  const int width = 26 - indent;
+  if (value.is(Json::Kind::object)) {
+    std::printf("%*s%s\n", indent, "", member.key.c_str());
+    for (const Member& inner : value.members) print_member(inner, indent + 2);
+  } else if (value.is(Json::Kind::number)) {
+    std::printf("%*s%-*s %14.6g\n", indent, "", width, member.key.c_str(), value.number);
+  } else {
+    std::printf("%*s%-*s %14s\n", indent, "", width, member.key.c_str(), value.text.c_str());
+  }
+}
+
+}  // namespace
+
+std::span<const StageBench> stage_benches() {
+  return benches;
+}
+
+const StageBench* find_stage_bench(const std::string& name) {
+  for (const StageBench& bench : benches)
+    if (bench.name == name) return &bench;
+  return nullptr;
+}
+
+Json measure_stage(const StageBench& bench, BenchOptions options) {
+  if (options.size == 0) options.size = bench.default_size;
+  if (options.size < bench.least || options.size > bench.most)
+    throw Error("--size " + std::to_string(options.size) + ": " + bench.name + " takes " +
+                std::to_string(bench.least) + " to " + std::to_string(bench.most) + " " + bench.size_means);
+  if (options.residual) throw Error(std::string("--residual: ") + bench.name + " solves nothing");
+  Json result = Json::object();
+  result.set("name", Json::of(bench.name));
+  result.set("size", Json::whole(options.size));
+  result.set("threads",
+             Json::whole(make_threads(options.settings.threading, options.settings.threads)->count()));
+  result.set("simd", Json::of(std::string(simd_name())));
+  result.set("version", Json::of(version));
+  result.set("warm_up", Json::whole(options.warm_up));
+  result.set("runs", Json::whole(options.runs));
+  for (Member& member : bench.measure(options).members) result.set(member.key, std::move(member.value));
+  return result;
+}
+
+void print_stage(const Json& now, const Json* before) {
+  for (const Member& member : now.members) print_member(member, 0);
+  if (before == nullptr) return;
+  std::printf("faster than before\n");
+  for (const Member& member : speed_up(now, *before).members) print_member(member, 2);
+}
+
+}  // namespace souple::app

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "app/bench_measure.h"
+#include "souple/scene/json.h"
+
+#include <span>
+#include <string>
+
+// Benchmarks of one stage by itself, without a world: rows of a table like the scenes of bench_scenes.h.
+
+namespace souple::app {
+
+struct StageBench {
+  const char* name;
+  const char* description;  ///< one line
+  const char* size_means;   ///< what --size counts
+  int default_size;
+  int least, most;  ///< sizes that make sense
+  /// What it measured; options.size is in range. Reads size, runs, warm_up and settings.threads of the
+  /// options.
+  scene_format::Json (*measure)(const BenchOptions& options);
+};
+
+/// All of them, in the order in which they are listed.
+std::span<const StageBench> stage_benches();
+
+/// Null where there is no such benchmark.
+const StageBench* find_stage_bench(const std::string& name);
+
+/// Name, size, threads, instruction set and version, then what the benchmark measured. Throws Error for a
+/// size out of range.
+scene_format::Json measure_stage(const StageBench& bench, BenchOptions options);
+
+/// For people; `before`, when there is one, beside it.
+void print_stage(const scene_format::Json& now, const scene_format::Json* before);
+
+/// Crumpled sheets in motion: boxes, hash and near pairs.
+scene_format::Json measure_triangles(const BenchOptions& options);
+
+}  // namespace souple::app

@@ -1,0 +1,3 @@
+#include "souple/collision/kernels/compile_segments.h"
+
+template const souple::kernels::SegmentKernels& souple::kernels::segment_kernels<souple::simd::Avx512>();

@@ -1,0 +1,199 @@
+#pragma once
+
+#include "souple/collision/patch_kernels/patch_kernels.h"
+#include "souple/math/simd/instruction_sets.h"
+
+// Included by the translation units that are compiled for one instruction set, and by nothing else; every
+// template here carries the set's tag.
+
+#define SOUPLE_INLINE __attribute__((always_inline))
+
+namespace souple::kernels {
+
+/// Comparisons of all lanes at once. bits: bit l is set where lane l is true.
+template <class Set>
+struct Lanes {
+  static constexpr std::uint32_t count = Set::lanes;
+  using Vector = typename Set::Vector;
+  using Mask = typename Set::Mask;
+  static Vector broadcast(float a) { return Set::broadcast(a); }
+  static Mask at_most(const float* a, Vector b) { return Set::load(a) <= b; }
+  static Mask at_least(const float* a, Vector b) { return Set::load(a) >= b; }
+  static Mask equal(const std::uint32_t* a, std::uint32_t b) {
+    Mask loaded;
+    __builtin_memcpy(&loaded, a, sizeof loaded);
+    return loaded == (Mask{} + static_cast<std::int32_t>(b));
+  }
+  static Mask has_none(const std::uint32_t* a, std::uint32_t b) {
+    Mask loaded;
+    __builtin_memcpy(&loaded, a, sizeof loaded);
+    return (loaded & (Mask{} + static_cast<std::int32_t>(b))) == Mask{};
+  }
+  static std::uint32_t bits(Mask mask) {
+#if defined(__x86_64__)
+    if constexpr (count == 4) {
+      return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)mask));
+    }
+#if defined(__AVX2__)
+    if constexpr (count == 8) {
+      return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
+    }
+#endif
+#elif defined(__aarch64__)
+    return vaddvq_u32((uint32x4_t)mask & uint32x4_t{1, 2, 4, 8});
+#endif
+  }
+};
+
+/// A box in every lane.
+template <class Set>
+struct SpreadBox {
+  typename Lanes<Set>::Vector lo[3], hi[3];
+
+  explicit SpreadBox(const float (&box)[6]) {
+    for (int axis = 0; axis < 3; ++axis) {
+      lo[axis] = Lanes<Set>::broadcast(box[axis]);
+      hi[axis] = Lanes<Set>::broadcast(box[3 + axis]);
+    }
+  }
+  SpreadBox(const BoxColumns& boxes, std::size_t i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      lo[axis] = Lanes<Set>::broadcast(boxes.lo[axis][i]);
+      hi[axis] = Lanes<Set>::broadcast(boxes.hi[axis][i]);
+    }
+  }
+  typename Lanes<Set>::Mask overlaps(const BoxColumns& boxes, std::size_t i) const {
+    using L = Lanes<Set>;
+    return (L::at_most(boxes.lo[0] + i, hi[0]) & L::at_least(boxes.hi[0] + i, lo[0])) &
+           (L::at_most(boxes.lo[1] + i, hi[1]) & L::at_least(boxes.hi[1] + i, lo[1])) &
+           (L::at_most(boxes.lo[2] + i, hi[2]) & L::at_least(boxes.hi[2] + i, lo[2]));
+  }
+};
+
+template <class Set>
+std::uint32_t first_bits(std::uint32_t count) {
+  return count < 32 ? (1u << count) - 1 : ~0u;
+}
+
+/// Bit k: item k of the group overlaps the box.
+template <class Set>
+SOUPLE_INLINE inline std::uint32_t items_in(const BoxColumns& items, const BoxGroup& group,
+                                            const float (&box)[6]) {
+  const SpreadBox<Set> spread(box);
+  std::uint32_t bits = 0;
+  for (std::uint32_t k = 0; k < group.count; k += Lanes<Set>::count)
+    bits |= Lanes<Set>::bits(spread.overlaps(items, group.begin + k)) << k;
+  return bits & first_bits<Set>(group.count);
+}
+
+/// Bit k: item k of the group overlaps box i of `from` and shares no particle with it. No branch looks at
+/// what is found: it could not be foreseen.
+template <class Set, int n, int other_n>
+SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t i, const BoxColumns& items,
+                                            const BoxGroup& group) {
+  using L = Lanes<Set>;
+  const SpreadBox<Set> box(from, i);
+  std::uint32_t bits = 0;
+  for (std::uint32_t k = 0; k < group.count; k += L::count) {
+    const std::size_t at = group.begin + k;
+    auto shared = L::equal(items.particle[0] + at, from.particle[0][i]);
+    for (int b = 1; b < other_n; ++b) shared |= L::equal(items.particle[b] + at, from.particle[0][i]);
+    for (int a = 1; a < n; ++a)
+      for (int b = 0; b < other_n; ++b) shared |= L::equal(items.particle[b] + at, from.particle[a][i]);
+    bits |= L::bits(box.overlaps(items, at) & ~shared) << k;
+  }
+  return bits & first_bits<Set>(group.count);
+}
+
+/// What is near each item of a group: only items that have something near. One loop then goes over all pairs;
+/// a loop for each item would end as many times at a place that nobody foresees.
+template <class Set>
+struct Rows {
+  std::uint32_t item[BoxGroup::most_items + 1], near[BoxGroup::most_items + 1];
+  std::uint32_t count = 0, pairs = 0;
+
+  void add(std::uint32_t which, std::uint32_t bits) {
+    item[count] = which;
+    near[count] = bits;
+    count += bits != 0 ? 1 : 0;
+    pairs += bits_of(bits);
+  }
+  static std::uint32_t bits_of(std::uint32_t x) {
+    x -= x >> 1 & 0x55555555u;
+    x = (x & 0x33333333u) + (x >> 2 & 0x33333333u);
+    return ((x + (x >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24;
+  }
+  /// f(item, bit) for each pair.
+  template <class Function>
+  SOUPLE_INLINE void for_each(const Function& f) {
+    near[count] = item[count] = 0;
+    std::uint32_t row = 0, left = near[0];
+    for (std::uint32_t p = 0; p < pairs; ++p) {
+      f(item[row], static_cast<std::uint32_t>(__builtin_ctz(left)));
+      left &= left - 1;
+      row += left == 0 ? 1 : 0;
+      left = left == 0 ? near[row] : left;
+    }
+  }
+};
+
+template <class Set>
+std::size_t vertices_triangles(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& triangles,
+                               const BoxGroup& t, Quad* pairs) {
+  Rows<Set> rows;
+  for (std::uint32_t near = items_in<Set>(vertices, v, t.box); near != 0; near &= near - 1) {
+    const std::uint32_t i = v.begin + static_cast<std::uint32_t>(__builtin_ctz(near));
+    rows.add(i, near_one<Set, 1, 3>(vertices, i, triangles, t));
+  }
+  Quad* next = pairs;
+  rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
+    Quad& pair = *next++;
+    pair[0] = vertices.particle[0][i];
+    for (int k = 0; k < 3; ++k) pair[1 + k] = triangles.particle[k][t.begin + bit];
+  });
+  return rows.pairs;
+}
+
+// Going over the fewer edges of both groups costs more in finding out which they are than it saves (5 %).
+template <class Set>
+std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs) {
+  Rows<Set> rows;
+  const bool same = a.begin == b.begin;
+  for (std::uint32_t near = items_in<Set>(edges, a, b.box); near != 0; near &= near - 1) {
+    const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
+    const std::uint32_t hits = near_one<Set, 2, 2>(edges, a.begin + k, edges, b);
+    rows.add(a.begin + k, same ? hits & ~first_bits<Set>(k + 1) : hits);
+  }
+  Quad* next = pairs;
+  rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
+    Quad& pair = *next++;
+    for (int e = 0; e < 2; ++e) {
+      pair[e] = edges.particle[e][i];
+      pair[2 + e] = edges.particle[e][b.begin + bit];
+    }
+  });
+  return rows.pairs;
+}
+
+template <class Set>
+std::size_t overlapping(const BoxColumns& boxes, std::size_t begin, std::size_t count, const float (&box)[6],
+                        const std::uint32_t* keys, std::uint32_t mask, std::uint32_t* found) {
+  using L = Lanes<Set>;
+  const SpreadBox<Set> spread(box);
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < count; k += L::count) {
+    std::uint32_t hits = L::bits(spread.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
+    if (count - k < L::count) hits &= first_bits<Set>(static_cast<std::uint32_t>(count - k));
+    for (; hits != 0; hits &= hits - 1)
+      found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(hits))];
+  }
+  return n;
+}
+
+template <class Set>
+const PatchKernels& patch_kernels() {
+  static constexpr PatchKernels kernels{vertices_triangles<Set>, edges_edges<Set>, overlapping<Set>};
+  return kernels;
+}
+
+}  // namespace souple::kernels

@@ -1,0 +1,7 @@
+#include "souple/collision/patch_kernels/compile.h"
+
+namespace souple::kernels {
+
+template const PatchKernels& patch_kernels<simd::Neon>();
+
+}  // namespace souple::kernels

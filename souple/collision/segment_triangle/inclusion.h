@@ -1,0 +1,50 @@
+#pragma once
+
+#include "souple/collision/segment_triangle/segment_triangle.h"
+
+namespace souple {
+
+/// Inclusion in the triangle: Snyder and Barr, Ray tracing complex models containing surface tessellations,
+/// SIGGRAPH 1987.
+///
+/// The point of the plane, t = a . n / d . n, with g = t d, is joined to the corners; projected along the
+/// axis in which n is largest, the three triangles that this makes are to the whole as the weights:
+///
+///   weight of a = [b - g, c - g] / [e, f],   of b = [c - g, a - g] / [e, f],   of c = [a - g, b - g] / [e,
+///   f].
+///
+/// Inside where none is negative. All corners are treated alike: no weight is a difference of the others, as
+/// in Badouel's test and in Möller and Trumbore's. Slivers are as hard as for Badouel's.
+struct Inclusion {
+  template <class T>
+  struct Prepared {
+    Segment<T> segment;
+
+    Crossing<T> operator()(const Corners<T>& corners) const {
+      const Vec3<T>& d = segment.direction;
+      const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
+      const Vec3<T> a = corners.a - segment.origin;
+      const T approach = dot(d, n);
+      const auto meets = abs(approach) > T(0);
+      const T t = dot(a, n) / select(meets, approach, T(1));
+
+      const Vec3<T> g = d * t;
+      const Vec3<T> to_a = a - g, to_b = corners.b - segment.origin - g,
+                    to_c = corners.c - segment.origin - g;
+      const detail::LargestProjection<T> projection(n);
+      const T inverse = T(1) / select(meets, projection.twice_area(), T(1));
+      const Vec3<T> weight =
+          Vec3<T>{projection.area(to_b, to_c), projection.area(to_c, to_a), projection.area(to_a, to_b)} *
+          inverse;
+      const auto inside = meets && weight.x >= T(0) && weight.y >= T(0) && weight.z >= T(0);
+      return detail::crossing(inside, t, weight, approach, segment.reach);
+    }
+  };
+
+  template <class T, class Function>
+  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
+    return f(Prepared<T>{spread<T>(segment)});
+  }
+};
+
+}  // namespace souple

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "souple/collision/segment_triangle/segment_triangle.h"
+
+namespace souple {
+
+/// Möller and Trumbore, Fast, minimum storage ray/triangle intersection, 1997.
+///
+/// The point is a + v e + w f with v, w and t unknown (their eq. 3); with s = -a, from corner a to the
+/// origin,
+///
+///   [-d, e, f] (t, v, w) = s.
+///
+/// Cramer's rule, with p = d x f and q = s x e shared between the determinants (eq. 6):
+///
+///   det = e . p,   v = s . p / det,   w = d . q / det,   t = f . q / det.
+///
+/// det = -d . n: positive where the segment comes from the front. Where they divide first and compare with
+/// 1, the third weight is compared with 0 before the division: no rounding shuts out the edge between b and
+/// c. That edge, though, is a difference of the others, and not the same number in the neighbouring triangle.
+struct MoellerTrumbore {
+  template <class T>
+  struct Prepared {
+    Segment<T> segment;
+
+    Crossing<T> operator()(const Corners<T>& corners) const {
+      const Vec3<T>& d = segment.direction;
+      const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, s = segment.origin - corners.a;
+      const Vec3<T> p = cross(d, f), q = cross(s, e);
+      const T det = dot(e, p), v = dot(s, p), w = dot(d, q);
+      return detail::crossing_of_volumes({det - v - w, v, w}, det, dot(f, q), -det, segment.reach);
+    }
+  };
+
+  template <class T, class Function>
+  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
+    return f(Prepared<T>{spread<T>(segment)});
+  }
+};
+
+}  // namespace souple

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "souple/collision/segment_triangle/segment_triangle.h"
+
+namespace souple {
+
+/// Projection on the plane: Badouel, An efficient ray-polygon intersection, Graphics Gems, 1990.
+///
+/// Where the segment meets the triangle's plane, n . (t d - a) = 0:
+///
+///   t = a . n / d . n.
+///
+/// From corner a to that point, g = t d - a = v e + w f. Both sides are projected along the axis in which n
+/// is largest, where two equations are left for v and w; with [x, y] the area of two projected vectors,
+///
+///   v = [g, f] / [e, f],   w = [e, g] / [e, f],
+///
+/// and the point is inside where v >= 0, w >= 0 and v + w <= 1. Badouel divides by a coordinate of e and
+/// needs a case for where it is zero; Cramer's rule needs none, and [e, f] is that component of n.
+///
+/// Slivers lose digits twice: n, rounded, is not quite perpendicular to the long edges, and far along them
+/// the plane is off by more than the sliver is wide.
+struct PlaneProjection {
+  template <class T>
+  struct Prepared {
+    Segment<T> segment;
+
+    Crossing<T> operator()(const Corners<T>& corners) const {
+      const Vec3<T>& d = segment.direction;
+      const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, a = corners.a - segment.origin;
+      const Vec3<T> n = cross(e, f);
+      const T approach = dot(d, n);
+      const auto meets = abs(approach) > T(0);
+      const T t = dot(a, n) / select(meets, approach, T(1));
+
+      const Vec3<T> g = d * t - a;
+      const detail::LargestProjection<T> projection(n);
+      const T inverse = T(1) / select(meets, projection.twice_area(), T(1));
+      const T v = projection.area(g, f) * inverse, w = projection.area(e, g) * inverse;
+      const auto inside = meets && v >= T(0) && w >= T(0) && v + w <= T(1);
+      return detail::crossing(inside, t, {T(1) - v - w, v, w}, approach, segment.reach);
+    }
+  };
+
+  template <class T, class Function>
+  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
+    return f(Prepared<T>{spread<T>(segment)});
+  }
+};
+
+}  // namespace souple

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "souple/collision/segment_triangle/segment_triangle.h"
+
+namespace souple {
+
+/// Signed volumes: O'Rourke, Computational Geometry in C, 2nd edition, section 7.3.
+///
+/// Six times the volumes of the tetrahedra that the segment makes with the triangle's edges,
+///
+///   U = d . (b x c),   V = d . (c x a),   W = d . (a x b),
+///
+/// tell on which side of each edge its line passes: it crosses the triangle where none differs from the
+/// others in sign (O'Rourke's SegTriCross). Their sum is d . n, since b x c + c x a + a x b = e x f, so that
+///
+///   weights = (U, V, W) / (U + V + W),   t = a . n / (U + V + W).
+///
+/// O'Rourke asks first whether both ends lie on one side of the plane; here t in [0, reach] says so.
+///
+/// Volumes round: a line that passes within rounding of a corner may be told to be left of all edges that
+/// meet there. At an edge the two triangles compute the same numbers with opposite signs, and never both
+/// refuse it.
+struct SignedVolumes {
+  template <class T>
+  struct Prepared {
+    Segment<T> segment;
+
+    Crossing<T> operator()(const Corners<T>& corners) const {
+      const Vec3<T>& d = segment.direction;
+      const Vec3<T> a = corners.a - segment.origin, b = corners.b - segment.origin,
+                    c = corners.c - segment.origin;
+      const Vec3<T> volume{dot(d, cross(b, c)), dot(d, cross(c, a)), dot(d, cross(a, b))};
+      const T sum = volume.x + volume.y + volume.z;
+      const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
+      return detail::crossing_of_volumes(volume, sum, dot(a, n), sum, segment.reach);
+    }
+  };
+
+  template <class T, class Function>
+  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
+    return f(Prepared<T>{spread<T>(segment)});
+  }
+};
+
+}  // namespace souple

@@ -1,0 +1,167 @@
+#include "souple/geometry/builders.h"
+#include "souple/world/world.h"
+#include "tests/collision/crossings.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using test::Tangle;
+
+Tangle tangle_of(const World& world) {
+  Tangle tangle;
+  for (const ObjectId id : world.objects()) tangle.add(world.positions(id), world.mesh(id).triangles);
+  return tangle;
+}
+
+Vec3d total_momentum(const World& world) {
+  Vec3d sum;
+  for (const ObjectId id : world.objects()) sum += world.momentum(id);
+  return sum;
+}
+
+// The checker itself: crumpled sheets, counted with its grid and pair by pair.
+TEST(Crossings, GridCountsWhatAllPairsCount) {
+  for (const int n : {2, 7, 20, 40}) {
+    const TriangleMesh mesh = grid(n, n, 1);
+    std::vector<Vec3f> positions;
+    std::uint32_t state = 1;
+    const auto noise = [&] {
+      state = state * 1664525u + 1013904223u;
+      return static_cast<double>(state >> 8) / (1 << 24) - 0.5;
+    };
+    for (const Vec3d& p : mesh.positions)
+      positions.emplace_back(p + Vec3d{noise(), noise(), noise()} * (4.0 / n));
+    Tangle tangle;
+    tangle.add(positions, mesh.triangles);
+    EXPECT_EQ(tangle.crossings(), tangle.crossings_of_all_pairs()) << n;
+    if (n >= 20) {
+      EXPECT_GT(tangle.crossings(), 10u) << n;
+    }
+  }
+}
+
+World falling_sheet(int n, bool self_collision, int threads = 0) {
+  World world({.threads = threads});
+  ObjectOptions options;
+  options.self_collision = self_collision;
+  options.transform.translation = {0, 0.7, 0};
+  options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
+  world.add_cloth(grid(n, n, 1), {.areal_density = 0.2f, .thickness = 0.2f / static_cast<float>(n)}, options);
+  world.add_collider(Plane{});
+  return world;
+}
+
+TEST(SurfaceContacts, ASheetThatFallsInAHeapNeverPassesThroughItself) {
+  World world = falling_sheet(20, true);
+  for (int frame = 0; frame < 60; ++frame) {
+    world.step(1.0 / 60);
+    EXPECT_EQ(tangle_of(world).crossings(), 0u) << frame;
+  }
+  World without = falling_sheet(20, false);
+  for (int frame = 0; frame < 60; ++frame) without.step(1.0 / 60);
+  EXPECT_GT(tangle_of(without).crossings(), 0u);
+}
+
+TEST(SurfaceContacts, ThreadsChangeNoBit) {
+  const auto hash = [](int threads) {
+    World world = falling_sheet(16, true, threads);
+    for (int frame = 0; frame < 40; ++frame) world.step(1.0 / 60);
+    return world.hash();
+  };
+  const std::uint64_t one = hash(1);
+  EXPECT_EQ(hash(2), one);
+  EXPECT_EQ(hash(8), one);
+}
+
+// A stone thrown at a free sheet takes it along: nothing passes, and momentum is kept.
+TEST(SurfaceContacts, AFastStoneDoesNotPass) {
+  for (const Form form : {Form::displacement, Form::plain}) {
+    World world({.form = form, .gravity = {}});
+    ObjectOptions own;
+    own.self_collision = true;
+    const ObjectId sheet = world.add_cloth(grid(12, 12, 0.5), {.thickness = 0.01f}, own);
+    ObjectOptions thrown;
+    thrown.self_collision = true;
+    thrown.transform.translation = {0.013, 0.5, 0.017};
+    thrown.velocity = {0, -30, 0};
+    const ObjectId stone =
+        world.add_soft_body(tet_bar(2, 2, 2, {0.1, 0.1, 0.1}), {.thickness = 0.01f}, thrown);
+    const Vec3d before = total_momentum(world);
+    std::size_t contacts = 0;
+    for (int frame = 0; frame < 6; ++frame) {
+      contacts += world.step(1.0 / 60).contacts;
+      EXPECT_EQ(tangle_of(world).crossings(), 0u) << frame;
+    }
+    EXPECT_GT(contacts, 0u);
+    EXPECT_LT(world.momentum(sheet).y, -0.1);
+    EXPECT_GT(world.momentum(stone).y, before.y);
+    EXPECT_LT(length(total_momentum(world) - before), 1e-4 * length(before));
+  }
+}
+
+// What lies on a sheet between its vertices is held by its triangles.
+TEST(SurfaceContacts, AGrainRestsInTheMiddleOfATriangle) {
+  World world({.substeps = 20});
+  const ObjectId sheet = world.add_cloth(grid(3, 3, 1), {.thickness = 0.01f});
+  world.pin(sheet, in_box({-9, -9, -9}, {9, 9, 9}));
+  const std::vector<Vec3d> centres{{0.2, 0.1, 0.13}};
+  const ObjectId grain = world.add_grains(centres, {.radius = 0.02f});
+  for (int frame = 0; frame < 90; ++frame) world.step(1.0 / 60);
+  EXPECT_NEAR(double(world.positions(grain)[0].y), 0.025, 5e-4);
+  EXPECT_LT(double(length(world.velocities(grain)[0])), 1e-3);
+}
+
+TEST(SurfaceContacts, ARopeHangsOverARope) {
+  World world;
+  const std::vector<Vec3d> across{{-0.5, 0, 0}, {0.5, 0, 0}}, above{{0, 0.03, -0.4}, {0, 0.03, 0.4}};
+  const ObjectId bar = world.add_rope(across, 9, {.radius = 0.01f});
+  world.pin(bar, in_box({-9, -9, -9}, {9, 9, 9}));
+  const ObjectId rope = world.add_rope(above, 21, {.radius = 0.01f, .friction = 1, .damping = 2});
+  for (int frame = 0; frame < 120; ++frame) world.step(1.0 / 60);
+  const auto x = world.positions(rope);
+  EXPECT_NEAR(double(x[10].y + x[11].y) / 2, 0.02, 3e-3);
+  EXPECT_LT(x[0].y, -0.2f);
+  EXPECT_LT(x[21].y, -0.2f);
+}
+
+// A patch of cloth on a slope of cloth sticks and slides as mu says: a = g (sin - mu cos).
+TEST(SurfaceContacts, ClothOnAClothSlopeSlidesAsMuSays) {
+  const double mu = 0.4;
+  for (const double steepness : {0.9, 1.5}) {  // tan of the slope over mu
+    const double angle = std::atan(steepness * mu);
+    World world({.gravity = {static_cast<float>(9.81 * std::sin(angle)),
+                             static_cast<float>(-9.81 * std::cos(angle)), 0}});
+    const auto friction = static_cast<float>(mu);
+    const ObjectId slope = world.add_cloth(grid(21, 21, 4), {.thickness = 0.01f, .friction = friction});
+    world.pin(slope, in_box({-9, -9, -9}, {9, 9, 9}));
+    ObjectOptions options;
+    options.transform.translation = {-1.03, 0.0101, 0.02};
+    const ObjectId patch =
+        world.add_cloth(grid(6, 6, 0.31), {.thickness = 0.01f, .friction = friction}, options);
+    const auto speed = [&] { return world.momentum(patch).x / double(world.total_mass(patch)); };
+    for (int frame = 0; frame < 12; ++frame) world.step(1.0 / 60);
+    const double early = speed();
+    for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
+    const double expected = steepness < 1 ? 0 : 9.81 * (std::sin(angle) - mu * std::cos(angle));
+    EXPECT_NEAR((speed() - early) / 0.5, expected, steepness < 1 ? 0.01 : 0.02 * expected) << steepness;
+  }
+}
+
+// Two sheets that begin in one plane have no sides to keep: they come apart, and nothing explodes.
+TEST(SurfaceContacts, SheetsThatBeginInOnePlaneComeApart) {
+  World world;
+  const ObjectId held = world.add_cloth(grid(9, 9, 1));
+  world.pin(held, vertices({0, 8, 72, 80}));
+  const ObjectId loose = world.add_cloth(grid(4, 4, 0.3));
+  for (int frame = 0; frame < 60; ++frame) {
+    world.step(1.0 / 60);
+    for (const Vec3f& v : world.velocities(loose)) EXPECT_LT(length(v), 15.0f) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace souple
