@@ -40,8 +40,8 @@ BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t ke
       triangles_(body.triangles.data()),
       mean_edge_(mean_edge_length(body)) {
   if (kind_ == ObjectKind::rope) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
-  if (kind_ == ObjectKind::soft_body && body.rest.size() == vertices_)
-    creased_ = CreasedSurface(body.rest, body.triangles);
+  const bool has_creases = kind_ == ObjectKind::soft_body || kind_ == ObjectKind::obstacle;
+  if (has_creases && body.rest.size() == vertices_) creased_ = CreasedSurface(body.rest, body.triangles);
   if (kind_ == ObjectKind::grains) grain_colours_ = grain_colours(vertices_, index_, chosen_);
 }
 
@@ -119,6 +119,7 @@ std::span<const float> BodyDrawing::values(const Body& body, std::span<const flo
     return values_;
   }
   if (kind_ == ObjectKind::rope) return rope_strain;
+  if (kind_ == ObjectKind::obstacle) return {};  // nothing strains it
   if (body.triangles.empty() || body.rest.size() != body.positions.size()) return {};
   if (!has_strain_) strain_ = EdgeStrain(body.rest, body.triangles);
   has_strain_ = true;

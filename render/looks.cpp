@@ -38,6 +38,8 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>
               .second = mix(colour, hemp, 0.15f),
               .roughness = 0.7f,
               .sheen = 0.2f};
+    case ObjectKind::obstacle:
+      return collider_look(chosen);
     case ObjectKind::grains:
       break;
   }

@@ -61,7 +61,8 @@ void Mouse::press(const render::Camera& camera, Simulation* simulation, const Vi
   if (!found || simulation == nullptr) return;
   drag_ = Drag::none;
   if (ImGui::IsMouseDoubleClicked(0)) {
-    simulation->toggle_pin(found->object, found->vertex);
+    if (simulation->world().kind(found->object) != ObjectKind::obstacle)
+      simulation->toggle_pin(found->object, found->vertex);
     return;
   }
   grab_ = std::make_unique<Grab>(simulation->world(), found->object, found->vertex, found->point);

@@ -84,6 +84,13 @@ const std::vector<Knob<G>> grains_knobs{
     {"Damping", "damping", "1/s", &G::damping, logarithmic(1e-3f, 100)},
 };
 
+using O = ObstacleMaterial;
+const std::vector<Knob<O>> obstacle_knobs{
+    {"Thickness", "thickness", "m", &O::thickness, logarithmic(1e-4f, 0.2f)},
+    {"Friction", "friction", "", &O::friction, {0, 2}},
+    {"Restitution", "restitution", "", &O::restitution, fraction},
+};
+
 template <class Material>
 bool is_membrane(const Material& material) {
   if constexpr (std::is_base_of_v<ClothMaterial, Material>) return material.stretch == StretchModel::membrane;
@@ -120,6 +127,9 @@ bool preset_row(MaterialDescription<RopeMaterial>& material) {
 bool preset_row(MaterialDescription<GrainsMaterial>& material) {
   return preset_row(material, material::find_grains);
 }
+bool preset_row(const ObstacleMaterial&) {
+  return false;  // there is none
+}
 
 bool model_rows(MaterialDescription<ClothMaterial>& material) {
   int stretch = static_cast<int>(material.stretch), bending = static_cast<int>(material.bending);
@@ -134,6 +144,9 @@ bool model_rows(MaterialDescription<SoftBodyMaterial>& material) {
   const bool changed = choice_row("Model", "##model", model, {"neo-Hookean", "springs", "shape matching"});
   material.model = static_cast<SoftBodyModel>(model);
   return changed;
+}
+bool model_rows(const ObstacleMaterial&) {
+  return false;
 }
 template <class Material>
 bool model_rows(MaterialDescription<Material>&) {
@@ -178,6 +191,8 @@ void material_panel(Simulation& simulation, std::size_t& chosen) {
       return rows<RopeDescription>(simulation, chosen, rope_knobs);
     case ObjectKind::grains:
       return rows<GrainsDescription>(simulation, chosen, grains_knobs);
+    case ObjectKind::obstacle:
+      return rows<ObstacleDescription>(simulation, chosen, obstacle_knobs);
   }
 }
 

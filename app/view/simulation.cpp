@@ -164,6 +164,9 @@ void Simulation::set_material(std::size_t object, const MaterialDescription<Rope
 void Simulation::set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material) {
   change_material<GrainsDescription>(object, material);
 }
+void Simulation::set_material(std::size_t object, const ObstacleMaterial& material) {
+  change_material<ObstacleDescription>(object, material);
+}
 
 std::size_t Simulation::index_of(ObjectId object) const {
   const std::string& wanted = world_.name(object);

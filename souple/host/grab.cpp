@@ -222,6 +222,7 @@ std::vector<Neighbour> neighbours_of(const World& world, ObjectId object, std::u
       return around_on_rope(world.positions(object), vertex);
     case ObjectKind::cloth:
     case ObjectKind::soft_body:
+    case ObjectKind::obstacle:
       break;
   }
   return around_on_mesh(world.mesh(object), vertex);

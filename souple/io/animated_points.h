@@ -47,6 +47,8 @@ class AnimatedPoints {
   std::uint64_t points() const;
   double start_time() const;  ///< of the first frame [s]
   double end_time() const;    ///< of the last frame [s]
+  /// Of each frame, since the first. [s]
+  std::span<const double> times() const { return times_; }
   /// The positions at `time` [s]; `positions` has points() entries. Throws Error when the file gives a number
   /// that is not finite, or can no longer be read.
   void evaluate(double time, std::span<Vec3f> positions);

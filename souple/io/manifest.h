@@ -31,7 +31,7 @@ struct ManifestFile {
 
 struct ManifestObject {
   std::string name;
-  std::string kind;  ///< "cloth", "soft_body", "rope", "grains", ...
+  std::string kind;  ///< "cloth", "soft_body", "rope", "grains", "obstacle", ...
   std::vector<ManifestFile> files;
   std::uint64_t points = 0;
   std::uint64_t triangles = 0;

@@ -342,6 +342,35 @@ class Builder {
     return world_.add_grains(std::visit(maker, grains.centres), grains.material, options_of(grains));
   }
 
+  ObjectId add(const ObstacleDescription& obstacle) {
+    ObstacleMotion motion;
+    if (!obstacle.keyframes.empty()) motion.pose = motion_of(obstacle.keyframes, obstacle.loop);
+    const TriangleMesh mesh = surface_of(obstacle.mesh, scene_.folder);
+    if (obstacle.sequence)
+      motion.sequence = read_sequence(*obstacle.sequence, obstacle.mesh.import, mesh.positions.size());
+    return world_.add_obstacle(mesh, obstacle.material, std::move(motion), options_of(obstacle));
+  }
+
+  MeshSequence read_sequence(const ObstacleSequenceDescription& description, const MeshImport& import,
+                             std::size_t vertices) const {
+    try {
+      AnimatedPoints points(scene_.folder / description.file, {description.frame_rate}, read_points);
+      if (points.points() != vertices)
+        throw Error(description.file + " has " + std::to_string(points.points()) +
+                    " vertices, but the mesh has " + std::to_string(vertices));
+      MeshSequence sequence{.start_time = description.start_time, .loop = description.loop};
+      for (const double time : points.times()) {
+        std::vector<Vec3f>& frame = sequence.frames.emplace_back(vertices);
+        points.evaluate(time, frame);
+        for (Vec3f& x : frame) x = Vec3f(imported(Vec3d(x), import));
+        sequence.times.push_back(time);
+      }
+      return sequence;
+    } catch (const Error& error) {
+      throw Error(std::string("sequence: ") + error.what());
+    }
+  }
+
   void finish(ObjectId object, const ClothDescription& cloth) {
     pin_by_weight(object, cloth.maps);
     if (cloth.tethers) world_.add_tethers(object, cloth.tethers->slack);
@@ -355,6 +384,7 @@ class Builder {
     if (rope.tethers) world_.add_tethers(object, rope.tethers->slack);
   }
   void finish(ObjectId, const GrainsDescription&) {}
+  void finish(ObjectId, const ObstacleDescription&) {}
 
   /// Weight 1 is a pin; w < 1 a spring of compliance (1 - w) / w times that of one half. Weights are cut to
   /// 255 steps, as colours have them, and vertices of one step share a projector.

@@ -339,7 +339,7 @@ CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
   const char* heading =
       use == MeshUse::surface ? "surface" : (use == MeshUse::solid ? "solid" : "point_file");
   const char* doc =
-      use == MeshUse::surface ? "The surface of a cloth: built, or read from a file."
+      use == MeshUse::surface ? "A surface: built, or read from a file."
       : use == MeshUse::solid
           ? "The shape of a soft body: a closed surface, which a lattice of tets will fill, or tets."
           : "Points read from a file: the vertices of a mesh.";
@@ -393,16 +393,30 @@ std::vector<Alternative> selectors() {
       alternative<V>("all", CodecPtr<S::All>(std::make_shared<True>()), "every vertex")};
 }
 
-CodecPtr<SequenceDescription> sequence_codec() {
-  using S = SequenceDescription;
-  auto keys = table<S>("sequence",
+template <class S>
+std::shared_ptr<Table<S>> sequence_table(const char* heading) {
+  auto keys = table<S>(heading,
                        "Positions of all the object's vertices over time, in the coordinates of its "
                        "mesh (its `scale`, `up` and `transform` apply). Linear between frames; still "
                        "before the first and after the last.");
-  keys->required<&S::file>("file", file(), "a .pc2, a .mdd, or one file of a sequence of OBJ (NAME_0001.obj)")
-      .key<&S::frame_rate>("frame_rate", number<double>(positive(1e4)),
-                           "frames a second; a .mdd holds its own times")
-      .key<&S::start_time>("start_time", number<double>(signed_range(1e6)), "when its first frame plays [s]");
+  keys->template required<&S::file>("file", file(),
+                                    "a .pc2, a .mdd, or one file of a sequence of OBJ (NAME_0001.obj)")
+      .template key<&S::frame_rate>("frame_rate", number<double>(positive(1e4)),
+                                    "frames a second; a .mdd holds its own times")
+      .template key<&S::start_time>("start_time", number<double>(signed_range(1e6)),
+                                    "when its first frame plays [s]");
+  return keys;
+}
+
+CodecPtr<SequenceDescription> sequence_codec() {
+  return sequence_table<SequenceDescription>("sequence");
+}
+
+CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec() {
+  using S = ObstacleSequenceDescription;
+  auto keys = sequence_table<S>("obstacle_sequence");
+  keys->key<&S::loop>("loop", boolean(),
+                      "starts over after the last frame, which is best the same as the first");
   return keys;
 }
 
@@ -638,6 +652,16 @@ CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec() {
   return keys;
 }
 
+CodecPtr<ObstacleMaterial> obstacle_material_codec() {
+  using M = ObstacleMaterial;
+  auto keys = table<M>("obstacle_material", "How the surface of an obstacle is felt.");
+  keys->key<&M::thickness>("thickness", number<float>(positive(10)),
+                           "contacts keep half of it as distance [m]")
+      .key<&M::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
+      .key<&M::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back");
+  return keys;
+}
+
 // --- objects -----------------------------------------------------------------------------------------------
 
 /// The key that tells objects apart; already read when its table is.
@@ -780,6 +804,27 @@ std::shared_ptr<Table<GrainsDescription>> grains_table() {
   return keys;
 }
 
+std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
+  using T = ObstacleDescription;
+  auto keys = object_table<T>(
+      "obstacle",
+      "A mesh that others touch and that nothing moves but its own motion: still, led through keyframes, or "
+      "deforming like a character that walks. It may be open; both sides are solid. With both `sequence` and "
+      "`keyframes`, these carry the mesh that deforms.");
+  keys->required<&T::mesh>("mesh", mesh_codec(MeshUse::surface), "its surface")
+      .key<&T::material>("material", obstacle_material_codec(), "how it is felt")
+      .key<&T::transform>("transform", transform_codec(), "where it stands")
+      .key<&T::colour>("colour", maybe(colour()),
+                       "how pictures show it, as in HTML; if not given: light grey")
+      .key<&T::keyframes>("keyframes", keyframes_codec(),
+                          "moves it, as `transform` has placed it: turned about the origin first, then moved")
+      .key<&T::loop>("loop", boolean(), "starts the keyframes over after the last")
+      .key<&T::sequence>("sequence", maybe(obstacle_sequence_codec()), "deforms it")
+      .needs("loop", "keyframes")
+      .check([](const T& obstacle, const Place& place) { check_times(obstacle.keyframes, place); });
+  return keys;
+}
+
 /// A soft body's key in a cloth is a better message than an unknown key.
 template <class A, class B>
 void add_foreign(const Table<A>& other, const std::string& owner, const Table<B>& mine,
@@ -795,24 +840,28 @@ CodecPtr<AnyObjectDescription> object_codec() {
   const auto soft_body = soft_body_table();
   const auto rope = rope_table();
   const auto grains = grains_table();
+  const auto obstacle = obstacle_table();
   const auto strangers_to = [&](const auto& mine) {
     std::vector<std::pair<std::string, std::string>> foreign;
     add_foreign(*cloth, "a cloth", mine, foreign);
     add_foreign(*soft_body, "a soft_body", mine, foreign);
     add_foreign(*rope, "a rope", mine, foreign);
     add_foreign(*grains, "grains", mine, foreign);
+    add_foreign(*obstacle, "an obstacle", mine, foreign);
     return foreign;
   };
   cloth->foreign(strangers_to(*cloth));
   soft_body->foreign(strangers_to(*soft_body));
   rope->foreign(strangers_to(*rope));
   grains->foreign(strangers_to(*grains));
+  obstacle->foreign(strangers_to(*obstacle));
   using V = AnyObjectDescription;
   return std::make_shared<Kinds<V>>(
       std::vector<Alternative>{alternative<V, ClothDescription>("cloth", cloth, ""),
                                alternative<V, SoftBodyDescription>("soft_body", soft_body, ""),
                                alternative<V, RopeDescription>("rope", rope, ""),
-                               alternative<V, GrainsDescription>("grains", grains, "")});
+                               alternative<V, GrainsDescription>("grains", grains, ""),
+                               alternative<V, ObstacleDescription>("obstacle", obstacle, "")});
 }
 
 // --- colliders ---------------------------------------------------------------------------------------------

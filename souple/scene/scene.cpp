@@ -42,7 +42,8 @@ ObjectKind kind_of(const AnyObjectDescription& object) {
   if (std::holds_alternative<ClothDescription>(object)) return ObjectKind::cloth;
   if (std::holds_alternative<SoftBodyDescription>(object)) return ObjectKind::soft_body;
   if (std::holds_alternative<RopeDescription>(object)) return ObjectKind::rope;
-  return ObjectKind::grains;
+  if (std::holds_alternative<GrainsDescription>(object)) return ObjectKind::grains;
+  return ObjectKind::obstacle;
 }
 
 namespace {

@@ -181,8 +181,20 @@ struct GrainsDescription : ObjectDescription {
   MaterialDescription<GrainsMaterial> material;
 };
 
-using AnyObjectDescription =
-    std::variant<ClothDescription, SoftBodyDescription, RopeDescription, GrainsDescription>;
+struct ObstacleSequenceDescription : SequenceDescription {
+  bool loop = false;
+};
+/// Of what all objects share it has a name, a transform and a colour.
+struct ObstacleDescription : ObjectDescription {
+  MeshDescription mesh;
+  ObstacleMaterial material;
+  std::vector<KeyframeDescription> keyframes;
+  bool loop = false;
+  std::optional<ObstacleSequenceDescription> sequence;
+};
+
+using AnyObjectDescription = std::variant<ClothDescription, SoftBodyDescription, RopeDescription,
+                                          GrainsDescription, ObstacleDescription>;
 /// What all kinds share.
 const ObjectDescription& common(const AnyObjectDescription& object);
 ObjectDescription& common(AnyObjectDescription& object);

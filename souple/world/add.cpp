@@ -10,6 +10,7 @@
 #include "souple/geometry/weld.h"
 #include "souple/world/build.h"
 #include "souple/world/impl.h"
+#include "souple/world/obstacles.h"
 #include "souple/world/skin.h"
 #include "souple/world/validate.h"
 
@@ -114,10 +115,10 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const double mass = draft.mass[i - object.begin];
     particles.mass[i] = static_cast<float>(mass);
-    particles.position[i].w = static_cast<float>(1 / mass);
+    particles.position[i].w = mass > 0 ? static_cast<float>(1 / mass) : 0.0f;
     world.place(i, object.rest[i - object.begin]);
   }
-  set_motion(world, object, options);
+  if (object.kind != ObjectKind::obstacle) set_motion(world, object, options);
   world.dirty_all();
   world.forget_contacts();
   ++world.version;
@@ -164,6 +165,7 @@ float density(const Material& material) {
     float operator()(const SoftBodyMaterial& m) const { return m.density; }
     float operator()(const RopeMaterial& m) const { return m.density; }
     float operator()(const GrainsMaterial& m) const { return m.density; }
+    float operator()(const ObstacleMaterial&) const { return 1; }  // it has no mass to scale
   };
   return std::visit(Density{}, material);
 }
@@ -174,6 +176,7 @@ float contact_radius(const Material& material) {
     float operator()(const SoftBodyMaterial& m) const { return m.thickness / 2; }
     float operator()(const RopeMaterial& m) const { return m.radius; }
     float operator()(const GrainsMaterial& m) const { return m.radius; }
+    float operator()(const ObstacleMaterial& m) const { return m.thickness / 2; }
   };
   return std::visit(Radius{}, material);
 }
@@ -183,6 +186,12 @@ void scale_mass(WorldState& world, const Object& object, float factor) {
     world.particles.mass[i] *= factor;
     if (world.particles.position[i].w > 0) world.particles.position[i].w = 1 / world.particles.mass[i];
   }
+}
+
+void require_movable(const Object& object, const char* what) {
+  if (object.kind == ObjectKind::obstacle)
+    throw Error(std::string(what) + ": " + object.name +
+                " is an obstacle, which goes where its motion says; use set_motion");
 }
 
 void remove_object(WorldState& world, const Object& object) {
@@ -205,6 +214,23 @@ void remove_object(WorldState& world, const Object& object) {
 }
 
 namespace {
+
+/// A surface's vertices as particles, welded, and what is sound of its triangles over them.
+void adopt_surface(const WorldState& world, Object& object, const TriangleMesh& mesh,
+                   const Transform& transform) {
+  check_indices(mesh, object.name.c_str());
+  object.mesh = mesh;
+  place_points(object.mesh.positions, transform, object.name);
+  const RepairedSurface repaired = repair(object.mesh);
+  world.tell(object.name, repaired.sentences);
+  const Weld& weld = repaired.weld;
+  adopt_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
+  if (repaired.source != identity(object.mesh.triangles.size())) object.surface_source = repaired.source;
+  for (const Triangle& triangle : repaired.triangles)
+    object.surface.push_back({object.particle_of[weld.to_vertex[triangle[0]]],
+                              object.particle_of[weld.to_vertex[triangle[1]]],
+                              object.particle_of[weld.to_vertex[triangle[2]]]});
+}
 
 /// A lattice's nodes as particles, its tets over them.
 void adopt_tets(Object& object, const TetMesh& mesh) {
@@ -257,18 +283,7 @@ ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& materia
   WorldState& world = impl_->state;
   Draft cloth = draft(world, ObjectKind::cloth, material, options);
   Object& object = *cloth.object;
-  check_indices(mesh, object.name.c_str());
-  object.mesh = mesh;
-  place_points(object.mesh.positions, options.transform, object.name);
-  const RepairedSurface repaired = repair(object.mesh);
-  world.tell(object.name, repaired.sentences);
-  const Weld& weld = repaired.weld;
-  adopt_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
-  if (repaired.source != identity(object.mesh.triangles.size())) object.surface_source = repaired.source;
-  for (const Triangle& triangle : repaired.triangles)
-    object.surface.push_back({object.particle_of[weld.to_vertex[triangle[0]]],
-                              object.particle_of[weld.to_vertex[triangle[1]]],
-                              object.particle_of[weld.to_vertex[triangle[2]]]});
+  adopt_surface(world, object, mesh, options.transform);
   cloth.mass = lumped_masses(object.rest, object.surface, static_cast<double>(material.areal_density));
   fill_missing_masses(cloth.mass, object.name);
   return enter(world, std::move(cloth), options);
@@ -353,6 +368,40 @@ ObjectId World::add_grains(std::span<const Vec3d> centres, const GrainsMaterial&
   grains.mass.assign(object.rest.size(),
                      static_cast<double>(material.density) * 4 / 3 * pi * radius * radius * radius);
   return enter(world, std::move(grains), options);
+}
+
+namespace {
+
+void require_obstacle_options(const ObjectOptions& options, const std::string& name) {
+  const auto refuse = [&](const char* option) {
+    throw Error(name + ": the option " + option +
+                " makes no sense for an obstacle, which only its motion moves");
+  };
+  if (length_squared(options.velocity) > 0) refuse("velocity");
+  if (length_squared(options.angular_velocity) > 0) refuse("angular_velocity");
+  if (!options.stiffness_map.empty()) refuse("stiffness_map");
+  if (options.self_collision) refuse("self_collision");
+}
+
+}  // namespace
+
+ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material,
+                             ObstacleMotion motion, const ObjectOptions& options) {
+  WorldState& world = impl_->state;
+  Draft obstacle = draft(world, ObjectKind::obstacle, material, options);
+  Object& object = *obstacle.object;
+  require_obstacle_options(options, object.name);
+  adopt_surface(world, object, mesh, options.transform);
+  if (object.surface.empty()) throw Error(object.name + ": there are no triangles to touch");
+  validate(motion, object.vertex_count(), object.name);
+  object.motion = std::move(motion);
+  object.placement = options.transform;
+  obstacle.mass.assign(object.rest.size(), 0.0);
+  const std::vector<Vec3d> now = obstacle_positions(object, world.time);
+  const ObjectId id = enter(world, std::move(obstacle), options);
+  const std::uint32_t begin = world.object(id).begin;
+  for (std::uint32_t k = 0; k < now.size(); ++k) world.place(begin + k, now[k]);
+  return id;
 }
 
 }  // namespace souple

@@ -15,5 +15,7 @@ void remove_object(WorldState& world, const Object& object);
 /// The particles (within the object) that carry these user vertices, ascending: themselves, or the corners of
 /// the tets they are embedded in.
 std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<std::uint32_t>& vertices);
+/// Throws Error for an obstacle: nothing but its motion says where it goes. `what` names the function.
+void require_movable(const Object& object, const char* what);
 
 }  // namespace souple

@@ -272,7 +272,8 @@ void add_object(const Object& object, const RopeMaterial& m, Kinds& kinds) {
   }
 }
 
-void add_object(const Object&, const GrainsMaterial&, Kinds&) {}  // contacts only
+void add_object(const Object&, const GrainsMaterial&, Kinds&) {}    // contacts only
+void add_object(const Object&, const ObstacleMaterial&, Kinds&) {}  // the same
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #include "souple/world/contacts.h"
 
 #include "souple/world/impl.h"
+#include "souple/world/obstacles.h"
 #include "souple/world/stages.h"
 
 #include <cmath>
@@ -30,13 +31,19 @@ std::vector<Edge> edges_of_rope(const Object& object) {
   return edges;
 }
 
+// Nothing could move two obstacles apart.
+constexpr std::uint32_t movable = 1, obstacles = 2;
+
 ContactSurface contact_surface(const Object& object, std::span<const Edge> rope_edges) {
+  const bool is_obstacle = object.kind == ObjectKind::obstacle;
   return {.begin = object.begin,
           .end = object.end,
           .triangles = object.surface,
           .edges = rope_edges,
           .loose_particles = is_loose(object),
           .meets_itself = object.self_collision && !is_loose(object),
+          .groups = is_obstacle ? obstacles : movable,
+          .meets = is_obstacle ? movable : movable | obstacles,
           .rest = object.rest};
 }
 
@@ -105,6 +112,7 @@ void find_candidates(WorldState& world, double dt) {
       .time = world.time, .dt = static_cast<float>(dt), .gravity = length(world.settings.gravity)};
   const ContactTables& tables = world.tables;
   Particles& particles = world.particles;
+  foresee_obstacles(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
   world.guarded("a collider's motion", [&] {

@@ -7,7 +7,12 @@ namespace souple {
 namespace {
 
 float damping_of(const Material& material) {
-  return std::visit([](const auto& m) { return m.damping; }, material);
+  return std::visit(
+      [](const auto& m) {
+        if constexpr (requires { m.damping; }) return m.damping;
+        return 0.0f;
+      },
+      material);
 }
 
 // Sums are made of chunks of this many particles, combined in order: the same bits on any number of threads.

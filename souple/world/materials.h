@@ -89,6 +89,13 @@ struct GrainsMaterial {
   float damping = 0;  ///< 1/s
 };
 
+/// The surface of a mesh that nothing moves but its own motion: it has no mass.
+struct ObstacleMaterial {
+  float thickness = 0.002f;  ///< full: contacts keep half of it as distance [m]
+  float friction = 0.5f;
+  float restitution = 0;
+};
+
 /// Named materials. Each value's source stands beside it in materials.cpp.
 namespace material {
 extern const ClothMaterial cotton, silk, denim;

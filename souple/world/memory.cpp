@@ -21,6 +21,10 @@ std::size_t bytes_of_mesh(const TriangleMesh& mesh) {
   return sum;
 }
 
+std::size_t bytes_of_motion(const ObstacleMotion& motion) {
+  return nested_bytes(motion.sequence.frames) + bytes_of(motion.sequence.times);
+}
+
 /// Which particle carries which vertex, and the triangles over particles.
 std::size_t bytes_of_maps(const Object& object) {
   std::size_t sum = bytes_of(object.particle_of, object.vertex_of, object.surface, object.surface_source,
@@ -45,10 +49,11 @@ void add_constraints(const WorldState& world, MemoryReport& report) {
 }
 
 void add_objects(const WorldState& world, MemoryReport& report) {
-  std::size_t meshes = 0, rest = 0, maps = 0, mirrors = 0;
+  std::size_t meshes = 0, rest = 0, maps = 0, mirrors = 0, motions = 0;
   for (const auto& object : world.objects) {
     meshes += bytes_of_mesh(object->mesh) + bytes_of(object->tets.positions, object->tets.tets);
     rest += bytes_of(object->rest);
+    motions += bytes_of_motion(object->motion);
     maps += sizeof(Object) + bytes_of_maps(*object);
   }
   for (const auto& [id, mirror] : world.mirrors)
@@ -57,6 +62,7 @@ void add_objects(const WorldState& world, MemoryReport& report) {
                                         mirror.position_records, mirror.area_normals);
   report.objects.push_back({"meshes", meshes});
   report.objects.push_back({"rest positions", rest});
+  report.objects.push_back({"motions of obstacles", motions});
   report.objects.push_back({"maps from vertices to particles", maps});
   report.objects.push_back({"positions and normals users see", mirrors});
 }

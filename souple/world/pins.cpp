@@ -114,6 +114,7 @@ std::vector<std::uint32_t> World::select(ObjectId id, const Selector& selector) 
 void World::pin(ObjectId id, const Selector& selector, Target target) {
   WorldState& world = impl_->state;
   Object& object = world.object(id);
+  require_movable(object, "pin");
   const std::vector<std::uint32_t> chosen = select(id, selector);
   const auto shared = target ? std::make_shared<const Target>(std::move(target)) : nullptr;
   for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
@@ -135,6 +136,7 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
 void World::unpin(ObjectId id, const Selector& selector) {
   WorldState& world = impl_->state;
   Object& object = world.object(id);
+  require_movable(object, "unpin");
   const std::vector<std::uint32_t> freed = particles_of(object, select(id, selector));
   const auto is_freed = [&](const PinnedParticle& pin) {
     return std::binary_search(freed.begin(), freed.end(), pin.particle);
@@ -157,6 +159,7 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
   world.require_between_steps("attach");
   require_compliance(compliance, "attach");
   const Object& object = world.object(id);
+  require_movable(object, "attach");
   const std::vector<std::uint32_t> chosen = select(id, selector);
   auto projector = std::make_unique<SetProjector<Attachment>>();
   Extra extra;
@@ -240,6 +243,7 @@ ProjectorId World::add_tethers(ObjectId id, float slack) {
   WorldState& world = impl_->state;
   world.require_between_steps("add_tethers");
   const Object& object = world.object(id);
+  require_movable(object, "add_tethers");
   if (object.pins.empty())
     throw Error("add_tethers: " + object.name + " has no pinned vertex; pin some first");
   if (!(slack >= 0) || !std::isfinite(slack))

@@ -170,7 +170,9 @@ Vec3d World::centre_of_mass(ObjectId id) const {
     sum += world.exact_position(i) * m;
     mass += m;
   }
-  return sum / mass;
+  if (mass > 0) return sum / mass;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) sum += world.exact_position(i);
+  return sum / object.particle_count();
 }
 
 }  // namespace souple

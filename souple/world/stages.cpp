@@ -4,6 +4,7 @@
 #include "souple/world/contacts.h"
 #include "souple/world/damping.h"
 #include "souple/world/forces.h"
+#include "souple/world/obstacles.h"
 
 #include <atomic>
 #include <cmath>
@@ -175,6 +176,7 @@ void drive_attachments(WorldState& world, const Substep& substep) {
 void integrate(WorldState& world, const Substep& substep) {
   predict(world, substep);
   drive_pins(world, substep);
+  lead_obstacles(world, substep);
   drive_attachments(world, substep);
   if (world.settings.integrator != Integrator::semi_implicit) world.predicted = moving(world);
 }

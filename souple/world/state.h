@@ -27,7 +27,8 @@
 
 namespace souple {
 
-using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial>;
+using Material =
+    std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial>;
 
 /// A particle held by a pin: it goes to target(vertex, t) + offset, or stays where it is when there is no
 /// target.
@@ -65,6 +66,8 @@ struct Object {
   bool self_collision = false;                             ///< its surface touches itself
   float pressure = 0;                                      ///< Pa
   std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance
+  ObstacleMotion motion;                                   ///< of an obstacle
+  Transform placement;                                     ///< of an obstacle: applied to its sequence
 
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
   std::size_t vertex_count() const { return embedding ? mesh.positions.size() : particle_of.size(); }

@@ -133,6 +133,12 @@ void validate(const GrainsMaterial& m, std::string_view owner) {
                     {"damping", double(m.damping), 0, any}});
 }
 
+void validate(const ObstacleMaterial& m, std::string_view owner) {
+  check_all(owner, {{"thickness", double(m.thickness), 0, any},
+                    {"friction", double(m.friction), 0, any},
+                    {"restitution", double(m.restitution), 0, 1}});
+}
+
 std::string nearest_name(std::string_view name, std::span<const std::string_view> names) {
   std::string_view nearest;
   std::size_t best = std::max<std::size_t>(2, name.size() / 2) + 1;

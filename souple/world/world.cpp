@@ -4,6 +4,7 @@
 #include "souple/world/add.h"
 #include "souple/world/build.h"
 #include "souple/world/impl.h"
+#include "souple/world/obstacles.h"
 #include "souple/world/validate.h"
 
 #include <algorithm>
@@ -21,6 +22,8 @@ std::string_view kind_name(ObjectKind kind) {
       return "rope";
     case ObjectKind::grains:
       return "grains";
+    case ObjectKind::obstacle:
+      return "obstacle";
   }
   return "?";
 }
@@ -104,6 +107,12 @@ ObjectKind World::kind(ObjectId id) const {
 
 namespace {
 
+void require_obstacle(const Object& object, const char* what) {
+  if (object.kind != ObjectKind::obstacle)
+    throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +
+                ", expected an obstacle");
+}
+
 template <class M>
 const M& material_of(const WorldState& world, ObjectId id) {
   const Object& object = world.object(id);
@@ -145,6 +154,9 @@ void World::set_material(ObjectId id, const RopeMaterial& m) {
 void World::set_material(ObjectId id, const GrainsMaterial& m) {
   change_material(impl_->state, id, m);
 }
+void World::set_material(ObjectId id, const ObstacleMaterial& m) {
+  change_material(impl_->state, id, m);
+}
 const ClothMaterial& World::cloth_material(ObjectId id) const {
   return material_of<ClothMaterial>(impl_->state, id);
 }
@@ -156,6 +168,37 @@ const RopeMaterial& World::rope_material(ObjectId id) const {
 }
 const GrainsMaterial& World::grains_material(ObjectId id) const {
   return material_of<GrainsMaterial>(impl_->state, id);
+}
+const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
+  return material_of<ObstacleMaterial>(impl_->state, id);
+}
+
+void World::set_motion(ObjectId id, ObstacleMotion motion) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_motion");
+  Object& object = world.object(id);
+  require_obstacle(object, "set_motion");
+  validate(motion, object.vertex_count(), object.name);
+  std::swap(object.motion, motion);
+  std::vector<Vec3d> now;
+  try {
+    now = obstacle_positions(object, world.time);
+  } catch (...) {
+    object.motion = std::move(motion);
+    throw;
+  }
+  for (std::uint32_t k = 0; k < object.particle_count(); ++k) {
+    world.place(object.begin + k, now[k]);
+    world.particles.velocity[object.begin + k] = {};
+  }
+  world.forget_contacts();
+  ++world.version;
+}
+
+const ObstacleMotion& World::motion(ObjectId id) const {
+  const Object& object = impl_->state.object(id);
+  require_obstacle(object, "motion");
+  return object.motion;
 }
 
 std::span<const Triangle> World::triangles(ObjectId id) const {
@@ -203,6 +246,7 @@ void require_all_finite(const Object& object, std::span<const Vec3f> values, con
 void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
+  require_movable(object, "set_positions");
   require_particle_vertices(object, "set_positions");
   require_count(object, positions.size(), "set_positions");
   require_all_finite(object, positions, "set_positions");
@@ -216,6 +260,7 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
 void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
+  require_movable(object, "set_velocities");
   require_particle_vertices(object, "set_velocities");
   require_count(object, velocities.size(), "set_velocities");
   require_all_finite(object, velocities, "set_velocities");
@@ -227,6 +272,7 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
 void World::teleport(ObjectId id, const Transform& transform) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
+  require_movable(object, "teleport");
   validate(transform, "teleport");
   if (transform.scale != 1)
     throw Error("teleport: the scale is " + std::to_string(transform.scale) + ", expected 1");
@@ -242,6 +288,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
 void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& impulse) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
+  require_movable(object, "apply_impulse");
   if (!is_finite(impulse)) throw Error("apply_impulse: the impulse on " + object.name + " is not finite");
   const std::vector<std::uint32_t> chosen = particles_of(object, select(id, selector));
   double mass = 0;

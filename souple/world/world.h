@@ -11,6 +11,7 @@
 #include "souple/world/debug_draw.h"
 #include "souple/world/materials.h"
 #include "souple/world/memory.h"
+#include "souple/world/obstacle_motion.h"
 #include "souple/world/profile.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
@@ -41,7 +42,7 @@ struct ProjectorId {
   std::uint32_t value = 0;
 };
 
-enum class ObjectKind { cloth, soft_body, rope, grains };
+enum class ObjectKind { cloth, soft_body, rope, grains, obstacle };
 std::string_view kind_name(ObjectKind kind);
 
 /// What all objects can be given when they are added.
@@ -150,6 +151,11 @@ class World {
                     const ObjectOptions& options = {});
   ObjectId add_grains(std::span<const Vec3d> centres, const GrainsMaterial& material = {},
                       const ObjectOptions& options = {});
+  /// A mesh that others touch and that goes where its motion says, whatever pushes at it: static, led through
+  /// poses, or deforming. Open or closed; both sides are solid. It has no mass, so its energies and momentum
+  /// are 0. Of the options, velocities, stiffness_map and self_collision make no sense.
+  ObjectId add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material = {},
+                        ObstacleMotion motion = {}, const ObjectOptions& options = {});
   void remove(ObjectId object);
 
   std::vector<ObjectId> objects() const;  ///< in the order they were added
@@ -161,10 +167,15 @@ class World {
   void set_material(ObjectId object, const SoftBodyMaterial& material);
   void set_material(ObjectId object, const RopeMaterial& material);
   void set_material(ObjectId object, const GrainsMaterial& material);
+  void set_material(ObjectId object, const ObstacleMaterial& material);
   const ClothMaterial& cloth_material(ObjectId object) const;
   const SoftBodyMaterial& soft_body_material(ObjectId object) const;
   const RopeMaterial& rope_material(ObjectId object) const;
   const GrainsMaterial& grains_material(ObjectId object) const;
+  const ObstacleMaterial& obstacle_material(ObjectId object) const;
+  /// Of an obstacle. It is at once where the new motion says, without the velocity of the jump.
+  void set_motion(ObjectId object, ObstacleMotion motion);
+  const ObstacleMotion& motion(ObjectId object) const;
 
   // What a user sees, in user order. Refreshed once per step when first asked; addresses stay until the
   // object is removed. For a soft body made from a surface these are the surface's vertices.
@@ -175,10 +186,11 @@ class World {
   /// The mesh as it was given (faces, UVs, groups), placed at rest by its transform; empty for ropes and
   /// grains.
   const TriangleMesh& mesh(ObjectId object) const;
-  double total_mass(ObjectId object) const;      ///< kg
+  double total_mass(ObjectId object) const;      ///< kg; 0 of an obstacle
   float particle_radius(ObjectId object) const;  ///< m: of grains and ropes, half the thickness of the others
 
-  /// For objects whose vertices are particles. User order.
+  /// For objects whose vertices are particles. User order. Obstacles go where their motion says: neither
+  /// these nor teleport, apply_impulse, pins and attachments are for them.
   void set_positions(ObjectId object, std::span<const Vec3f> positions);
   void set_velocities(ObjectId object, std::span<const Vec3f> velocities);
   /// Moves a whole object rigidly without giving it the velocity of the jump; its velocities turn with it.
@@ -246,7 +258,7 @@ class World {
   double potential_energy(ObjectId object) const;  ///< of its weight, 0 at the origin [J]
   double elastic_energy() const;                   ///< of all constraints with compliance > 0 [J]
   Vec3d momentum(ObjectId object) const;           ///< kg m/s
-  Vec3d centre_of_mass(ObjectId object) const;     ///< m
+  Vec3d centre_of_mass(ObjectId object) const;     ///< m; of an obstacle the mean of its vertices
 
   // --- for renderers
   // -------------------------------------------------------------------------------------------------

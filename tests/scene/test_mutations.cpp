@@ -148,7 +148,9 @@ const char* const full_scene = R"({
      "material": {"model": "shape_matching", "density": 10}, "transform": {"translate": [0, 3, 0]}},
     {"name": "rope", "kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 5, "attachments":
      [{"vertices": [0], "compliance": 0.1, "keyframes": [{"time": 0}, {"time": 1, "rotate": [0, 90, 0]}], "about": [1, 1, 1]}]},
-    {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [0.1, 0.1, 0.1], "jitter": 0.5}}],
+    {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [0.1, 0.1, 0.1], "jitter": 0.5}},
+    {"name": "wall", "kind": "obstacle", "mesh": {"file": "meshes/duck.obj", "scale": 0.01}, "material": {"thickness": 0.01},
+     "transform": {"translate": [5, 0, 0]}, "keyframes": [{"time": 0}, {"time": 1, "rotate": [0, 90, 0]}], "loop": true}],
   "colliders": [{"name": "pole", "shape": {"capsule": {"radius": 0.1, "half_height": 1}}, "transform": {"rotate": [9, 0, 0]}}],
   "pairs": [{"between": ["sand", "pole"], "friction": 0.1}],
   "connections": [{"from": {"object": "rope", "vertices": [5]}, "to": {"object": "box", "all": true}, "pairing": "nearest"}]
@@ -171,6 +173,9 @@ std::size_t size_of(const ClothDescription& cloth) {
 }
 std::size_t size_of(const SoftBodyDescription& body) {
   return size_of(body.mesh) + (body.lattice ? body.lattice->cells : 0);
+}
+std::size_t size_of(const ObstacleDescription& obstacle) {
+  return size_of(obstacle.mesh);
 }
 std::size_t size_of(const RopeDescription& rope) {
   return rope.segments;

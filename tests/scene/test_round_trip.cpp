@@ -26,7 +26,12 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
       {"name": "ball", "kind": "soft_body", "mesh": {"sphere": {"radius": 0.5, "subdivisions": 2}}, "lattice": {"cell_size": 0.1}},
       {"name": "line", "kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 40,
        "material": {"preset": "nylon", "radius": 0.006}},
-      {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 2, 3], "spacing": 0.3, "jitter": 0.5}}
+      {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 2, 3], "spacing": 0.3, "jitter": 0.5}},
+      {"name": "wheel", "kind": "obstacle", "mesh": {"torus": {"major_radius": 0.5, "minor_radius": 0.2}}, "colour": "#102030",
+       "transform": {"scale": 2}, "material": {"thickness": 0.01, "friction": 0.7, "restitution": 0.25}, "loop": true,
+       "keyframes": [{"time": 0}, {"time": 2, "translate": [0, 1, 0], "rotate": [0, 90, 0]}]},
+      {"name": "duck", "kind": "obstacle", "mesh": {"file": "meshes/duck.obj", "scale": 0.01},
+       "sequence": {"file": "meshes/duck.obj", "frame_rate": 24, "start_time": 0.5, "loop": true}}
     ],
     "colliders": [{"name": "floor", "shape": {"plane": {"normal": [0, 2, 0], "offset": 1}}, "friction": 0.75, "restitution": 0.5},
                   {"name": "pin", "shape": {"capsule": {"radius": 0.1, "half_height": 2, "center": [1, 0, 0]}},
@@ -83,6 +88,18 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(std::get<SoftBodyDescription>(scene.objects[2]).lattice->cell_size, 0.1);
   EXPECT_EQ(std::get<RopeDescription>(scene.objects[3]).material.radius, 0.006f);
   EXPECT_EQ(std::get<GrainsBox>(std::get<GrainsDescription>(scene.objects[4]).centres).hi, Vec3d(1, 2, 3));
+  const auto& wheel = std::get<ObstacleDescription>(scene.objects[5]);
+  EXPECT_EQ(kind_of(scene.objects[5]), ObjectKind::obstacle);
+  EXPECT_EQ(wheel.material.thickness, 0.01f);
+  EXPECT_EQ(wheel.material.friction, 0.7f);
+  EXPECT_EQ(wheel.material.restitution, 0.25f);
+  EXPECT_EQ(wheel.keyframes[1].rotate, Vec3d(0, 90, 0));
+  EXPECT_TRUE(wheel.loop);
+  const auto& duck = std::get<ObstacleDescription>(scene.objects[6]);
+  EXPECT_EQ(duck.sequence->file, "meshes/duck.obj");
+  EXPECT_EQ(duck.sequence->frame_rate, 24);
+  EXPECT_EQ(duck.sequence->start_time, 0.5);
+  EXPECT_TRUE(duck.sequence->loop);
   EXPECT_EQ(std::get<Plane>(scene.colliders[0].shape).offset, 1);
   EXPECT_EQ(std::get<Capsule>(scene.colliders[1].shape).center, Vec3f(1, 0, 0));
   EXPECT_TRUE(scene.colliders[1].loop);

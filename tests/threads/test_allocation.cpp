@@ -35,6 +35,21 @@ INSTANTIATE_TEST_SUITE_P(All, WarmStep,
                                          Settings{.integrator = Integrator::implicit_euler, .threads = 2}),
                          name_of);
 
+// What leads an obstacle: keyframes, and a sequence on top of them.
+TEST(WarmStepOfAnObstacle, AllocatesNothing) {
+  World world({.threads = 2});
+  const TriangleMesh mesh = grid(80, 80, 1.0);
+  ObstacleMotion motion{.pose = ColliderMotion::keyframes({{0, {0, 0, 0}}, {0.3, {0, 1, 0}}}, true)};
+  motion.sequence.loop = true;
+  for (const double size : {1.0, 2.0, 1.0}) {
+    std::vector<Vec3f>& frame = motion.sequence.frames.emplace_back();
+    for (const Vec3d& x : mesh.positions) frame.push_back(Vec3f(x * size));
+  }
+  const ObjectId plate = world.add_obstacle(mesh, {}, motion);
+  EXPECT_EQ(allocations_of_a_warm_step(world, 10), 0);
+  EXPECT_GT(length(world.velocities(plate)[0]), 1.0f);
+}
+
 // A step that warns says so in a report of its own, in memory of the last one.
 TEST(WarmStepThatWarns, AllocatesNothing) {
   World world({.substeps = 1, .threads = 2});
