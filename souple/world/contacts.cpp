@@ -15,12 +15,18 @@ bool is_loose(const Object& object) {
   return object.surface.empty() && object.kind != ObjectKind::rope;
 }
 
-// Balls meet balls as particles; everything else meets as surfaces.
+// Balls meet balls as particles, and the nodes of ropes; everything else meets as surfaces.
 ContactObject contact_object(const Object& object) {
-  ContactObject result{.begin = object.begin, .end = object.end};
-  const bool loose = is_loose(object);
+  constexpr std::uint32_t balls = 1, ropes = 2;
+  ContactObject result{.begin = object.begin, .end = object.end, .layers = 0};
   result.hits_itself = object.kind == ObjectKind::grains;
-  result.layers = result.hits_layers = loose ? 1 : 0;
+  if (is_loose(object)) {
+    result.layers = balls;
+    result.hits_layers = balls | ropes;
+  } else if (object.kind == ObjectKind::rope) {
+    result.layers = ropes;
+    result.hits_layers = balls;
+  }
   return result;
 }
 

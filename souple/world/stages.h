@@ -16,7 +16,8 @@ void integrate(WorldState& world, const Substep& substep);
 /// (2) Contacts along x -> p.
 void generate_contacts(WorldState& world, const Substep& substep);
 
-/// (3) Projects every constraint, `iterations` times: kind after kind, colour after colour, contacts last.
+/// (3) Projects every constraint, `iterations` times: kind after kind, colour after colour, contacts last;
+/// then shortens the ways of what would still pass through something.
 void solve(WorldState& world, const Substep& substep);
 
 /// (4) v = v* + (p - p*) / h, which is (p - x) / h when p* = x + h v*; x = p. False when a number went bad.

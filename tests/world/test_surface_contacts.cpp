@@ -115,6 +115,17 @@ TEST(SurfaceContacts, AGrainRestsInTheMiddleOfATriangle) {
   EXPECT_LT(double(length(world.velocities(grain)[0])), 1e-3);
 }
 
+// A ball and an edge are no pair of surfaces: ropes meet grains with their nodes.
+TEST(SurfaceContacts, AGrainRestsOnARope) {
+  World world({.substeps = 20});
+  const std::vector<Vec3d> across{{-0.5, 0, 0}, {0.5, 0, 0}}, above{{0, 0.04, 0}};
+  const ObjectId rope = world.add_rope(across, 20, {.radius = 0.01f});
+  world.pin(rope, in_box({-9, -9, -9}, {9, 9, 9}));
+  const ObjectId grain = world.add_grains(above, {.radius = 0.02f});
+  for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
+  EXPECT_NEAR(double(world.positions(grain)[0].y), 0.03, 1e-3);
+}
+
 TEST(SurfaceContacts, ARopeHangsOverARope) {
   World world;
   const std::vector<Vec3d> across{{-0.5, 0, 0}, {0.5, 0, 0}}, above{{0, 0.03, -0.4}, {0, 0.03, 0.4}};
