@@ -3,6 +3,8 @@
 #include "souple/math/scalar.h"
 #include "souple/math/simd/instruction_sets.h"
 
+#include <type_traits>
+
 namespace souple::simd {
 
 /// As many floats as a register of the instruction set holds: the scalar T of constraint code. Every
@@ -28,7 +30,7 @@ struct Pack {
   Pack(float a) : v(Set::broadcast(a)) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(double a) : Pack(static_cast<float>(a)) {}
   explicit Pack(int a) : Pack(static_cast<float>(a)) {}
-  explicit Pack(Vector a) : v(a) {}
+  explicit Pack(Vector a) requires(!std::is_same_v<Vector, float>) : v(a) {}
 
   static Pack load(const float* p) { return Pack(Set::load(p)); }
   void store(float* p) const { Set::store(p, v); }

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "souple/collision/surface.h"
+#include "souple/math/vec3.h"
+
+// What a contact does, on T = float or a pack of floats: the same bits.
+
+namespace souple {
+
+/// Coulomb's law for sums over a substep: the tangential correction that would stop all sliding is allowed up
+/// to mu_s times the normal correction; beyond, the surfaces slide and it is cut to mu_k times that.
+/// Corrections and their limit in one unit, metres or metres per second.
+template <class T>
+Vec3<T> within_friction(const Vec3<T>& wanted, T static_friction, T kinetic_friction, T normal) {
+  const T size = length(wanted);
+  const auto sticks = size <= static_friction * normal;
+  return wanted * select(sticks, T(1), kinetic_friction * normal / select(sticks, T(1), size));
+}
+
+inline Vec3f within_friction(const Vec3f& wanted, const SurfacePair& surface, float normal) {
+  return within_friction(wanted, surface.static_friction, surface.kinetic_friction, normal);
+}
+
+/// What two surfaces have done to one another in a substep.
+template <class T>
+struct Pressed {
+  T pushed;        ///< sum of normal corrections of the distance [m]
+  Vec3<T> rubbed;  ///< sum of tangential corrections of the distance [m]
+};
+
+/// One projection of C >= allowed with friction (Macklin et al. 2014, section 6.1): changes the sums, and
+/// returns by how much, which is what the distance changes by [m]. `moved`: of the first surface relative to
+/// the second since the substep began. Pushes are taken back where a neighbour's push made them too large, so
+/// the sum never pulls.
+template <class T>
+Vec3<T> press(Pressed<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>& moved, T static_friction,
+              T kinetic_friction) {
+  const T zero(0);
+  const T dn = max(allowed - C, -sums.pushed);
+  const T pushed = sums.pushed + dn;
+  const auto pushes = pushed > zero;
+  const Vec3<T> wanted = sums.rubbed - (moved - n * dot(n, moved));
+  Vec3<T> rubbed = within_friction(wanted, static_friction, kinetic_friction, pushed);
+  for (int axis = 0; axis < 3; ++axis) rubbed[axis] = select(pushes, rubbed[axis], zero);
+  const Vec3<T> change = n * dn + (rubbed - sums.rubbed);
+  sums = {select(pushes, pushed, zero), rubbed};
+  return change;
+}
+
+}  // namespace souple

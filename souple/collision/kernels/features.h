@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+// Vertices against triangles and edges against edges, a register's worth of pairs at a time. One lane serves
+// processors without registers of ours, and to compare with: all give the same bits.
+
+namespace souple::kernels {
+
+/// Arrays of 16-byte records, one per particle (see solver/projector.h).
+struct FeaturePoints {
+  const float* position = nullptr;  ///< w = inverse mass [1/kg]
+  float* moving = nullptr;          ///< plain form: the same as position
+  const float* start = nullptr;     ///< `moving` when the substep began; read by project
+  const float* moved = nullptr;     ///< moving - start; read by begin_near, still_near and describe
+};
+
+/// Pairs of a vertex and a triangle, or of two edges, column by column.
+struct FeaturePairs {
+  const std::uint32_t (*particle)[4] = nullptr;
+  const float* thickness = nullptr;  ///< m
+  float* known = nullptr;            ///< at least so far apart when the substep began [m]
+  float* way = nullptr;              ///< how far a point of one may move relative to one of the other [m]
+};
+
+/// Pairs are passed over while way < known_part known - thickness_part thickness.
+struct NearRule {
+  float known_part, thickness_part;
+};
+
+/// What judge() says of a pair.
+struct Verdict {
+  static constexpr unsigned touches = 1;  ///< it will be as near as (1 + early) thickness, and can move
+  static constexpr unsigned fast = 2;     ///< it may pass through itself on the way
+  /// The nearest point of the triangle has no weight on corner k: it lies on a side or in another corner. For
+  /// edges only `on_border << 0`: the nearest point of one of them is its end.
+  static constexpr unsigned on_border = 4;
+};
+
+/// Contacts column by column; what is not const is written in a substep.
+struct ContactColumns {
+  std::uint32_t* particle[4];
+  float* c[4];          ///< weights: the distance is between points whose difference is sum_k c_k x_k
+  float* normal[3];     ///< unit, from the second point to the first
+  float* thickness;     ///< m
+  float* allowed;       ///< C may stay this negative: an old overlap leaves slowly [m]
+  float* inverse_mass;  ///< sum_k w_k c_k^2 [1/kg]
+  float* approach;      ///< along the normal, what prediction moved the two towards each other [m]
+  float* static_friction;
+  float* kinetic_friction;
+  float* restitution;
+  float* pushed;     ///< sum of normal corrections of the distance [m]
+  float* rubbed[3];  ///< sum of tangential corrections of the distance [m]
+  float* bounced;    ///< relative normal velocity added by restore_speed [m/s]
+  float* depth;      ///< what is left of the overlap of one that pushed [m]
+};
+
+/// What all contacts of a substep share.
+struct ContactLimits {
+  float inverse_h;        ///< 1/s
+  float slowest_rebound;  ///< approach below it does not bounce [m/s]
+  float depenetration;    ///< how far an old overlap may leave in this substep [m]
+};
+
+/// Each for pairs [begin, end). Index 0: a vertex and a triangle; 1: two edges.
+struct FeatureKernels {
+  /// How far they are apart now [m].
+  void (*distances[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin,
+                       std::size_t end, float* out);
+  /// Takes what they moved in the last substep off what is known, and writes what they move in this.
+  /// Pairs that the rule does not pass over, as soon as their distance is known, go to `found`, ascending;
+  /// returns how many.
+  std::size_t (*begin_near[2])(const FeaturePoints&, const FeaturePairs&, const NearRule&, std::size_t begin,
+                               std::size_t end, std::uint32_t* found);
+  /// The same without the first.
+  std::size_t (*still_near[2])(const FeaturePoints&, const FeaturePairs&, const NearRule&, std::size_t begin,
+                               std::size_t end, std::uint32_t* found);
+  /// A Verdict for each of the pairs `found[begin, end)`, as a number.
+  void (*judge[2])(const FeaturePoints&, const FeaturePairs&, float early, const std::uint32_t* found,
+                   std::size_t begin, std::size_t end, float* verdict);
+  /// Contacts [begin, end): of the pairs `found[begin, end)`, where `part` of their way has led them.
+  void (*describe[2])(const FeaturePoints&, const FeaturePairs&, const ContactLimits&,
+                      const std::uint32_t* found, const float* part, std::size_t begin, std::size_t end,
+                      const ContactColumns&);
+  /// Contacts [begin, end), no two of which share a particle that can move.
+  void (*project)(const FeaturePoints&, const ContactColumns&, std::size_t begin, std::size_t end);
+  void (*restore_speed)(const FeaturePoints&, const ContactColumns&, const ContactLimits&, float* velocity,
+                        std::size_t begin, std::size_t end);
+};
+
+/// One lane.
+struct Single;
+
+/// Compiled in one translation unit per instruction set (compile_features.h).
+template <class Set>
+const FeatureKernels& feature_kernels();
+
+}  // namespace souple::kernels
