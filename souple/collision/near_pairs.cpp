@@ -115,6 +115,45 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   join(&Chunk::vertex_triangle, &Part::vertex_triangle, out.vertex_triangle, parts, threads);
   join(&Chunk::edge_edge, &Part::edge_edge, out.edge_edge, parts, threads);
   milliseconds_.pairs = milliseconds_since(start);
+  moved_.clear();
+  is_moved_.assign(patches, 0);
+}
+
+// The hash holds the boxes of the last find: patches that have left them are compared one by one.
+void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
+                                std::span<const Vec4f> position_w, NearPairs& out) {
+  out.vertex_triangle.clear(), out.edge_edge.clear();
+  moving_now_.clear();
+  for (const std::uint32_t i : particles) {
+    if (i >= elements_->particle_end()) continue;
+    clean_boxes_[i] = finite_or_endless(boxes[i]);
+    for (const std::uint32_t p : elements_->patches_of(i)) moving_now_.push_back(p);
+  }
+  std::sort(moving_now_.begin(), moving_now_.end());
+  moving_now_.erase(std::unique(moving_now_.begin(), moving_now_.end()), moving_now_.end());
+  for (const std::uint32_t a : moving_now_) {
+    left_out_ += make_boxes_of(a, position_w);
+    if (is_moved_[a] == 0) moved_.push_back(a);
+    is_moved_[a] = 1;
+  }
+  Part& part = parts_[0];
+  part.vertex_triangle.count = part.edge_edge.count = 0;
+  for (const std::uint32_t a : moving_now_) {
+    part.found.clear();
+    hash_.find(patch_boxes_[a], part.found);
+    for (const std::uint32_t b : part.found)
+      if (is_moved_[b] == 0) find_between(a, b, position_w, part);
+    for (const std::uint32_t b : moved_) {
+      const bool seen = b < a && std::binary_search(moving_now_.begin(), moving_now_.end(), b);
+      if (!seen && overlap(patch_boxes_[a], patch_boxes_[b])) find_between(a, b, position_w, part);
+    }
+  }
+  const auto copy = [](const List& from, std::vector<NearPair>& to) {
+    resize_with_room(to, from.count);
+    std::copy_n(from.pairs.data(), from.count, to.data());
+  };
+  copy(part.vertex_triangle, out.vertex_triangle);
+  copy(part.edge_edge, out.edge_edge);
 }
 
 void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w,
@@ -234,7 +273,7 @@ void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<Nea
 
 std::size_t NearPairFinder::bytes() const {
   std::size_t sum =
-      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, left_out_of_) + hash_.bytes();
+      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, left_out_of_, moved_, is_moved_, moving_now_) + hash_.bytes();
   for (const Boxes* boxes : {&vertex_boxes_, &edge_boxes_, &triangle_boxes_})
     for (std::size_t axis = 0; axis < 3; ++axis) sum += bytes_of(boxes->lo[axis], boxes->hi[axis]);
   for (const Part& part : parts_)

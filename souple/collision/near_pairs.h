@@ -58,6 +58,13 @@ class NearPairFinder {
   void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectMatrix& meets,
             std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
+  /// After a find: boxes of some particles are larger or elsewhere. Replaces `out` by all pairs, with nothing
+  /// but boxes as they are now, of the patches that name one of these (SurfaceElements::index_particles must
+  /// have been called). Pairs of theirs that were found before are found again. Costs little where few have
+  /// moved. Elements, matrix and masses must be those of the find.
+  void find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
+                  std::span<const Vec4f> position_w, NearPairs& out);
+
   /// Of the last find: vertices, edges and triangles left out because a box was not finite.
   std::size_t left_out() const { return left_out_; }
   /// Of the last find, wall clock [ms].
@@ -116,6 +123,9 @@ class NearPairFinder {
   std::vector<Part> parts_;
   std::vector<Chunk> chunks_;
   std::vector<std::size_t> left_out_of_;  // each chunk
+  std::vector<std::uint32_t> moved_;      // patches whose boxes are not those in the hash
+  std::vector<std::uint8_t> is_moved_;    // of each patch
+  std::vector<std::uint32_t> moving_now_;
   std::size_t left_out_ = 0;
   Milliseconds milliseconds_;
 };

@@ -1,6 +1,6 @@
 #include "souple/collision/particle_contacts.h"
 
-#include "souple/collision/friction.h"
+#include "souple/collision/contact_law.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 

@@ -1,7 +1,8 @@
 #pragma once
 
 #include "souple/collision/contact.h"
-#include "souple/collision/near_pairs.h"
+#include "souple/collision/contact_arrays.h"
+#include "souple/collision/feature_pairs.h"
 #include "souple/collision/surface.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
@@ -11,19 +12,6 @@
 #include <vector>
 
 namespace souple {
-
-/// What an object shows to others: triangles, loose edges and loose vertices over its particles. Spans live
-/// as long as the projector uses them.
-struct ContactSurface {
-  std::uint32_t begin = 0, end = 0;                           ///< particles [begin, end)
-  std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
-  std::span<const Edge> edges{};
-  bool loose_particles = false;   ///< grains: every particle is a ball of its radius
-  bool meets_itself = false;      ///< triangles and edges of this object against each other
-  std::uint32_t groups = 1;       ///< two objects meet when a.groups & b.meets and b.groups & a.meets
-  std::uint32_t meets = ~0u;      ///< are both non-zero
-  std::span<const Vec3d> rest{};  ///< of its particles: features near at rest may stay as near
-};
 
 /// Surfaces against surfaces: a vertex against a triangle, an edge against an edge, of two objects or of one.
 ///
@@ -35,22 +23,21 @@ struct ContactSurface {
 /// (continuous.h). So n always points to the side that the features came from. Corrections w_k c_k n keep
 /// momentum. Friction, restitution and the slow release of an old overlap are those of ParticleContacts.
 ///
+/// A vertex that is nearest to a side or a corner of a triangle touches all triangles around it: one contact
+/// is made of them, with the first that the mesh has there. Edges whose nearest point is an end are left to
+/// that vertex and the triangles, unless one of them is a rope's.
+///
 /// After the solver, `keep_apart` looks along the way of everything once more. Pairs that would pass through
 /// each other all the same are pushed some more; where that does not settle it either (something is squeezed
 /// between walls), ways are shortened: what was not tangled never becomes so.
-///
-/// Near pairs are found once per step from boxes swept by the velocities (near_pairs.h), those of one object
-/// relative to its mean velocity; and again when a particle leaves its box.
 class SurfaceContacts final : public Projector {
  public:
-  SurfaceContacts() = default;
-
-  /// What can touch, anew when objects came, went or changed. `surfaces` and `radius` as for
-  /// ParticleContacts.
+  /// What can touch, anew when objects came, went or changed.
   void set_surfaces(std::vector<ContactSurface> surfaces);
   /// Pairs of particles that are tied together: features that have one each never touch.
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { pairs_.exclude(std::move(pairs)); }
 
+  /// `surfaces` and `radius` as for ParticleContacts; both must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, const SurfaceMatrix& matrix, const ContactStep& step,
                   Threads& threads);
@@ -67,12 +54,12 @@ class SurfaceContacts final : public Projector {
   std::string_view kind() const override { return "surface contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
-  int colour_count() const override { return static_cast<int>(colour_begin_.size()) - 1; }
+  int colour_count() const override { return static_cast<int>((begin_.size() - 1) / 2); }
   std::size_t colour_size(int colour) const override {
     const auto c = static_cast<std::size_t>(colour);
-    return colour_begin_[c + 1] - colour_begin_[c];
+    return begin_[2 * c + 2] - begin_[2 * c];
   }
-  std::size_t grain() const override { return 64; }
+  std::size_t grain() const override { return 256; }
   using Projector::project;
   void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
@@ -82,99 +69,70 @@ class SurfaceContacts final : public Projector {
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  /// Two features that may touch before pairs are looked for again.
-  struct Candidate {
-    std::uint32_t particle[4];
-    float thickness;  // [m]
-    float known;      // they were at least so far apart when the substep began [m]
-  };
-  struct Contact {
-    std::uint32_t particle[4];
-    float c[4];
-    Vec3f normal;
-    float thickness;
-    float allowed;       // C may stay this negative: an old overlap leaves slowly [m]
-    float inverse_mass;  // sum_k w_k c_k^2 [1/kg]
-    SurfacePair surface;
-    Vec3f predicted;    // motion of the first feature relative to the second before any projection [m]
-    float pushed = 0;   // sum of normal corrections of the distance [m]
-    Vec3f rubbed{};     // sum of tangential corrections of the distance [m]
-    float bounced = 0;  // relative normal velocity added by apply_restitution [m/s]
-    float depth = 0;    // what is left of the overlap of one that pushed [m]
-  };
-  /// A candidate whose particles must not go all their way.
-  struct Cut {
-    std::uint32_t candidate;
+  /// A pair that makes a contact in this substep, where this part of its way has led it.
+  struct Touch {
+    std::uint32_t pair;
     float part;
   };
-  /// What was found among some neighbouring candidates.
-  struct Chunk {
-    std::vector<Candidate> candidates;
-    std::vector<Contact> contacts;
-    std::vector<Cut> cuts;
+  /// A pair whose particles must not go all their way.
+  using Cut = Touch;
+  /// What was found among the pairs of a chunk.
+  struct Found {
+    std::vector<Touch> touches;
+    std::size_t place = 0;
   };
-  using ParticlePairs = std::vector<std::array<std::uint32_t, 2>>;
-  explicit SurfaceContacts(ParticlePairs excluded) : excluded_(std::move(excluded)) {}
 
-  bool is_active(std::size_t surface) const;
-  bool meet(std::size_t a, std::size_t b) const;
-  bool is_excluded(const NearPair& pair, bool edges) const;
-  void make_chunks(std::size_t count);
-  void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
-  void find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
-  void find_pairs(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
-  void find_again(const ParticleView& particles, float h, Threads& threads);
-  void find_crossing();
-  void add_candidates(std::span<const NearPair> pairs, bool edges, const ParticleView& particles,
-                      Threads& threads);
-  float thickness_of(const NearPair& pair, bool edges) const;
-  bool left_boxes(const ParticleView& particles, Threads& threads);
-  bool contact_of(Candidate& candidate, bool edges, const ParticleView& particles, float h,
-                  Contact& contact) const;
-  bool is_end(const Contact& contact) const;
-  float safe_part(Candidate& candidate, bool edges, const ParticleView& particles) const;
-  void find_cuts(const ParticleView& particles, Threads& threads);
-  void push_cuts(const ParticleView& particles, float h);
-  void shorten_ways(const ParticleView& particles);
-  void colour_found(const ParticleView& particles);
-  void project_one(Contact& contact, const ParticleView& particles) const;
-  void restore_speed(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
-                     float h) const;
   void forget_contacts();
+  void keep_up(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void renew_colours();
+  void find_owners();
+  bool is_owner(const NearPair& pair, unsigned on_border) const;
+  template <class Function>
+  void find(std::vector<Touch>& found, Threads& threads, const Function& of_range);
+  void find_touching(std::size_t chunk, const ParticleView& particles, std::vector<Touch>& found);
+  void find_passing(std::size_t chunk, const ParticleView& particles, std::vector<Cut>& found);
+  void find_cuts(const ParticleView& particles, Threads& threads);
+  bool is_contact(std::uint32_t pair, unsigned verdict, const ParticleView& particles, float& part) const;
+  std::uint16_t colour_of(const NearPair& pair, const ParticleView& particles);
+  void sort_touches(const ParticleView& particles);
+  void describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,
+                const std::vector<std::uint32_t>& pairs, const std::vector<float>& parts,
+                const kernels::ContactColumns& out);
+  void describe_touches(const ParticleView& particles, Threads& threads);
+  void push_cuts(const ParticleView& particles);
+  void shorten_ways(const ParticleView& particles);
 
-  std::vector<ContactSurface> surfaces_;
-  ParticlePairs excluded_;                 // both ways, sorted
-  std::vector<std::uint32_t> surface_of_;  // of each particle; none where it has none
-  SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
-  std::vector<Bounds> surface_bounds_;
-  std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are
-  ObjectMatrix own_matrix_, crossing_matrix_;
-  bool any_pair_ = false;  // of surfaces that could meet
+  FeaturePairs pairs_;
+  /// Of each vertex the first triangle that has it; of each edge, by its smaller vertex, the third corner of
+  /// the first triangle that has it.
+  struct EdgeOwner {
+    std::uint32_t other, third;
+  };
+  std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;
+  std::vector<std::uint32_t> edge_owner_begin_;
+  std::vector<EdgeOwner> edge_owners_;
 
-  std::span<const float> radius_;
   const SurfaceMatrix* matrix_ = nullptr;
   ContactStep step_;
-  float elapsed_ = 0;              // since pairs were found [s]
-  float covered_ = 0;              // how long they were found for [s]
-  float last_h_ = 0;               // [s]
-  std::vector<Vec3f> frame_;       // mean velocity of each surface when pairs were found [m/s]
-  std::vector<Bounds> boxes_;      // of particles, swept in the world
-  std::vector<Bounds> own_boxes_;  // and relative to the frame of their surface
-  std::vector<float> travel_;      // how far each may go relative to that frame [m]
-  NearPairFinder own_finder_, crossing_finder_;
-  NearPairs own_pairs_, crossing_pairs_;
-  std::vector<Candidate> candidates_;  // vertices against triangles, then edges against edges
-  std::size_t first_edges_ = 0;        // of candidates_
-  std::vector<std::uint8_t> chunk_flags_;
-  std::vector<Chunk> chunks_;
-  std::vector<Vec4f> velocity_now_, before_;  // when pairs are found within a step
-  std::vector<float> part_;                   // of each particle's way that is left to it in keep_apart
-  std::vector<std::uint64_t> used_;           // of each particle: colours of its contacts
-  std::vector<std::uint32_t> waiting_, colour_of_;
+  kernels::ContactLimits limits_{};
+  std::vector<Found> found_;  // of each chunk
+  std::vector<Touch> touches_;  // in order of pairs
+  /// Of each pair that has made a contact since all pairs were found: its colour. A pair keeps it until they
+  /// are found again.
+  std::vector<std::uint16_t> colour_;
+  /// Which colours the contacts of each particle have; 64 to a word, all particles of one word in a row.
+  std::vector<std::uint64_t> used_;
+  std::vector<std::uint32_t> pair_;  // of each contact
+  std::vector<float> part_;
+  /// Contacts of colour c: vertices against triangles begin at begin_[2 c], edges at begin_[2 c + 1].
+  std::vector<std::size_t> begin_{0}, next_place_;
+  ContactArrays contacts_;
+  kernels::ContactColumns columns_{};  // of contacts_
+  std::vector<float> left_of_way_;  // to each particle, in keep_apart
   std::vector<Cut> cuts_;
-  std::vector<Contact> rescues_;           // what the solver left undone
-  std::vector<Contact> found_, contacts_;  // in order of candidates; sorted by colour
-  std::vector<std::uint32_t> colour_begin_{0}, next_place_;
+  std::vector<std::uint32_t> cut_pair_;
+  std::vector<float> cut_part_;
+  ContactArrays rescues_;  // what the solver left undone
 };
 
 }  // namespace souple

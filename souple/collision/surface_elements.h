@@ -56,6 +56,15 @@ class SurfaceElements {
   std::span<const std::uint32_t> vertices() const { return vertices_; }
   std::span<const std::uint32_t> vertex_objects() const { return vertex_objects_; }
   std::span<const SurfacePatch> patches() const { return patches_; }
+  /// Lists which patches name a particle, after the last add; ascending.
+  void index_particles();
+  std::span<const std::uint32_t> patches_of(std::uint32_t particle) const {
+    return std::span(patches_of_).subspan(patches_begin_[particle],
+                                          patches_begin_[particle + 1] - patches_begin_[particle]);
+  }
+  /// Particles that elements of a patch name; some of them several times.
+  template <class Function>
+  void for_each_particle(const SurfacePatch& patch, const Function& function) const;
   /// The particles of all vertices, edges or triangles, corner by corner, and `padding` zeros behind the
   /// last.
   static constexpr std::size_t padding = 32;
@@ -80,9 +89,20 @@ class SurfaceElements {
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;
   std::vector<SurfacePatch> patches_;
+  std::vector<std::uint32_t> patches_begin_, patches_of_;  // of each particle
   std::vector<std::uint32_t> vertex_particles_;
   std::array<std::vector<std::uint32_t>, 2> edge_particles_;
   std::array<std::vector<std::uint32_t>, 3> triangle_particles_;
 };
+
+template <class Function>
+void SurfaceElements::for_each_particle(const SurfacePatch& patch, const Function& function) const {
+  for (std::uint32_t t = patch.first_triangle; t < patch.first_triangle + patch.triangles; ++t)
+    for (const std::uint32_t i : triangles_[t].particle) function(i);
+  for (std::uint32_t e = patch.first_edge; e < patch.first_edge + patch.edges; ++e)
+    for (const std::uint32_t i : edges_[e]) function(i);
+  for (std::uint32_t v = patch.first_vertex; v < patch.first_vertex + patch.vertices; ++v)
+    function(vertices_[v]);
+}
 
 }  // namespace souple

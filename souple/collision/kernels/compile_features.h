@@ -197,26 +197,46 @@ template <class Set, bool edges>
   }
 }
 
-template <class Set, bool edges, bool begins>
-[[gnu::flatten]] std::size_t near(const FeaturePoints& points, const FeaturePairs& pairs,
-                                  const NearRule& rule, std::size_t begin, std::size_t end,
-                                  std::uint32_t* found) {
-  using T = Numbers<Set>;
-  std::size_t n = 0;
+template <class Set, bool edges>
+[[gnu::flatten]] void ways(const FeaturePoints& points, const std::uint32_t (*pairs)[4], std::size_t begin,
+                           std::size_t end, float* out) {
   for (std::size_t i = begin; i < end; i += Set::lanes) {
     const Indices<Set> indices(i, end);
-    const PairRecords<Set> corners(pairs.particle, indices.at);
     Vectors<Set> m[4];
-    moved_differences(points, corners, m);
+    moved_differences(points, PairRecords<Set>(pairs, indices.at), m);
+    store<Set>(relative_way<Set, edges>(m), out + i, indices.count);
+  }
+}
+
+template <class Set>
+SOUPLE_INLINE inline float least(Numbers<Set> a) {
+  float lanes[Set::lanes];
+  a.store(lanes);
+  float result = lanes[0];
+  for (int lane = 1; lane < Set::lanes; ++lane) result = lanes[lane] < result ? lanes[lane] : result;
+  return result;
+}
+
+template <class Set, bool edges>
+[[gnu::flatten]] Nearness near(const FeaturePoints& points, const FeatureColumns& pairs, const NearRule& rule,
+                               float owed, float early, std::size_t begin, std::size_t end,
+                               std::uint32_t* found) {
+  using T = Numbers<Set>;
+  std::size_t n = 0;
+  T least_known(1e30f), least_slack(1e30f);
+  for (std::size_t i = begin; i < end; i += Set::lanes) {
+    const Indices<Set> indices(i, end);
+    const PairRecords<Set> records(pairs.particle, indices.at);
+    Vectors<Set> m[4];
+    moved_differences(points, records, m);
     const T way = relative_way<Set, edges>(m);
-    T known = load<Set>(pairs.known + i, indices.count);
-    if constexpr (begins) known -= load<Set>(pairs.way + i, indices.count);
-    store<Set>(way, pairs.way + i, indices.count);
-    const T thick = T(rule.thickness_part) * load<Set>(pairs.thickness + i, indices.count);
+    T known = load<Set>(pairs.known + i, indices.count) - T(owed);
+    const T thickness = load<Set>(pairs.thickness + i, indices.count);
+    const T thick = T(rule.thickness_part) * thickness;
     const auto is_near = way >= T(rule.known_part) * known - thick;
     if (any_lane(is_near)) {
       Vectors<Set> x[4];
-      differences(points, corners, x);
+      differences(points, records, x);
       for (int k = 1; k < 4; ++k) x[k] -= m[k];
       known = select(is_near, distance<Set, edges>(x), known);
       const auto still = is_near && way >= T(rule.known_part) * known - thick;
@@ -230,8 +250,10 @@ template <class Set, bool edges, bool begins>
       }
     }
     store<Set>(known, pairs.known + i, indices.count);
+    least_known = min(least_known, known);
+    least_slack = min(least_slack, known - T(1 + early) * thickness);
   }
-  return n;
+  return {n, least<Set>(least_known), least<Set>(least_slack)};
 }
 
 /// sum_k w_k c_k^2
@@ -249,7 +271,7 @@ SOUPLE_INLINE inline Numbers<Set> effective_inverse_mass(const FeaturePoints& po
 }
 
 template <class Set, bool edges>
-[[gnu::flatten]] void judge(const FeaturePoints& points, const FeaturePairs& pairs, float early,
+[[gnu::flatten]] void judge(const FeaturePoints& points, const FeatureColumns& pairs, float early,
                             const std::uint32_t* found, std::size_t begin, std::size_t end, float* verdict) {
   using T = Numbers<Set>;
   const T zero(0.f);
@@ -265,8 +287,10 @@ template <class Set, bool edges>
     const T near = T(1 + early) * gather<Set>(pairs.thickness, indices.at);
     const auto moves = effective_inverse_mass(points, corners, c) > zero;
     T sum = flag(size <= near && size > zero && moves, Verdict::touches);
-    sum += flag(gather<Set>(pairs.way, indices.at) > T(0.5f) * gather<Set>(pairs.known, indices.at),
-                Verdict::fast);
+    Vectors<Set> m[4];
+    moved_differences(points, corners, m);
+    const T way = relative_way<Set, edges>(m);
+    sum += flag(way > T(0.5f) * gather<Set>(pairs.known, indices.at), Verdict::fast);
     if constexpr (edges) {
       const auto is_end = [&](T a) { return a >= zero && a <= zero; };
       sum += flag(is_end(c[0]) || is_end(c[1]) || is_end(c[2]) || is_end(c[3]), Verdict::on_border);
@@ -278,7 +302,7 @@ template <class Set, bool edges>
 }
 
 template <class Set, bool edges>
-[[gnu::flatten]] void describe(const FeaturePoints& points, const FeaturePairs& pairs,
+[[gnu::flatten]] void describe(const FeaturePoints& points, const FeatureColumns& pairs,
                                const ContactLimits& limits, const std::uint32_t* found, const float* part,
                                std::size_t begin, std::size_t end, const ContactColumns& out) {
   using T = Numbers<Set>;
@@ -429,7 +453,12 @@ SOUPLE_INLINE inline void project_pack(const FeaturePoints& points, const Contac
   store<Set>(sums.pushed, columns.pushed + i, pack.count);
   for (int axis = 0; axis < 3; ++axis) store<Set>(sums.rubbed[axis], columns.rubbed[axis] + i, pack.count);
   const T share = T(1.f) / load<Set>(columns.inverse_mass + i, pack.count);
-  corners.add(change * share, pack.c, acts, points.moving, pack.first_float);
+  if (points.corrected != points.moving)
+    for (int k = 0; k < 4; ++k) {
+      corners.records[k] = Records<Set>(points.corrected, pack.first_float[k]);
+      corners.records[k].turn();
+    }
+  corners.add(change * share, pack.c, acts, points.corrected, pack.first_float);
 }
 
 template <class Set>
@@ -492,8 +521,8 @@ template <class Set>
 template <class Set>
 const FeatureKernels& feature_kernels() {
   static constexpr FeatureKernels kernels{{distances<Set, false>, distances<Set, true>},
-                                          {near<Set, false, true>, near<Set, true, true>},
-                                          {near<Set, false, false>, near<Set, true, false>},
+                                          {ways<Set, false>, ways<Set, true>},
+      {near<Set, false>, near<Set, true>},
                                           {judge<Set, false>, judge<Set, true>},
                                           {describe<Set, false>, describe<Set, true>},
                                           project<Set>,

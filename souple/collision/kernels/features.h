@@ -12,21 +12,29 @@ namespace souple::kernels {
 struct FeaturePoints {
   const float* position = nullptr;  ///< w = inverse mass [1/kg]
   float* moving = nullptr;          ///< plain form: the same as position
+  float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
   const float* moved = nullptr;     ///< moving - start; read by begin_near, still_near and describe
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
-struct FeaturePairs {
+struct FeatureColumns {
   const std::uint32_t (*particle)[4] = nullptr;
   const float* thickness = nullptr;  ///< m
   float* known = nullptr;            ///< at least so far apart when the substep began [m]
-  float* way = nullptr;              ///< how far a point of one may move relative to one of the other [m]
 };
 
-/// Pairs are passed over while way < known_part known - thickness_part thickness.
+/// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
+/// known_part known - thickness_part thickness.
 struct NearRule {
   float known_part, thickness_part;
+};
+
+/// Of some pairs, after one look at them.
+struct Nearness {
+  std::size_t found = 0;
+  float least_known;  ///< of all, m
+  float least_slack;  ///< of known - (1 + early) thickness, m
 };
 
 /// What judge() says of a pair.
@@ -68,19 +76,18 @@ struct FeatureKernels {
   /// How far they are apart now [m].
   void (*distances[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin,
                        std::size_t end, float* out);
-  /// Takes what they moved in the last substep off what is known, and writes what they move in this.
-  /// Pairs that the rule does not pass over, as soon as their distance is known, go to `found`, ascending;
-  /// returns how many.
-  std::size_t (*begin_near[2])(const FeaturePoints&, const FeaturePairs&, const NearRule&, std::size_t begin,
-                               std::size_t end, std::uint32_t* found);
-  /// The same without the first.
-  std::size_t (*still_near[2])(const FeaturePoints&, const FeaturePairs&, const NearRule&, std::size_t begin,
-                               std::size_t end, std::uint32_t* found);
+  /// How far a point of one may move relative to one of the other, from what corners moved [m].
+  void (*ways[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
+                  float* out);
+  /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does not
+  /// pass over, as soon as their distance is known, go to `found`, ascending.
+  Nearness (*near[2])(const FeaturePoints&, const FeatureColumns&, const NearRule&, float owed, float early,
+                      std::size_t begin, std::size_t end, std::uint32_t* found);
   /// A Verdict for each of the pairs `found[begin, end)`, as a number.
-  void (*judge[2])(const FeaturePoints&, const FeaturePairs&, float early, const std::uint32_t* found,
+  void (*judge[2])(const FeaturePoints&, const FeatureColumns&, float early, const std::uint32_t* found,
                    std::size_t begin, std::size_t end, float* verdict);
   /// Contacts [begin, end): of the pairs `found[begin, end)`, where `part` of their way has led them.
-  void (*describe[2])(const FeaturePoints&, const FeaturePairs&, const ContactLimits&,
+  void (*describe[2])(const FeaturePoints&, const FeatureColumns&, const ContactLimits&,
                       const std::uint32_t* found, const float* part, std::size_t begin, std::size_t end,
                       const ContactColumns&);
   /// Contacts [begin, end), no two of which share a particle that can move.

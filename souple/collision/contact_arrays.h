@@ -1,0 +1,53 @@
+#pragma once
+
+#include "souple/collision/kernels/features.h"
+#include "souple/collision/spatial_hash.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace souple {
+
+/// Contacts column by column, as kernels read and write them.
+class ContactArrays {
+ public:
+  std::size_t size() const { return particle_[0].size(); }
+  /// What is there keeps its values; sizes that were there before allocate nothing.
+  void resize(std::size_t size) {
+    for (auto& column : particle_) resize_with_room(column, size);
+    for (auto& column : floats_) resize_with_room(column, size);
+  }
+  kernels::ContactColumns columns() {
+    kernels::ContactColumns result;
+    for (std::size_t k = 0; k < 4; ++k) result.particle[k] = particle_[k].data();
+    std::size_t next = 0;
+    const auto column = [&] { return floats_[next++].data(); };
+    for (float*& c : result.c) c = column();
+    for (float*& n : result.normal) n = column();
+    result.thickness = column();
+    result.allowed = column();
+    result.inverse_mass = column();
+    result.approach = column();
+    result.static_friction = column();
+    result.kinetic_friction = column();
+    result.restitution = column();
+    result.pushed = column();
+    for (float*& rubbed : result.rubbed) rubbed = column();
+    result.bounced = column();
+    result.depth = column();
+    return result;
+  }
+  std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const auto& column : particle_) sum += column.capacity() * sizeof(column[0]);
+    for (const auto& column : floats_) sum += column.capacity() * sizeof(column[0]);
+    return sum;
+  }
+
+ private:
+  std::array<std::vector<std::uint32_t>, 4> particle_;
+  std::array<std::vector<float>, 20> floats_;
+};
+
+}  // namespace souple

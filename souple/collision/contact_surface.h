@@ -1,0 +1,33 @@
+#pragma once
+
+#include "souple/geometry/adjacency.h"
+#include "souple/math/vec3.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace souple {
+
+/// What an object shows to others: triangles, loose edges and loose vertices over its particles. Spans live
+/// as long as whoever was given it uses them.
+struct ContactSurface {
+  std::uint32_t begin = 0, end = 0;                           ///< particles [begin, end)
+  std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
+  std::span<const Edge> edges{};
+  bool loose_particles = false;   ///< grains: every particle is a ball of its radius
+  bool meets_itself = false;      ///< triangles and edges of this object against each other
+  std::uint32_t groups = 1;       ///< two objects meet when a.groups & b.meets and b.groups & a.meets
+  std::uint32_t meets = ~0u;      ///< are both non-zero
+  std::span<const Vec3d> rest{};  ///< of its particles: features near at rest may stay as near
+};
+
+/// Whether triangles, edges and balls of two of them are to be kept apart, or of one with itself.
+inline bool meet(std::span<const ContactSurface> surfaces, std::size_t a, std::size_t b) {
+  const ContactSurface &one = surfaces[a], &other = surfaces[b];
+  if (a == b) return one.meets_itself;
+  if (one.loose_particles && other.loose_particles) return false;  // see ParticleContacts
+  return (one.groups & other.meets) != 0 && (other.groups & one.meets) != 0;
+}
+
+}  // namespace souple

@@ -1,0 +1,564 @@
+#include "souple/collision/feature_pairs.h"
+
+#include "souple/collision/kernels/find_kernels.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace souple {
+int dbg[16];
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// Pairs are looked at in batches of one size, and what these found is put together in order: the same for any
+// number of threads.
+constexpr std::size_t batch_size = 1024;
+constexpr std::size_t particle_grain = 2048;
+// Features that were nearer than their thickness at rest may stay a little nearer than that.
+constexpr float rest_part = 0.9f;
+// Room around the way that a particle's velocity takes it: it may be pushed, by a part of that way, of its
+// radius, and of what gravity does to some of an object and not to all of it.
+constexpr float surprise = 0.15f, radius_part = 0.25f, fall_part = 0.5f;
+// What is far from everything may be pulled along within a step by this part of its size.
+constexpr float unwatched = 0.125f;
+// Particles whose mean motion is that of an object.
+constexpr std::uint32_t sample = 512;
+
+// Pairs that are this part of their thickness farther apart than they need be to touch are far.
+constexpr float far_part = 0.4f;
+
+std::size_t batches_of(std::size_t n) {
+  return (n + batch_size - 1) / batch_size;
+}
+
+Bounds around(const Vec3f& a, const Vec3f& b, float reach) {
+  return {{min(a.x, b.x) - reach, min(a.y, b.y) - reach, min(a.z, b.z) - reach},
+          {max(a.x, b.x) + reach, max(a.y, b.y) + reach, max(a.z, b.z) + reach}};
+}
+
+const std::uint32_t (*quads(const std::vector<NearPair>& pairs))[4] {
+  return pairs.empty() ? nullptr : &pairs[0].particle;
+}
+
+kernels::FeaturePoints points_of(const ParticleView& particles, std::span<const Vec4f> moved) {
+  if (particles.moving.empty()) return {};
+  kernels::FeaturePoints points;
+  points.moving = &particles.moving[0].x;
+  points.corrected = particles.corrected.empty() ? points.moving : &particles.corrected[0].x;
+  points.position = particles.form == Form::plain ? points.moving : &particles.position[0].x;
+  if (!particles.start.empty()) points.start = &particles.start[0].x;
+  if (!moved.empty()) points.moved = &moved[0].x;
+  return points;
+}
+
+}  // namespace
+
+kernels::FeaturePoints FeaturePairs::points(const ParticleView& particles) const {
+  return points_of(particles, moved_);
+}
+
+kernels::FeatureColumns FeaturePairs::columns() {
+  return {quads(particle_), thickness_.data(), known_.data()};
+}
+
+void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
+  ParticlePairs excluded = std::move(excluded_);
+  *this = {};
+  excluded_ = std::move(excluded);
+  surfaces_ = std::move(surfaces);
+  const std::size_t n = surfaces_.size();
+  own_matrix_ = crossing_matrix_ = ObjectMatrix(n);
+  for (std::uint32_t a = 0; a < n; ++a) {
+    own_matrix_.set(a, a, surfaces_[a].meets_itself);
+    any_ = any_ || surfaces_[a].meets_itself;
+    for (std::uint32_t b = 0; b < a; ++b) {
+      crossing_matrix_.set(a, b, meet(surfaces_, a, b));
+      any_ = any_ || meet(surfaces_, a, b);
+    }
+  }
+  if (!any_) return;
+  crosses_.assign(n, 0);
+  std::uint32_t end = 0;
+  for (const ContactSurface& surface : surfaces_) end = std::max(end, surface.end);
+  surface_of_.assign(end, no_surface);
+  rest_.assign(end, {});
+  for (std::uint32_t a = 0; a < n; ++a) {
+    const ContactSurface& surface = surfaces_[a];
+    std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
+    if (!surface.meets_itself) continue;
+    own_.add_triangles(surface.triangles, surface.begin, a);
+    own_.add_edges(surface.edges, surface.begin, a);
+    for (std::size_t i = 0; i < surface.rest.size(); ++i)
+      rest_[surface.begin + i].set_xyz(Vec3f(surface.rest[i] - surface.rest[0]));
+  }
+  own_.index_particles();
+  for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
+  left_particles_.reserve(end / 8 + 64);
+}
+
+void FeaturePairs::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
+  const std::size_t n = pairs.size();
+  for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
+  std::sort(pairs.begin(), pairs.end());
+  excluded_ = std::move(pairs);
+}
+
+bool FeaturePairs::is_excluded(const NearPair& pair, bool edges) const {
+  if (excluded_.empty()) return false;
+  const std::size_t first = edges ? 2 : 1;
+  for (std::size_t a = 0; a < first; ++a)
+    for (std::size_t b = first; b < 4; ++b)
+      if (std::binary_search(excluded_.begin(), excluded_.end(),
+                             std::array<std::uint32_t, 2>{pair.particle[a], pair.particle[b]}))
+        return true;
+  return false;
+}
+
+void FeaturePairs::clear() {
+  particle_.clear(), thickness_.clear(), known_.clear(), is_edges_.clear();
+  chunks_.clear();
+}
+
+void FeaturePairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                              std::span<const float> radius, const ContactStep& step, Threads& threads) {
+  radius_ = radius;
+  step_ = step;
+  left_ = step.dt;
+  find(particles, velocity, threads);
+}
+
+// For the rest of the step, or the time in which particles go, in the mean and as seen from the frame of
+// their object, `ways` times their thickness. A multiple of h.
+float FeaturePairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
+  constexpr double ways = 1;
+  if (!(step_.h > 0) || !(step_.h < left_)) return left_;
+  double speeds = 0, thickness = 0;
+  for (std::size_t a = 0; a < surfaces_.size(); ++a) {
+    const ContactSurface& surface = surfaces_[a];
+    if (!surface.meets_itself) continue;
+    const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
+    for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
+      if (particles.inverse_mass(i) == 0) continue;
+      speeds += static_cast<double>(length(velocity[i].xyz() - frame_[a]));
+      thickness += 2 * static_cast<double>(max(radius_[i], least_thickness));
+    }
+  }
+  const double h = static_cast<double>(step_.h), left = static_cast<double>(left_);
+  if (!(speeds * left > ways * thickness)) return left_;
+  return static_cast<float>(min(left, max(1.0, std::floor(ways * thickness / speeds / h)) * h));
+}
+
+void FeaturePairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
+  find_frames(particles, velocity);
+  covered_ = horizon(particles, velocity);
+  const float dt = covered_; dbg[0]++; dbg[5]+=int(std::lround(dt/step_.h));
+  elapsed_ = 0;
+  expect_all(particles, velocity, dt, threads);
+  find_crossing();
+  own_finder_.find(own_, own_boxes_, own_matrix_, particles.position, own_pairs_, threads);
+  crossing_finder_.find(crossing_, boxes_, crossing_matrix_, particles.position, crossing_pairs_, threads);
+  clear();
+  valid_from_.assign(surface_of_.size(), 0);
+  add_found(particles, dt, threads);
+}
+
+// --- boxes
+
+Vec3d FeaturePairs::middle(const ContactSurface& surface, const ParticleView& particles) const {
+  Vec3d sum;
+  double count = 0;
+  const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
+  for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
+    if (particles.inverse_mass(i) == 0) continue;
+    sum += Vec3d(particles.relative(i, {}));
+    ++count;
+  }
+  return count > 0 ? sum / count : sum;
+}
+
+// Mean velocities of what can move.
+void FeaturePairs::find_frames(const ParticleView& particles, std::span<const Vec4f> velocity) {
+  frame_.assign(surfaces_.size(), {});
+  shift_.assign(surfaces_.size(), {});
+  middle_.assign(surfaces_.size(), {});
+  for (std::size_t a = 0; a < surfaces_.size(); ++a) {
+    Vec3d sum;
+    double count = 0;
+    const ContactSurface& surface = surfaces_[a];
+    const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
+    for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
+      if (particles.inverse_mass(i) == 0) continue;
+      sum += Vec3d(velocity[i].xyz());
+      ++count;
+    }
+    const Vec3f mean(count > 0 ? sum / count : sum);
+    if (is_finite(mean)) frame_[a] = mean;
+    middle_[a] = middle(surface, particles);
+  }
+}
+
+void FeaturePairs::find_shift(const ParticleView& particles) {
+  for (std::size_t a = 0; a < surfaces_.size(); ++a)
+    if (surfaces_[a].meets_itself) shift_[a] = Vec3f(middle(surfaces_[a], particles) - middle_[a]);
+}
+
+void FeaturePairs::expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
+                              Threads& threads) {
+  const std::size_t n = surface_of_.size();
+  boxes_.resize(n), own_boxes_.resize(n), way_of_.resize(n), expected_velocity_.resize(n);
+  const float fall = fall_part * step_.gravity * dt * dt;
+  threads.for_each(n, particle_grain, [&](std::size_t i, std::size_t end) {
+    for (; i < end; ++i)
+      if (surface_of_[i] != no_surface)
+        expect(static_cast<std::uint32_t>(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
+               fall + radius_part * max(radius_[i], 0.0f));
+  });
+}
+
+// A particle that is at x, `since` after pairs were found, and goes with v for dt.
+void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt, float room) {
+  const Vec3f own = v - frame_[surface_of_[i]], own_x = x - shift_[surface_of_[i]];
+  const float reach = max(radius_[i], least_thickness) * (1 + early);
+  Way& way = way_of_[i];
+  way = {x - v * since, own_x - own * since, room + step_.gravity * dt * dt + surprise * dt * length(v),
+         room + surprise * dt * length(own)};
+  boxes_[i] = around(x, x + v * dt, reach + way.room);
+  own_boxes_[i] = around(own_x, own_x + own * dt, reach + way.own_room);
+  expected_velocity_[i].set_xyz(v);
+}
+
+bool FeaturePairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
+  const std::uint32_t surface = surface_of_[i];
+  const Way& way = way_of_[i];
+  const Vec3f v = expected_velocity_[i].xyz();
+  const auto within = [](const Vec3f& d, float room) { return length_squared(d) <= room * room; };
+  if (crosses_[surface] != 0 && !within(x - (way.from + v * elapsed_), way.room)) return false;
+  if (!surfaces_[surface].meets_itself) return true;
+  return within(x - shift_[surface] - (way.own_from + (v - frame_[surface]) * elapsed_), way.own_room);
+}
+
+// Surfaces whose boxes meet, of those that may: their elements are compared.
+void FeaturePairs::find_crossing() {
+  const std::size_t n = surfaces_.size();
+  surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
+  for (std::size_t a = 0; a < n; ++a) {
+    Bounds& bounds = surface_bounds_[a];
+    for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i) bounds = united(bounds, boxes_[i]);
+    const Vec3f size = bounds.hi - bounds.lo;
+    bounds = around(bounds.lo, bounds.hi, unwatched * max(size.x, max(size.y, size.z)));
+  }
+  crosses_now_.assign(n, 0);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (crossing_matrix_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b]))
+        crosses_now_[a] = crosses_now_[b] = 1;
+  if (crosses_now_ == crosses_) return;
+  crosses_ = crosses_now_;
+  crossing_.clear();
+  for (std::uint32_t a = 0; a < n; ++a) {
+    if (crosses_[a] == 0) continue;
+    const ContactSurface& surface = surfaces_[a];
+    crossing_.add_triangles(surface.triangles, surface.begin, a);
+    crossing_.add_edges(surface.edges, surface.begin, a);
+    if (surface.loose_particles) crossing_.add_particles(surface.begin, surface.end, a);
+  }
+  crossing_.index_particles();
+}
+
+// Particles that have left their ways. Surfaces that are far from all others are not watched within a step;
+// their bounds are larger for it.
+void FeaturePairs::find_left(const ParticleView& particles, Threads& threads) {
+  find_shift(particles);
+  const std::size_t n = surface_of_.size(), chunks = batches_of(n);
+  if (left_of_chunk_.size() < chunks) left_of_chunk_.resize(chunks);
+  threads.for_each(chunks, 2, [&](std::size_t c, std::size_t last) {
+    for (; c < last; ++c) {
+      left_of_chunk_[c].clear();
+      for (std::size_t k = c * batch_size; k < std::min(n, (c + 1) * batch_size); ++k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        if (surface_of_[i] != no_surface && !is_on_its_way(i, particles.relative(i, {})))
+          left_of_chunk_[c].push_back(i);
+      }
+    }
+  });
+  left_particles_.clear();
+  for (std::size_t c = 0; c < chunks; ++c)
+    left_particles_.insert(left_particles_.end(), left_of_chunk_[c].begin(), left_of_chunk_[c].end());
+}
+
+std::size_t FeaturePairs::keep_up(const ParticleView& particles, float h, Threads& threads) {
+  constexpr std::size_t many = 50;  // a part of all particles: for these alone it would take as long
+  const bool over = covered_ <= -0.5f * h;
+  if (!over) {
+    find_left(particles, threads);
+    if (left_particles_.empty()) return size();
+  }
+  const ParticleView before = take_back(particles, h);
+  if (over || left_particles_.size() > surface_of_.size() / many + 8) {
+    (over?dbg[2]:dbg[1])++; find_all_again(before, h, threads);
+    return 0;
+  }
+  const std::size_t first = size();
+  dbg[6]++; dbg[7]+=int(left_particles_.size()); find_left_again(before, h, threads); dbg[8]+=int(size()-first);
+  return first;
+}
+
+// Particles as they were when the substep began, and in velocity_now_ the ways that they have taken since.
+ParticleView FeaturePairs::take_back(const ParticleView& particles, float h) {
+  velocity_now_.resize(surface_of_.size());
+  for (std::size_t i = 0; i < velocity_now_.size(); ++i) velocity_now_[i].set_xyz(particles.moved(i) / h);
+  before_.assign(particles.start.begin(), particles.start.end());
+  ParticleView before = particles;
+  before.moving = before_;
+  if (particles.form == Form::plain) before.position = before_;
+  return before;
+}
+
+// For the rest of the step.
+void FeaturePairs::find_all_again(const ParticleView& before, float h, Threads& threads) {
+  left_ = max(left_ + h, h);
+  find(before, velocity_now_, threads);
+  begin_substep(h);
+}
+
+// Those of the particles that have left their boxes. They were pushed: where they are going is not sure for
+// long.
+void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads& threads) {
+  constexpr float foresight = 2;  // substeps
+  const float dt = max(min(covered_ + h, foresight * h), h);
+  find_shift(before);
+  for (const std::uint32_t i : left_particles_) {
+    expect(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt,
+           0.5f * max(radius_[i], 0.0f));
+    valid_from_[i] = static_cast<std::uint32_t>(size());
+  }
+  const auto keep_theirs = [&](std::vector<NearPair>& pairs) {
+    const auto from = static_cast<std::uint32_t>(size());
+    std::erase_if(pairs, [&](const NearPair& pair) {
+      return std::none_of(std::begin(pair.particle), std::end(pair.particle),
+                          [&](std::uint32_t i) { return valid_from_[i] == from; });
+    });
+  };
+  own_finder_.find_moved(left_particles_, own_boxes_, before.position, own_pairs_);
+  crossing_finder_.find_moved(left_particles_, boxes_, before.position, crossing_pairs_);
+  for (NearPairs* found : {&own_pairs_, &crossing_pairs_}) {
+    keep_theirs(found->vertex_triangle);
+    keep_theirs(found->edge_edge);
+  }
+  add_found(before, dt, threads);
+}
+
+// --- pairs
+
+// How far the two may leave their ways towards each other.
+float FeaturePairs::room_of(const NearPair& pair, bool edges) const {
+  const auto& i = pair.particle;
+  const bool same = surface_of_[i[0]] == surface_of_[i[3]];
+  const auto room = [&](std::size_t k) { return same ? way_of_[i[k]].own_room : way_of_[i[k]].room; };
+  const float first = edges ? max(room(0), room(1)) : room(0);
+  return first + (edges ? max(room(2), room(3)) : max(room(1), max(room(2), room(3))));
+}
+
+// What both are thick.
+float FeaturePairs::thickness_of(const NearPair& pair, bool edges) const {
+  const auto& i = pair.particle;
+  const float first = edges ? max(radius_[i[0]], radius_[i[1]]) : radius_[i[0]];
+  const float second =
+      edges ? max(radius_[i[2]], radius_[i[3]]) : max(radius_[i[1]], max(radius_[i[2]], radius_[i[3]]));
+  return max(first + second, least_thickness);
+}
+
+// What cannot come near enough within the time is left out. Those of one surface are not kept farther apart
+// than they were at rest.
+void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges,
+                             const ParticleView& particles, float dt) const {
+  const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
+  const std::size_t kind = edges ? 1 : 0;
+  float apart[batch_size], speed[batch_size];
+  const kernels::FeaturePoints points = points_of(particles, expected_velocity_);
+  kernels.distances[kind](points, &pairs[0].particle, 0, pairs.size(), apart);
+  kernels.ways[kind](points, &pairs[0].particle, 0, pairs.size(), speed);
+  for (List* list : {&batch.near, &batch.far}) list->clear();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const float thickness = thickness_of(pairs[k], edges), near = (1 + early) * thickness;
+    if (apart[k] > near + speed[k] * dt + room_of(pairs[k], edges)) continue;
+    if (is_excluded(pairs[k], edges)) continue;
+    (apart[k] > near + far_part * thickness ? batch.far : batch.near).push_back(pairs[k], thickness, apart[k]);
+  }
+  kernels::FeaturePoints at_rest;
+  at_rest.position = &rest_[0].x;
+  at_rest.moving = const_cast<float*>(at_rest.position);  // only read
+  for (List* list : {&batch.near, &batch.far}) {
+    if (list->particle.empty()) continue;
+    kernels.distances[kind](at_rest, quads(list->particle), 0, list->particle.size(), apart);
+    for (std::size_t k = 0; k < list->particle.size(); ++k) {
+      const auto& i = list->particle[k].particle;
+      if (surface_of_[i[0]] == surface_of_[i[3]] && !surfaces_[surface_of_[i[0]]].rest.empty())
+        list->thickness[k] = min(list->thickness[k], rest_part * apart[k]);
+    }
+  }
+}
+
+void FeaturePairs::add(std::span<const NearPair> pairs, bool edges, bool crossing,
+                       const ParticleView& particles, float dt, Threads& threads) {
+  const std::size_t count = batches_of(pairs.size());
+  if (batches_.size() < count) {
+    const std::size_t before = batches_.size();
+    batches_.resize(count + count / 2 + 16);
+    for (std::size_t b = before; b < batches_.size(); ++b)
+      for (List* list : {&batches_[b].near, &batches_[b].far}) {
+        list->particle.reserve(batch_size);
+        list->thickness.reserve(batch_size);
+        list->known.reserve(batch_size);
+      }
+  }
+  threads.for_each(count, 1, [&](std::size_t b, std::size_t last) {
+    for (; b < last; ++b)
+      add_batch(batches_[b], pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)),
+                edges, particles, dt);
+  });
+  append(&Batch::near, count, edges, crossing, threads);
+  append(&Batch::far, count, edges, crossing, threads);
+}
+
+// Puts the lists of all batches behind the columns, and cuts what is new into chunks.
+void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bool crossing, Threads& threads) {
+  const std::size_t begin = size();
+  std::size_t sum = begin;
+  for (std::size_t b = 0; b < batches; ++b) {
+    (batches_[b].*list).place = sum;
+    sum += (batches_[b].*list).particle.size();
+  }
+  resize_with_room(particle_, sum);
+  resize_with_room(is_edges_, sum);
+  for (std::vector<float>* column : {&thickness_, &known_}) resize_with_room(*column, sum);
+  threads.for_each(batches, 1, [&](std::size_t b, std::size_t last) {
+    for (; b < last; ++b) {
+      const List& from = batches_[b].*list;
+      std::copy(from.particle.begin(), from.particle.end(), particle_.data() + from.place);
+      std::copy(from.thickness.begin(), from.thickness.end(), thickness_.data() + from.place);
+      std::copy(from.known.begin(), from.known.end(), known_.data() + from.place);
+      std::fill_n(is_edges_.data() + from.place, from.particle.size(), edges ? 1 : 0);
+    }
+  });
+  for (std::size_t next = begin; next < sum; next += chunk_size) {
+    Chunk chunk;
+    chunk.begin = static_cast<std::uint32_t>(next);
+    chunk.end = static_cast<std::uint32_t>(std::min(sum, next + chunk_size));
+    chunk.edges = edges, chunk.crossing = crossing;
+    chunks_.push_back(chunk);
+  }
+}
+
+void FeaturePairs::add_found(const ParticleView& particles, float dt, Threads& threads) {
+  const std::size_t first = chunks_.size();
+  add(own_pairs_.vertex_triangle, false, false, particles, dt, threads);
+  add(crossing_pairs_.vertex_triangle, false, true, particles, dt, threads);
+  add(own_pairs_.edge_edge, true, false, particles, dt, threads);
+  add(crossing_pairs_.edge_edge, true, true, particles, dt, threads);
+  watch_new_chunks(first, threads);
+}
+
+// --- chunks that need not be looked at
+
+void FeaturePairs::watch_new_chunks(std::size_t first, Threads& threads) {
+  resize_with_room(blocks_, chunks_.size());
+  threads.for_each(chunks_.size() - first, 4, [&](std::size_t c, std::size_t last) {
+    for (; c < last; ++c) {
+      Chunk& chunk = chunks_[first + c];
+      auto& blocks = blocks_[first + c];
+      const auto add = [&](std::uint32_t block) {
+        for (std::uint32_t k = chunk.blocks; k-- > 0;)
+          if (blocks[k] == block) return;
+        if (chunk.blocks == most_blocks) {
+          chunk.blocks = too_many;
+        } else {
+          blocks[chunk.blocks++] = block;
+        }
+      };
+      chunk.least_known = chunk.least_slack = infinity;
+      for (std::uint32_t k = chunk.begin; k < chunk.end; ++k) {
+        for (const std::uint32_t i : particle_[k].particle)
+          if (chunk.blocks != too_many) add(i / static_cast<std::uint32_t>(block_size));
+        chunk.least_known = min(chunk.least_known, known_[k]);
+        chunk.least_slack = min(chunk.least_slack, known_[k] - (1 + early) * thickness_[k]);
+      }
+    }
+  });
+}
+
+void FeaturePairs::measure(const ParticleView& particles, Threads& threads) {
+  const std::size_t n = surface_of_.size(), blocks = (n + block_size - 1) / block_size;
+  moved_.resize(n), block_moved_.resize(blocks), own_block_moved_.resize(blocks);
+  mean_moved_.assign(surfaces_.size(), {});
+  for (std::size_t a = 0; a < surfaces_.size(); ++a) {
+    Vec3d sum;
+    double count = 0;
+    const std::uint32_t stride = (surfaces_[a].end - surfaces_[a].begin) / sample + 1;
+    for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; i += stride, ++count)
+      sum += Vec3d(particles.moved(i));
+    if (count > 0) mean_moved_[a] = Vec3f(sum / count);
+  }
+  threads.for_each(blocks, particle_grain / block_size, [&](std::size_t b, std::size_t last) {
+    for (; b < last; ++b) {
+      float farthest = 0, own_farthest = 0;
+      for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
+        const Vec3f moved = particles.moved(i);
+        moved_[i].set_xyz(moved);
+        farthest = max(farthest, length_squared(moved));
+        if (surface_of_[i] != no_surface)
+          own_farthest = max(own_farthest, length_squared(moved - mean_moved_[surface_of_[i]]));
+      }
+      block_moved_[b] = sqrt(farthest), own_block_moved_[b] = sqrt(own_farthest);
+    }
+  });
+  farthest_moved_ = farthest_own_moved_ = 0;
+  for (const float farthest : block_moved_) farthest_moved_ = max(farthest_moved_, farthest);
+  for (const float farthest : own_block_moved_) farthest_own_moved_ = max(farthest_own_moved_, farthest);
+}
+
+// A bound on the ways of a chunk's pairs, rounding included.
+float FeaturePairs::farthest_way(const Chunk& chunk) const {
+  constexpr float both = 2.001f;
+  if (chunk.blocks == too_many) return both * (chunk.crossing ? farthest_moved_ : farthest_own_moved_);
+  const std::vector<float>& moved = chunk.crossing ? block_moved_ : own_block_moved_;
+  const auto& blocks = blocks_[static_cast<std::size_t>(&chunk - chunks_.data())];
+  float farthest = 0;
+  for (std::uint32_t k = 0; k < chunk.blocks; ++k) farthest = max(farthest, moved[blocks[k]]);
+  return both * farthest;
+}
+
+std::size_t FeaturePairs::near(std::size_t index, const kernels::NearRule& rule,
+                               const kernels::FeaturePoints& points, std::uint32_t* found) {
+  Chunk& chunk = chunks_[index];
+  const float far = rule.thickness_part > 0 ? chunk.least_slack - chunk.owed
+                                            : rule.known_part * (chunk.least_known - chunk.owed);
+  if (farthest_way(chunk) < far) return 0;
+  const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
+  const kernels::Nearness nearness = kernels.near[chunk.edges ? 1 : 0](
+      points, columns(), rule, chunk.owed, early, chunk.begin, chunk.end, found);
+  chunk.least_known = nearness.least_known;
+  chunk.least_slack = nearness.least_slack;
+  chunk.owed = 0;
+  return nearness.found;
+}
+
+void FeaturePairs::end_substep() {
+  for (Chunk& chunk : chunks_) chunk.owed += farthest_way(chunk);
+}
+
+std::size_t FeaturePairs::bytes() const {
+  std::size_t sum =
+      bytes_of(surfaces_, surface_of_, rest_, boxes_, own_boxes_, way_of_, expected_velocity_, own_pairs_.vertex_triangle,
+               own_pairs_.edge_edge, crossing_pairs_.vertex_triangle, crossing_pairs_.edge_edge,
+               velocity_now_, before_, particle_, thickness_, known_, is_edges_, valid_from_, chunks_, blocks_,
+               moved_);
+  for (const Batch& batch : batches_)
+    for (const List* list : {&batch.near, &batch.far})
+      sum += bytes_of(list->particle, list->thickness, list->known);
+  return sum + own_.bytes() + crossing_.bytes() + own_finder_.bytes() + crossing_finder_.bytes();
+}
+
+}  // namespace souple

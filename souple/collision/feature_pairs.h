@@ -1,0 +1,180 @@
+#pragma once
+
+#include "souple/collision/contact.h"
+#include "souple/collision/contact_surface.h"
+#include "souple/collision/kernels/features.h"
+#include "souple/collision/near_pairs.h"
+#include "souple/solver/projector.h"
+#include "souple/solver/threads.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Vertices and triangles, and edges and edges, that may touch within a step.
+///
+/// They are looked for once a step, in boxes swept by the velocities (near_pairs.h), those of one object
+/// relative to its mean motion: a heap that falls as one has no more pairs than one at rest. A particle is
+/// expected on a straight way, with some room around it; what two features can come nearer follows from their
+/// relative velocity and their rooms. Where particles move by many times their thickness within a step, pairs
+/// are found for a part of it, and again when that is over. When some particles have left their ways, theirs
+/// are found again: they follow the others, and take the place of those that these particles had.
+class FeaturePairs {
+ public:
+  /// What can touch, anew when objects came, went or changed.
+  void set_surfaces(std::vector<ContactSurface> surfaces);
+  /// Pairs of particles that are tied together: features that have one each never touch.
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+
+  /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. Both spans must live
+  /// until the step ends.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, const ContactStep& step, Threads& threads);
+  /// The next substep of `h` begins.
+  void begin_substep(float h) { left_ -= h, covered_ -= h, elapsed_ += h; }
+  /// Finds pairs again where particles have left their ways within the substep of `h`. Returns from where on
+  /// pairs are new: size() where none are, 0 where all are.
+  std::size_t keep_up(const ParticleView& particles, float h, Threads& threads);
+  void clear();
+
+  /// Whether there are surfaces that may meet at all.
+  bool any() const { return any_; }
+  std::size_t size() const { return particle_.size(); }
+  /// Neighbouring pairs of one kind, which are looked at or passed over together.
+  struct Chunk {
+    std::uint32_t begin = 0, end = 0;
+    std::uint32_t blocks = 0;  // how many of its places in blocks_ are taken; too_many: not all fit
+    bool edges = false, crossing = false;
+    float least_known = 0, least_slack = 0;  // when they were last looked at [m]
+    float owed = 0;                          // what they may have moved since [m]
+  };
+  std::size_t chunk_count() const { return chunks_.size(); }
+  const Chunk& chunk(std::size_t index) const { return chunks_[index]; }
+  static constexpr std::size_t chunk_size = 512;  ///< most pairs of a chunk
+  /// What every particle has moved since the substep began: before `near`, and again whenever some were moved.
+  void measure(const ParticleView& particles, Threads& threads);
+  /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
+  std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::FeaturePoints& points,
+                   std::uint32_t* found);
+  /// What was measured last is what the substep has done.
+  void end_substep();
+  /// For kernels. `moved` is what was measured last.
+  kernels::FeaturePoints points(const ParticleView& particles) const;
+  bool are_edges(std::size_t pair) const { return is_edges_[pair] != 0; }
+  /// Another pair, found later, stands for it.
+  bool is_replaced(std::size_t pair) const {
+    const auto& i = particle_[pair].particle;
+    return pair < valid_from_[i[0]] || pair < valid_from_[i[1]] || pair < valid_from_[i[2]] ||
+           pair < valid_from_[i[3]];
+  }
+  const NearPair& pair(std::size_t index) const { return particle_[index]; }
+  float thickness(std::size_t pair) const { return thickness_[pair]; }
+  /// They were at least so far apart when the substep began. [m]
+  float known(std::size_t pair) const { return known_[pair]; }
+  kernels::FeatureColumns columns();
+
+  std::size_t particle_count() const { return surface_of_.size(); }
+  std::uint32_t surface_of(std::uint32_t particle) const { return surface_of_[particle]; }
+  const ContactSurface& surface(std::size_t index) const { return surfaces_[index]; }
+  std::size_t surface_count() const { return surfaces_.size(); }
+  std::size_t bytes() const;
+
+ private:
+  /// Some of the pairs that were found.
+  struct List {
+    std::vector<NearPair> particle;
+    std::vector<float> thickness, known;
+    std::size_t place = 0;  // in the columns
+    void push_back(const NearPair& pair, float thick, float apart) {
+      particle.push_back(pair), thickness.push_back(thick), known.push_back(apart);
+    }
+    void clear() { particle.clear(), thickness.clear(), known.clear(); }
+  };
+  /// Those among some neighbours that are near already, and the others: these are seldom looked at.
+  struct Batch {
+    List near, far;
+  };
+  using ParticlePairs = std::vector<std::array<std::uint32_t, 2>>;
+
+  void find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads);
+  float horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const;
+  ParticleView take_back(const ParticleView& particles, float h);
+  void find_all_again(const ParticleView& before, float h, Threads& threads);
+  void find_left_again(const ParticleView& before, float h, Threads& threads);
+  void expect(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float room);
+  bool is_on_its_way(std::uint32_t particle, const Vec3f& x) const;
+  void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
+  void expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
+  void find_shift(const ParticleView& particles);
+  void find_crossing();
+  Vec3d middle(const ContactSurface& surface, const ParticleView& particles) const;
+  void find_left(const ParticleView& particles, Threads& threads);
+  bool is_excluded(const NearPair& pair, bool edges) const;
+  void add_found(const ParticleView& particles, float dt, Threads& threads);
+  void add(std::span<const NearPair> pairs, bool edges, bool crossing, const ParticleView& particles, float dt,
+           Threads& threads);
+  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, const ParticleView& particles,
+                 float dt) const;
+  void append(List Batch::*list, std::size_t batches, bool edges, bool crossing, Threads& threads);
+  void watch_new_chunks(std::size_t first, Threads& threads);
+  float farthest_way(const Chunk& chunk) const;
+  float room_of(const NearPair& pair, bool edges) const;
+  float thickness_of(const NearPair& pair, bool edges) const;
+
+  std::vector<ContactSurface> surfaces_;
+  ParticlePairs excluded_;                 // both ways, sorted
+  std::vector<std::uint32_t> surface_of_;  // of each particle; no_surface where it has none
+  std::vector<Vec4f> rest_;                // of each particle, relative to the first of its surface
+  SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
+  std::vector<Bounds> surface_bounds_;
+  std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are
+  ObjectMatrix own_matrix_, crossing_matrix_;
+  bool any_ = false;
+
+  std::span<const float> radius_;
+  ContactStep step_;
+  float left_ = 0;                 // of the step, behind this substep [s]
+  float covered_ = 0;              // the same of what boxes were swept for
+  std::vector<Vec3f> frame_;       // mean velocity of each surface when pairs were found [m/s]
+  std::vector<Vec3d> middle_;      // of some of its particles, then [m]
+  std::vector<Vec3f> shift_;       // of the same since then [m]
+  std::vector<Bounds> boxes_;      // of particles, swept in the world
+  std::vector<Bounds> own_boxes_;  // and relative to the frame of their surface
+  /// Where a particle is expected t after pairs were found: within room of from + v t in the world, and of
+  /// own_from + (v - frame) t relative to its surface's shift. [m]
+  struct Way {
+    Vec3f from, own_from;
+    float room, own_room;
+  };
+  std::vector<Way> way_of_;
+  std::vector<Vec4f> expected_velocity_;  // v [m/s]
+  float elapsed_ = 0;                     // since pairs were found, at the end of the substep [s]
+  NearPairFinder own_finder_, crossing_finder_;
+  NearPairs own_pairs_, crossing_pairs_;
+  std::vector<std::vector<std::uint32_t>> left_of_chunk_;  // particles that have left their ways
+  std::vector<std::uint32_t> left_particles_;
+  std::vector<std::uint32_t> valid_from_;  // of each particle: its pairs before this one are replaced
+  std::vector<Batch> batches_;
+  std::vector<Chunk> chunks_;
+  std::vector<Vec4f> velocity_now_, before_;  // when pairs are found within a step
+  std::vector<NearPair> particle_;
+  std::vector<float> thickness_, known_;
+  std::vector<std::uint8_t> is_edges_;
+  static constexpr std::size_t block_size = 64;  // neighbouring particles
+  static constexpr std::uint32_t most_blocks = 48, too_many = most_blocks + 1;
+  std::vector<std::array<std::uint32_t, most_blocks>> blocks_;  // where the particles of each chunk are
+  std::vector<Vec4f> moved_;                        // of each particle [m]
+  std::vector<Vec3f> mean_moved_;                   // of each surface
+  std::vector<float> block_moved_, own_block_moved_;  // the farthest in each block; without that mean
+  float farthest_moved_ = 0, farthest_own_moved_ = 0;
+};
+
+inline constexpr std::uint32_t no_surface = ~0u;
+inline constexpr float least_thickness = 1e-5f;  // m
+/// Contacts are made somewhat before features are near enough to push: the solver moves them too. A part of
+/// their thickness.
+inline constexpr float early = 0.1f;
+
+}  // namespace souple
