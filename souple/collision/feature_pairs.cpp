@@ -8,7 +8,6 @@
 #include <limits>
 
 namespace souple {
-int dbg[16];
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -18,9 +17,9 @@ constexpr std::size_t batch_size = 1024;
 constexpr std::size_t particle_grain = 2048;
 // Features that were nearer than their thickness at rest may stay a little nearer than that.
 constexpr float rest_part = 0.9f;
-// Room around the way that a particle's velocity takes it: it may be pushed, by a part of that way, of its
-// radius, and of what gravity does to some of an object and not to all of it.
-constexpr float surprise = 0.15f, radius_part = 0.25f, fall_part = 0.5f;
+// Room around the way that a particle's velocity takes it: it may be pushed, by a part of that way and of its
+// radius. What moves may also fall where the rest of its object does not, or the other way round.
+constexpr float surprise = 0.15f, radius_part = 0.25f;
 // What is far from everything may be pulled along within a step by this part of its size.
 constexpr float unwatched = 0.125f;
 // Particles whose mean motion is that of an object.
@@ -153,7 +152,7 @@ float FeaturePairs::horizon(const ParticleView& particles, std::span<const Vec4f
 void FeaturePairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
   find_frames(particles, velocity);
   covered_ = horizon(particles, velocity);
-  const float dt = covered_; dbg[0]++; dbg[5]+=int(std::lround(dt/step_.h));
+  const float dt = covered_;
   elapsed_ = 0;
   expect_all(particles, velocity, dt, threads);
   find_crossing();
@@ -208,22 +207,23 @@ void FeaturePairs::expect_all(const ParticleView& particles, std::span<const Vec
                               Threads& threads) {
   const std::size_t n = surface_of_.size();
   boxes_.resize(n), own_boxes_.resize(n), way_of_.resize(n), expected_velocity_.resize(n);
-  const float fall = fall_part * step_.gravity * dt * dt;
   threads.for_each(n, particle_grain, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i)
       if (surface_of_[i] != no_surface)
         expect(static_cast<std::uint32_t>(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
-               fall + radius_part * max(radius_[i], 0.0f));
+               radius_part * max(radius_[i], 0.0f));
   });
 }
 
 // A particle that is at x, `since` after pairs were found, and goes with v for dt.
-void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt, float room) {
+void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
+                          float room) {
   const Vec3f own = v - frame_[surface_of_[i]], own_x = x - shift_[surface_of_[i]];
   const float reach = max(radius_[i], least_thickness) * (1 + early);
+  const float fall = 0.5f * step_.gravity * dt * dt, own_length = dt * length(own);
   Way& way = way_of_[i];
-  way = {x - v * since, own_x - own * since, room + step_.gravity * dt * dt + surprise * dt * length(v),
-         room + surprise * dt * length(own)};
+  way = {x - v * since, own_x - own * since, room + 2 * fall + surprise * dt * length(v),
+         room + min(fall, own_length) + surprise * own_length};
   boxes_[i] = around(x, x + v * dt, reach + way.room);
   own_boxes_[i] = around(own_x, own_x + own * dt, reach + way.own_room);
   expected_velocity_[i].set_xyz(v);
@@ -297,11 +297,11 @@ std::size_t FeaturePairs::keep_up(const ParticleView& particles, float h, Thread
   }
   const ParticleView before = take_back(particles, h);
   if (over || left_particles_.size() > surface_of_.size() / many + 8) {
-    (over?dbg[2]:dbg[1])++; find_all_again(before, h, threads);
+    find_all_again(before, h, threads);
     return 0;
   }
   const std::size_t first = size();
-  dbg[6]++; dbg[7]+=int(left_particles_.size()); find_left_again(before, h, threads); dbg[8]+=int(size()-first);
+  find_left_again(before, h, threads);
   return first;
 }
 
@@ -330,8 +330,7 @@ void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads&
   const float dt = max(min(covered_ + h, foresight * h), h);
   find_shift(before);
   for (const std::uint32_t i : left_particles_) {
-    expect(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt,
-           0.5f * max(radius_[i], 0.0f));
+    expect(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt, 0.5f * max(radius_[i], 0.0f));
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
   const auto keep_theirs = [&](std::vector<NearPair>& pairs) {
@@ -385,7 +384,8 @@ void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
     const float thickness = thickness_of(pairs[k], edges), near = (1 + early) * thickness;
     if (apart[k] > near + speed[k] * dt + room_of(pairs[k], edges)) continue;
     if (is_excluded(pairs[k], edges)) continue;
-    (apart[k] > near + far_part * thickness ? batch.far : batch.near).push_back(pairs[k], thickness, apart[k]);
+    (apart[k] > near + far_part * thickness ? batch.far : batch.near)
+        .push_back(pairs[k], thickness, apart[k]);
   }
   kernels::FeaturePoints at_rest;
   at_rest.position = &rest_[0].x;
@@ -416,15 +416,17 @@ void FeaturePairs::add(std::span<const NearPair> pairs, bool edges, bool crossin
   }
   threads.for_each(count, 1, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b)
-      add_batch(batches_[b], pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)),
-                edges, particles, dt);
+      add_batch(batches_[b],
+                pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)), edges,
+                particles, dt);
   });
   append(&Batch::near, count, edges, crossing, threads);
   append(&Batch::far, count, edges, crossing, threads);
 }
 
 // Puts the lists of all batches behind the columns, and cuts what is new into chunks.
-void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bool crossing, Threads& threads) {
+void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bool crossing,
+                          Threads& threads) {
   const std::size_t begin = size();
   std::size_t sum = begin;
   for (std::size_t b = 0; b < batches; ++b) {
@@ -469,7 +471,10 @@ void FeaturePairs::watch_new_chunks(std::size_t first, Threads& threads) {
     for (; c < last; ++c) {
       Chunk& chunk = chunks_[first + c];
       auto& blocks = blocks_[first + c];
+      std::uint32_t last_block = no_surface;
       const auto add = [&](std::uint32_t block) {
+        if (block == last_block) return;
+        last_block = block;
         for (std::uint32_t k = chunk.blocks; k-- > 0;)
           if (blocks[k] == block) return;
         if (chunk.blocks == most_blocks) {
@@ -537,8 +542,8 @@ std::size_t FeaturePairs::near(std::size_t index, const kernels::NearRule& rule,
                                             : rule.known_part * (chunk.least_known - chunk.owed);
   if (farthest_way(chunk) < far) return 0;
   const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
-  const kernels::Nearness nearness = kernels.near[chunk.edges ? 1 : 0](
-      points, columns(), rule, chunk.owed, early, chunk.begin, chunk.end, found);
+  const kernels::Nearness nearness = kernels.near[chunk.edges ? 1 : 0](points, columns(), rule, chunk.owed,
+                                                                       early, chunk.begin, chunk.end, found);
   chunk.least_known = nearness.least_known;
   chunk.least_slack = nearness.least_slack;
   chunk.owed = 0;
@@ -551,10 +556,10 @@ void FeaturePairs::end_substep() {
 
 std::size_t FeaturePairs::bytes() const {
   std::size_t sum =
-      bytes_of(surfaces_, surface_of_, rest_, boxes_, own_boxes_, way_of_, expected_velocity_, own_pairs_.vertex_triangle,
-               own_pairs_.edge_edge, crossing_pairs_.vertex_triangle, crossing_pairs_.edge_edge,
-               velocity_now_, before_, particle_, thickness_, known_, is_edges_, valid_from_, chunks_, blocks_,
-               moved_);
+      bytes_of(surfaces_, surface_of_, rest_, boxes_, own_boxes_, way_of_, expected_velocity_,
+               own_pairs_.vertex_triangle, own_pairs_.edge_edge, crossing_pairs_.vertex_triangle,
+               crossing_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, known_, is_edges_,
+               valid_from_, chunks_, blocks_, moved_);
   for (const Batch& batch : batches_)
     for (const List* list : {&batch.near, &batch.far})
       sum += bytes_of(list->particle, list->thickness, list->known);

@@ -53,7 +53,8 @@ class FeaturePairs {
   std::size_t chunk_count() const { return chunks_.size(); }
   const Chunk& chunk(std::size_t index) const { return chunks_[index]; }
   static constexpr std::size_t chunk_size = 512;  ///< most pairs of a chunk
-  /// What every particle has moved since the substep began: before `near`, and again whenever some were moved.
+  /// What every particle has moved since the substep began: before `near`, and again whenever some were
+  /// moved.
   void measure(const ParticleView& particles, Threads& threads);
   /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
   std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::FeaturePoints& points,
@@ -113,8 +114,8 @@ class FeaturePairs {
   void find_left(const ParticleView& particles, Threads& threads);
   bool is_excluded(const NearPair& pair, bool edges) const;
   void add_found(const ParticleView& particles, float dt, Threads& threads);
-  void add(std::span<const NearPair> pairs, bool edges, bool crossing, const ParticleView& particles, float dt,
-           Threads& threads);
+  void add(std::span<const NearPair> pairs, bool edges, bool crossing, const ParticleView& particles,
+           float dt, Threads& threads);
   void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, const ParticleView& particles,
                  float dt) const;
   void append(List Batch::*list, std::size_t batches, bool edges, bool crossing, Threads& threads);
@@ -165,8 +166,8 @@ class FeaturePairs {
   static constexpr std::size_t block_size = 64;  // neighbouring particles
   static constexpr std::uint32_t most_blocks = 48, too_many = most_blocks + 1;
   std::vector<std::array<std::uint32_t, most_blocks>> blocks_;  // where the particles of each chunk are
-  std::vector<Vec4f> moved_;                        // of each particle [m]
-  std::vector<Vec3f> mean_moved_;                   // of each surface
+  std::vector<Vec4f> moved_;                                    // of each particle [m]
+  std::vector<Vec3f> mean_moved_;                               // of each surface
   std::vector<float> block_moved_, own_block_moved_;  // the farthest in each block; without that mean
   float farthest_moved_ = 0, farthest_own_moved_ = 0;
 };

@@ -272,8 +272,9 @@ void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<Nea
 }
 
 std::size_t NearPairFinder::bytes() const {
-  std::size_t sum =
-      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, left_out_of_, moved_, is_moved_, moving_now_) + hash_.bytes();
+  std::size_t sum = bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, left_out_of_, moved_,
+                             is_moved_, moving_now_) +
+                    hash_.bytes();
   for (const Boxes* boxes : {&vertex_boxes_, &edge_boxes_, &triangle_boxes_})
     for (std::size_t axis = 0; axis < 3; ++axis) sum += bytes_of(boxes->lo[axis], boxes->hi[axis]);
   for (const Part& part : parts_)

@@ -11,7 +11,6 @@
 #include <limits>
 
 namespace souple {
-extern int dbg[16];
 namespace {
 
 using kernels::Verdict;
@@ -131,9 +130,8 @@ bool SurfaceContacts::is_owner(const NearPair& pair, unsigned on_border) const {
   }
   const auto k = static_cast<std::size_t>(std::countr_zero(~on_border & 7u)) % 3;
   const auto& owner = owner_of_vertex_[corner[k]];
-  return std::all_of(owner.begin(), owner.end(), [&](std::uint32_t i) {
-    return i == corner[0] || i == corner[1] || i == corner[2];
-  });
+  return std::all_of(owner.begin(), owner.end(),
+                     [&](std::uint32_t i) { return i == corner[0] || i == corner[1] || i == corner[2]; });
 }
 
 // --- what touches
@@ -205,9 +203,8 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   pairs_.begin_substep(substep.h);
   keep_up(particles, substep, threads);
   pairs_.measure(particles, threads);
-  find(touches_, threads, [&](std::size_t chunk, std::vector<Touch>& found) {
-    find_touching(chunk, particles, found);
-  });
+  find(touches_, threads,
+       [&](std::size_t chunk, std::vector<Touch>& found) { find_touching(chunk, particles, found); });
   sort_touches(particles);
   describe_touches(particles, threads);
 }
@@ -300,8 +297,8 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
                                const std::vector<std::uint32_t>& pairs, const std::vector<float>& parts,
                                const kernels::ContactColumns& out) {
   if (begin >= end) return;
-  packed().describe[edges ? 1 : 0](pairs_.points(particles), pairs_.columns(), limits_, pairs.data(), parts.data(),
-                                   begin, end, out);
+  packed().describe[edges ? 1 : 0](pairs_.points(particles), pairs_.columns(), limits_, pairs.data(),
+                                   parts.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
     const SurfacePair& surface =
@@ -316,7 +313,8 @@ void SurfaceContacts::describe_touches(const ParticleView& particles, Threads& t
   contacts_.resize(touches_.size());
   columns_ = contacts_.columns();
   threads.for_each(touches_.size(), contact_grain, [&](std::size_t begin, std::size_t end) {
-    auto kind = static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end(), begin) - begin_.begin()) - 1;
+    auto kind =
+        static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end(), begin) - begin_.begin()) - 1;
     for (; begin < end; ++kind) {
       const std::size_t last = std::min(end, begin_[kind + 1]);
       describe(kind % 2 == 1, begin, last, particles, pair_, part_, columns_);
@@ -347,9 +345,8 @@ void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& partic
 // Pairs that would touch on their ways, in order.
 void SurfaceContacts::find_cuts(const ParticleView& particles, Threads& threads) {
   pairs_.measure(particles, threads);
-  find(cuts_, threads, [&](std::size_t chunk, std::vector<Cut>& found) {
-    find_passing(chunk, particles, found);
-  });
+  find(cuts_, threads,
+       [&](std::size_t chunk, std::vector<Cut>& found) { find_passing(chunk, particles, found); });
 }
 
 // What the solver left undone: contacts of the pairs that would still touch, one after the other. They keep
@@ -399,7 +396,7 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
   std::size_t count = 0;
   for (int pass = 0;; ++pass) {
     keep_up(particles, substep, threads);
-    find_cuts(particles, threads); dbg[3]++; dbg[4]+=int(cuts_.size());
+    find_cuts(particles, threads);
     if (cuts_.empty() || pass == passes) break;
     if (pass < pushes) {
       push_cuts(particles);
@@ -420,7 +417,8 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
   for (int colour = 0; colour < colour_count(); ++colour) {
     const std::size_t first = begin_[2 * static_cast<std::size_t>(colour)];
     threads.for_each(colour_size(colour), grain(), [&](std::size_t begin, std::size_t end) {
-      packed().restore_speed(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin, first + end);
+      packed().restore_speed(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin,
+                             first + end);
     });
   }
 }
@@ -451,9 +449,9 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
     for (std::size_t k = other; k < 4; ++k)
       if (c(k) < c(other)) other = k;
     const Vec3f point = particles.relative(one, {}) - normal * (0.5f * columns_.thickness[contact]);
-    out.push_back(
-        {one, i(other), point, normal,
-         (columns_.pushed[contact] * limits_.inverse_h + columns_.bounced[contact]) / columns_.inverse_mass[contact]});
+    out.push_back({one, i(other), point, normal,
+                   (columns_.pushed[contact] * limits_.inverse_h + columns_.bounced[contact]) /
+                       columns_.inverse_mass[contact]});
   }
   std::stable_sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
@@ -490,8 +488,8 @@ void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
 }
 
 std::size_t SurfaceContacts::bytes() const {
-  std::size_t sum = bytes_of(owner_of_vertex_, edge_owner_begin_, edge_owners_, touches_, colour_,
-                             used_, pair_, part_, left_of_way_);
+  std::size_t sum = bytes_of(owner_of_vertex_, edge_owner_begin_, edge_owners_, touches_, colour_, used_,
+                             pair_, part_, left_of_way_);
   for (const Found& found : found_) sum += bytes_of(found.touches);
   return sum + pairs_.bytes() + contacts_.bytes() + rescues_.bytes();
 }

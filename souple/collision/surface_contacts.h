@@ -115,7 +115,7 @@ class SurfaceContacts final : public Projector {
   const SurfaceMatrix* matrix_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};
-  std::vector<Found> found_;  // of each chunk
+  std::vector<Found> found_;    // of each chunk
   std::vector<Touch> touches_;  // in order of pairs
   /// Of each pair that has made a contact since all pairs were found: its colour. A pair keeps it until they
   /// are found again.
@@ -128,7 +128,7 @@ class SurfaceContacts final : public Projector {
   std::vector<std::size_t> begin_{0}, next_place_;
   ContactArrays contacts_;
   kernels::ContactColumns columns_{};  // of contacts_
-  std::vector<float> left_of_way_;  // to each particle, in keep_apart
+  std::vector<float> left_of_way_;     // to each particle, in keep_apart
   std::vector<Cut> cuts_;
   std::vector<std::uint32_t> cut_pair_;
   std::vector<float> cut_part_;

@@ -259,9 +259,9 @@ void SurfaceElements::clear() {
 }
 
 std::size_t SurfaceElements::bytes() const {
-  return bytes_of(elements_, triangles_, edges_, edge_objects_, vertices_, vertex_objects_, patches_, patches_begin_, patches_of_,
-                  vertex_particles_, edge_particles_[0], edge_particles_[1], triangle_particles_[0],
-                  triangle_particles_[1], triangle_particles_[2]);
+  return bytes_of(elements_, triangles_, edges_, edge_objects_, vertices_, vertex_objects_, patches_,
+                  patches_begin_, patches_of_, vertex_particles_, edge_particles_[0], edge_particles_[1],
+                  triangle_particles_[0], triangle_particles_[1], triangle_particles_[2]);
 }
 
 }  // namespace souple

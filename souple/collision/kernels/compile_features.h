@@ -522,7 +522,7 @@ template <class Set>
 const FeatureKernels& feature_kernels() {
   static constexpr FeatureKernels kernels{{distances<Set, false>, distances<Set, true>},
                                           {ways<Set, false>, ways<Set, true>},
-      {near<Set, false>, near<Set, true>},
+                                          {near<Set, false>, near<Set, true>},
                                           {judge<Set, false>, judge<Set, true>},
                                           {describe<Set, false>, describe<Set, true>},
                                           project<Set>,

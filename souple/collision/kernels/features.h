@@ -79,8 +79,8 @@ struct FeatureKernels {
   /// How far a point of one may move relative to one of the other, from what corners moved [m].
   void (*ways[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
                   float* out);
-  /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does not
-  /// pass over, as soon as their distance is known, go to `found`, ascending.
+  /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
+  /// not pass over, as soon as their distance is known, go to `found`, ascending.
   Nearness (*near[2])(const FeaturePoints&, const FeatureColumns&, const NearRule&, float owed, float early,
                       std::size_t begin, std::size_t end, std::uint32_t* found);
   /// A Verdict for each of the pairs `found[begin, end)`, as a number.
