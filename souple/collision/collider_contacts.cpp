@@ -288,23 +288,15 @@ void ColliderContacts::project(int colour, std::size_t begin, std::size_t end, c
 void ColliderContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
   const std::uint32_t i = contact.particle;
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
-  const float dn = max(float(double(contact.allowed) - g.C), -contact.pushed);
-  if (!(dn > 0) && !(contact.pushed > 0)) return;
-  contact.pushed += dn;
-  if (!(contact.pushed > 0)) {
-    particles.correct(i, contact.normal * dn - contact.rubbed);
-    contact.pushed = 0;
-    contact.rubbed = {};
-    return;
-  }
+  const auto C = float(g.C);
+  if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
   const Vec3f n(body.after.rotation * g.normal);
   if (body.moves) contact.carried = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
-  const Vec3f relative = particles.moved(i) - contact.carried;
-  const Vec3f tangential = relative - n * dot(n, relative);
-  const Vec3f wanted = contact.rubbed - n * dot(n, contact.rubbed) - tangential;
-  const Vec3f rubbed = within_friction(wanted, contact.surface, contact.pushed);
-  particles.correct(i, n * dn + (rubbed - contact.rubbed));
-  contact.rubbed = rubbed;
+  Pressed<float> sums{contact.pushed, contact.rubbed};
+  particles.correct(i, press(sums, C, contact.allowed, n, particles.moved(i) - contact.carried,
+                             contact.surface.static_friction, contact.surface.kinetic_friction));
+  contact.pushed = sums.pushed;
+  contact.rubbed = sums.rubbed;
   contact.normal = n;
 }
 
@@ -323,14 +315,12 @@ void ColliderContacts::restore_speed(const Body& body, Contact& contact, const P
   const Vec3f n = contact.normal;
   const Vec3f v = velocity[contact.particle].xyz();
   const Vec3f u = v - contact.carried * (1 / h);
-  const float u_n = dot(n, u);
-  const float approach = -dot(n, contact.predicted) / h;
-  const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
-  contact.bounced = max(target - u_n, -contact.pushed / h);
-  const Vec3f held_back = contact.rubbed * (1 / h);
-  const Vec3f wanted = held_back - (u - n * u_n);
-  const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
-  const Vec3f change = n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
+  const float inverse_h = 1 / h;
+  const auto [change, bounced] =
+      rebound<float>({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+                     2 * step_.gravity * h, contact.surface.restitution, contact.surface.static_friction,
+                     contact.surface.kinetic_friction, inverse_h);
+  contact.bounced = bounced;
   velocity[contact.particle].set_xyz(v + change);
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));
   contact.depth = max(0.0f, float(-g.C));

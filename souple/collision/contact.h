@@ -22,10 +22,10 @@ struct ContactObject {
 struct ContactStep {
   double time = 0;        ///< at the step's begin [s]
   float dt = 0;           ///< its length [s]
-  float h = 0;            ///< that of its substeps; 0: there is one [s]
   float gravity = 9.81f;  ///< |g| [m/s^2]: approach slower than 2 |g| h does not bounce
   float depenetration_speed =
-      3.f;  ///< how fast an overlap that was there before the substep is pushed out [m/s]
+      3.f;      ///< how fast an overlap that was there before the substep is pushed out [m/s]
+  float h = 0;  ///< the length of its substeps; 0: there is one [s]
 };
 
 /// One contact that pushed during the last substep.

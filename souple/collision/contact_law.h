@@ -39,12 +39,35 @@ Vec3<T> press(Pressed<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>&
   const T dn = max(allowed - C, -sums.pushed);
   const T pushed = sums.pushed + dn;
   const auto pushes = pushed > zero;
-  const Vec3<T> wanted = sums.rubbed - (moved - n * dot(n, moved));
+  const Vec3<T> wanted = sums.rubbed - n * dot(n, sums.rubbed) - (moved - n * dot(n, moved));
   Vec3<T> rubbed = within_friction(wanted, static_friction, kinetic_friction, pushed);
   for (int axis = 0; axis < 3; ++axis) rubbed[axis] = select(pushes, rubbed[axis], zero);
   const Vec3<T> change = n * dn + (rubbed - sums.rubbed);
   sums = {select(pushes, pushed, zero), rubbed};
   return change;
+}
+
+/// What a contact that pushed does to velocities.
+template <class T>
+struct Rebound {
+  Vec3<T> change;  ///< of the relative velocity [m/s]
+  T bounced;       ///< its normal part [m/s]
+};
+
+/// The relative velocity u along n becomes e times the speed of approach where that was above `slowest`, else
+/// 0; never by taking out more than the contact put in. Friction follows what that adds or takes. `approach`:
+/// of the predicted motion [m/s].
+template <class T>
+Rebound<T> rebound(const Pressed<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach, T slowest,
+                   T restitution, T static_friction, T kinetic_friction, T inverse_h) {
+  const T zero(0), u_n = dot(n, u), pushed = sums.pushed * inverse_h;
+  const T target = select(approach > slowest, restitution * approach, zero);
+  const T bounced = max(target - u_n, -pushed);
+  const Vec3<T> held_back = sums.rubbed * inverse_h;
+  const Vec3<T> wanted = held_back - (u - n * u_n);
+  const Vec3<T> rubbed =
+      within_friction(wanted, static_friction, kinetic_friction, pushed + max(bounced, zero));
+  return {n * bounced + (rubbed - held_back), bounced};
 }
 
 }  // namespace souple

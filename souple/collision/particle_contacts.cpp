@@ -406,20 +406,13 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   const std::uint32_t i = contact.i, j = contact.j;
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
-  const float dn = max(contact.allowed - C, -contact.pushed);
-  if (!(dn > 0) && !(contact.pushed > 0)) return;
-  contact.pushed += dn;
-  Vec3f rubbed;
-  if (contact.pushed > 0) {
-    const Vec3f relative = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
-    const Vec3f tangential = relative - n * dot(n, relative);
-    const Vec3f wanted = contact.rubbed - n * dot(n, contact.rubbed) - tangential;
-    rubbed = within_friction(wanted, contact.surface, contact.pushed);
-  } else {
-    contact.pushed = 0;
-  }
-  const Vec3f dx = n * dn + (rubbed - contact.rubbed);
-  contact.rubbed = rubbed;
+  if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
+  Pressed<float> sums{contact.pushed, contact.rubbed};
+  const Vec3f moved = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
+  const Vec3f dx = press(sums, C, contact.allowed, n, moved, contact.surface.static_friction,
+                         contact.surface.kinetic_friction);
+  contact.pushed = sums.pushed;
+  contact.rubbed = sums.rubbed;
   contact.normal = n;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   // What cannot move is shared between contacts of a colour: nobody may write to it.
@@ -446,13 +439,12 @@ void ParticleContacts::restore_speed(Contact& contact, const ParticleView& parti
   const float u_n = dot(n, u);
   update_drift(contact, particles, (u - n * u_n) * h);
   if (!(contact.pushed > 0)) return;
-  const float approach = -dot(n, contact.predicted) / h;
-  const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
-  contact.bounced = max(target - u_n, -contact.pushed / h);
-  const Vec3f held_back = contact.rubbed * (1 / h);
-  const Vec3f wanted = held_back - (u - n * u_n);
-  const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
-  const Vec3f change = n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
+  const float inverse_h = 1 / h;
+  const auto [change, bounced] =
+      rebound<float>({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+                     2 * step_.gravity * h, contact.surface.restitution, contact.surface.static_friction,
+                     contact.surface.kinetic_friction, inverse_h);
+  contact.bounced = bounced;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
   if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));

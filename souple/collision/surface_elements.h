@@ -59,8 +59,8 @@ class SurfaceElements {
   /// Lists which patches name a particle, after the last add; ascending.
   void index_particles();
   std::span<const std::uint32_t> patches_of(std::uint32_t particle) const {
-    return std::span(patches_of_).subspan(patches_begin_[particle],
-                                          patches_begin_[particle + 1] - patches_begin_[particle]);
+    return std::span(patches_of_)
+        .subspan(patches_begin_[particle], patches_begin_[particle + 1] - patches_begin_[particle]);
   }
   /// Particles that elements of a patch name; some of them several times.
   template <class Function>

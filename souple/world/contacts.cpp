@@ -114,11 +114,10 @@ void build_contact_tables(WorldState& world) {
 }
 
 void find_candidates(WorldState& world, double dt) {
-  const ContactStep step{
-      .time = world.time,
-      .dt = static_cast<float>(dt),
-      .h = static_cast<float>(dt / world.settings.substeps),
-      .gravity = length(world.settings.gravity)};
+  const ContactStep step{.time = world.time,
+                         .dt = static_cast<float>(dt),
+                         .gravity = length(world.settings.gravity),
+                         .h = static_cast<float>(dt / world.settings.substeps)};
   const ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   foresee_obstacles(world, dt);

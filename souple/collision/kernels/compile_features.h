@@ -474,7 +474,7 @@ template <class Set>
   }
 }
 
-/// As in particle_contacts.cpp.
+/// rebound(), on the difference of two points.
 template <class Set>
 [[gnu::flatten]] void restore_speed(const FeaturePoints& points, const ContactColumns& columns,
                                     const ContactLimits& limits, float* velocity, std::size_t begin,
@@ -499,18 +499,12 @@ template <class Set>
       u += corners.component(k) * pack.c[k];
     }
     const auto column = [&](const float* of) { return load<Set>(of + i, count); };
-    const T u_n = dot(pack.n, u), approach = column(columns.approach) * inverse_h;
-    const T target =
-        select(approach > T(limits.slowest_rebound), column(columns.restitution) * approach, zero);
-    const T bounced = max(target - u_n, -pushed * inverse_h);
-    const Vectors<Set> held_back =
-        Vectors<Set>{column(columns.rubbed[0]), column(columns.rubbed[1]), column(columns.rubbed[2])} *
-        inverse_h;
-    const Vectors<Set> wanted = held_back - (u - pack.n * u_n);
-    const Vectors<Set> rubbed =
-        within_friction(wanted, column(columns.static_friction), column(columns.kinetic_friction),
-                        pushed * inverse_h + max(bounced, zero));
-    const Vectors<Set> change = pack.n * bounced + (rubbed - held_back);
+    const Pressed<T> sums{pushed,
+                          {column(columns.rubbed[0]), column(columns.rubbed[1]), column(columns.rubbed[2])}};
+    const auto [change, bounced] =
+        rebound(sums, pack.n, u, column(columns.approach) * inverse_h, T(limits.slowest_rebound),
+                column(columns.restitution), column(columns.static_friction),
+                column(columns.kinetic_friction), inverse_h);
     corners.add(change * (T(1.f) / column(columns.inverse_mass)), pack.c, acts, velocity, pack.first_float);
     store<Set>(select(acts, bounced, zero), columns.bounced + i, count);
     const T depth = max(zero, column(columns.thickness) - dot(pack.n, weighted(x, pack.c)));

@@ -1,0 +1,155 @@
+#include "souple/collision/contact_arrays.h"
+#include "souple/collision/kernels/find_kernels.h"
+#include "souple/state/particles.h"
+#include "tests/collision/random.h"
+
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using kernels::FeatureKernels;
+
+std::vector<InstructionSet> all_sets() {
+  std::vector<InstructionSet> result;
+  for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
+                                   InstructionSet::avx512, InstructionSet::neon})
+    if (set <= instruction_set()) result.push_back(set);
+  return result;
+}
+
+Vec4f record(const Vec3d& x, float w) {
+  return {float(x.x), float(x.y), float(x.z), w};
+}
+
+/// Particles in a small box, moved by a little, and pairs of them; every fifth cannot move.
+struct Crowd {
+  std::vector<Vec4f> position, moving, start, moved, velocity;
+  std::vector<std::array<std::uint32_t, 4>> pairs;
+  std::vector<float> thickness, known;
+  bool plain;
+
+  explicit Crowd(bool is_plain, std::size_t count) : plain(is_plain) {
+    test::Random random(count);
+    const std::size_t particles = 4 * count;
+    for (std::size_t i = 0; i < particles; ++i) {
+      const float w = i % 5 == 0 ? 0.0f : float(random.uniform(0.5, 2));
+      const Vec3d x = random.point(0, 0.1), d = random.point(-0.01, 0.01);
+      start.push_back(record(plain ? x : Vec3d{}, plain ? w : 0));
+      moving.push_back(record(plain ? x + d : d, plain ? w : 0));
+      position.push_back(plain ? moving.back() : record(x, w));
+      moved.push_back({});
+      moved[i].set_xyz(moving[i].xyz() - start[i].xyz());
+      velocity.push_back(record(random.point(-1, 1), 0));
+    }
+    for (std::uint32_t k = 0; k < count; ++k) {
+      pairs.push_back({4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3});
+      thickness.push_back(float(random.uniform(0.005, 0.04)));
+      known.push_back(float(random.uniform(0, 0.1)));
+    }
+  }
+  const std::uint32_t (*quads() const)[4] {
+    return reinterpret_cast<const std::uint32_t(*)[4]>(pairs.data());
+  }
+  kernels::FeaturePoints points() {
+    kernels::FeaturePoints result;
+    result.moving = &moving[0].x;
+    result.position = plain ? result.moving : &position[0].x;
+    result.corrected = result.moving;
+    result.start = &start[0].x;
+    result.moved = &moved[0].x;
+    return result;
+  }
+};
+
+/// All that kernels make of a crowd, in a row.
+std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::size_t count, int kind) {
+  Crowd crowd(plain, count);
+  std::vector<float> result(2 * count);
+  const auto add = [&](const float* from, std::size_t n) { result.insert(result.end(), from, from + n); };
+  kernels.distances[kind](crowd.points(), crowd.quads(), 0, count, result.data());
+  kernels.ways[kind](crowd.points(), crowd.quads(), 0, count, result.data() + count);
+
+  const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
+  std::vector<std::uint32_t> found(count);
+  const kernels::Nearness nearness =
+      kernels.near[kind](crowd.points(), columns, {1, 1.1f}, 0.001f, 0.1f, 0, count, found.data());
+  found.resize(nearness.found);
+  add(&nearness.least_known, 1), add(&nearness.least_slack, 1);
+  add(crowd.known.data(), count);
+  for (const std::uint32_t k : found) result.push_back(static_cast<float>(k));
+  std::vector<float> verdict(found.size());
+  kernels.judge[kind](crowd.points(), columns, 0.1f, found.data(), 0, found.size(), verdict.data());
+  add(verdict.data(), verdict.size());
+
+  std::vector<float> part(found.size(), 1);
+  for (std::size_t k = 0; k < part.size(); k += 3) part[k] = 0.4f;
+  ContactArrays arrays;
+  arrays.resize(found.size());
+  const kernels::ContactColumns contacts = arrays.columns();
+  const kernels::ContactLimits limits{600, 0.03f, 0.005f};
+  kernels.describe[kind](crowd.points(), columns, limits, found.data(), part.data(), 0, found.size(), contacts);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    contacts.static_friction[k] = 0.5f, contacts.kinetic_friction[k] = 0.3f, contacts.restitution[k] = 0.2f;
+  for (int sweep = 0; sweep < 3; ++sweep) kernels.project(crowd.points(), contacts, 0, found.size());
+  kernels.restore_speed(crowd.points(), contacts, limits, &crowd.velocity[0].x, 0, found.size());
+  for (const float* column : {contacts.c[0], contacts.c[1], contacts.c[2], contacts.c[3], contacts.normal[1],
+                              contacts.allowed, contacts.inverse_mass, contacts.approach, contacts.pushed,
+                              contacts.rubbed[0], contacts.bounced, contacts.depth})
+    add(column, found.size());
+  add(&crowd.moving[0].x, 4 * crowd.moving.size());
+  add(&crowd.velocity[0].x, 4 * crowd.velocity.size());
+  return result;
+}
+
+// Any number of pairs, registers full or not.
+TEST(FeatureKernels, EveryInstructionSetGivesTheSameBits) {
+  for (const bool plain : {false, true})
+    for (const int kind : {0, 1})
+      for (const std::size_t count : {1u, 2u, 7u, 16u, 33u, 250u}) {
+        const std::vector<float> scalar =
+            everything(kernels::find_feature_kernels(InstructionSet::scalar), plain, count, kind);
+        for (const InstructionSet set : all_sets()) {
+          const std::vector<float> packed =
+              everything(kernels::find_feature_kernels(set), plain, count, kind);
+          ASSERT_EQ(packed.size(), scalar.size()) << simd_name(set);
+          EXPECT_EQ(std::memcmp(packed.data(), scalar.data(), scalar.size() * sizeof(float)), 0)
+              << simd_name(set) << (plain ? " plain " : " displacement ") << kind << " " << count;
+        }
+      }
+}
+
+// Two that overlap are pushed apart by what their masses say; momentum stays, what cannot move stays.
+TEST(FeatureKernels, AProjectionKeepsMomentumAndTheDistance) {
+  for (const InstructionSet set : all_sets()) {
+    const FeatureKernels& kernels = kernels::find_feature_kernels(set);
+    Crowd crowd(false, 1);
+    crowd.position = {record({0.3, 0.01, 0.2}, 2), record({0, 0, 0}, 1), record({0, 0, 1}, 1),
+                      record({1, 0, 0}, 0)};
+    crowd.moving = crowd.start = crowd.moved = std::vector<Vec4f>(4);
+    const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
+    crowd.thickness[0] = crowd.known[0] = 0.03f;
+    const std::uint32_t found = 0;
+    const float part = 1;
+    ContactArrays arrays;
+    arrays.resize(1);
+    const kernels::ContactColumns contacts = arrays.columns();
+    kernels.describe[0](crowd.points(), columns, {600, 0, 0}, &found, &part, 0, 1, contacts);
+    contacts.static_friction[0] = contacts.kinetic_friction[0] = 0;
+    kernels.project(crowd.points(), contacts, 0, 1);
+    const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz()); };
+    EXPECT_EQ(moved(3), Vec3d{});
+    // Weights of the triangle's corners where the vertex is above it: 0.5, 0.2, 0.3.
+    EXPECT_NEAR(0.01 + moved(0).y - 0.5 * moved(1).y - 0.2 * moved(2).y, 0.03, 1e-7);
+    // The third corner takes its share of the momentum with it, being of infinite mass.
+    EXPECT_NEAR(moved(1).y / moved(0).y, -0.5 / 2, 1e-5);
+    EXPECT_NEAR(moved(2).y / moved(0).y, -0.2 / 2, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace souple
