@@ -37,6 +37,7 @@ float first_touch(const Vec3f& d, const Vec3f& motion, float reach) {
 
 bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) const {
   const ContactObject &a = objects_[object_a], &b = objects_[object_b];
+  if (!surfaces_->collide(object_a, object_b)) return false;
   if (object_a == object_b) return a.hits_itself;
   return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
 }

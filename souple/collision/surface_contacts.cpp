@@ -116,6 +116,8 @@ bool SurfaceContacts::meet(std::size_t a, std::size_t b) const {
   const ContactSurface &one = surfaces_[a], &other = surfaces_[b];
   if (a == b) return one.meets_itself;
   if (one.loose_particles && other.loose_particles) return false;  // see ParticleContacts
+  if (one.immovable && other.immovable) return false;
+  if (std::binary_search(one.apart_from.begin(), one.apart_from.end(), b)) return false;
   return (one.groups & other.meets) != 0 && (other.groups & one.meets) != 0;
 }
 

@@ -18,11 +18,13 @@ struct ContactSurface {
   std::uint32_t begin = 0, end = 0;                           ///< particles [begin, end)
   std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
   std::span<const Edge> edges{};
-  bool loose_particles = false;   ///< grains: every particle is a ball of its radius
-  bool meets_itself = false;      ///< triangles and edges of this object against each other
-  std::uint32_t groups = 1;       ///< two objects meet when a.groups & b.meets and b.groups & a.meets
-  std::uint32_t meets = ~0u;      ///< are both non-zero
-  std::span<const Vec3d> rest{};  ///< of its particles: features near at rest may stay as near
+  bool loose_particles = false;  ///< grains: every particle is a ball of its radius
+  bool meets_itself = false;     ///< triangles and edges of this object against each other
+  std::uint32_t groups = 1;      ///< two objects meet when a.groups & b.meets and b.groups & a.meets
+  std::uint32_t meets = ~0u;     ///< are both non-zero
+  bool immovable = false;        ///< an obstacle: nothing could move two of them apart
+  std::vector<std::uint32_t> apart_from{};  ///< surfaces that it never meets, ascending
+  std::span<const Vec3d> rest{};            ///< of its particles: features near at rest may stay as near
 };
 
 /// Surfaces against surfaces: a vertex against a triangle, an edge against an edge, of two objects or of one.

@@ -37,20 +37,23 @@ std::vector<Edge> edges_of_rope(const Object& object) {
   return edges;
 }
 
-// Nothing could move two obstacles apart.
-constexpr std::uint32_t movable = 1, obstacles = 2;
-
-ContactSurface contact_surface(const Object& object, std::span<const Edge> rope_edges) {
-  const bool is_obstacle = object.kind == ObjectKind::obstacle;
-  return {.begin = object.begin,
-          .end = object.end,
-          .triangles = object.surface,
-          .edges = rope_edges,
-          .loose_particles = is_loose(object),
-          .meets_itself = object.self_collision && !is_loose(object),
-          .groups = is_obstacle ? obstacles : movable,
-          .meets = is_obstacle ? movable : movable | obstacles,
-          .rest = object.rest};
+ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
+  const Object& object = *world.objects[index];
+  const SurfaceMatrix& matrix = world.tables.against_objects;
+  ContactSurface result{
+      .begin = object.begin,
+      .end = object.end,
+      .triangles = object.surface,
+      .edges = world.tables.rope_edges[index],
+      .loose_particles = is_loose(object),
+      .meets_itself = object.self_collision && !is_loose(object) && matrix.collide(index, index),
+      .groups = object.filter.groups,
+      .meets = object.filter.mask,
+      .immovable = object.kind == ObjectKind::obstacle,
+      .rest = object.rest};
+  for (std::uint32_t other = 0; other < world.objects.size(); ++other)
+    if (other != index && !matrix.collide(index, other)) result.apart_from.push_back(other);
+  return result;
 }
 
 Surface surface_of(const Material& material) {
@@ -90,12 +93,13 @@ void build_contact_tables(WorldState& world) {
   std::vector<NamedSurface> object_surfaces, collider_surfaces;
   for (const auto& object : world.objects) {
     tables.objects.push_back(contact_object(*object));
-    object_surfaces.push_back({object->name, surface_of(object->material)});
+    object_surfaces.push_back({object->name, surface_of(object->material), object->filter});
   }
   for (const ColliderRecord& record : world.colliders) {
     const Surface surface{.friction = record.options.friction, .restitution = record.options.restitution};
     tables.colliders.push_back({record.options.name, record.shape, record.options.motion, surface, true});
-    collider_surfaces.push_back({record.options.name, surface});
+    collider_surfaces.push_back(
+        {record.options.name, surface, {record.options.collision_groups, record.options.collision_mask}});
   }
   tables.against_colliders = SurfaceMatrix(object_surfaces, collider_surfaces, world.pairs);
   tables.against_objects = SurfaceMatrix(object_surfaces, object_surfaces, world.pairs);
@@ -108,8 +112,7 @@ void build_contact_tables(WorldState& world) {
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
   std::vector<ContactSurface> surfaces;
-  for (std::size_t a = 0; a < world.objects.size(); ++a)
-    surfaces.push_back(contact_surface(*world.objects[a], tables.rope_edges[a]));
+  for (std::uint32_t a = 0; a < world.objects.size(); ++a) surfaces.push_back(contact_surface(world, a));
   world.surface_contacts.set_surfaces(std::move(surfaces));
 }
 

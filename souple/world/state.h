@@ -64,6 +64,7 @@ struct Object {
   std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
   bool self_collision = false;                             ///< its surface touches itself
+  CollisionFilter filter;                                  ///< which other things it meets
   float pressure = 0;                                      ///< Pa
   std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance
   ObstacleMotion motion;                                   ///< of an obstacle

@@ -173,6 +173,19 @@ const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
   return material_of<ObstacleMaterial>(impl_->state, id);
 }
 
+void World::set_collision_groups(ObjectId id, std::uint32_t groups, std::uint32_t mask) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_collision_groups");
+  world.object(id).filter = {groups, mask};
+  world.dirty_tables = true;
+}
+std::uint32_t World::collision_groups(ObjectId id) const {
+  return impl_->state.object(id).filter.groups;
+}
+std::uint32_t World::collision_mask(ObjectId id) const {
+  return impl_->state.object(id).filter.mask;
+}
+
 void World::set_motion(ObjectId id, ObstacleMotion motion) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_motion");
@@ -405,6 +418,13 @@ void World::set_pair(std::string_view a, std::string_view b, float friction, flo
   WorldState& world = impl_->state;
   world.require_between_steps("set_pair");
   world.pairs.set(a, b, {friction, friction, restitution});
+  world.dirty_tables = true;
+}
+
+void World::set_collide(std::string_view a, std::string_view b, bool collide) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_collide");
+  world.pairs.set_collide(a, b, collide);
   world.dirty_tables = true;
 }
 
