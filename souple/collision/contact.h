@@ -13,6 +13,7 @@ namespace souple {
 /// disjoint and ascending.
 struct ContactObject {
   std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
+  bool moves = true;                 ///< two that do not are not compared, nor one with itself
   bool hits_colliders = true;
   bool hits_itself = false;       ///< its particles against each other
   std::uint32_t layers = 1;       ///< particles of two objects meet when a.layers & b.hits_layers and

@@ -1027,6 +1027,17 @@ CodecPtr<Wind> wind_codec() {
   return keys;
 }
 
+CodecPtr<Sleeping> sleeping_codec() {
+  auto keys = table<Sleeping>("sleeping",
+                              "Objects at rest fall asleep, those in touch together, and wake when something "
+                              "moves them or near them.");
+  keys->key<&Sleeping::enabled>("enabled", boolean(), "whether they do")
+      .key<&Sleeping::speed>("speed", number<float>(from_zero(1000)),
+                             "of an object at rest no particle moves faster, from frame to frame [m/s]")
+      .key<&Sleeping::seconds>("seconds", number<float>(positive(1e6)), "of rest before it falls asleep [s]");
+  return keys;
+}
+
 // --- the whole ---------------------------------------------------------------------------------------------
 
 /// Gives a name to what has none, by the rule of the world; fails on names used twice.
@@ -1169,6 +1180,7 @@ CodecPtr<SceneDescription> scene_codec() {
           "segment_test",
           enumeration<SegmentTest>({std::begin(segment_test_names), std::end(segment_test_names)}),
           "how rays that pick are tested against triangles")
+      .key<&S::settings, &Settings::sleeping>("sleeping", sleeping_codec(), "what lies still costs little")
       .key<&S::camera>("camera", camera_codec(), "from where the scene is best seen")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
       .key<&S::objects>("objects", list(object_codec(), 0, 10000), "what moves")

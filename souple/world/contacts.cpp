@@ -2,18 +2,13 @@
 
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
 
 #include <cmath>
 
 namespace souple {
 namespace {
-
-// What has no triangles and is no rope is a cloud of balls: grains, and bodies whose surface is embedded in a
-// lattice.
-bool is_loose(const Object& object) {
-  return object.surface.empty() && object.kind != ObjectKind::rope;
-}
 
 // Balls meet balls as particles, and the nodes of ropes; everything else meets as surfaces.
 ContactObject contact_object(const Object& object) {
@@ -84,10 +79,15 @@ void append_event(const WorldState& world, const ContactPush& push, bool against
 
 }  // namespace
 
+bool is_loose(const Object& object) {
+  return object.surface.empty() && object.kind != ObjectKind::rope;
+}
+
 void build_contact_tables(WorldState& world) {
   world.collider_contacts.erase_particles(0, 0);  // they refer to the old tables
   world.forget_contacts();
   ContactTables& tables = world.tables;
+  world.sleep.touching.forget();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedSurface> object_surfaces, collider_surfaces;
@@ -119,11 +119,14 @@ void build_contact_tables(WorldState& world) {
 void find_candidates(WorldState& world, double dt) {
   const ContactStep step{
       .time = world.time, .dt = static_cast<float>(dt), .gravity = length(world.settings.gravity)};
-  const ContactTables& tables = world.tables;
+  ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   foresee_obstacles(world, dt);
+  wake_touched(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
+  for (std::size_t a = 0; a < tables.objects.size(); ++a)
+    tables.objects[a].moves = world.objects[a]->island == 0;
   world.guarded("a collider's motion", [&] {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                        tables.colliders, tables.against_colliders, step, *world.threads);
@@ -135,6 +138,7 @@ void find_candidates(WorldState& world, double dt) {
 }
 
 void generate_contacts(WorldState& world, const Substep& substep) {
+  if (world.sleep.all) return;
   const ParticleView view = world.view();
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });

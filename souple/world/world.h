@@ -265,6 +265,12 @@ class World {
   std::span<const ContactEvent> contacts() const;
   void set_log(std::function<void(LogLevel, std::string_view)> log);
 
+  // --- sleeping, see Settings::sleeping
+  // ------------------------------------------------------------------------------
+  bool is_asleep(ObjectId object) const;
+  /// Wakes an object and all that sleep in touch with it; one that is awake begins its rest anew.
+  void wake(ObjectId object);
+
   // --- queries
   // ----------------------------------------------------------------------------------------------------
   Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double longest = 1e30) const;

@@ -9,7 +9,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   const SceneDescription scene = parse_scene(R"({
     "souple": 1, "frame_rate": 50, "frames": 100, "substeps": 7, "iterations": 3, "mode": "pbd", "form": "plain",
     "integrator": "implicit_euler", "gravity": [0, -1.62, 0.5], "seed": 9007199254740991, "drag": 0.25,
-    "measure_residuals": false,
+    "measure_residuals": false, "sleeping": {"enabled": true, "speed": 0.25, "seconds": 2},
     "camera": {"from": [2, 1.5, 3], "to": [0, 0.5, 0], "fov": 35},
     "wind": {"velocity": [2, 0, -1], "gust": 0.3, "gust_period": 4, "air_density": 1.1},
     "objects": [
@@ -54,6 +54,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(scene.settings.seed, 9007199254740991u);
   EXPECT_EQ(scene.settings.drag, 0.25f);
   EXPECT_FALSE(scene.settings.measure_residuals);
+  EXPECT_EQ(scene.settings.sleeping, (Sleeping{true, 0.25f, 2}));
   EXPECT_EQ(scene.camera.fov, 35);
   EXPECT_EQ(scene.settings.wind.velocity, Vec3f(2, 0, -1));
   EXPECT_EQ(scene.settings.wind.gust_period, 4);
