@@ -446,8 +446,9 @@ std::shared_ptr<Table<S>> sequence_table(const char* heading) {
                        "Positions of all the object's vertices over time, in the coordinates of its "
                        "mesh (its `scale`, `up` and `transform` apply). Linear between frames; still "
                        "before the first and after the last.");
-  keys->template required<&S::file>("file", file(),
-                                    "a .pc2, a .mdd, or one file of a sequence of OBJ (NAME_0001.obj)")
+  keys->template required<&S::file>("file", file_or_folder(),
+                                    "a .pc2, a .mdd, or a sequence of OBJ: one file of it (NAME_0001.obj) or "
+                                    "the folder that holds it and no other")
       .template key<&S::frame_rate>("frame_rate", number<double>(positive(1e4)),
                                     "frames a second; a .mdd holds its own times")
       .template key<&S::start_time>("start_time", number<double>(signed_range(1e6)),

@@ -81,7 +81,8 @@ struct MeshDescription {
 };
 
 // --- what holds vertices
-/// Positions of all of an object's vertices over time, from a .pc2, a .mdd or a sequence of meshes.
+/// Positions of all of an object's vertices over time, from a .pc2, a .mdd or a sequence of meshes
+/// (one of its files, or its folder).
 struct SequenceDescription {
   std::string file;
   double frame_rate = 60;
