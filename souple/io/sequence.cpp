@@ -71,6 +71,7 @@ std::vector<std::filesystem::path> list_sequences(const std::filesystem::path& f
   }
   if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
   std::vector<std::filesystem::path> result;
+  result.reserve(first.size());
   for (const auto& [name, file] : first) result.push_back(folder / file);
   return result;
 }

@@ -247,7 +247,7 @@ class Builder {
     }
     for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
       const PairDescription& pair = scene_.pairs[i];
-      const auto& [a, b] = pair.between;
+      const std::string &a = pair.between[0], &b = pair.between[1];
       inside("pairs[" + std::to_string(i) + "]", [&] {
         if (pair.friction) world_.set_pair(a, b, *pair.friction, pair.restitution);
         world_.set_collide(a, b, pair.collide);

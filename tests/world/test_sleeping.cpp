@@ -61,8 +61,11 @@ void add_heap_of_cloth(World& world) {
 
 void add_grains(World& world) {
   std::vector<Vec3d> centres;
-  for (int i = 0; i < 75; ++i)
-    centres.push_back({0.041 * (i % 5) + 0.001 * (i % 3), 0.02 + 0.041 * (i / 25), 0.041 * (i / 5 % 5)});
+  centres.reserve(75);
+  for (int layer = 0; layer < 3; ++layer)
+    for (int k = 0; k < 5; ++k)
+      for (int i = 0; i < 5; ++i)
+        centres.push_back({0.041 * i + 0.001 * ((i + k) % 3), 0.02 + 0.041 * layer, 0.041 * k});
   world.add_grains(centres, {.radius = 0.02f, .friction = 0.8f});
 }
 
