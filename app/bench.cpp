@@ -7,10 +7,13 @@
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "souple/error.h"
+#include "souple/scene/nearest.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <string>
+#include <vector>
 
 namespace souple::app {
 
@@ -30,6 +33,17 @@ int list_benchmarks() {
   std::printf("%-*s  a segment against triangles, by each of the tests; --size: triangles [%d]\n",
               static_cast<int>(widest), segments_name, default_segments_size);
   return fine;
+}
+
+/// Scenes, stages and segments alike.
+void require_known(const std::string& name) {
+  std::vector<std::string> names;
+  for (const BenchScene& scene : bench_scenes()) names.emplace_back(scene.name);
+  for (const StageBench& stage : stage_benches()) names.emplace_back(stage.name);
+  names.emplace_back(segments_name);
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  throw Error("there is no benchmark called \"" + name + "\"" + scene_format::suggestion(name, names) +
+              "; `souple bench` lists them");
 }
 
 /// A number of the command line in a range that makes sense.
@@ -93,6 +107,7 @@ int bench_segments(const BenchRequest& request) {
 
 int bench(const BenchRequest& request) {
   if (request.name.empty()) return list_benchmarks();
+  require_known(request.name);
   if (request.name == segments_name) return bench_segments(request);
   using scene_format::Json;
   Json before;

@@ -3,7 +3,6 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
-#include "souple/scene/nearest.h"
 
 #include <algorithm>
 #include <array>
@@ -173,13 +172,9 @@ std::span<const BenchScene> bench_scenes() {
 }
 
 const BenchScene& find_bench_scene(const std::string& name) {
-  std::vector<std::string> names;
-  for (const BenchScene& scene : scenes) {
+  for (const BenchScene& scene : scenes)
     if (scene.name == name) return scene;
-    names.emplace_back(scene.name);
-  }
-  throw Error("there is no benchmark called \"" + name + "\"" + scene_format::suggestion(name, names) +
-              "; `souple bench` lists them");
+  throw Error("there is no scene to measure called \"" + name + "\"");
 }
 
 TriangleMesh hanging_grid(int size) {

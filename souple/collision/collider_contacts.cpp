@@ -144,6 +144,7 @@ void ColliderContacts::find_candidates(const ParticleView& particles, std::span<
 bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
                                     const ParticleView& particles) const {
   const std::uint32_t i = members_[member].particle;
+  if (!surfaces_->collide(members_[member].object, body.collider)) return false;
   const Placed& placed = placed_[member];
   const double reach = 3 * placed.margin + 2 * double(radius_[i]);
   const double clear = body.ball.radius + reach;
@@ -218,7 +219,7 @@ void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float
 bool ColliderContacts::may_reach(const Body& body, const Member& member,
                                  const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
-  if (!(particles.inverse_mass(i) > 0)) return false;
+  if (!(particles.inverse_mass(i) > 0) || !surfaces_->collide(member.object, body.collider)) return false;
   const double D = length(place(particles, i) - body.centre);
   const double motion = double(length(particles.moved(i))) + body.shift + body.turn * D;
   return D <= body.ball.radius + 2 * (motion + double(radius_[i]));

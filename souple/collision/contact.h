@@ -9,9 +9,11 @@
 namespace souple {
 
 /// An object as contacts see it: a range of particles with one surface. An object's index in the span given
-/// to begin_step is its row (and column) in the SurfaceMatrix. Ranges are disjoint and ascending.
+/// to begin_step is its row (and column) in the SurfaceMatrix, which may keep two of them apart. Ranges are
+/// disjoint and ascending.
 struct ContactObject {
   std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
+  bool moves = true;                 ///< two that do not are not compared, nor one with itself
   bool hits_colliders = true;
   bool hits_itself = false;       ///< its particles against each other
   std::uint32_t layers = 1;       ///< particles of two objects meet when a.layers & b.hits_layers and

@@ -3,9 +3,11 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/math/vec3.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace souple {
 
@@ -15,11 +17,13 @@ struct ContactSurface {
   std::uint32_t begin = 0, end = 0;                           ///< particles [begin, end)
   std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
   std::span<const Edge> edges{};
-  bool loose_particles = false;   ///< grains: every particle is a ball of its radius
-  bool meets_itself = false;      ///< triangles and edges of this object against each other
-  std::uint32_t groups = 1;       ///< two objects meet when a.groups & b.meets and b.groups & a.meets
-  std::uint32_t meets = ~0u;      ///< are both non-zero
-  std::span<const Vec3d> rest{};  ///< of its particles: features near at rest may stay as near
+  bool loose_particles = false;  ///< grains: every particle is a ball of its radius
+  bool meets_itself = false;     ///< triangles and edges of this object against each other
+  std::uint32_t groups = 1;      ///< two objects meet when a.groups & b.meets and b.groups & a.meets
+  std::uint32_t meets = ~0u;     ///< are both non-zero
+  bool immovable = false;        ///< an obstacle: nothing could move two of them apart
+  std::vector<std::uint32_t> apart_from{};  ///< surfaces that it never meets, ascending
+  std::span<const Vec3d> rest{};            ///< of its particles: features near at rest may stay as near
 };
 
 /// Whether triangles, edges and balls of two of them are to be kept apart, or of one with itself.
@@ -27,6 +31,8 @@ inline bool meet(std::span<const ContactSurface> surfaces, std::size_t a, std::s
   const ContactSurface &one = surfaces[a], &other = surfaces[b];
   if (a == b) return one.meets_itself;
   if (one.loose_particles && other.loose_particles) return false;  // see ParticleContacts
+  if (one.immovable && other.immovable) return false;
+  if (std::binary_search(one.apart_from.begin(), one.apart_from.end(), b)) return false;
   return (one.groups & other.meets) != 0 && (other.groups & one.meets) != 0;
 }
 

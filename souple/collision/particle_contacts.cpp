@@ -37,6 +37,7 @@ float first_touch(const Vec3f& d, const Vec3f& motion, float reach) {
 
 bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) const {
   const ContactObject &a = objects_[object_a], &b = objects_[object_b];
+  if (!(a.moves || b.moves) || !surfaces_->collide(object_a, object_b)) return false;
   if (object_a == object_b) return a.hits_itself;
   return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
 }
@@ -61,7 +62,8 @@ void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const
     const float room = 2.2f * (sqrt(fastest) + step_.gravity * step_.dt) * step_.dt +
                        (1 + largest_margin) * largest_diameter_ + surprise * max(size.x, max(size.y, size.z));
     const Vec3f grown{room, room, room};
-    boxes_.push_back({lo - grown, hi + grown, static_cast<std::uint32_t>(boxes_.size()), object.hits_itself});
+    const auto index = static_cast<std::uint32_t>(boxes_.size());
+    boxes_.push_back({lo - grown, hi + grown, index, object.hits_itself && object.moves});
   }
 }
 

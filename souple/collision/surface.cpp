@@ -68,12 +68,29 @@ SurfacePair PairTable::resolve(const NamedSurface& a, const NamedSurface& b) con
   return exception ? *exception : combine(a.surface, b.surface);
 }
 
+void PairTable::set_collide(std::string_view a, std::string_view b, bool collide) {
+  if (collide) {
+    apart_.erase(key_of(a, b));
+  } else {
+    apart_.insert(key_of(a, b));
+  }
+}
+
+bool PairTable::collide(const NamedSurface& a, const NamedSurface& b) const {
+  if (a.name != b.name && !meet(a.filter, b.filter)) return false;
+  return apart_.empty() || apart_.count(key_of(a.name, b.name)) == 0;
+}
+
 SurfaceMatrix::SurfaceMatrix(std::span<const NamedSurface> rows, std::span<const NamedSurface> columns,
                              const PairTable& table)
     : columns_(columns.size()) {
   pairs_.reserve(rows.size() * columns.size());
+  collide_.reserve(pairs_.capacity());
   for (const NamedSurface& row : rows)
-    for (const NamedSurface& column : columns) pairs_.push_back(table.resolve(row, column));
+    for (const NamedSurface& column : columns) {
+      pairs_.push_back(table.resolve(row, column));
+      collide_.push_back(table.collide(row, column) ? 1 : 0);
+    }
 }
 
 }  // namespace souple

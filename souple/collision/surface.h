@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,10 +34,22 @@ void validate(const SurfacePair& pair, std::string_view where);
 /// The rule for two surfaces: geometric mean of the frictions, the larger restitution.
 SurfacePair combine(const Surface& a, const Surface& b);
 
+/// Which of the 32 collision groups something belongs to, and which it wants to meet; one bit each.
+struct CollisionFilter {
+  std::uint32_t groups = 1;
+  std::uint32_t mask = ~0u;
+};
+
+/// Two things meet when each belongs to a group that the other wants to meet.
+inline bool meet(const CollisionFilter& a, const CollisionFilter& b) {
+  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
+}
+
 /// A surface and the name of the object or collider that has it.
 struct NamedSurface {
   std::string_view name;
   Surface surface;
+  CollisionFilter filter{};
 };
 
 /// Exceptions to the rule, by the names of objects and colliders; the order of the two names does not matter.
@@ -48,8 +62,15 @@ class PairTable {
   SurfacePair resolve(const NamedSurface& a, const NamedSurface& b) const;
   const std::map<std::pair<std::string, std::string>, SurfacePair>& entries() const { return entries_; }
 
+  /// Whether the two collide at all; they do until told otherwise. A name with itself: whether it collides
+  /// with itself, if it would.
+  void set_collide(std::string_view a, std::string_view b, bool collide);
+  /// The switch and the filters together. The filters do not say whether something collides with itself.
+  bool collide(const NamedSurface& a, const NamedSurface& b) const;
+
  private:
   std::map<std::pair<std::string, std::string>, SurfacePair> entries_;
+  std::set<std::pair<std::string, std::string>> apart_;
 };
 
 /// Every row against every column, looked up by index: what contacts read in a step.
@@ -60,11 +81,14 @@ class SurfaceMatrix {
                 const PairTable& table);
 
   const SurfacePair& at(std::size_t row, std::size_t column) const { return pairs_[row * columns_ + column]; }
+  /// False: the two pass through each other.
+  bool collide(std::size_t row, std::size_t column) const { return collide_[row * columns_ + column] != 0; }
   std::size_t rows() const { return columns_ == 0 ? 0 : pairs_.size() / columns_; }
   std::size_t columns() const { return columns_; }
 
  private:
   std::vector<SurfacePair> pairs_;
+  std::vector<std::uint8_t> collide_;
   std::size_t columns_ = 0;
 };
 

@@ -84,7 +84,9 @@ std::unique_ptr<PointFrames> open_frames(const std::filesystem::path& path,
                                          const AnimatedPoints::ReadMesh& read_mesh) {
   if (!std::isfinite(options.frame_rate) || !(options.frame_rate > 0))
     throw Error(path.string() + ": the frame rate of an animation must be a number > 0");
-  const std::string extension = lower_extension(path);
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(path, ignored);
+  const std::string extension = is_folder ? "" : lower_extension(path);
   if (extension == ".pc2") return std::make_unique<Pc2Frames>(path, options.frame_rate);
   if (extension == ".mdd") return std::make_unique<MddFrames>(path);
   if (!read_mesh)

@@ -36,7 +36,8 @@ class AnimatedPoints {
     double start_time = 0;  ///< when the first frame plays [s]
   };
 
-  /// `path` is a .pc2, a .mdd, or one file of a sequence of meshes (NAME_0001.obj), which `read_mesh` reads.
+  /// `path` is a .pc2, a .mdd, or a sequence of meshes, which `read_mesh` reads: one file of it
+  /// (NAME_0001.obj) or the folder that holds it.
   /// Throws Error for a bad file, no frames, times that go back, or a mesh whose number of vertices changes.
   AnimatedPoints(const std::filesystem::path& path, const Options& options, const ReadMesh& read_mesh = {});
   AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time);

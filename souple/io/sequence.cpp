@@ -4,6 +4,7 @@
 #include "souple/io/atomic_file.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -55,6 +56,37 @@ std::vector<SequenceFrame> list_frames(const std::filesystem::path& folder, cons
   return frames;
 }
 
+/// The first file of each sequence of meshes in a folder.
+std::vector<std::filesystem::path> list_sequences(const std::filesystem::path& folder) {
+  std::map<std::pair<std::string, std::string>, std::string> first;  // file by prefix and extension
+  std::error_code error;
+  std::filesystem::directory_iterator entry(folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::filesystem::path file = entry->path().filename();
+    const NumberedName name = cut(file);
+    const bool is_mesh = name.extension == ".obj" || name.extension == ".ply" || name.extension == ".stl";
+    if (!is_mesh || name.digits.empty()) continue;
+    std::string& known = first[{name.prefix, name.extension}];
+    if (known.empty() || file.string() < known) known = file.string();
+  }
+  if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
+  std::vector<std::filesystem::path> result;
+  result.reserve(first.size());
+  for (const auto& [name, file] : first) result.push_back(folder / file);
+  return result;
+}
+
+std::filesystem::path only_sequence(const std::filesystem::path& folder) {
+  const std::vector<std::filesystem::path> sequences = list_sequences(folder);
+  if (sequences.empty())
+    throw Error(folder.string() +
+                ": this folder holds no sequence of meshes; expected files like NAME_0001.obj");
+  if (sequences.size() > 1)
+    throw Error(folder.string() + ": this folder holds several sequences of meshes; name a file of one, " +
+                sequences[0].filename().string() + " or " + sequences[1].filename().string());
+  return sequences[0];
+}
+
 }  // namespace
 
 std::string frame_file_name(const std::string& name, std::uint64_t frame, const std::string& extension) {
@@ -64,6 +96,8 @@ std::string frame_file_name(const std::string& name, std::uint64_t frame, const 
 }
 
 std::vector<SequenceFrame> find_sequence(const std::filesystem::path& any_frame) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(any_frame, ignored)) return find_sequence(only_sequence(any_frame));
   const NumberedName model = cut(any_frame);
   if (model.digits.empty())
     throw Error(

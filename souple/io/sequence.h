@@ -23,7 +23,8 @@ struct SequenceFrame {
 
 /// The files of the sequence that `any_frame` is one of (same folder, same name but for the digits at its
 /// end, same extension), by number. Throws Error when there are none, when the name does not end in a number,
-/// or when two files have the same number.
+/// or when two files have the same number. A folder stands for the one sequence of .obj files in it, or of
+/// .ply or .stl files: throws Error when there is none, or several.
 std::vector<SequenceFrame> find_sequence(const std::filesystem::path& any_frame);
 
 /// Writes a sequence; each file appears whole or not at all. What a file holds comes from `bytes`, e.g.

@@ -247,8 +247,11 @@ class Builder {
     }
     for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
       const PairDescription& pair = scene_.pairs[i];
-      inside("pairs[" + std::to_string(i) + "]",
-             [&] { world_.set_pair(pair.between[0], pair.between[1], pair.friction, pair.restitution); });
+      const std::string &a = pair.between[0], &b = pair.between[1];
+      inside("pairs[" + std::to_string(i) + "]", [&] {
+        if (pair.friction) world_.set_pair(a, b, *pair.friction, pair.restitution);
+        world_.set_collide(a, b, pair.collide);
+      });
     }
     for (std::size_t i = 0; i < scene_.connections.size(); ++i) {
       inside("connections[" + std::to_string(i) + "]", [&] { connect(scene_.connections[i]); });
@@ -303,6 +306,8 @@ class Builder {
     options.velocity = object.velocity;
     options.angular_velocity = object.angular_velocity;
     options.self_collision = object.self_collision;
+    options.collision_groups = object.collision.groups;
+    options.collision_mask = object.collision.mask;
     return options;
   }
 
@@ -439,6 +444,8 @@ class Builder {
   void add_collider(const ColliderDescription& collider) {
     ColliderOptions options;
     options.friction = collider.friction;
+    options.collision_groups = collider.collision.groups;
+    options.collision_mask = collider.collision.mask;
     options.restitution = collider.restitution;
     options.name = collider.name;
     options.motion = collider.keyframes.empty() ? ColliderMotion::fixed(transform_of(collider.transform))

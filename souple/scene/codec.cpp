@@ -139,6 +139,7 @@ class Name : public Codec<std::string> {
 
 class File : public Codec<std::string> {
  public:
+  explicit File(bool or_folder) : or_folder_(or_folder) {}
   void read(const Json& json, const Place& place, std::string& value) const override {
     const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= longest &&
                         json.text.find('\0') == std::string::npos;
@@ -148,14 +149,15 @@ class File : public Codec<std::string> {
   }
   Json write(const std::string& value) const override { return Json::of(value); }
   TypeInfo describe(Format&) const override {
-    return {"file, relative to the scene's folder", string_schema(longest)};
+    return {std::string(or_folder_ ? "file or folder" : "file") + ", relative to the scene's folder",
+            string_schema(longest)};
   }
 
  private:
-  static void require_file(const Place& place, const Json& json) {
+  void require_file(const Place& place, const Json& json) const {
     const std::filesystem::path path = place.reading().base / json.text;
     std::error_code error;
-    if (std::filesystem::is_directory(path, error)) {
+    if (!or_folder_ && std::filesystem::is_directory(path, error)) {
       place.fail("expected a file, but " + brief(json) + " is a folder: " + path.string());
     }
     if (!std::filesystem::exists(path, error)) {
@@ -163,6 +165,7 @@ class File : public Codec<std::string> {
     }
   }
   static constexpr int longest = 1000;
+  bool or_folder_;
 };
 
 class Word : public Codec<std::string> {
@@ -209,7 +212,10 @@ CodecPtr<std::string> name() {
   return std::make_shared<Name>();
 }
 CodecPtr<std::string> file() {
-  return std::make_shared<File>();
+  return std::make_shared<File>(false);
+}
+CodecPtr<std::string> file_or_folder() {
+  return std::make_shared<File>(true);
 }
 CodecPtr<std::string> word(std::string noun, std::vector<std::string> known) {
   return std::make_shared<Word>(std::move(noun), std::move(known));

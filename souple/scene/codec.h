@@ -217,6 +217,8 @@ CodecPtr<std::uint32_t> colour();
 CodecPtr<std::string> name();
 /// A file that exists, looked for beside the scene.
 CodecPtr<std::string> file();
+/// The same, or a folder.
+CodecPtr<std::string> file_or_folder();
 /// One word of a list known by `known`; `noun` says of what, e.g. "preset".
 CodecPtr<std::string> word(std::string noun, std::vector<std::string> known);
 

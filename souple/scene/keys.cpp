@@ -178,6 +178,53 @@ class TwoNames : public Codec<std::array<std::string, 2>> {
   CodecPtr<std::string> name_ = name();
 };
 
+/// A bit mask as the list of the bits that are set, or "all".
+class Groups : public Codec<std::uint32_t> {
+ public:
+  void read(const Json& json, const Place& place, std::uint32_t& value) const override {
+    if (json.is(Json::Kind::text) && json.text == "all") {
+      value = ~0u;
+      return;
+    }
+    if (!json.is(Json::Kind::array))
+      place.unexpected("a list of group numbers from 0 to 31, or \"all\"", json);
+    value = 0;
+    for (std::size_t i = 0; i < json.items.size(); ++i) {
+      std::uint32_t group = 0;
+      group_.read(json.items[i], place.item(i), group);
+      value |= 1u << group;
+    }
+  }
+  Json write(const std::uint32_t& value) const override {
+    if (value == ~0u) return Json::of("all");
+    Json json = Json::array();
+    for (std::uint32_t group = 0; group < 32; ++group)
+      if ((value >> group & 1u) != 0) json.items.push_back(Json::whole(group));
+    return json;
+  }
+  TypeInfo describe(Format& format) const override {
+    Json all = Json::object(), numbers = Json::object(), schema = Json::object();
+    all.set("const", Json::of("all"));
+    numbers.set("type", Json::of("array"));
+    numbers.set("items", group_.describe(format).schema);
+    schema.set("oneOf", Json::array({numbers, all}));
+    return {"list of whole numbers from 0 to 31, or \"all\"", schema};
+  }
+
+ private:
+  Number<std::uint32_t> group_{within(0, 31)};
+};
+
+template <class T>
+void add_collision_keys(Table<T>& keys) {
+  const CodecPtr<std::uint32_t> groups = std::make_shared<Groups>();
+  keys.template key<&T::collision, &CollisionFilter::groups>("collision_groups", groups,
+                                                             "which of 32 groups it belongs to")
+      .template key<&T::collision, &CollisionFilter::mask>(
+          "collision_mask", groups,
+          "which groups it meets; two things collide when each is in a group that the other meets");
+}
+
 // --- places and motions ------------------------------------------------------------------------------------
 
 CodecPtr<TransformDescription> transform_codec() {
@@ -399,8 +446,9 @@ std::shared_ptr<Table<S>> sequence_table(const char* heading) {
                        "Positions of all the object's vertices over time, in the coordinates of its "
                        "mesh (its `scale`, `up` and `transform` apply). Linear between frames; still "
                        "before the first and after the last.");
-  keys->template required<&S::file>("file", file(),
-                                    "a .pc2, a .mdd, or one file of a sequence of OBJ (NAME_0001.obj)")
+  keys->template required<&S::file>("file", file_or_folder(),
+                                    "a .pc2, a .mdd, or a sequence of OBJ: one file of it (NAME_0001.obj) or "
+                                    "the folder that holds it and no other")
       .template key<&S::frame_rate>("frame_rate", number<double>(positive(1e4)),
                                     "frames a second; a .mdd holds its own times")
       .template key<&S::start_time>("start_time", number<double>(signed_range(1e6)),
@@ -701,6 +749,7 @@ void add_object_keys(Table<T>& keys) {
       .template key<&T::pins>("pins", list(pin_codec(), 0, 10000), "vertices held where they are, or led")
       .template key<&T::attachments>("attachments", list(attachment_codec(), 0, 10000),
                                      "vertices held by springs");
+  add_collision_keys(keys);
 }
 
 template <class T>
@@ -822,6 +871,7 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
       .key<&T::sequence>("sequence", maybe(obstacle_sequence_codec()), "deforms it")
       .needs("loop", "keyframes")
       .check([](const T& obstacle, const Place& place) { check_times(obstacle.keyframes, place); });
+  add_collision_keys(*keys);
   return keys;
 }
 
@@ -917,16 +967,24 @@ CodecPtr<ColliderDescription> collider_codec() {
       .needs("loop", "keyframes")
       .excludes("transform", "keyframes")
       .check([](const C& collider, const Place& place) { check_times(collider.keyframes, place); });
+  add_collision_keys(*keys);
   return keys;
 }
 
 CodecPtr<PairDescription> pair_codec() {
   using P = PairDescription;
-  auto keys = table<P>("pair", "How two things rub and bounce, whatever their materials say.");
+  auto keys = table<P>("pair",
+                       "How two things rub and bounce, whatever their materials say, and whether they "
+                       "collide at all, whatever their groups say. One name twice: an object with itself.");
   keys->required<&P::between>("between", CodecPtr<std::array<std::string, 2>>(std::make_shared<TwoNames>()),
                               "names of objects or colliders")
-      .required<&P::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
-      .key<&P::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back");
+      .key<&P::collide>("collide", boolean(), "false: they pass through each other")
+      .key<&P::friction>("friction", maybe(number<float>(friction_range)), "Coulomb coefficient")
+      .key<&P::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
+      .needs("restitution", "friction")
+      .check([](const P& pair, const Place& place) {
+        if (pair.collide && !pair.friction) place.fail("needs \"friction\", or \"collide\": false");
+      });
   return keys;
 }
 
@@ -967,6 +1025,17 @@ CodecPtr<Wind> wind_codec() {
       .key<&Wind::gust>("gust", number<float>(unit), "its strength varies by this fraction")
       .key<&Wind::gust_period>("gust_period", number<float>(positive(1e4)), "of the slowest of the gusts [s]")
       .key<&Wind::air_density>("air_density", number<float>(from_zero(1e4)), "[kg/m^3]");
+  return keys;
+}
+
+CodecPtr<Sleeping> sleeping_codec() {
+  auto keys = table<Sleeping>("sleeping",
+                              "Objects at rest fall asleep, those in touch together, and wake when something "
+                              "moves them or near them.");
+  keys->key<&Sleeping::enabled>("enabled", boolean(), "whether they do")
+      .key<&Sleeping::speed>("speed", number<float>(from_zero(1000)),
+                             "of an object at rest no particle moves faster, from frame to frame [m/s]")
+      .key<&Sleeping::seconds>("seconds", number<float>(positive(1e6)), "of rest before it falls asleep [s]");
   return keys;
 }
 
@@ -1112,12 +1181,13 @@ CodecPtr<SceneDescription> scene_codec() {
           "segment_test",
           enumeration<SegmentTest>({std::begin(segment_test_names), std::end(segment_test_names)}),
           "how rays that pick are tested against triangles")
+      .key<&S::settings, &Settings::sleeping>("sleeping", sleeping_codec(), "what lies still costs little")
       .key<&S::camera>("camera", camera_codec(), "from where the scene is best seen")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
       .key<&S::objects>("objects", list(object_codec(), 0, 10000), "what moves")
       .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "what it touches")
       .key<&S::pairs>("pairs", list(pair_codec(), 0, 100000),
-                      "friction and restitution of two things by name")
+                      "friction and restitution of two things by name, or that they do not collide")
       .key<&S::connections>("connections", list(connection_codec(), 0, 10000), "ties between objects");
   return keys;
 }

@@ -2,6 +2,7 @@
 
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
+#include "souple/collision/surface.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/vertex_maps.h"
 #include "souple/io/mesh_file.h"
@@ -80,7 +81,8 @@ struct MeshDescription {
 };
 
 // --- what holds vertices
-/// Positions of all of an object's vertices over time, from a .pc2, a .mdd or a sequence of meshes.
+/// Positions of all of an object's vertices over time, from a .pc2, a .mdd or a sequence of meshes
+/// (one of its files, or its folder).
 struct SequenceDescription {
   std::string file;
   double frame_rate = 60;
@@ -137,6 +139,7 @@ struct ObjectDescription {
   Vec3f angular_velocity{};             ///< rad/s
   std::optional<std::uint32_t> colour;  ///< 0xRRGGBB (sRGB), for those who show it
   bool self_collision = false;          ///< not of grains
+  CollisionFilter collision{};          ///< groups and mask
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;
 };
@@ -184,7 +187,7 @@ struct GrainsDescription : ObjectDescription {
 struct ObstacleSequenceDescription : SequenceDescription {
   bool loop = false;
 };
-/// Of what all objects share it has a name, a transform and a colour.
+/// Of what all objects share it has a name, a transform, a colour and collision groups.
 struct ObstacleDescription : ObjectDescription {
   MeshDescription mesh;
   ObstacleMaterial material;
@@ -206,7 +209,8 @@ struct ColliderDescription {
   Shape shape{};
   float friction = 0.5f;
   float restitution = 0;
-  std::optional<std::uint32_t> colour;         ///< as of an object
+  CollisionFilter collision{};                 ///< as of an object
+  std::optional<std::uint32_t> colour;         ///< the same
   TransformDescription transform;              ///< its scale is 1
   std::vector<KeyframeDescription> keyframes;  ///< instead of the transform
   bool loop = false;
@@ -214,8 +218,9 @@ struct ColliderDescription {
 
 struct PairDescription {
   std::array<std::string, 2> between;  ///< names of objects or colliders
-  float friction = 0.5f;
-  float restitution = 0;
+  bool collide = true;
+  std::optional<float> friction;  ///< what the materials say if not given; then `collide` is false
+  float restitution = 0;          ///< counts only beside a friction
 };
 
 struct EndDescription {

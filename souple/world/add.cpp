@@ -105,6 +105,7 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
     world.tell(object.name,
                {std::to_string(left_out) + " elements are too thin to carry bending or a membrane"});
   object.self_collision = options.self_collision;
+  object.filter = {options.collision_groups, options.collision_mask};
   shrink(object);
   object.id = {world.next_id++};
   Particles& particles = world.particles;

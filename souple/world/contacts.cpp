@@ -2,18 +2,13 @@
 
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
 
 #include <cmath>
 
 namespace souple {
 namespace {
-
-// What has no triangles and is no rope is a cloud of balls: grains, and bodies whose surface is embedded in a
-// lattice.
-bool is_loose(const Object& object) {
-  return object.surface.empty() && object.kind != ObjectKind::rope;
-}
 
 // Balls meet balls as particles, and the nodes of ropes; everything else meets as surfaces.
 ContactObject contact_object(const Object& object) {
@@ -37,20 +32,23 @@ std::vector<Edge> edges_of_rope(const Object& object) {
   return edges;
 }
 
-// Nothing could move two obstacles apart.
-constexpr std::uint32_t movable = 1, obstacles = 2;
-
-ContactSurface contact_surface(const Object& object, std::span<const Edge> rope_edges) {
-  const bool is_obstacle = object.kind == ObjectKind::obstacle;
-  return {.begin = object.begin,
-          .end = object.end,
-          .triangles = object.surface,
-          .edges = rope_edges,
-          .loose_particles = is_loose(object),
-          .meets_itself = object.self_collision && !is_loose(object),
-          .groups = is_obstacle ? obstacles : movable,
-          .meets = is_obstacle ? movable : movable | obstacles,
-          .rest = object.rest};
+ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
+  const Object& object = *world.objects[index];
+  const SurfaceMatrix& matrix = world.tables.against_objects;
+  ContactSurface result{
+      .begin = object.begin,
+      .end = object.end,
+      .triangles = object.surface,
+      .edges = world.tables.rope_edges[index],
+      .loose_particles = is_loose(object),
+      .meets_itself = object.self_collision && !is_loose(object) && matrix.collide(index, index),
+      .groups = object.filter.groups,
+      .meets = object.filter.mask,
+      .immovable = object.kind == ObjectKind::obstacle,
+      .rest = object.rest};
+  for (std::uint32_t other = 0; other < world.objects.size(); ++other)
+    if (other != index && !matrix.collide(index, other)) result.apart_from.push_back(other);
+  return result;
 }
 
 Surface surface_of(const Material& material) {
@@ -81,21 +79,27 @@ void append_event(const WorldState& world, const ContactPush& push, bool against
 
 }  // namespace
 
+bool is_loose(const Object& object) {
+  return object.surface.empty() && object.kind != ObjectKind::rope;
+}
+
 void build_contact_tables(WorldState& world) {
   world.collider_contacts.erase_particles(0, 0);  // they refer to the old tables
   world.forget_contacts();
   ContactTables& tables = world.tables;
+  world.sleep.touching.forget();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedSurface> object_surfaces, collider_surfaces;
   for (const auto& object : world.objects) {
     tables.objects.push_back(contact_object(*object));
-    object_surfaces.push_back({object->name, surface_of(object->material)});
+    object_surfaces.push_back({object->name, surface_of(object->material), object->filter});
   }
   for (const ColliderRecord& record : world.colliders) {
     const Surface surface{.friction = record.options.friction, .restitution = record.options.restitution};
     tables.colliders.push_back({record.options.name, record.shape, record.options.motion, surface, true});
-    collider_surfaces.push_back({record.options.name, surface});
+    collider_surfaces.push_back(
+        {record.options.name, surface, {record.options.collision_groups, record.options.collision_mask}});
   }
   tables.against_colliders = SurfaceMatrix(object_surfaces, collider_surfaces, world.pairs);
   tables.against_objects = SurfaceMatrix(object_surfaces, object_surfaces, world.pairs);
@@ -108,8 +112,7 @@ void build_contact_tables(WorldState& world) {
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
   std::vector<ContactSurface> surfaces;
-  for (std::size_t a = 0; a < world.objects.size(); ++a)
-    surfaces.push_back(contact_surface(*world.objects[a], tables.rope_edges[a]));
+  for (std::uint32_t a = 0; a < world.objects.size(); ++a) surfaces.push_back(contact_surface(world, a));
   world.surface_contacts.set_surfaces(std::move(surfaces));
 }
 
@@ -118,11 +121,14 @@ void find_candidates(WorldState& world, double dt) {
                          .dt = static_cast<float>(dt),
                          .gravity = length(world.settings.gravity),
                          .h = static_cast<float>(dt / world.settings.substeps)};
-  const ContactTables& tables = world.tables;
+  ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   foresee_obstacles(world, dt);
+  wake_touched(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
+  for (std::size_t a = 0; a < tables.objects.size(); ++a)
+    tables.objects[a].moves = world.objects[a]->island == 0;
   world.guarded("a collider's motion", [&] {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                        tables.colliders, tables.against_colliders, step, *world.threads);
@@ -134,6 +140,7 @@ void find_candidates(WorldState& world, double dt) {
 }
 
 void generate_contacts(WorldState& world, const Substep& substep) {
+  if (world.sleep.all) return;
   const ParticleView view = world.view();
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });

@@ -2,6 +2,7 @@
 
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
+#include "souple/world/sleeping.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,7 @@ void restore_last_good(WorldState& world) {
   particles.position = world.good_position;
   particles.offset = world.good_offset;
   particles.velocity = world.good_velocity;
+  hold_sleepers(world);
   world.complain(Flag::non_finite, object.name + ", vertex " + std::to_string(world.report.bad_vertex) +
                                        ": " + std::string(advice(Flag::non_finite)));
 }

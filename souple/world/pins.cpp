@@ -3,6 +3,7 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/world/add.h"
 #include "souple/world/impl.h"
+#include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
 
 #include <algorithm>
@@ -116,6 +117,7 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
   Object& object = world.object(id);
   require_movable(object, "pin");
   const std::vector<std::uint32_t> chosen = select(id, selector);
+  wake_island(world, object);
   const auto shared = target ? std::make_shared<const Target>(std::move(target)) : nullptr;
   for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
     PinnedParticle pin{particle, vertex, {}, shared};
@@ -138,6 +140,7 @@ void World::unpin(ObjectId id, const Selector& selector) {
   Object& object = world.object(id);
   require_movable(object, "unpin");
   const std::vector<std::uint32_t> freed = particles_of(object, select(id, selector));
+  wake_island(world, object);
   const auto is_freed = [&](const PinnedParticle& pin) {
     return std::binary_search(freed.begin(), freed.end(), pin.particle);
   };
@@ -170,6 +173,7 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
     extra.followers.push_back({vertex, object.embedding ? x - Vec3d(positions(id)[vertex]) : Vec3d{}});
   }
   extra.attachment = projector.get();
+  wake_island(world, object);
   return world.add_extra(std::move(extra), std::move(projector));
 }
 
@@ -186,6 +190,8 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
     const double now = length(world.exact_position(i) - world.exact_position(j));
     projector->add({i, j}, {rest_length < 0 ? static_cast<float>(now) : rest_length}, {compliance});
   }
+  for (const auto& [a, b] : pairs)
+    wake_island(world, world.object(a.object)), wake_island(world, world.object(b.object));
   Extra extra;
   extra.tie = projector.get();
   return world.add_extra(std::move(extra), std::move(projector));
@@ -255,6 +261,7 @@ ProjectorId World::add_tethers(ObjectId id, float slack) {
     projector->add({object.begin + i, object.begin + reach.source[i]},
                    {static_cast<float>(reach.distance[i] * (1 + static_cast<double>(slack)))});
   }
+  wake_island(world, object);
   return world.add_extra({}, std::move(projector));
 }
 
@@ -263,7 +270,10 @@ ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
   world.require_between_steps("add_projector");
   if (!projector) throw Error("add_projector: the projector is null");
   projector->prepare(world.particles.size());
-  return world.add_extra({}, std::move(projector));
+  Extra extra;
+  extra.by_user = true;
+  wake_held(world, *projector);
+  return world.add_extra(std::move(extra), std::move(projector));
 }
 
 ProjectorId WorldState::add_extra(Extra extra, std::unique_ptr<Projector> projector) {
@@ -292,13 +302,16 @@ void World::remove(ProjectorId id) {
   const std::size_t found = find_extra(world, id);
   world.dirty_tables = world.dirty_tables || world.extras[found].tie;
   world.dirty_solver = true;
+  wake_held(world, *world.extras[found].projector);
   world.extras.erase(world.extras.begin() + static_cast<std::ptrdiff_t>(found));
 }
 
 Projector& World::projector(ProjectorId id) {
   WorldState& world = impl_->state;
+  Projector& found = *world.extras[find_extra(world, id)].projector;
   world.dirty_solver = true;  // whoever asks for it may change it
-  return *world.extras[find_extra(world, id)].projector;
+  wake_held(world, found);
+  return found;
 }
 
 namespace {
@@ -320,7 +333,9 @@ Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
 
 void World::set_pressure(ObjectId id, float pascals) {
   if (!std::isfinite(pascals)) throw Error("set_pressure: the pressure is not finite");
-  closed_cloth(impl_->state, id, "set_pressure").pressure = pascals;
+  Object& object = closed_cloth(impl_->state, id, "set_pressure");
+  wake_island(impl_->state, object);
+  object.pressure = pascals;
   impl_->state.dirty_constraints = true;
 }
 
@@ -329,7 +344,9 @@ void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
     throw Error("set_enclosed_volume: the factor is " + std::to_string(factor) +
                 ", expected a finite number above 0");
   require_compliance(compliance, "set_enclosed_volume");
-  closed_cloth(impl_->state, id, "set_enclosed_volume").enclosed_volume = {factor, compliance};
+  Object& object = closed_cloth(impl_->state, id, "set_enclosed_volume");
+  wake_island(impl_->state, object);
+  object.enclosed_volume = {factor, compliance};
   impl_->state.dirty_constraints = true;
 }
 

@@ -41,6 +41,7 @@ struct StepReport {
   std::array<double, stage_count> milliseconds{};  ///< per Stage
   std::size_t particles = 0, constraints = 0;
   std::size_t contacts = 0;       ///< that pushed in the last substep
+  std::size_t asleep = 0;         ///< objects, at the end of the step
   std::size_t kept_apart = 0;     ///< times that two features were stopped before they passed each other
   double deepest_contact = 0;     ///< m, penetration left at the end
   double largest_strain = 0;      ///< (l - l0) / l0 over distance constraints, extension only

@@ -23,6 +23,16 @@ struct Wind {
   float gust = 0;              ///< the wind's strength varies by this fraction, in [0, 1]
   float gust_period = 2;       ///< s, of the slowest of the gusts
   float air_density = 1.225f;  ///< kg/m^3
+  friend bool operator==(const Wind&, const Wind&) = default;
+};
+
+/// Objects at rest fall asleep: they stay where they are to the bit, cost little, and hold what lies on them.
+/// They wake when something moves them or near them (docs/collisions.md).
+struct Sleeping {
+  bool enabled = false;
+  float speed = 0.03f;   ///< of an object at rest no particle goes farther in a step than this times dt [m/s]
+  float seconds = 0.5f;  ///< of rest before it falls asleep, > 0
+  friend bool operator==(const Sleeping&, const Sleeping&) = default;
 };
 
 /// How a world is simulated. All of it may be changed between steps.
@@ -38,6 +48,7 @@ struct Settings {
   bool measure_residuals = true;  ///< residuals and strain in the report: costs about one iteration a step
   std::uint64_t seed = 1;         ///< of the gusts
   SolverSettings solver{};
+  Sleeping sleeping{};
   SegmentTest segment_test = default_segment_test;  ///< of rays against surfaces (docs/segment-triangle.md)
   int threads = 0;  ///< results do not depend on it; 0: one for each processor
   Threading threading = Threading::automatic;

@@ -5,12 +5,13 @@
 
 // A snapshot is: magic, shape (a hash of what the objects are), time, steps, number of frictional contacts,
 // then position (with inverse masses), offset and velocity of every particle, what contacts between particles
-// remember of friction, then a checksum of all before it.
+// remember of friction, how long each object has been at rest and with whom it sleeps, then a checksum of all
+// before it.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x31304e53504c5553u;  // "SULPSN01"
+constexpr std::uint64_t magic = 0x32304e53504c5553u;  // "SULPSN02"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -42,9 +43,15 @@ struct Header {
   std::uint64_t steps, contacts;
 };
 
-std::size_t size_for(std::size_t particles, std::size_t contacts) {
-  return sizeof(Header) + 3 * particles * sizeof(Vec4f) + contacts * sizeof(FrictionMemory) +
-         sizeof(std::uint64_t);
+/// Of an object.
+struct Rest {
+  double still_time;
+  std::uint64_t island;
+};
+
+std::size_t size_for(const WorldState& world, std::size_t contacts) {
+  return sizeof(Header) + 3 * world.particles.size() * sizeof(Vec4f) + contacts * sizeof(FrictionMemory) +
+         world.objects.size() * sizeof(Rest) + sizeof(std::uint64_t);
 }
 
 /// Checks everything that can be checked before the world is touched.
@@ -58,7 +65,7 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
-      bytes.size() != size_for(world.particles.size(), header.contacts))
+      bytes.size() != size_for(world, header.contacts))
     throw Error(
         "restore: the snapshot is of a world with other objects; build the world in the same way first");
   return header;
@@ -73,12 +80,16 @@ Snapshot World::snapshot() const {
   const Header header{magic, shape_of(world), world.time, world.steps, memory.size()};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(particles.size(), memory.size()));
+  out.reserve(size_for(world, memory.size()));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
   put(out, particles.velocity.data(), particles.size());
   put(out, memory.data(), memory.size());
+  for (const auto& object : world.objects) {
+    const Rest rest{object->still_time, object->island};
+    put(out, &rest, 1);
+  }
   const std::uint64_t checksum = fnv1a64(out);
   put(out, &checksum, 1);
   return result;
@@ -98,6 +109,12 @@ void World::restore(const Snapshot& snapshot) {
   std::vector<FrictionMemory> memory(header.contacts);
   get(in, memory.data(), memory.size());
   world.particle_contacts.set_memory(memory);
+  for (const auto& object : world.objects) {
+    Rest rest{};
+    get(in, &rest, 1);
+    object->still_time = rest.still_time;
+    object->island = static_cast<std::uint32_t>(rest.island);
+  }
   world.forget_contacts();
   ++world.version;
 }

@@ -174,6 +174,7 @@ void drive_attachments(WorldState& world, const Substep& substep) {
 }  // namespace
 
 void integrate(WorldState& world, const Substep& substep) {
+  if (world.sleep.woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   predict(world, substep);
   drive_pins(world, substep);
   lead_obstacles(world, substep);
@@ -182,6 +183,7 @@ void integrate(WorldState& world, const Substep& substep) {
 }
 
 void solve(WorldState& world, const Substep& substep) {
+  if (world.sleep.all) return;
   const ParticleView view = world.view();
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
   world.solver->solve(world.order, view, substep, *world.threads);
@@ -210,7 +212,8 @@ bool finish(WorldState& world, const Substep& substep) {
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
-  for (const auto& object : world.objects) damp(world, *object, substep.h);
+  for (const auto& object : world.objects)
+    if (object->island == 0) damp(world, *object, substep.h);
 }
 
 }  // namespace souple

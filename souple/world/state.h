@@ -13,6 +13,7 @@
 #include "souple/solver/projector.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
+#include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
 #include <array>
@@ -64,10 +65,13 @@ struct Object {
   std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
   bool self_collision = false;                             ///< its surface touches itself
+  CollisionFilter filter;                                  ///< which other things it meets
   float pressure = 0;                                      ///< Pa
   std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance
-  ObstacleMotion motion;                                   ///< of an obstacle
-  Transform placement;                                     ///< of an obstacle: applied to its sequence
+  double still_time = 0;                                   ///< for how long it has been at rest by now [s]
+  std::uint32_t island = 0;  ///< that it sleeps with, named by one of its objects' ids; 0: awake
+  ObstacleMotion motion;     ///< of an obstacle
+  Transform placement;       ///< of an obstacle: applied to its sequence
 
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
   std::size_t vertex_count() const { return embedding ? mesh.positions.size() : particle_of.size(); }
@@ -104,6 +108,7 @@ struct Extra {
   std::unique_ptr<Projector> projector;
   SetProjector<Attachment>* attachment = nullptr;  ///< `projector`, when it has a target
   SetProjector<Distance>* tie = nullptr;           ///< `projector`, when it ties vertices together
+  bool by_user = false;                            ///< it may pull otherwise at any time
   Target target;
   std::vector<Follower> followers;
 
@@ -172,6 +177,7 @@ struct WorldState {
 
   StepReport report;
   std::vector<ContactEvent> events;
+  SleepScratch sleep;
   bool contacts_known = false;  ///< the contact projectors hold what the last step left, and may be read
   bool events_known = false;    ///< `events` are made of them
   void forget_contacts() { contacts_known = events_known = false; }

@@ -1,5 +1,6 @@
 #include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
+#include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
 
 #include <chrono>
@@ -41,6 +42,7 @@ const StepReport& World::step(double dt) {
   }
   world.stepping = false;
   if (!good) world.time = start;
+  if (good) fall_asleep(world, dt);
   end_step(world, good);
   return world.report;
 }

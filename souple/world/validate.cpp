@@ -65,6 +65,8 @@ void validate(const Settings& s) {
                          {"solver.chebyshev", double(s.solver.chebyshev), 0, 1, true},
                          {"solver.colours", double(s.solver.colours), 0, 64},
                          {"drag", double(s.drag), 0, any},
+                         {"sleeping.speed", double(s.sleeping.speed), 0, any},
+                         {"sleeping.seconds", double(s.sleeping.seconds), smallest, any},
                          {"wind.gust", double(s.wind.gust), 0, 1},
                          {"wind.gust_period", double(s.wind.gust_period), smallest, any},
                          {"wind.air_density", double(s.wind.air_density), 0, any}});

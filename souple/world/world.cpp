@@ -5,6 +5,7 @@
 #include "souple/world/build.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
 
 #include <algorithm>
@@ -58,6 +59,9 @@ void World::set_settings(const Settings& settings) {
   const Settings& old = world.settings;
   const bool same = settings.solver == old.solver && settings.form == old.form && settings.mode == old.mode;
   world.dirty_solver = world.dirty_solver || !same;  // a hierarchy takes a while to build
+  if (!(settings.gravity == old.gravity && settings.wind == old.wind && settings.drag == old.drag &&
+        settings.sleeping == old.sleeping))
+    wake_all(world);
   world.settings = settings;
 }
 
@@ -75,7 +79,9 @@ void World::after(Stage stage, std::function<void(World&)> callback) {
 void World::remove(ObjectId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
-  remove_object(world, world.object(id));
+  const Object& object = world.object(id);
+  wake_all(world);
+  remove_object(world, object);
 }
 
 std::vector<ObjectId> World::objects() const {
@@ -136,6 +142,7 @@ void change_material(WorldState& world, ObjectId id, const M& material) {
     object.material = before;
     throw;
   }
+  wake_island(world, object);
   if (density_ratio != 1) scale_mass(world, object, density_ratio);
   world.dirty_all();
 }
@@ -173,6 +180,20 @@ const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
   return material_of<ObstacleMaterial>(impl_->state, id);
 }
 
+void World::set_collision_groups(ObjectId id, std::uint32_t groups, std::uint32_t mask) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_collision_groups");
+  world.object(id).filter = {groups, mask};
+  world.dirty_tables = true;
+  wake_all(world);
+}
+std::uint32_t World::collision_groups(ObjectId id) const {
+  return impl_->state.object(id).filter.groups;
+}
+std::uint32_t World::collision_mask(ObjectId id) const {
+  return impl_->state.object(id).filter.mask;
+}
+
 void World::set_motion(ObjectId id, ObstacleMotion motion) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_motion");
@@ -191,6 +212,7 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
     world.place(object.begin + k, now[k]);
     world.particles.velocity[object.begin + k] = {};
   }
+  wake_all(world);
   world.forget_contacts();
   ++world.version;
 }
@@ -250,6 +272,7 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
   require_particle_vertices(object, "set_positions");
   require_count(object, positions.size(), "set_positions");
   require_all_finite(object, positions, "set_positions");
+  wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     world.particles.position[i].set_xyz(positions[object.vertex_of[i - object.begin]]);
     world.particles.offset[i] = {};
@@ -264,6 +287,7 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
   require_particle_vertices(object, "set_velocities");
   require_count(object, velocities.size(), "set_velocities");
   require_all_finite(object, velocities, "set_velocities");
+  wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     world.particles.velocity[i].set_xyz(velocities[object.vertex_of[i - object.begin]]);
   ++world.version;
@@ -276,6 +300,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
   validate(transform, "teleport");
   if (transform.scale != 1)
     throw Error("teleport: the scale is " + std::to_string(transform.scale) + ", expected 1");
+  wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);
     world.place(i, transform.point(x));
@@ -291,6 +316,7 @@ void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& im
   require_movable(object, "apply_impulse");
   if (!is_finite(impulse)) throw Error("apply_impulse: the impulse on " + object.name + " is not finite");
   const std::vector<std::uint32_t> chosen = particles_of(object, select(id, selector));
+  wake_island(world, object);
   double mass = 0;
   for (const std::uint32_t i : chosen)
     if (world.particles.position[object.begin + i].w > 0)
@@ -326,7 +352,7 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
   require_vertex(object, vertex, "carriers");
   const auto carrier = [&](std::uint32_t local, double weight) -> Carrier {
     const std::uint32_t i = object.begin + local;
-    return {i, weight, impl_->state.particles.position[i].w, impl_->state.exact_position(i)};
+    return {i, weight, inverse_mass_awake(impl_->state, object, local), impl_->state.exact_position(i)};
   };
   if (!object.embedding) return {carrier(object.particle_of[vertex], 1)};
   std::vector<Carrier> result;
@@ -348,6 +374,7 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   world.colliders.push_back(std::move(record));
   ++world.next_id;
   world.dirty_tables = true;
+  wake_all(world);
   world.forget_contacts();
   return world.colliders.back().id;
 }
@@ -358,6 +385,7 @@ void World::remove(ColliderId id) {
   const ColliderRecord& record = world.collider(id);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
   world.dirty_tables = true;
+  wake_all(world);
   world.forget_contacts();
 }
 
@@ -373,6 +401,7 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   record.options = options;
   if (options.name.empty()) record.options.name = name;
   world.dirty_tables = true;
+  wake_all(world);
   world.forget_contacts();
 }
 
@@ -406,15 +435,26 @@ void World::set_pair(std::string_view a, std::string_view b, float friction, flo
   world.require_between_steps("set_pair");
   world.pairs.set(a, b, {friction, friction, restitution});
   world.dirty_tables = true;
+  wake_all(world);
+}
+
+void World::set_collide(std::string_view a, std::string_view b, bool collide) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_collide");
+  world.pairs.set_collide(a, b, collide);
+  world.dirty_tables = true;
+  wake_all(world);
 }
 
 void World::add_force_field(ForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
   impl_->state.force_fields.push_back(std::move(field));
+  wake_all(impl_->state);
 }
 
 void World::clear_force_fields() {
   impl_->state.force_fields.clear();
+  wake_all(impl_->state);
 }
 
 void World::set_log(std::function<void(LogLevel, std::string_view)> log) {

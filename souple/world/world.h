@@ -56,13 +56,19 @@ struct ObjectOptions {
   std::vector<float> thickness_map{};  ///< per vertex, scales thickness; empty: 1
   /// Its surface touches itself: cloth folds over itself, a rope cannot pass through itself.
   bool self_collision = false;
+  /// Bit masks: which of 32 groups it belongs to, and which groups it wants to meet. Two things meet when
+  /// a.collision_groups & b.collision_mask and b.collision_groups & a.collision_mask are both non-zero.
+  std::uint32_t collision_groups = 1;
+  std::uint32_t collision_mask = ~0u;
 };
 
 struct ColliderOptions {
   float friction = 0.5f;
   float restitution = 0;
-  std::string name{};       ///< unique; empty: collider, collider2, ...
-  ColliderMotion motion{};  ///< static unless told otherwise; poses are applied to the shape
+  std::string name{};                  ///< unique; empty: collider, collider2, ...
+  ColliderMotion motion{};             ///< static unless told otherwise; poses are applied to the shape
+  std::uint32_t collision_groups = 1;  ///< as of objects
+  std::uint32_t collision_mask = ~0u;
 };
 
 /// Where a pinned or attached vertex has to be: (vertex in user order, time in s) -> metres.
@@ -173,6 +179,11 @@ class World {
   const RopeMaterial& rope_material(ObjectId object) const;
   const GrainsMaterial& grains_material(ObjectId object) const;
   const ObstacleMaterial& obstacle_material(ObjectId object) const;
+  /// Bit masks, as in ObjectOptions. What is in touch then and no longer meets passes through; what meets
+  /// again while it overlaps is pushed out slowly, or stays tangled.
+  void set_collision_groups(ObjectId object, std::uint32_t groups, std::uint32_t mask = ~0u);
+  std::uint32_t collision_groups(ObjectId object) const;
+  std::uint32_t collision_mask(ObjectId object) const;
   /// Of an obstacle. It is at once where the new motion says, without the velocity of the jump.
   void set_motion(ObjectId object, ObstacleMotion motion);
   const ObstacleMotion& motion(ObjectId object) const;
@@ -243,12 +254,22 @@ class World {
   ColliderId find_collider(std::string_view name) const;
   /// Overrides the pair rules (geometric mean of frictions, larger restitution) for two names.
   void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
+  /// Whether two things collide at all, whatever their groups say; they do until told otherwise. The name of
+  /// an object twice: false stops it from colliding with itself, true only takes that back. Picking and
+  /// queries find everything all the same.
+  void set_collide(std::string_view a, std::string_view b, bool collide);
   void add_force_field(ForceField field);
   void clear_force_fields();
   /// Contacts of the last step; valid until the next, or until an object or collider is added, changed or
   /// removed: there are none then.
   std::span<const ContactEvent> contacts() const;
   void set_log(std::function<void(LogLevel, std::string_view)> log);
+
+  // --- sleeping, see Settings::sleeping
+  // ------------------------------------------------------------------------------
+  bool is_asleep(ObjectId object) const;
+  /// Wakes an object and all that sleep in touch with it; one that is awake begins its rest anew.
+  void wake(ObjectId object);
 
   // --- queries
   // ----------------------------------------------------------------------------------------------------

@@ -70,5 +70,20 @@ TEST_F(SequenceTest, WhatIsNoSequenceIsAnError) {
   expect_says(error_of([&] { find_sequence(folder / "drive_1.obj"); }), "same number");
 }
 
+TEST_F(SequenceTest, AFolderStandsForTheOneSequenceInIt) {
+  expect_says(error_of([&] { find_sequence(folder); }), "no sequence");
+  put("readme.txt", ""), put("rest.obj", ""), put("walk_0001.mtl", "");
+  expect_says(error_of([&] { find_sequence(folder); }), "NAME_0001.obj");
+  put("walk_10.obj", ""), put("walk_9.obj", ""), put("walk_0011.obj", "");
+  const auto frames = find_sequence(folder);
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[0].path, folder / "walk_9.obj") << "by number, not by name";
+  EXPECT_EQ(frames[2].path, folder / "walk_0011.obj");
+  put("run_0001.obj", "");
+  const std::string said = error_of([&] { find_sequence(folder); });
+  expect_says(said, "run_0001.obj");
+  expect_says(said, "walk_0011.obj");
+}
+
 }  // namespace
 }  // namespace souple::test

@@ -84,7 +84,7 @@ double radius_at(double time) {
 
 TEST_F(ObstacleScene, EverySortOfFileIsFollowed) {
   write_pc2(), write_mdd(), write_obj();
-  for (const char* name : {"breath.pc2", "breath.mdd", "breath_0001.obj"}) {
+  for (const char* name : {"breath.pc2", "breath.mdd", "breath_0001.obj", "."}) {
     SCOPED_TRACE(name);
     World world = built(text(name));
     const ObjectId ball = world.find_object("ball");
@@ -165,7 +165,14 @@ TEST_F(ObstacleScene, WhatIsBadIsSaidInOneLine) {
   expect(text("breath.pc2"), {"test.json", "objects[0]", "sequence", "breath.pc2"});
   write_obj();
   std::ofstream(file("breath_0007.obj")) << "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n";
-  expect(text("breath_0001.obj"), {"test.json", "objects[0]", "sequence", "breath_0007.obj", "3 vertices"});
+  for (const char* name : {"breath_0001.obj", "."})
+    expect(text(name), {"test.json", "objects[0]", "sequence", "breath_0007.obj", "3 vertices"});
+  std::ofstream(file("breath_0007.obj")) << "v 0 0 zero\n";
+  expect(text("."), {"test.json", "objects[0]", "sequence", "breath_0007.obj"});
+  std::ofstream(file("other_0001.obj")) << "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n";
+  expect(text("."), {"objects[0]", "sequence", "several", "breath_0001.obj", "other_0001.obj"});
+  fs::create_directories(file("empty"));
+  expect(text("empty"), {"objects[0]", "sequence", "empty", "no sequence", "NAME_0001.obj"});
   expect(with_object(R"("kind": "obstacle", "mesh": {"sphere": {"radius": 1}}, "pins": [])"),
          {"objects[0].pins", "belongs to a cloth"});
   expect(with_object(R"("kind": "obstacle", "mesh": {"sphere": {"radius": 1}}, "loop": true)"),

@@ -9,13 +9,13 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   const SceneDescription scene = parse_scene(R"({
     "souple": 1, "frame_rate": 50, "frames": 100, "substeps": 7, "iterations": 3, "mode": "pbd", "form": "plain",
     "integrator": "implicit_euler", "gravity": [0, -1.62, 0.5], "seed": 9007199254740991, "drag": 0.25,
-    "measure_residuals": false,
+    "measure_residuals": false, "sleeping": {"enabled": true, "speed": 0.25, "seconds": 2},
     "camera": {"from": [2, 1.5, 3], "to": [0, 0.5, 0], "fov": 35},
     "wind": {"velocity": [2, 0, -1], "gust": 0.3, "gust_period": 4, "air_density": 1.1},
     "objects": [
       {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 80, "rows": 48, "size": 2.0, "diagonals": "one_way"}},
        "transform": {"translate": [0, 2, 0], "rotate": [90, 0, 0], "scale": 1.5}, "velocity": [1, 2, 3],
-       "angular_velocity": [4, 5, 6], "colour": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
+       "angular_velocity": [4, 5, 6], "collision_groups": [0, 31], "collision_mask": [], "colour": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
        "tethers": {"slack": 0.1},
        "material": {"preset": "silk", "areal_density": 0.08, "stretch": "membrane", "bending": "dihedral"},
        "pins": [{"in_box": [[-1.01, 1, -1], [-0.99, 3, 1]]}, {"nearest": [1, 2, 3], "about": [0, 1, 0], "loop": true,
@@ -28,15 +28,17 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
        "material": {"preset": "nylon", "radius": 0.006}},
       {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 2, 3], "spacing": 0.3, "jitter": 0.5}},
       {"name": "wheel", "kind": "obstacle", "mesh": {"torus": {"major_radius": 0.5, "minor_radius": 0.2}}, "colour": "#102030",
-       "transform": {"scale": 2}, "material": {"thickness": 0.01, "friction": 0.7, "restitution": 0.25}, "loop": true,
+       "transform": {"scale": 2}, "material": {"thickness": 0.01, "friction": 0.7, "restitution": 0.25}, "loop": true, "collision_groups": [2],
        "keyframes": [{"time": 0}, {"time": 2, "translate": [0, 1, 0], "rotate": [0, 90, 0]}]},
       {"name": "duck", "kind": "obstacle", "mesh": {"file": "meshes/duck.obj", "scale": 0.01},
        "sequence": {"file": "meshes/duck.obj", "frame_rate": 24, "start_time": 0.5, "loop": true}}
     ],
-    "colliders": [{"name": "floor", "shape": {"plane": {"normal": [0, 2, 0], "offset": 1}}, "friction": 0.75, "restitution": 0.5},
+    "colliders": [{"name": "floor", "shape": {"plane": {"normal": [0, 2, 0], "offset": 1}}, "friction": 0.75, "restitution": 0.5,
+                   "collision_groups": [3], "collision_mask": [0, 1, 4]},
                   {"name": "pin", "shape": {"capsule": {"radius": 0.1, "half_height": 2, "center": [1, 0, 0]}},
                    "keyframes": [{"time": 0, "translate": [0, 0.3, 0]}, {"time": 1}], "loop": true}],
-    "pairs": [{"between": ["flag", "floor"], "friction": 0, "restitution": 1}],
+    "pairs": [{"between": ["flag", "floor"], "friction": 0, "restitution": 1},
+              {"between": ["flag", "flag"], "collide": false}],
     "connections": [{"from": {"object": "flag", "vertices": [0]}, "to": {"object": "line", "all": true},
                      "pairing": "nearest", "rest_length": 0, "compliance": 0.5}]
   })",
@@ -52,6 +54,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(scene.settings.seed, 9007199254740991u);
   EXPECT_EQ(scene.settings.drag, 0.25f);
   EXPECT_FALSE(scene.settings.measure_residuals);
+  EXPECT_EQ(scene.settings.sleeping, (Sleeping{true, 0.25f, 2}));
   EXPECT_EQ(scene.camera.fov, 35);
   EXPECT_EQ(scene.settings.wind.velocity, Vec3f(2, 0, -1));
   EXPECT_EQ(scene.settings.wind.gust_period, 4);
@@ -104,6 +107,16 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(std::get<Capsule>(scene.colliders[1].shape).center, Vec3f(1, 0, 0));
   EXPECT_TRUE(scene.colliders[1].loop);
   EXPECT_EQ(scene.pairs[0].restitution, 1);
+  EXPECT_EQ(scene.pairs[0].friction, 0.0f);
+  EXPECT_TRUE(scene.pairs[0].collide);
+  EXPECT_FALSE(scene.pairs[1].collide);
+  EXPECT_FALSE(scene.pairs[1].friction.has_value());
+  EXPECT_EQ(flag.collision.groups, 0x80000001u);
+  EXPECT_EQ(flag.collision.mask, 0u);
+  EXPECT_EQ(bar.collision.mask, ~0u) << "all, if not given";
+  EXPECT_EQ(wheel.collision.groups, 4u);
+  EXPECT_EQ(scene.colliders[0].collision.groups, 8u);
+  EXPECT_EQ(scene.colliders[0].collision.mask, 19u);
   EXPECT_EQ(scene.connections[0].pairing, Pairing::nearest);
   EXPECT_EQ(scene.connections[0].rest_length, 0.0f);
 

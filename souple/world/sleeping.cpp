@@ -1,0 +1,351 @@
+#include "souple/world/sleeping.h"
+
+#include "souple/state/bytes.h"
+#include "souple/world/impl.h"
+#include "souple/world/obstacles.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+// Speeds are measured by where a step has brought a particle, not by its last substep: what lies in touch
+// trembles within a substep and goes nowhere.
+
+namespace souple {
+namespace {
+
+// What counts as a touch, in parts of the thickness that contacts keep.
+constexpr float slack = 0.25f;
+constexpr float least_reach = 1e-5f;  // m
+// Obstacles and colliders carry what lies on them: they wake it when they move by this part of the speed.
+constexpr float carried = 0.01f;
+constexpr std::size_t chunk = 2048;  // particles
+
+bool is_obstacle(const Object& object) {
+  return object.kind == ObjectKind::obstacle;
+}
+
+// --- who sleeps
+
+void set_inverse_masses(WorldState& world, const Object& object) {
+  Particles& particles = world.particles;
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    particles.position[i].w = object.island != 0 || !(particles.mass[i] > 0) ? 0 : 1 / particles.mass[i];
+  for (const PinnedParticle& pin : object.pins) particles.position[object.begin + pin.particle].w = 0;
+}
+
+void set_awake(WorldState& world, Object& object) {
+  object.still_time = 0;
+  if (object.island == 0) return;
+  object.island = 0;
+  set_inverse_masses(world, object);
+  world.sleep.all = false;
+  world.sleep.woken = world.sleep.woken || world.stepping;
+}
+
+void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
+  object.island = island;
+  set_inverse_masses(world, object);
+  std::fill(world.particles.velocity.begin() + object.begin, world.particles.velocity.begin() + object.end,
+            Vec4f{});
+}
+
+// --- what touches
+
+void set_box(Touching& touching, const WorldState& world, std::uint32_t i, const Vec3f& x, const Vec3f& move,
+             float fall) {
+  const float reach = (1 + slack) * max(world.particles.radius[i], 0.0f) + least_reach;
+  touching.reach[i] = reach;
+  touching.way[i] = length(move) + fall;
+  const float grown = reach + fall;
+  const Vec3f end = x + move, room{grown, grown, grown};
+  touching.boxes[i] = united({x - room, x + room}, {end - room, end + room});
+}
+
+// A mover's particles look ahead when they are fast; those of an obstacle that was somewhere else, all.
+bool mark_mover(WorldState& world, const Object& object, float dt) {
+  Touching& touching = world.sleep.touching;
+  const ParticleView view = world.view();
+  const Settings& settings = world.settings;
+  const float least = settings.sleeping.speed * (is_obstacle(object) ? carried : 1.0f);
+  const bool jumped = is_obstacle(object) && object.still_time == 0;
+  bool any = false;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    const Vec3f v = world.particles.velocity[i].xyz();
+    const bool fast = jumped || length(v) > least;
+    any = any || fast;
+    touching.looks[i] = {0, 0, 0, fast ? 1.0f : 0.0f};
+    const float fall = world.particles.position[i].w > 0 ? length(settings.gravity) * dt * dt : 0.0f;
+    set_box(touching, world, i, view.relative(i, {}), v * dt, fall);
+  }
+  return any;
+}
+
+void mark_still(WorldState& world, const Object& object, bool looks) {
+  Touching& touching = world.sleep.touching;
+  const ParticleView view = world.view();
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    touching.looks[i] = {0, 0, 0, looks ? 1.0f : 0.0f};
+    set_box(touching, world, i, view.relative(i, {}), {}, 0);
+  }
+}
+
+// Wakes what objects and obstacles that move may touch. One that has been at rest wakes nobody, whatever its
+// last substep left of velocities: of two that settle together one may fall asleep first.
+void wake_near_movers(WorldState& world, float dt) {
+  Touching& touching = world.sleep.touching;
+  touching.begin(world);
+  bool any = false;
+  for (std::size_t a = 0; a < world.objects.size(); ++a) {
+    const Object& object = *world.objects[a];
+    if (object.island != 0) {
+      touching.answers[a] = 1;
+      mark_still(world, object, false);
+    } else if (object.still_time == 0 || is_obstacle(object)) {
+      touching.asks[a] = mark_mover(world, object, dt) ? 1 : 0;
+      any = any || touching.asks[a] != 0;
+    }
+  }
+  if (!any) return;
+  find_touching(world);
+  for (const auto& [a, b] : touching.found)
+    for (const std::uint32_t k : {a, b})
+      if (world.objects[k]->island != 0) wake_island(world, *world.objects[k]);
+}
+
+/// A collider from the begin to the end of a step.
+struct MovingCollider {
+  const Shape& shape;
+  Transform before, after;
+  Vec3d centre;
+  double shift = 0, turn = 0;
+
+  MovingCollider(const ColliderRecord& record, double time, double dt)
+      : shape(record.shape),
+        before(record.options.motion.at(time)),
+        after(record.options.motion.at(time + dt)),
+        centre(after.point(bounding_ball(shape).center)) {
+    shift = length(centre - before.point(bounding_ball(shape).center));
+    turn = std::sqrt(frobenius_squared(rotation_matrix(after.rotation) - rotation_matrix(before.rotation)));
+  }
+
+  static double distance(const Shape& shape, const Transform& pose, const Vec3d& x) {
+    return surface_distance(shape, rotate(conjugate(pose.rotation), x - pose.translation)).distance;
+  }
+  /// By the motion of its surface there, which is `shift + turn D` at most at a distance D from its centre.
+  bool touches(const Vec3d& x, double reach, double least) const {
+    const double motion = shift + turn * length(x - centre);
+    if (motion <= least) return false;
+    return std::min(distance(shape, before, x), distance(shape, after, x)) <= reach + motion;
+  }
+};
+
+void wake_near_collider(WorldState& world, std::size_t collider, double dt) {
+  const ColliderRecord& record = world.colliders[collider];
+  const MovingCollider moving(record, world.time, dt);
+  const auto least = static_cast<double>(carried * world.settings.sleeping.speed) * dt;
+  for (std::size_t a = 0; a < world.objects.size(); ++a) {
+    const Object& object = *world.objects[a];
+    if (object.island == 0 || !world.tables.against_colliders.collide(a, collider)) continue;
+    for (std::uint32_t i = object.begin; i < object.end; ++i) {
+      const auto radius = static_cast<double>(max(world.particles.radius[i], 0.0f));
+      const double reach = (1 + double(slack)) * radius + double(least_reach);
+      if (!moving.touches(world.exact_position(i), reach, least)) continue;
+      wake_island(world, object);
+      break;
+    }
+  }
+}
+
+// --- islands
+
+float farthest(WorldState& world, const Object& object) {
+  const Particles& p = world.particles;
+  const std::size_t count = object.particle_count(), chunks = (count + chunk - 1) / chunk;
+  std::vector<float>& squared = world.sleep.farthest;
+  squared.assign(chunks, 0);
+  world.threads->for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c)
+      for (std::size_t i = object.begin + c * chunk; i < object.begin + std::min(count, (c + 1) * chunk); ++i)
+        squared[c] = max(squared[c], length_squared((p.position[i].xyz() - world.good_position[i].xyz()) +
+                                                    (p.offset[i].xyz() - world.good_offset[i].xyz())));
+  });
+  return std::sqrt(*std::max_element(squared.begin(), squared.end()));
+}
+
+// Whether some object has just rested long enough, or once more as long.
+bool measure_rest(WorldState& world, double dt) {
+  const Sleeping& sleeping = world.settings.sleeping;
+  const auto seconds = static_cast<double>(sleeping.seconds);
+  bool ready = false;
+  for (const auto& object : world.objects) {
+    if (object->island != 0) continue;
+    const double limit = static_cast<double>(sleeping.speed * (is_obstacle(*object) ? carried : 1.0f)) * dt;
+    const double before = object->still_time;
+    object->still_time = static_cast<double>(farthest(world, *object)) <= limit ? before + dt : 0;
+    ready = ready || (!is_obstacle(*object) &&
+                      std::floor(object->still_time / seconds) > std::floor(before / seconds));
+  }
+  return ready;
+}
+
+void mark_held(const WorldState& world, std::vector<std::uint8_t>& restless, std::uint32_t particle) {
+  restless[world.object_of[particle]] = 1;
+}
+
+// What something may pull at any moment does not sleep.
+void find_restless(WorldState& world) {
+  std::vector<std::uint8_t>& restless = world.sleep.restless;
+  const Wind& wind = world.settings.wind;
+  const bool gusts = wind.gust > 0 && !(wind.velocity == Vec3f{});
+  restless.assign(world.objects.size(), gusts || !world.force_fields.empty() ? 1 : 0);
+  for (std::size_t a = 0; a < world.objects.size(); ++a)
+    for (const PinnedParticle& pin : world.objects[a]->pins)
+      if (pin.target) restless[a] = 1;
+  const ParticleView view = world.view();
+  for (const Extra& extra : world.extras) {
+    if (extra.attachment && extra.target)
+      for (std::size_t k = 0; k < extra.attachment->set().size(); ++k)
+        mark_held(world, restless, extra.attachment->set().indices(k)[0]);
+    if (!extra.by_user) continue;
+    bool any = extra.projector->size() == 0;
+    extra.projector->visit(view, [&](const ConstraintState& constraint) {
+      any = true;
+      for (const std::uint32_t i : constraint.particles) mark_held(world, restless, i);
+    });
+    if (!any) restless.assign(world.objects.size(), 1);
+  }
+}
+
+std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t a) {
+  while (parent[a] != a) a = parent[a] = parent[parent[a]];
+  return a;
+}
+
+// The lower index is the root: islands do not depend on the order of touches.
+void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  a = root(parent, a), b = root(parent, b);
+  parent[std::max(a, b)] = std::min(a, b);
+}
+
+// Islands of what touches, is tied together, or sleeps together already. Obstacles join nothing.
+void find_islands(WorldState& world) {
+  std::vector<std::uint32_t>& parent = world.sleep.parent;
+  Touching& touching = world.sleep.touching;
+  const auto n = static_cast<std::uint32_t>(world.objects.size());
+  parent.resize(n);
+  for (std::uint32_t a = 0; a < n; ++a) parent[a] = a;
+  touching.begin(world);
+  for (std::uint32_t a = 0; a < n; ++a) {
+    const Object& object = *world.objects[a];
+    if (is_obstacle(object)) continue;
+    mark_still(world, object, object.island == 0);
+    touching.asks[a] = object.island == 0 ? 1 : 0;
+    touching.answers[a] = 1;
+    for (std::uint32_t b = 0; object.island != 0 && b < a; ++b)
+      if (world.objects[b]->island == object.island) unite(parent, a, b);
+  }
+  find_touching(world);
+  for (const auto& [a, b] : touching.found) unite(parent, a, b);
+  for (const Extra& extra : world.extras)
+    for (std::size_t k = 0; extra.tie && k < extra.tie->set().size(); ++k) {
+      const auto ends = extra.tie->set().indices(k);
+      unite(parent, world.object_of[ends[0]], world.object_of[ends[1]]);
+    }
+}
+
+void put_islands_to_sleep(WorldState& world) {
+  std::vector<std::uint32_t>& parent = world.sleep.parent;
+  std::vector<std::uint8_t>& restless = world.sleep.restless;
+  const auto n = static_cast<std::uint32_t>(world.objects.size());
+  const auto seconds = static_cast<double>(world.settings.sleeping.seconds);
+  for (std::uint32_t a = n; a-- > 0;) {  // roots are the lowest: they come last
+    const Object& object = *world.objects[a];
+    if (object.island == 0 && object.still_time < seconds) restless[a] = 1;
+    if (restless[a] != 0) restless[root(parent, a)] = 1;
+  }
+  for (std::uint32_t a = 0; a < n; ++a) {
+    const std::uint32_t first = root(parent, a);
+    if (restless[first] != 0 || is_obstacle(*world.objects[a])) continue;
+    set_asleep(world, *world.objects[a], world.objects[first]->id.value);
+  }
+}
+
+void count_sleepers(WorldState& world) {
+  std::size_t awake = 0;
+  world.report.asleep = 0;
+  for (const auto& object : world.objects) {
+    world.report.asleep += object->island != 0 ? 1 : 0;
+    awake += object->island == 0 && !is_obstacle(*object) ? 1 : 0;
+  }
+  world.sleep.all = awake == 0 && world.report.asleep > 0;
+}
+
+}  // namespace
+
+void wake_touched(WorldState& world, double dt) {
+  SleepScratch& sleep = world.sleep;
+  sleep.woken = false;
+  sleep.all = false;
+  if (!world.settings.sleeping.enabled) return;
+  count_sleepers(world);
+  if (world.report.asleep == 0) return;
+  wake_near_movers(world, static_cast<float>(dt));
+  for (std::size_t c = 0; c < world.colliders.size(); ++c)
+    if (!world.colliders[c].options.motion.is_static())
+      world.guarded("a collider's motion", [&] { wake_near_collider(world, c, dt); });
+  count_sleepers(world);
+  sleep.woken = false;  // near pairs are found next
+}
+
+void fall_asleep(WorldState& world, double dt) {
+  if (!world.settings.sleeping.enabled) return;
+  if (measure_rest(world, dt)) {
+    find_restless(world);
+    find_islands(world);
+    put_islands_to_sleep(world);
+  }
+  count_sleepers(world);
+}
+
+void wake_island(WorldState& world, const Object& touched) {
+  const std::uint32_t island = touched.island;
+  for (const auto& object : world.objects)
+    if (object->id == touched.id || (island != 0 && object->island == island)) set_awake(world, *object);
+}
+
+void wake_all(WorldState& world) {
+  for (const auto& object : world.objects) set_awake(world, *object);
+}
+
+void wake_held(WorldState& world, const Projector& projector) {
+  bool any = false;
+  projector.visit(world.view(), [&](const ConstraintState& constraint) {
+    any = true;
+    for (const std::uint32_t i : constraint.particles) wake_island(world, *world.objects[world.object_of[i]]);
+  });
+  if (!any && projector.size() > 0) wake_all(world);
+}
+
+float inverse_mass_awake(const WorldState& world, const Object& object, std::uint32_t particle) {
+  if (object.island == 0) return world.particles.position[object.begin + particle].w;
+  const bool pinned = std::any_of(object.pins.begin(), object.pins.end(),
+                                  [&](const PinnedParticle& pin) { return pin.particle == particle; });
+  return pinned ? 0 : 1 / world.particles.mass[object.begin + particle];
+}
+
+void hold_sleepers(WorldState& world) {
+  if (!world.settings.sleeping.enabled) return;
+  for (const auto& object : world.objects)
+    if (!is_obstacle(*object)) set_inverse_masses(world, *object);
+}
+
+bool World::is_asleep(ObjectId id) const {
+  return impl_->state.object(id).island != 0;
+}
+
+void World::wake(ObjectId id) {
+  wake_island(impl_->state, impl_->state.object(id));
+}
+
+}  // namespace souple

@@ -1,0 +1,168 @@
+#include "souple/world/touching.h"
+
+#include "souple/collision/nearest.h"
+#include "souple/state/bytes.h"
+#include "souple/world/contacts.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace souple {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+bool is_compared(const Touching& t, std::uint32_t a, std::uint32_t b) {
+  return (t.asks[a] != 0 && t.answers[b] != 0) || (t.asks[b] != 0 && t.answers[a] != 0);
+}
+
+// One that only asks is as large as those of its particles that look.
+void find_bounds(const WorldState& world, Touching& t) {
+  t.bounds.assign(world.objects.size(), {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
+  for (std::size_t a = 0; a < world.objects.size(); ++a) {
+    if (t.asks[a] == 0 && t.answers[a] == 0) continue;
+    for (std::uint32_t i = world.objects[a]->begin; i < world.objects[a]->end; ++i)
+      if (t.answers[a] != 0 || t.looks[i].w != 0) t.bounds[a] = united(t.bounds[a], t.boxes[i]);
+  }
+}
+
+void list_objects(const WorldState& world, Touching& t) {
+  const auto n = static_cast<std::uint32_t>(world.objects.size());
+  t.compared = t.known = ObjectMatrix(n);
+  t.listed.clear();
+  for (std::uint32_t a = 0; a < n; ++a) {
+    bool meets_any = false;
+    for (std::uint32_t b = 0; b < n; ++b) {
+      if (a == b || !is_compared(t, a, b) || !world.tables.against_objects.collide(a, b) ||
+          !overlap(t.bounds[a], t.bounds[b]))
+        continue;
+      t.compared.set(a, b, true);
+      meets_any = true;
+    }
+    if (meets_any) t.listed.push_back(a);
+  }
+}
+
+void take_surfaces(const WorldState& world, Touching& t) {
+  if (t.listed == t.taken) return;
+  t.taken = t.listed;
+  t.elements.clear();
+  for (const std::uint32_t a : t.taken) {
+    const Object& object = *world.objects[a];
+    t.elements.add_triangles(object.surface, object.begin, a);
+    t.elements.add_edges(world.tables.rope_edges[a], object.begin, a);
+    if (is_loose(object)) t.elements.add_particles(object.begin, object.end, a);
+  }
+}
+
+void note(Touching& t, std::uint32_t a, std::uint32_t b) {
+  if (t.known.at(a, b)) return;
+  t.known.set(a, b, true);
+  t.found.push_back({std::min(a, b), std::max(a, b)});
+}
+
+float distance(const ParticleView& particles, const NearPair& pair, bool edges) {
+  Vec3f x[4];
+  for (std::size_t k = 0; k < 4; ++k) x[k] = particles.difference(pair.particle[k], pair.particle[0]);
+  if (edges) {
+    float s = 0, u = 0;
+    nearest_on_edges(x[0], x[1], x[2], x[3], s, u);
+    return length(x[0] + (x[1] - x[0]) * s - x[2] - (x[3] - x[2]) * u);
+  }
+  float weight[3];
+  nearest_on_triangle(x[0], x[1], x[2], x[3], weight);
+  return length(x[1] * weight[0] + x[2] * weight[1] + x[3] * weight[2]);
+}
+
+// What a feature's particles reach and go.
+float reach_of(const Touching& t, const NearPair& pair, std::size_t begin, std::size_t end) {
+  float reach = 0;
+  for (std::size_t k = begin; k < end; ++k)
+    reach = max(reach, t.reach[pair.particle[k]] + t.way[pair.particle[k]]);
+  return reach;
+}
+
+void check_pairs(WorldState& world, Touching& t, const std::vector<NearPair>& pairs, bool edges) {
+  const ParticleView view = world.view();
+  const std::size_t second = edges ? 2 : 1;
+  for (const NearPair& pair : pairs) {
+    const std::uint32_t a = world.object_of[pair.particle[0]], b = world.object_of[pair.particle[3]];
+    if (t.known.at(a, b)) continue;
+    const float reach = reach_of(t, pair, 0, second) + reach_of(t, pair, second, 4);
+    if (distance(view, pair, edges) <= reach) note(t, a, b);
+  }
+}
+
+// --- balls against balls, which are no surfaces
+
+void list_balls(const WorldState& world, const Touching& t, std::uint32_t object, const Bounds& within,
+                std::vector<std::uint32_t>& balls) {
+  balls.clear();
+  for (std::uint32_t i = world.objects[object]->begin; i < world.objects[object]->end; ++i)
+    if (overlap(t.boxes[i], within)) balls.push_back(i);
+  std::sort(balls.begin(), balls.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return t.boxes[i].lo.x < t.boxes[j].lo.x || (t.boxes[i].lo.x == t.boxes[j].lo.x && i < j);
+  });
+}
+
+// Each of `balls` against those of `others` whose boxes begin within its own along x.
+bool any_touch(const ParticleView& particles, const Touching& t, const std::vector<std::uint32_t>& balls,
+               const std::vector<std::uint32_t>& others) {
+  std::size_t first = 0;
+  for (const std::uint32_t i : balls) {
+    const Bounds& box = t.boxes[i];
+    while (first < others.size() && t.boxes[others[first]].lo.x < box.lo.x) ++first;
+    for (std::size_t k = first; k < others.size() && t.boxes[others[k]].lo.x <= box.hi.x; ++k) {
+      const std::uint32_t j = others[k];
+      if ((t.looks[i].w == 0 && t.looks[j].w == 0) || !overlap(box, t.boxes[j])) continue;
+      if (length(particles.difference(i, j)) <= t.reach[i] + t.reach[j] + t.way[i] + t.way[j]) return true;
+    }
+  }
+  return false;
+}
+
+bool are_balls(const ContactObject& a, const ContactObject& b) {
+  return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
+}
+
+void check_balls(WorldState& world, Touching& t) {
+  const ParticleView view = world.view();
+  for (const std::uint32_t a : t.listed)
+    for (const std::uint32_t b : t.listed) {
+      if (b <= a || !t.compared.at(a, b) || t.known.at(a, b) ||
+          !are_balls(world.tables.objects[a], world.tables.objects[b]))
+        continue;
+      list_balls(world, t, a, t.bounds[b], t.one);
+      list_balls(world, t, b, t.bounds[a], t.other);
+      if (any_touch(view, t, t.one, t.other) || any_touch(view, t, t.other, t.one)) note(t, a, b);
+    }
+}
+
+}  // namespace
+
+void Touching::begin(const WorldState& world) {
+  const std::size_t objects = world.objects.size(), particles = world.particles.size();
+  asks.assign(objects, 0), answers.assign(objects, 0);
+  boxes.resize(particles), reach.resize(particles), way.resize(particles), looks.resize(particles);
+}
+
+std::size_t Touching::bytes() const {
+  return bytes_of(asks, answers, boxes, reach, way, looks, found, bounds, listed, taken, one, other,
+                  pairs.vertex_triangle, pairs.edge_edge) +
+         elements.bytes() + finder.bytes();
+}
+
+void find_touching(WorldState& world) {
+  Touching& t = world.sleep.touching;
+  t.found.clear();
+  find_bounds(world, t);
+  list_objects(world, t);
+  if (t.listed.empty()) return;
+  take_surfaces(world, t);
+  t.finder.find(t.elements, t.boxes, t.compared, t.looks, t.pairs, *world.threads);
+  check_pairs(world, t, t.pairs.vertex_triangle, false);
+  check_pairs(world, t, t.pairs.edge_edge, true);
+  check_balls(world, t);
+}
+
+}  // namespace souple
