@@ -58,16 +58,16 @@ Errors errors(const SignedDistanceField& field, double reach, double band, const
 // Interpolation between points a spacing h apart errs by h^2 / 8 times the sum of second derivatives, which
 // of the distance to a sphere is 2 / r; the mesh itself lies inside by its edge^2 / (8 R) or so.
 TEST(SignedDistanceField, OfASphereIsRightToTheSquareOfTheSpacing) {
-  const TriangleMesh mesh = sphere(5, 1);
+  const TriangleMesh mesh = sphere(4, 1);
   double coarse = 0;
   for (const double h : {0.1, 0.05}) {
     const SignedDistanceField field(mesh, h);
     const double band = 4 * h;
     const Errors found = errors(field, 1.5, band, [](const Vec3d& p) { return length(p) - 1; });
-    EXPECT_LT(found.largest, h * h / 8 * 2 / (1 - band) + 4e-4) << h;
+    EXPECT_LT(found.largest, h * h / 8 * 2 / (1 - band) + 1.4e-3) << h;
     EXPECT_EQ(found.wrong_sides, 0);
     if (coarse > 0) {
-      EXPECT_LT(found.largest, 0.45 * coarse);
+      EXPECT_LT(found.largest, 0.6 * coarse);
     }
     coarse = found.largest;
   }
@@ -135,7 +135,7 @@ TEST(SignedDistanceField, OfPiecesThatOverlapHasAConcaveCorner) {
 }
 
 TEST(SignedDistanceField, ThinPartsAndCavitiesKeepTheirSides) {
-  const double h = 0.02;
+  const double h = 0.03;
   const SignedDistanceField plate(box({1, 2.2 * h, 1}), h);
   const SignedDistanceField shell(
       [] {
@@ -170,7 +170,7 @@ TEST(SignedDistanceField, IsTheSameForAMeshWoundInward) {
 
 // Large balls touch from far away, where the grid has few points or none.
 TEST(SignedDistanceField, FarFromTheSurfaceIsRightToAFewPerCent) {
-  const double h = 0.02;
+  const double h = 0.04;
   const SignedDistanceField ball(sphere(4, 0.5), h), solid(box({1, 0.6, 0.4}), h);
   Random random(19);
   for (int k = 0; k < 5000; ++k) {
@@ -261,9 +261,9 @@ TEST(SignedDistanceField, SizesThatCannotBeAreNamed) {
 
 TEST(SignedDistanceField, MemoryGoesWithTheSurfaceAndIsShared) {
   const TriangleMesh mesh = sphere(3, 1);
-  const SignedDistanceField coarse(mesh, 0.04), fine(mesh, 0.02);
+  const SignedDistanceField coarse(mesh, 0.06), fine(mesh, 0.03);
   EXPECT_LT(double(fine.bytes()), 4.6 * double(coarse.bytes()));  // all points: 8
-  EXPECT_GT(fine.bytes(), 100 * 100 * 6 * sizeof(float));
+  EXPECT_GT(fine.bytes(), 66 * 66 * 6 * sizeof(float));
   const SignedDistanceField copy = fine;  // NOLINT(performance-unnecessary-copy-initialization)
   EXPECT_EQ(copy, fine);
   EXPECT_EQ(&copy.positions(), &fine.positions());
