@@ -263,7 +263,7 @@ TEST(SignedDistanceField, MemoryGoesWithTheSurfaceAndIsShared) {
   const TriangleMesh mesh = sphere(3, 1);
   const SignedDistanceField coarse(mesh, 0.06), fine(mesh, 0.03);
   EXPECT_LT(double(fine.bytes()), 4.6 * double(coarse.bytes()));  // all points: 8
-  EXPECT_GT(fine.bytes(), 66 * 66 * 6 * sizeof(float));
+  EXPECT_GT(fine.bytes(), std::size_t{66} * 66 * 6 * sizeof(float));
   const SignedDistanceField copy = fine;  // NOLINT(performance-unnecessary-copy-initialization)
   EXPECT_EQ(copy, fine);
   EXPECT_EQ(&copy.positions(), &fine.positions());
