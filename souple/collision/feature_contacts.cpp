@@ -235,53 +235,77 @@ bool FeatureContacts::may_touch(const Body& body, const Feature& feature,
   return surface.distance + lowest - path < 1.2 * kept_part * r;
 }
 
-// min over w of d(sum_k w_k x_k),  w_k >= 0, sum_k w_k = 1:  along the chords through the corners in turn, as
-// far as d falls, found by bisection of its slope. (The steps of Frank and Wolfe, which Macklin et al. take,
-// are chords as well, but only towards the corner that is lowest along the gradient n, and never back:
-// between corners they zigzag, and after 12 of them were centimetres off on a triangle of half a metre.)
-// Their gap,
+// With the gap of Frank and Wolfe,
 //   g = max_k n . (q - x_k),
-// bounds from above what is left to gain where d is convex: what stays above `limit` is soon known to.
-FeatureContacts::Deepest FeatureContacts::deepest(const Shape& shape, const Corners& x, double limit) {
-  constexpr int most_turns = 6, bisections = 12;
-  const bool edge = x[1] == x[2];
-  const std::size_t chords = edge ? 1 : 3;
-  Deepest best{edge ? std::array{0.5, 0.5, 0.0} : std::array{1 / 3.0, 1 / 3.0, 1 / 3.0}, {}, {}, 0};
-  const auto look = [&](Deepest& at) {
-    at.point = x[0] * at.weight[0] + x[1] * at.weight[1] + x[2] * at.weight[2];
-    at.surface = surface_distance(shape, at.point);
-    at.gap = 0;
-    for (const Vec3d& corner : x) at.gap = max(at.gap, dot(at.surface.normal, at.point - corner));
-  };
-  look(best);
-  const double size = max(length(x[1] - x[0]), length(x[2] - x[0]));
-  for (int turn = 0; turn < most_turns; ++turn) {
-    const double before = best.surface.distance;
-    for (std::size_t k = 0; k < chords; ++k) {
-      if (best.surface.distance - best.gap > limit || best.gap <= 1e-4 * size) return best;
-      // From corner k, s = 0, through the best point to the side across, s = 1.
+// d - g bounds from below what is left to gain where d is convex: what stays above `limit` is soon known to.
+FeatureContacts::Deepest FeatureContacts::look(const Shape& shape, const Corners& x,
+                                               const std::array<double, 3>& weight) {
+  Deepest at{weight, x[0] * weight[0] + x[1] * weight[1] + x[2] * weight[2], {}, 0};
+  at.surface = surface_distance(shape, at.point);
+  for (const Vec3d& corner : x) at.gap = max(at.gap, dot(at.surface.normal, at.point - corner));
+  return at;
+}
+
+// The lowest point between two, where d is convex: by bisection of its slope, which may jump.
+FeatureContacts::Deepest FeatureContacts::deepest_between(const Shape& shape, const Corners& x,
+                                                          const std::array<double, 3>& a,
+                                                          const std::array<double, 3>& b) {
+  constexpr int bisections = 12;
+  const auto at = [&](const std::array<double, 3>& w) { return x[0] * w[0] + x[1] * w[1] + x[2] * w[2]; };
+  const Vec3d start = at(a), way = at(b) - start;
+  double falls = 0, rises = 1;
+  for (int half = 0; half < bisections; ++half) {
+    const double middle = 0.5 * (falls + rises);
+    const Vec3d n = surface_distance(shape, start + way * middle).normal;
+    (dot(n, way) < 0 ? falls : rises) = middle;
+  }
+  const double s = falls == 0 ? 0 : (rises == 1 ? 1 : 0.5 * (falls + rises));
+  return look(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
+}
+
+// f(w_2) = min over w_1 of d is convex where d is: a golden section of it finds the minimum of any such d,
+// the fold of a box's edge included, where nothing that follows the gradient arrives.
+FeatureContacts::Deepest FeatureContacts::deepest_by_sections(const Shape& shape, const Corners& x) {
+  constexpr int sections = 16;
+  constexpr double golden = 0.6180339887498949;
+  const auto row = [&](double w) { return deepest_between(shape, x, {1 - w, 0, w}, {0, 1 - w, w}); };
+  double lo = 0, hi = 1;
+  Deepest low = row(1 - golden), high = row(golden);
+  for (int section = 0; section < sections; ++section) {
+    const bool keep_low = low.surface.distance <= high.surface.distance;
+    (keep_low ? hi : lo) = keep_low ? lo + golden * (hi - lo) : hi - golden * (hi - lo);
+    (keep_low ? high : low) = keep_low ? low : high;
+    (keep_low ? low : high) = row(keep_low ? hi - golden * (hi - lo) : lo + golden * (hi - lo));
+  }
+  return low.surface.distance <= high.surface.distance ? low : high;
+}
+
+// min over w of d(sum_k w_k x_k),  w_k >= 0, sum_k w_k = 1:  along the chords through the corners in turn.
+// (The steps of Frank and Wolfe, which Macklin et al. take, are chords too, but only towards the corner that
+// is lowest along the gradient, and never back: on a triangle of half a metre 12 of them were centimetres
+// off.) What that leaves undone is done by sections.
+FeatureContacts::Deepest FeatureContacts::deepest(const Shape& shape, const Corners& x, double limit,
+                                                  double tolerance) {
+  constexpr int turns = 3;
+  if (x[1] == x[2]) return deepest_between(shape, x, {1, 0, 0}, {0, 1, 0});
+  Deepest best = look(shape, x, {1 / 3.0, 1 / 3.0, 1 / 3.0});
+  const auto done = [&] { return best.surface.distance - best.gap > limit || best.gap <= tolerance; };
+  for (int turn = 0; turn < turns; ++turn) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (done()) return best;
       const double rest = 1 - best.weight[k];
       if (!(rest > 1e-9)) continue;
-      std::array<double, 3> across = best.weight;
+      std::array<double, 3> corner{}, across = best.weight;
+      corner[k] = 1;
       for (double& w : across) w /= rest;
       across[k] = 0;
-      const Vec3d end = x[0] * across[0] + x[1] * across[1] + x[2] * across[2], way = end - x[k];
-      double falls = 0, rises = 1;
-      for (int half = 0; half < bisections; ++half) {
-        const double middle = 0.5 * (falls + rises);
-        const Vec3d n = surface_distance(shape, x[k] + way * middle).normal;
-        (dot(n, way) < 0 ? falls : rises) = middle;
-      }
-      const double s = falls == 0 ? 0 : (rises == 1 ? 1 : 0.5 * (falls + rises));
-      Deepest next = best;
-      for (std::size_t c = 0; c < 3; ++c) next.weight[c] = across[c] * s;
-      next.weight[k] = 1 - s;
-      look(next);
+      const Deepest next = deepest_between(shape, x, corner, across);
       if (next.surface.distance < best.surface.distance) best = next;
     }
-    if (before - best.surface.distance < 1e-4 * size) break;
   }
-  return best;
+  if (done()) return best;
+  const Deepest found = deepest_by_sections(shape, x);
+  return found.surface.distance < best.surface.distance ? found : best;
 }
 
 // Conservative advancement: as long as the feature is free by more than it still has to go it cannot touch.
@@ -295,7 +319,7 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
   double path = 0;
   for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
   const double r = double(radius_of(feature)), target = kept_part * r;
-  Deepest low = deepest(shape, from, r + path);
+  Deepest low = deepest(shape, from, r + path, 0.1 * r);
   const double overlap = low.surface.distance - target;
   double gone = 0;
   for (int stride = 0; stride < 16; ++stride) {
@@ -305,7 +329,7 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
     const double part = gone < path ? gone / path : 1.0;
     Corners x;
     for (std::size_t k = 0; k < 3; ++k) x[k] = from[k] + (to[k] - from[k]) * part;
-    low = deepest(shape, x, r + path);
+    low = deepest(shape, x, r + path, 0.1 * r);
     if (part < 1) continue;
     if (low.surface.distance > r) return false;
     break;

@@ -124,7 +124,11 @@ class FeatureContacts final : public Projector {
   bool may_touch(const Body& body, const Feature& feature, const ParticleView& particles) const;
   bool contact_of(const Body& body, const Feature& feature, const ParticleView& particles, float h,
                   Contact& contact) const;
-  static Deepest deepest(const Shape& shape, const Corners& x, double target);
+  static Deepest look(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
+  static Deepest deepest_between(const Shape& shape, const Corners& x, const std::array<double, 3>& a,
+                                 const std::array<double, 3>& b);
+  static Deepest deepest_by_sections(const Shape& shape, const Corners& x);
+  static Deepest deepest(const Shape& shape, const Corners& x, double limit, double tolerance);
   double gap(const Body& body, const Contact& contact, const ParticleView& particles) const;
   static Vec3f moved(const Contact& contact, const ParticleView& particles);
   static void correct(const Contact& contact, const ParticleView& particles, const Vec3f& change);
