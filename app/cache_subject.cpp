@@ -16,12 +16,24 @@ std::optional<SceneDescription> embedded_scene(const RunManifest& manifest,
   return parse_recorded_scene(manifest.scene, path.string() + ": embedded scene");
 }
 
-/// The scene's colliders alone.
+/// Whether its mesh, if it has one, can still be read.
+bool can_be_shown(const ColliderDescription& collider) {
+  const auto* field = std::get_if<SignedDistanceFieldDescription>(&collider.shape);
+  const auto* mesh = field ? std::get_if<FileMesh>(&field->mesh.source) : nullptr;
+  return !mesh || std::filesystem::exists(mesh->file);
+}
+
+/// The scene's colliders alone, to look at: of a field the mesh is seen, so the coarsest will do.
 World stage_of(const std::optional<SceneDescription>& scene) {
   SceneDescription colliders;
   if (scene) {
     colliders.source = scene->source;
-    colliders.colliders = scene->colliders;
+    for (ColliderDescription collider : scene->colliders) {
+      if (!can_be_shown(collider)) continue;
+      if (auto* field = std::get_if<SignedDistanceFieldDescription>(&collider.shape))
+        field->spacing.reset(), field->resolution = 4;
+      colliders.colliders.push_back(std::move(collider));
+    }
   }
   return build_world(colliders);
 }

@@ -1,5 +1,6 @@
 #include "render/collider_mesh.h"
 
+#include "render/creased_surface.h"
 #include "souple/geometry/builders.h"
 
 #include <algorithm>
@@ -96,6 +97,17 @@ struct MeshOf {
         [&](const Vec3d& x, const Vec3d& face) {
           return is_cap(face) ? face : normalized(Vec3d{x.x, 0, x.z});
         });
+  }
+
+  /// Its mesh, sharp where that is.
+  ColliderMesh operator()(const SignedDistanceField& field) const {
+    CreasedSurface surface(field.positions(), field.triangles());
+    std::vector<Vec3f> positions;
+    for (const Vec3d& x : field.positions()) positions.push_back(Vec3f(x));
+    surface.update(positions);
+    return {{surface.positions().begin(), surface.positions().end()},
+            {surface.normals().begin(), surface.normals().end()},
+            {surface.triangles().begin(), surface.triangles().end()}};
   }
 };
 

@@ -67,6 +67,10 @@ struct SameShape {
     const auto* b = std::get_if<Cylinder>(&other);
     return b && same_vector(a.center, b->center) && a.radius == b->radius && a.half_height == b->half_height;
   }
+  bool operator()(const SignedDistanceField& a) const {
+    const auto* b = std::get_if<SignedDistanceField>(&other);
+    return b && a == *b;
+  }
 };
 
 /// The height of a plane that is a level floor now.

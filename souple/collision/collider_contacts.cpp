@@ -30,16 +30,18 @@ struct Touch {
   Vec3d point;
 };
 
-// Where a ball of radius r whose centre goes from `from` to `to` first touches a convex shape: sphere tracing
+// Where a ball of radius r whose centre goes from `from` to `to` first touches a shape: sphere tracing
 // (Hart 1996), each stride as long as the free distance. Grazing paths may need many strides; one that has
-// not passed after 64 is within a hair of the surface and counts as touching.
+// not passed after 64 is within a hair of the surface and counts as touching. What leaves a surface it
+// touches meets no other side of a convex shape; of any other it may, and a smaller ball goes there.
 std::optional<Touch> first_touch(const Shape& shape, const SurfaceDistance& start, const Vec3d& from,
                                  const Vec3d& to, double r) {
   const Vec3d motion = to - from;
   const double path = length(motion);
   if (start.distance <= r) {
-    if (dot(start.normal, motion) >= 0) return std::nullopt;
-    return Touch{start, from};
+    if (dot(start.normal, motion) < 0) return Touch{start, from};
+    if (is_convex(shape)) return std::nullopt;
+    r = 0.5 * start.distance;
   }
   const double near_enough = 1e-4 * (start.distance - r);
   Touch touch{start, from};

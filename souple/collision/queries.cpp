@@ -68,6 +68,10 @@ double meet(const Cylinder& cylinder, const Vec3d& origin, const Vec3d& d) {
   return s;
 }
 
+double meet(const SignedDistanceField& field, const Vec3d& origin, const Vec3d& d) {
+  return field.ray(origin, d);
+}
+
 }  // namespace
 
 std::optional<RayHit> ray_cast(const Shape& shape, const Vec3d& origin, const Vec3d& direction,

@@ -69,6 +69,10 @@ SurfaceDistance distance_to(const Cylinder& cylinder, const Vec3d& point) {
   return side > end ? SurfaceDistance{side, radial} : SurfaceDistance{end, axial};
 }
 
+SurfaceDistance distance_to(const SignedDistanceField& field, const Vec3d& point) {
+  return field.at(point);
+}
+
 std::string text(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%g", value);
@@ -116,6 +120,10 @@ struct Validator {
     size("cylinder radius", cylinder.radius);
     size("cylinder half_height", cylinder.half_height);
   }
+  void operator()(const SignedDistanceField& field) const {
+    if (field.empty())
+      throw Error(where + ": the signed distance field is empty; expected one made from a closed mesh");
+  }
 };
 
 // A plane across one axis bounds that side of the box, any other plane nothing.
@@ -146,6 +154,9 @@ ShapeBounds box_of(const Capsule& c) {
 ShapeBounds box_of(const Cylinder& c) {
   return box_about(c.center, double(c.radius), double(c.half_height), double(c.radius));
 }
+ShapeBounds box_of(const SignedDistanceField& field) {
+  return {field.lo(), field.hi()};
+}
 
 BoundingBall ball_of(const Plane&) {
   return {{}, std::numeric_limits<double>::infinity()};
@@ -161,6 +172,9 @@ BoundingBall ball_of(const Capsule& c) {
 }
 BoundingBall ball_of(const Cylinder& c) {
   return {Vec3d(c.center), length(Vec3d{double(c.radius), double(c.half_height), 0})};
+}
+BoundingBall ball_of(const SignedDistanceField& field) {
+  return {(field.lo() + field.hi()) * 0.5, 0.5 * length(field.hi() - field.lo())};
 }
 
 }  // namespace
@@ -178,7 +192,8 @@ ShapeBounds shape_bounds(const Shape& shape) {
 }
 
 std::string_view shape_name(const Shape& shape) {
-  constexpr std::string_view names[] = {"plane", "sphere", "box", "capsule", "cylinder"};
+  constexpr std::string_view names[] = {"plane",   "sphere",   "box",
+                                        "capsule", "cylinder", "signed_distance_field"};
   return names[shape.index()];
 }
 

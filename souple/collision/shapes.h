@@ -1,12 +1,14 @@
 #pragma once
 
+#include "souple/collision/signed_distance_field.h"
+#include "souple/collision/surface_distance.h"
 #include "souple/math/vec3.h"
 
 #include <string_view>
 #include <variant>
 
-// The analytic shapes of colliders, in the collider's own frame [m]. Distances and normals are computed in
-// double: a plane may be touched hundreds of metres from its frame's origin.
+// The shapes of colliders, in the collider's own frame [m]: analytic ones, and a grid of distances. Distances
+// and normals are computed in double: a plane may be touched hundreds of metres from its frame's origin.
 
 namespace souple {
 
@@ -41,16 +43,15 @@ struct Cylinder {
   float half_height = 0.5f;  ///< m
 };
 
-using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder>;
+using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceField>;
 
-/// Signed distance to a surface (negative inside) and its gradient there.
-struct SurfaceDistance {
-  double distance = 0;  ///< m
-  Vec3d normal{};  ///< unit, outward; where it is not unique (a centre, an axis, an edge), one valid choice
-};
+/// Whether the way between any two points of it lies in it.
+inline bool is_convex(const Shape& shape) {
+  return !std::holds_alternative<SignedDistanceField>(shape);
+}
 
-/// Exact distance from a local point to the shape's surface, outside and inside. For a finite point the
-/// result is always finite and point - normal * distance lies on the surface.
+/// Exact distance from a local point to the shape's surface, outside and inside (a signed distance field: see
+/// there). For a finite point the result is always finite and point - normal * distance lies on the surface.
 SurfaceDistance surface_distance(const Shape& shape, const Vec3d& point);
 
 /// The centre and radius of a ball that holds the shape; the radius is infinite for a plane.
@@ -69,8 +70,8 @@ ShapeBounds shape_bounds(const Shape& shape);
 /// "plane", "sphere", ...
 std::string_view shape_name(const Shape& shape);
 
-/// Throws Error when a size is not positive (a capsule's half_height may be 0), a number not finite or a
-/// plane's normal zero; `where` names the collider in the message.
+/// Throws Error when a size is not positive (a capsule's half_height may be 0), a number not finite, a
+/// plane's normal zero or a signed distance field empty; `where` names the collider in the message.
 void validate(const Shape& shape, std::string_view where);
 
 }  // namespace souple

@@ -90,6 +90,21 @@ TetMesh tets_of(const MeshDescription& mesh, const std::filesystem::path& folder
   return read_tet_mesh(folder / std::get<FileMesh>(mesh.source).file, mesh.import);
 }
 
+/// One overload for what a scene describes otherwise than a Shape does.
+struct ShapeMaker {
+  const std::filesystem::path& folder;
+
+  template <class Analytic>
+  Shape operator()(const Analytic& shape) const {
+    return shape;
+  }
+  Shape operator()(const SignedDistanceFieldDescription& field) const {
+    const TriangleMesh mesh = surface_of(field.mesh, folder);
+    const double spacing = field.spacing.value_or(SignedDistanceField::spacing_of(mesh, field.resolution));
+    return SignedDistanceField(mesh, spacing);
+  }
+};
+
 // --- maps --------------------------------------------------------------------------------------------------
 
 /// A tet mesh as far as maps are concerned.
@@ -450,7 +465,7 @@ class Builder {
     options.name = collider.name;
     options.motion = collider.keyframes.empty() ? ColliderMotion::fixed(transform_of(collider.transform))
                                                 : motion_of(collider.keyframes, collider.loop);
-    world_.add_collider(collider.shape, options);
+    world_.add_collider(std::visit(ShapeMaker{scene_.folder}, collider.shape), options);
   }
 
   /// The vertices of one end; those that are listed keep the order of the list.
@@ -502,6 +517,18 @@ class Builder {
 };
 
 }  // namespace
+
+std::string_view shape_name(const ShapeDescription& shape) {
+  if (std::holds_alternative<SignedDistanceFieldDescription>(shape)) return "signed_distance_field";
+  return std::visit(
+      [](const auto& one) -> std::string_view {
+        if constexpr (std::is_constructible_v<Shape, decltype(one)>)
+          return souple::shape_name(Shape(one));
+        else
+          return {};
+      },
+      shape);
+}
 
 World build_world(const SceneDescription& scene, const SceneLog& log) {
   return Builder(scene, log).build();

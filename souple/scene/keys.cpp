@@ -916,7 +916,23 @@ CodecPtr<AnyObjectDescription> object_codec() {
 
 // --- colliders ---------------------------------------------------------------------------------------------
 
-CodecPtr<Shape> shape_codec() {
+CodecPtr<SignedDistanceFieldDescription> signed_distance_field_codec() {
+  using F = SignedDistanceFieldDescription;
+  auto keys = table<F>("signed_distance_field",
+                       "The solid inside a closed surface, as a grid of distances: large things of many "
+                       "triangles that only move as a whole.");
+  keys->required<&F::mesh>("mesh", mesh_codec(MeshUse::surface),
+                           "its surface, closed, in the collider's own frame")
+      .key<&F::spacing>("spacing", maybe(number<double>(size_range)),
+                        "of the grid's points [m]; walls and gaps thinner than two of it are lost")
+      .key<&F::resolution>("resolution", number<int>(within(4, 4096)),
+                           "cells along the surface's longest side, instead of `spacing`")
+      .excludes("spacing", "resolution");
+  return keys;
+}
+
+CodecPtr<ShapeDescription> shape_codec() {
+  using S = ShapeDescription;
   const CodecPtr<Vec3f> centre = vector3<float>(metres);
   const CodecPtr<float> size = number<float>(size_range);
   const char* centre_doc = "in the collider's own frame [m]";
@@ -940,12 +956,14 @@ CodecPtr<Shape> shape_codec() {
   cylinder->required<&Cylinder::radius>("radius", size, "[m]")
       .required<&Cylinder::half_height>("half_height", size, "half the height [m]")
       .key<&Cylinder::center>("center", centre, centre_doc);
-  auto keys = table<Shape>("shape", "The solid of a collider.");
-  keys->choice<>({alternative<Shape, Plane>("plane", plane, "a half space"),
-                  alternative<Shape, Sphere>("sphere", sphere, "a ball"),
-                  alternative<Shape, Box>("box", box, "a box"),
-                  alternative<Shape, Capsule>("capsule", capsule, "a capsule along Y"),
-                  alternative<Shape, Cylinder>("cylinder", cylinder, "a cylinder along Y")});
+  auto keys = table<S>("shape", "The solid of a collider.");
+  keys->choice<>({alternative<S, Plane>("plane", plane, "a half space"),
+                  alternative<S, Sphere>("sphere", sphere, "a ball"),
+                  alternative<S, Box>("box", box, "a box"),
+                  alternative<S, Capsule>("capsule", capsule, "a capsule along Y"),
+                  alternative<S, Cylinder>("cylinder", cylinder, "a cylinder along Y"),
+                  alternative<S>("signed_distance_field", signed_distance_field_codec(),
+                                 "the inside of a closed mesh")});
   return keys;
 }
 

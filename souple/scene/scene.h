@@ -204,9 +204,18 @@ ObjectDescription& common(AnyObjectDescription& object);
 ObjectKind kind_of(const AnyObjectDescription& object);
 
 // --- the rest
+/// The solid inside a closed surface, as a grid of distances.
+struct SignedDistanceFieldDescription {
+  MeshDescription mesh;
+  std::optional<double> spacing;  ///< of the grid [m]
+  int resolution = 64;            ///< cells along the mesh's longest side, if no spacing is given
+};
+/// The alternatives of Shape, by the same names.
+using ShapeDescription = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceFieldDescription>;
+
 struct ColliderDescription {
   std::string name;
-  Shape shape{};
+  ShapeDescription shape{};
   float friction = 0.5f;
   float restitution = 0;
   CollisionFilter collision{};                 ///< as of an object
@@ -273,6 +282,9 @@ SceneDescription parse_recorded_scene(std::string_view text, std::string_view so
 
 /// Writes a scene back, normalised: keys in a fixed order, defaults left out, every object named.
 std::string to_json(const SceneDescription& scene);
+
+/// "plane", "sphere", ... as shape_name of the shape that is built from it.
+std::string_view shape_name(const ShapeDescription& shape);
 
 using SceneLog = std::function<void(LogLevel, std::string_view)>;
 

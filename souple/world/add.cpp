@@ -207,6 +207,7 @@ void remove_object(WorldState& world, const Object& object) {
   for (Extra& extra : world.extras) extra.erase_particles(begin, end);
   world.particle_contacts.erase_particles(begin, end);
   world.surface_contacts.erase_particles(begin, end);
+  world.feature_contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty_all();

@@ -51,6 +51,15 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
   return result;
 }
 
+// Bodies whose surface is embedded have none: their particles stand for it.
+void append_features(const Object& object, std::uint32_t index, std::span<const Edge> rope_edges,
+                     std::vector<FeatureContacts::Feature>& features) {
+  if (object.kind == ObjectKind::obstacle || is_loose(object)) return;
+  const std::uint32_t b = object.begin;
+  for (const Triangle& t : object.surface) features.push_back({{b + t[0], b + t[1], b + t[2]}, index});
+  for (const Edge& edge : rope_edges) features.push_back({{b + edge[0], b + edge[1], b + edge[1]}, index});
+}
+
 Surface surface_of(const Material& material) {
   return std::visit(
       [](const auto& m) { return Surface{.friction = m.friction, .restitution = m.restitution}; }, material);
@@ -114,6 +123,10 @@ void build_contact_tables(WorldState& world) {
   std::vector<ContactSurface> surfaces;
   for (std::uint32_t a = 0; a < world.objects.size(); ++a) surfaces.push_back(contact_surface(world, a));
   world.surface_contacts.set_surfaces(std::move(surfaces));
+  std::vector<FeatureContacts::Feature> features;
+  for (std::uint32_t a = 0; a < world.objects.size(); ++a)
+    append_features(*world.objects[a], a, tables.rope_edges[a], features);
+  world.feature_contacts.set_features(std::move(features));
 }
 
 void find_candidates(WorldState& world, double dt) {
@@ -129,6 +142,8 @@ void find_candidates(WorldState& world, double dt) {
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
     tables.objects[a].moves = world.objects[a]->island == 0;
+  world.feature_contacts.begin_step(view, particles.velocity, particles.radius, tables.colliders,
+                                    tables.against_colliders, step, *world.threads);
   world.guarded("a collider's motion", [&] {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                        tables.colliders, tables.against_colliders, step, *world.threads);
@@ -144,6 +159,8 @@ void generate_contacts(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
+  world.guarded("a collider's motion",
+                [&] { world.feature_contacts.refresh(view, substep, world.time, *world.threads); });
   world.surface_contacts.refresh(view, substep, *world.threads);
   world.particle_contacts.refresh(view, substep, *world.threads);
 }
@@ -156,16 +173,18 @@ void apply_restitution(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   world.surface_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
   world.particle_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
+  world.feature_contacts.apply_restitution(view, world.particles.velocity, substep);
   world.collider_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
 }
 
 void report_contacts(WorldState& world) {
   const ContactReport colliders = world.collider_contacts.report();
+  const ContactReport features = world.feature_contacts.report();
   const ContactReport particles = world.particle_contacts.report();
   const ContactReport surfaces = world.surface_contacts.report();
-  world.report.contacts = colliders.count + particles.count + surfaces.count;
-  world.report.deepest_contact =
-      static_cast<double>(std::max({colliders.deepest, particles.deepest, surfaces.deepest}));
+  world.report.contacts = colliders.count + features.count + particles.count + surfaces.count;
+  world.report.deepest_contact = static_cast<double>(
+      std::max({colliders.deepest, features.deepest, particles.deepest, surfaces.deepest}));
 }
 
 std::span<const ContactEvent> World::contacts() const {
@@ -177,6 +196,7 @@ std::span<const ContactEvent> World::contacts() const {
   const ParticleView view = world.view();
   std::vector<ContactPush> pushes;
   world.collider_contacts.events(view, pushes);
+  world.feature_contacts.events(view, pushes);
   for (const ContactPush& push : pushes) append_event(world, push, true, world.events);
   pushes.clear();
   world.surface_contacts.events(view, pushes);

@@ -65,6 +65,10 @@ void add_objects(const WorldState& world, MemoryReport& report) {
   report.objects.push_back({"motions of obstacles", motions});
   report.objects.push_back({"maps from vertices to particles", maps});
   report.objects.push_back({"positions and normals users see", mirrors});
+  std::size_t fields = 0;
+  for (const ColliderRecord& record : world.colliders)
+    if (const auto* field = std::get_if<SignedDistanceField>(&record.shape)) fields += field->bytes();
+  if (fields > 0) report.objects.push_back({"signed distance fields", fields});
 }
 
 }  // namespace
@@ -84,7 +88,7 @@ MemoryReport World::memory() {
   add_constraints(world, report);
   report.simulation.push_back({"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
                                                world.collider_contacts.bytes() +
-                                               world.sleep.touching.bytes()});
+                                               world.feature_contacts.bytes() + world.sleep.touching.bytes()});
   add_objects(world, report);
   return report;
 }

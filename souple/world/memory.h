@@ -6,8 +6,8 @@
 
 namespace souple {
 
-/// What a world holds on the heap, by what it is for. Shapes and keyframes of colliders and the users' own
-/// callbacks are not counted.
+/// What a world holds on the heap, by what it is for. Of colliders only signed distance fields are
+/// counted, one that several share as often; keyframes and the users' own callbacks are not.
 struct MemoryReport {
   struct Part {
     std::string name;  ///< "particles", "distance", ...

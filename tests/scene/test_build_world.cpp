@@ -39,6 +39,31 @@ TEST(BuildWorld, MakesWhatTheSceneSays) {
   EXPECT_EQ(world.colliders().size(), 2u);
 }
 
+std::string with_field(const std::string& field) {
+  return R"({"souple": 1, "colliders": [{"name": "ring", "shape": {"signed_distance_field": )" + field +
+         "}, \"transform\": {\"translate\": [0, 5, 0]}}]}";
+}
+
+TEST(BuildWorld, ASignedDistanceFieldIsWhatItsMeshIs) {
+  const World world = built(
+      with_field(R"({"mesh": {"torus": {"major_radius": 1, "minor_radius": 0.25}}, "resolution": 50})"));
+  const auto& field = std::get<SignedDistanceField>(world.shape(world.find_collider("ring")));
+  EXPECT_NEAR(field.spacing(), 0.05, 1e-9);
+  const Hit hit = world.ray_cast({1, 9, 0}, {0, -1, 0});
+  ASSERT_TRUE(hit.found && hit.is_collider);
+  EXPECT_NEAR(hit.point.y, 5.25f, 0.01f);
+  EXPECT_FALSE(world.ray_cast({0, 9, 0}, {0, -1, 0}).found);
+}
+
+TEST(BuildWorld, AnOpenMeshMakesNoSignedDistanceField) {
+  const std::string said = build_complaint(
+      with_field(R"({"mesh": {"grid": {"columns": 3, "rows": 3, "size": 1}}, "spacing": 0.1})"));
+  for (const char* word : {"test.json: colliders[0]: signed distance field", "8 edges are open"})
+    EXPECT_NE(said.find(word), std::string::npos) << said;
+  EXPECT_THROW(built(with_field(R"({"mesh": {"sphere": {"radius": 1}}, "spacing": 0.1, "resolution": 9})")),
+               Error);
+}
+
 TEST(BuildWorld, GrainsFillTheirBoxWithoutOverlap) {
   const World world = built(with_object(
       R"("kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 0.5, 0.5], "jitter": 0.2}, "material": {"radius": 0.05})"));

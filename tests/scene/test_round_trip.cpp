@@ -36,7 +36,11 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
     "colliders": [{"name": "floor", "shape": {"plane": {"normal": [0, 2, 0], "offset": 1}}, "friction": 0.75, "restitution": 0.5,
                    "collision_groups": [3], "collision_mask": [0, 1, 4]},
                   {"name": "pin", "shape": {"capsule": {"radius": 0.1, "half_height": 2, "center": [1, 0, 0]}},
-                   "keyframes": [{"time": 0, "translate": [0, 0.3, 0]}, {"time": 1}], "loop": true}],
+                   "keyframes": [{"time": 0, "translate": [0, 0.3, 0]}, {"time": 1}], "loop": true},
+                  {"name": "rock", "shape": {"signed_distance_field":
+                    {"mesh": {"file": "meshes/duck.obj", "scale": 0.01}, "spacing": 0.02}}},
+                  {"name": "ring", "shape": {"signed_distance_field":
+                    {"mesh": {"torus": {"major_radius": 1, "minor_radius": 0.25}}, "resolution": 24}}}],
     "pairs": [{"between": ["flag", "floor"], "friction": 0, "restitution": 1},
               {"between": ["flag", "flag"], "collide": false}],
     "connections": [{"from": {"object": "flag", "vertices": [0]}, "to": {"object": "line", "all": true},
@@ -106,6 +110,13 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(std::get<Plane>(scene.colliders[0].shape).offset, 1);
   EXPECT_EQ(std::get<Capsule>(scene.colliders[1].shape).center, Vec3f(1, 0, 0));
   EXPECT_TRUE(scene.colliders[1].loop);
+  const auto& rock = std::get<SignedDistanceFieldDescription>(scene.colliders[2].shape);
+  EXPECT_EQ(std::get<FileMesh>(rock.mesh.source).file, "meshes/duck.obj");
+  EXPECT_EQ(rock.mesh.import.scale, 0.01);
+  EXPECT_EQ(rock.spacing, 0.02);
+  EXPECT_EQ(std::get<SignedDistanceFieldDescription>(scene.colliders[3].shape).resolution, 24);
+  EXPECT_EQ(shape_name(scene.colliders[1].shape), "capsule");
+  EXPECT_EQ(shape_name(scene.colliders[3].shape), "signed_distance_field");
   EXPECT_EQ(scene.pairs[0].restitution, 1);
   EXPECT_EQ(scene.pairs[0].friction, 0.0f);
   EXPECT_TRUE(scene.pairs[0].collide);

@@ -1,0 +1,509 @@
+#include "souple/collision/feature_contacts.h"
+
+#include "souple/collision/contact_law.h"
+#include "souple/error.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace souple {
+namespace {
+
+constexpr std::size_t feature_grain = 256;  // features worth a thread
+constexpr std::size_t search_grain = 8;     // searches worth a thread
+// Between its corners a feature keeps this part of its radius.
+constexpr double kept_part = 0.5;
+
+Vec3d place(const ParticleView& particles, std::size_t i) {
+  const Vec3d x(particles.position[i].xyz());
+  return particles.form == Form::displacement ? x + Vec3d(particles.moving[i].xyz()) : x;
+}
+
+Vec3d start_place(const ParticleView& particles, std::size_t i) {
+  const Vec3d start(particles.start[i].xyz());
+  return particles.form == Form::displacement ? Vec3d(particles.position[i].xyz()) + start : start;
+}
+
+bool is_edge(const FeatureContacts::Feature& feature) {
+  return feature.particle[1] == feature.particle[2];
+}
+
+/// A ball about a feature.
+struct Ball {
+  Vec3d middle;
+  double radius;
+};
+
+Ball ball_about(const std::array<Vec3d, 3>& x, bool edge) {
+  const Vec3d middle = edge ? (x[0] + x[1]) * 0.5 : (x[0] + x[1] + x[2]) / 3.0;
+  double squared = 0;
+  for (const Vec3d& corner : x) squared = max(squared, length_squared(corner - middle));
+  return {middle, sqrt(squared)};
+}
+
+/// The smallest radius of curvature of a shape's surface where it bulges; 0 at edges and where it is not
+/// known.
+struct CurvatureRadius {
+  double operator()(const Sphere& sphere) const { return double(sphere.radius); }
+  double operator()(const Capsule& capsule) const { return double(capsule.radius); }
+  template <class Other>
+  double operator()(const Other&) const {
+    return 0;
+  }
+};
+
+// Whether a feature of circumradius R or less, whose corners keep r from a surface of that radius of
+// curvature, may come nearer than kept_part r between them: it lies deepest at sqrt((c + r)^2 - R^2) - c. A
+// tenth is left for what it may stretch.
+bool matters(double R, double r, double curvature_radius) {
+  const double outer = curvature_radius + r, wide = 1.1 * R;
+  return wide >= outer || sqrt(outer * outer - wide * wide) - curvature_radius < kept_part * r;
+}
+
+}  // namespace
+
+void FeatureContacts::set_features(std::vector<Feature> features) {
+  features_ = std::move(features);
+  corners_.clear();
+  for (const Feature& feature : features_)
+    corners_.insert(corners_.end(), feature.particle.begin(), feature.particle.end());
+  std::sort(corners_.begin(), corners_.end());
+  corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
+  bodies_.clear();
+  contacts_.clear();
+}
+
+void FeatureContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                 std::span<const float> radius, std::span<const Collider> colliders,
+                                 const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads) {
+  colliders_ = colliders, radius_ = radius;
+  surfaces_ = &surfaces;
+  step_ = step;
+  contacts_.clear();
+  find_bodies();
+  if (!bodies_.empty()) find_candidates(particles, velocity, 0, threads);
+}
+
+// Of a plane nothing is lower than a corner.
+void FeatureContacts::find_bodies() {
+  bodies_.clear();
+  if (features_.empty()) return;
+  for (std::uint32_t c = 0; c < colliders_.size(); ++c) {
+    const Collider& collider = colliders_[c];
+    if (!collider.enabled || std::holds_alternative<Plane>(collider.shape)) continue;
+    Body body;
+    body.collider = c;
+    body.moves = !collider.motion.is_static();
+    body.ball = bounding_ball(collider.shape);
+    body.curvature_radius = std::visit(CurvatureRadius{}, collider.shape);
+    if (!body.moves) {
+      const Transform pose = collider.motion.at(step_.time);
+      body.before = body.after = {rotation_matrix(pose.rotation), pose.translation};
+    }
+    bodies_.push_back(body);
+  }
+}
+
+float FeatureContacts::radius_of(const Feature& feature) const {
+  return min(radius_[feature.particle[0]], min(radius_[feature.particle[1]], radius_[feature.particle[2]]));
+}
+
+// The margins are those of ColliderContacts: twice what a particle goes in a step at its present speed.
+void FeatureContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
+                                      Threads& threads) {
+  candidates_.clear();
+  placed_.resize(particles.position.size());
+  margin_.resize(particles.position.size());
+  near_.resize(features_.size());
+  const float t = step_.dt;
+  threads.for_each(corners_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      const std::uint32_t i = corners_[c];
+      const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
+      placed_[i] = place(particles, i);
+      margin_[i] = 2 * t * (speed + step_.gravity * t) + radius_[i];
+    }
+  });
+  for (Body& body : bodies_) {
+    threads.for_each(features_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) near_[f] = is_candidate(body, f, particles) ? 1 : 0;
+    });
+    body.candidate_begin = candidates_.size();
+    for (std::uint32_t f = 0; f < features_.size(); ++f)
+      if (near_[f] != 0) candidates_.push_back(f);
+    body.candidate_end = candidates_.size();
+  }
+}
+
+// A body that moves may go anywhere: what matters for it is looked at in every substep.
+bool FeatureContacts::is_candidate(const Body& body, std::size_t feature,
+                                   const ParticleView& particles) const {
+  const Feature& f = features_[feature];
+  if (!surfaces_->collide(f.object, body.collider)) return false;
+  const auto& [a, b, c] = f.particle;
+  const Ball ball = ball_about({placed_[a], placed_[b], placed_[c]}, is_edge(f));
+  if (!matters(ball.radius, double(radius_of(f)), body.curvature_radius)) return false;
+  if (!(particles.inverse_mass(a) > 0 || particles.inverse_mass(b) > 0 || particles.inverse_mass(c) > 0))
+    return false;
+  if (body.moves) return true;
+  const double reach = ball.radius + 3 * double(max(margin_[a], max(margin_[b], margin_[c])));
+  const double clear = body.ball.radius + reach;
+  const Vec3d middle = body.after.to_local(ball.middle);
+  if (!(length_squared(middle - body.ball.center) <= clear * clear)) return false;
+  return surface_distance(shape_of(body), middle).distance <= reach;
+}
+
+bool FeatureContacts::left_margins(const ParticleView& particles) const {
+  return std::any_of(corners_.begin(), corners_.end(), [&](std::uint32_t i) {
+    const double margin = double(margin_[i]);
+    return length_squared(place(particles, i) - placed_[i]) > margin * margin;
+  });
+}
+
+void FeatureContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
+                              Threads& threads) {
+  contacts_.clear();
+  last_h_ = substep.h;
+  if (bodies_.empty()) return;
+  for (Body& body : bodies_) {
+    if (!body.moves) continue;
+    const ColliderMotion& motion = colliders_[body.collider].motion;
+    const double end = time + double(substep.h);
+    const Transform after = motion.at(end), before = motion.jumps(time, end) ? after : motion.at(time);
+    body.before = {rotation_matrix(before.rotation), before.translation};
+    body.after = {rotation_matrix(after.rotation), after.translation};
+  }
+  if (left_margins(particles)) find_candidates(particles, {}, substep.h, threads);
+  for (Body& body : bodies_) meet_all(body, particles, substep.h, threads);
+}
+
+// On all threads, then in order on one: the same contacts in the same order for any number of threads.
+void FeatureContacts::meet_all(Body& body, const ParticleView& particles, float h, Threads& threads) {
+  const std::size_t count = body.candidate_end - body.candidate_begin;
+  const std::uint32_t* candidates = candidates_.data() + body.candidate_begin;
+  if (near_.size() < count) near_.resize(count);
+  threads.for_each(count, feature_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      near_[k] = may_touch(body, features_[candidates[k]], particles) ? 1 : 0;
+  });
+  met_.clear();
+  for (std::uint32_t k = 0; k < count; ++k)
+    if (near_[k] != 0) met_.push_back(candidates[k]);
+  if (found_.size() < met_.size()) found_.resize(2 * met_.size());
+  threads.for_each(met_.size(), search_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      found_[k].touches = contact_of(body, features_[met_[k]], particles, h, found_[k].contact);
+  });
+  body.contact_begin = contacts_.size();
+  for (std::size_t k = 0; k < met_.size(); ++k)
+    if (found_[k].touches) contacts_.push_back(found_[k].contact);
+  body.contact_end = contacts_.size();
+}
+
+FeatureContacts::Corners FeatureContacts::corners(const Pose& pose, const Feature& feature,
+                                                  const ParticleView& particles, bool start) const {
+  Corners x;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t i = feature.particle[k];
+    x[k] = pose.to_local(start ? start_place(particles, i) : place(particles, i));
+  }
+  return x;
+}
+
+// The distance d to a convex shape is a convex function: nowhere in the feature is it below
+//   d(m) + min_k n(m) . (x_k - m),   m the middle.
+// What is flat for the shape below it is told apart so with one look. For other shapes it is a good guess.
+bool FeatureContacts::may_touch(const Body& body, const Feature& feature,
+                                const ParticleView& particles) const {
+  const Corners x = corners(body.before, feature, particles, true);
+  const Ball ball = ball_about(x, is_edge(feature));
+  const double r = double(radius_of(feature));
+  double path = 0;
+  if (body.moves) {
+    const Corners to = corners(body.after, feature, particles, false);
+    for (std::size_t k = 0; k < 3; ++k) path = max(path, length_squared(to[k] - x[k]));
+    path = sqrt(path);
+  } else {
+    for (const std::uint32_t i : feature.particle) path = max(path, double(length(particles.moved(i))));
+  }
+  const double reach = ball.radius + r + path, clear = body.ball.radius + reach;
+  if (!(length_squared(ball.middle - body.ball.center) <= clear * clear)) return false;
+  const SurfaceDistance surface = surface_distance(shape_of(body), ball.middle);
+  if (surface.distance > reach) return false;
+  double lowest = 0;
+  for (const Vec3d& corner : x) lowest = min(lowest, dot(surface.normal, corner - ball.middle));
+  return surface.distance + lowest - path < 1.2 * kept_part * r;
+}
+
+// With the gap of Frank and Wolfe,
+//   g = max_k n . (q - x_k),
+// d - g bounds from below what is left to gain where d is convex: what stays above `limit` is soon known to.
+FeatureContacts::Deepest FeatureContacts::look(const Shape& shape, const Corners& x,
+                                               const std::array<double, 3>& weight) {
+  Deepest at{weight, x[0] * weight[0] + x[1] * weight[1] + x[2] * weight[2], {}, 0};
+  at.surface = surface_distance(shape, at.point);
+  for (const Vec3d& corner : x) at.gap = max(at.gap, dot(at.surface.normal, at.point - corner));
+  return at;
+}
+
+// The lowest point between two, where d is convex: by bisection of its slope, which may jump.
+FeatureContacts::Deepest FeatureContacts::deepest_between(const Shape& shape, const Corners& x,
+                                                          const std::array<double, 3>& a,
+                                                          const std::array<double, 3>& b) {
+  constexpr int bisections = 12;
+  const auto at = [&](const std::array<double, 3>& w) { return x[0] * w[0] + x[1] * w[1] + x[2] * w[2]; };
+  const Vec3d start = at(a), way = at(b) - start;
+  double falls = 0, rises = 1;
+  for (int half = 0; half < bisections; ++half) {
+    const double middle = 0.5 * (falls + rises);
+    const Vec3d n = surface_distance(shape, start + way * middle).normal;
+    (dot(n, way) < 0 ? falls : rises) = middle;
+  }
+  const double s = falls == 0 ? 0 : (rises == 1 ? 1 : 0.5 * (falls + rises));
+  return look(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
+}
+
+// f(w_2) = min over w_1 of d is convex where d is: a golden section of it finds the minimum of any such d,
+// the fold of a box's edge included, where nothing that follows the gradient arrives.
+FeatureContacts::Deepest FeatureContacts::deepest_by_sections(const Shape& shape, const Corners& x) {
+  constexpr int sections = 16;
+  constexpr double golden = 0.6180339887498949;
+  const auto row = [&](double w) { return deepest_between(shape, x, {1 - w, 0, w}, {0, 1 - w, w}); };
+  double lo = 0, hi = 1;
+  Deepest low = row(1 - golden), high = row(golden);
+  for (int section = 0; section < sections; ++section) {
+    const bool keep_low = low.surface.distance <= high.surface.distance;
+    (keep_low ? hi : lo) = keep_low ? lo + golden * (hi - lo) : hi - golden * (hi - lo);
+    (keep_low ? high : low) = keep_low ? low : high;
+    (keep_low ? low : high) = row(keep_low ? hi - golden * (hi - lo) : lo + golden * (hi - lo));
+  }
+  return low.surface.distance <= high.surface.distance ? low : high;
+}
+
+// min over w of d(sum_k w_k x_k),  w_k >= 0, sum_k w_k = 1:  along the chords through the corners in turn.
+// (The steps of Frank and Wolfe, which Macklin et al. take, are chords too, but only towards the corner that
+// is lowest along the gradient, and never back: on a triangle of half a metre 12 of them were centimetres
+// off.) What that leaves undone is done by sections.
+FeatureContacts::Deepest FeatureContacts::deepest(const Shape& shape, const Corners& x, double limit,
+                                                  double tolerance) {
+  constexpr int turns = 3;
+  if (x[1] == x[2]) return deepest_between(shape, x, {1, 0, 0}, {0, 1, 0});
+  Deepest best = look(shape, x, {1 / 3.0, 1 / 3.0, 1 / 3.0});
+  const auto done = [&] { return best.surface.distance - best.gap > limit || best.gap <= tolerance; };
+  for (int turn = 0; turn < turns; ++turn) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (done()) return best;
+      const double rest = 1 - best.weight[k];
+      if (!(rest > 1e-9)) continue;
+      std::array<double, 3> corner{}, across = best.weight;
+      corner[k] = 1;
+      for (double& w : across) w /= rest;
+      across[k] = 0;
+      const Deepest next = deepest_between(shape, x, corner, across);
+      if (next.surface.distance < best.surface.distance) best = next;
+    }
+  }
+  if (done()) return best;
+  const Deepest found = deepest_by_sections(shape, x);
+  return found.surface.distance < best.surface.distance ? found : best;
+}
+
+// Conservative advancement: as long as the feature is free by more than it still has to go it cannot touch.
+// Corners go straight, in the collider's frame. One that has not arrived after 16 strides is as good as
+// there.
+bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const ParticleView& particles,
+                                 float h, Contact& contact) const {
+  const Shape& shape = shape_of(body);
+  const Corners from = corners(body.before, feature, particles, true);
+  const Corners to = corners(body.after, feature, particles, false);
+  double path = 0;
+  for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
+  const double r = double(radius_of(feature)), target = kept_part * r;
+  Deepest low = deepest(shape, from, r + path, 0.1 * r);
+  const double overlap = low.surface.distance - target;
+  double gone = 0;
+  for (int stride = 0; stride < 16; ++stride) {
+    const double free = max(low.surface.distance - low.gap, 0.5 * low.surface.distance) - target;
+    if (low.surface.distance - target <= 1e-3 * r || free <= 1e-3 * r) break;
+    gone += free;
+    const double part = gone < path ? gone / path : 1.0;
+    Corners x;
+    for (std::size_t k = 0; k < 3; ++k) x[k] = from[k] + (to[k] - from[k]) * part;
+    low = deepest(shape, x, r + path, 0.1 * r);
+    if (part < 1) continue;
+    if (low.surface.distance > r) return false;
+    break;
+  }
+  contact = {};
+  contact.particle = feature.particle;
+  Vec3d predicted;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double w = low.weight[k];
+    if (w > 0.999) return false;  // its corner is held
+    contact.weight[k] = float(w);
+    predicted += (to[k] - from[k]) * w;
+    contact.inverse_mass += float(w * w) * particles.inverse_mass(feature.particle[k]);
+  }
+  contact.target = float(target);
+  contact.surface = surfaces_->at(feature.object, body.collider);
+  contact.normal = low.surface.normal;
+  contact.plane_offset = dot(low.surface.normal, low.point) - low.surface.distance;
+  contact.predicted = Vec3f(body.after.rotation * predicted);
+  contact.allowed = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
+  return contact.inverse_mass > 0;
+}
+
+double FeatureContacts::gap(const Body& body, const Contact& contact, const ParticleView& particles) const {
+  Vec3d point;
+  for (std::size_t k = 0; k < 3; ++k)
+    point += place(particles, contact.particle[k]) * double(contact.weight[k]);
+  return dot(contact.normal, body.after.to_local(point)) - contact.plane_offset - double(contact.target);
+}
+
+Vec3f FeatureContacts::moved(const Contact& contact, const ParticleView& particles) {
+  Vec3f sum;
+  for (std::size_t k = 0; k < 3; ++k) sum += particles.moved(contact.particle[k]) * contact.weight[k];
+  return sum;
+}
+
+// The point moves by `change` when each corner does by w_k / m_k of it, over sum_k w_k^2 / m_k.
+void FeatureContacts::correct(const Contact& contact, const ParticleView& particles, const Vec3f& change) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t i = contact.particle[k];
+    const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (share > 0) particles.correct(i, change * share);
+  }
+}
+
+void FeatureContacts::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
+                              const Substep&) {
+  for (const Body& body : bodies_)
+    for (std::size_t c = max(begin, body.contact_begin); c < min(end, body.contact_end); ++c)
+      project_one(body, contacts_[c], particles);
+}
+
+// The law of ColliderContacts::project_one, for a point of a feature.
+void FeatureContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
+  const double C = gap(body, contact, particles);
+  const float dn = max(float(double(contact.allowed) - C), -contact.pushed);
+  if (!(dn > 0) && !(contact.pushed > 0)) return;
+  const Vec3f n(body.after.rotation * contact.normal);
+  contact.pushed += dn;
+  if (!(contact.pushed > 0)) {
+    correct(contact, particles, n * dn - contact.rubbed);
+    contact.pushed = 0;
+    contact.rubbed = {};
+    return;
+  }
+  if (body.moves) {
+    Vec3d point;
+    for (std::size_t k = 0; k < 3; ++k)
+      point += place(particles, contact.particle[k]) * double(contact.weight[k]);
+    const Vec3d local = body.after.to_local(point);
+    contact.carried = Vec3f(point - body.before.to_world(local));
+  }
+  const Vec3f relative = moved(contact, particles) - contact.carried;
+  const Vec3f tangential = relative - n * dot(n, relative);
+  const Vec3f wanted = contact.rubbed - n * dot(n, contact.rubbed) - tangential;
+  const Vec3f rubbed = within_friction(wanted, contact.surface, contact.pushed);
+  correct(contact, particles, n * dn + (rubbed - contact.rubbed));
+  contact.rubbed = rubbed;
+}
+
+void FeatureContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
+                                        const Substep& substep) {
+  for (const Body& body : bodies_)
+    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c)
+      restore_speed(body, contacts_[c], particles, velocity, substep.h);
+}
+
+// The law of ColliderContacts::restore_speed.
+void FeatureContacts::restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+                                    std::span<Vec4f> velocity, float h) const {
+  if (!(contact.pushed > 0)) return;
+  const Vec3f n(body.after.rotation * contact.normal);
+  Vec3f v;
+  for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
+  const Vec3f u = v - contact.carried * (1 / h);
+  const float u_n = dot(n, u);
+  const float approach = -dot(n, contact.predicted) / h;
+  const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
+  contact.bounced = max(target - u_n, -contact.pushed / h);
+  const Vec3f held_back = contact.rubbed * (1 / h);
+  const Vec3f wanted = held_back - (u - n * u_n);
+  const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
+  const Vec3f change = n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t i = contact.particle[k];
+    const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (share > 0) velocity[i].set_xyz(velocity[i].xyz() + change * share);
+  }
+  contact.depth = max(0.0f, float(-gap(body, contact, particles)));
+}
+
+ContactReport FeatureContacts::report() const {
+  ContactReport report;
+  for (const Contact& contact : contacts_) {
+    if (!(contact.pushed > 0)) continue;
+    ++report.count;
+    report.deepest = max(report.deepest, contact.depth);
+  }
+  return report;
+}
+
+void FeatureContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+  const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
+  for (const Body& body : bodies_) {
+    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
+      const Contact& contact = contacts_[c];
+      if (!(contact.pushed > 0)) continue;
+      const auto heaviest = std::max_element(contact.weight.begin(), contact.weight.end());
+      const auto k = static_cast<std::size_t>(heaviest - contact.weight.begin());
+      Vec3d point;
+      for (std::size_t j = 0; j < 3; ++j)
+        point += place(particles, contact.particle[j]) * double(contact.weight[j]);
+      const double C = gap(body, contact, particles);
+      const Vec3d n = body.after.rotation * contact.normal;
+      const float impulse = (contact.pushed * inverse_h + contact.bounced) / contact.inverse_mass;
+      out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
+                     Vec3f(n), impulse});
+    }
+  }
+}
+
+Residual FeatureContacts::residual(const ParticleView& particles) const {
+  Residual result;
+  result.count = contacts_.size();
+  for (const Body& body : bodies_) {
+    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
+      const double violation = max(0.0, -gap(body, contacts_[c], particles));
+      result.largest = max(result.largest, violation);
+      result.sum += violation;
+    }
+  }
+  return result;
+}
+
+void FeatureContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  for (const Body& body : bodies_) {
+    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
+      const Contact& contact = contacts_[c];
+      const std::size_t corners = contact.particle[1] == contact.particle[2] ? 2 : 3;
+      const double C = gap(body, contact, particles);
+      visitor({{contact.particle.data(), corners}, 0, 0, static_cast<float>(max(0.0, -C))});
+    }
+  }
+}
+
+/// Features name particles that are no more: none until they are set again.
+void FeatureContacts::erase_particles(std::uint32_t, std::uint32_t) {
+  set_features({});
+}
+
+std::size_t FeatureContacts::bytes() const {
+  return bytes_of(features_, corners_, bodies_, placed_, margin_, near_, candidates_, met_, found_,
+                  contacts_);
+}
+
+}  // namespace souple

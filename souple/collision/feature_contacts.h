@@ -1,0 +1,157 @@
+#pragma once
+
+#include "souple/collision/collider.h"
+#include "souple/collision/contact.h"
+#include "souple/math/mat3.h"
+#include "souple/solver/projector.h"
+#include "souple/solver/threads.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Triangles and edges against colliders, where their corners alone do not suffice: a coarse cloth on a
+/// table's corner or on a small ball, a rope over a thin bar.
+///
+///   C = n . (sum_k w_k p_k - s) - r / 2 >= 0,
+///
+/// sum_k w_k p_k the feature's deepest point, s the surface point below it, n the outward normal there, r the
+/// radius of its particles. The corners keep r themselves (ColliderContacts); between them a feature may come
+/// half as near, so that whatever is fine for the curvature below it never needs a contact of its own: it is
+/// left out before it costs anything. Planes need none.
+///
+/// The deepest point is searched for as Macklin et al. 2020 ("Local optimization for robust signed distance
+/// field collision", section 4) do, by the method of Frank and Wolfe. It, its weights and its plane hold for
+/// a substep; where the feature is fast they are those of the moment at which it first touches. Friction and
+/// restitution are those of ColliderContacts, spread over the corners by their weights. Contacts are few, and
+/// projected in the order of colliders, then features.
+class FeatureContacts final : public Projector {
+ public:
+  /// A triangle, or an edge with its second corner twice.
+  struct Feature {
+    std::array<std::uint32_t, 3> particle;
+    std::uint32_t object;  ///< row in the surface matrix
+  };
+  /// Features of all objects, in an order that decides that of the contacts.
+  void set_features(std::vector<Feature> features);
+
+  /// As of ColliderContacts, with the same arguments: what is given must live until the step ends.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, std::span<const Collider> colliders,
+                  const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads);
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
+  ContactReport report() const;
+  /// Contacts that pushed; each names its heaviest corner.
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+
+  std::string_view kind() const override { return "feature contact"; }
+  std::size_t size() const override { return contacts_.size(); }
+  void prepare(std::size_t) override {}
+  int colour_count() const override { return contacts_.empty() ? 0 : 1; }
+  std::size_t colour_size(int) const override { return contacts_.size(); }
+  /// They share particles: never cut.
+  std::size_t grain() const override { return std::size_t{1} << 40; }
+  using Projector::project;
+  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
+  Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+ private:
+  struct Pose {
+    Mat3d rotation;
+    Vec3d translation;
+
+    Vec3d to_world(const Vec3d& local) const { return rotation * local + translation; }
+    Vec3d to_local(const Vec3d& world) const {
+      const Vec3d d = world - translation;
+      return {dot(rotation.column[0], d), dot(rotation.column[1], d), dot(rotation.column[2], d)};
+    }
+  };
+  using Corners = std::array<Vec3d, 3>;
+  /// A collider during the step.
+  struct Body {
+    std::uint32_t collider = 0;
+    bool moves = false;
+    Pose before, after;
+    BoundingBall ball;
+    double curvature_radius = 0;  // the smallest of its surface [m]
+    std::size_t candidate_begin = 0, candidate_end = 0;
+    std::size_t contact_begin = 0, contact_end = 0;
+  };
+  struct Deepest {
+    std::array<double, 3> weight;
+    Vec3d point;
+    SurfaceDistance surface;
+    double gap;  // how much lower it may be elsewhere, if the shape is convex [m]
+  };
+  struct Contact {
+    std::array<std::uint32_t, 3> particle;
+    std::array<float, 3> weight;
+    float inverse_mass;  // sum_k w_k^2 / m_k [1/kg]
+    float target;        // [m]
+    SurfacePair surface;
+    Vec3d normal;         // in the collider's frame
+    double plane_offset;  // [m]
+    float allowed;        // C may stay this negative: an old overlap leaves slowly [m]
+    Vec3f predicted;      // motion of the point relative to the surface before any projection [m]
+    float pushed = 0;     // sums of corrections of the point [m]
+    Vec3f rubbed{};
+    Vec3f carried{};    // what the surface moved in the substep at the contact [m]
+    float bounced = 0;  // normal velocity added by apply_restitution [m/s]
+    float depth = 0;    // what is left of the overlap of one that pushed [m]
+  };
+  /// What a candidate came to.
+  struct Found {
+    bool touches = false;
+    Contact contact{};
+  };
+
+  void find_bodies();
+  void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
+                       Threads& threads);
+  bool is_candidate(const Body& body, std::size_t feature, const ParticleView& particles) const;
+  bool left_margins(const ParticleView& particles) const;
+  void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
+  Corners corners(const Pose& pose, const Feature& feature, const ParticleView& particles, bool start) const;
+  float radius_of(const Feature& feature) const;
+  bool may_touch(const Body& body, const Feature& feature, const ParticleView& particles) const;
+  bool contact_of(const Body& body, const Feature& feature, const ParticleView& particles, float h,
+                  Contact& contact) const;
+  static Deepest look(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
+  static Deepest deepest_between(const Shape& shape, const Corners& x, const std::array<double, 3>& a,
+                                 const std::array<double, 3>& b);
+  static Deepest deepest_by_sections(const Shape& shape, const Corners& x);
+  static Deepest deepest(const Shape& shape, const Corners& x, double limit, double tolerance);
+  double gap(const Body& body, const Contact& contact, const ParticleView& particles) const;
+  static Vec3f moved(const Contact& contact, const ParticleView& particles);
+  static void correct(const Contact& contact, const ParticleView& particles, const Vec3f& change);
+  void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
+  void restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+                     std::span<Vec4f> velocity, float h) const;
+  const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
+
+  std::vector<Feature> features_;
+  std::vector<std::uint32_t> corners_;  // the particles they have, each once
+  std::span<const Collider> colliders_;
+  std::span<const float> radius_;
+  const SurfaceMatrix* surfaces_ = nullptr;
+  ContactStep step_;
+  float last_h_ = 0;  // [s]
+  std::vector<Body> bodies_;
+  std::vector<Vec3d> placed_;              // of each of corners_, when candidates were looked for [m]
+  std::vector<float> margin_;              // of each particle: how far it may go until they are again [m]
+  std::vector<std::uint8_t> near_;         // of each feature or candidate
+  std::vector<std::uint32_t> candidates_;  // features, body by body
+  std::vector<std::uint32_t> met_;         // of them, those that may touch now
+  std::vector<Found> found_;               // what each of these came to
+  std::vector<Contact> contacts_;          // body by body
+};
+
+}  // namespace souple

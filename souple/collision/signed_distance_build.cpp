@@ -1,0 +1,183 @@
+#include "souple/collision/mesh_tree.h"
+#include "souple/collision/signed_distance_grid.h"
+#include "souple/error.h"
+#include "souple/geometry/measures.h"
+#include "souple/geometry/mesh_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace souple {
+namespace {
+
+constexpr double margin_cells = SignedDistanceField::fine_cells;  // around the mesh, at least
+constexpr double slack = 1.000001;      // what lies on the surface, a whole spacing away, has either sign
+constexpr double far_tolerance = 0.01;  // of distances far from the surface
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.3g", value);
+  return buffer;
+}
+
+// Memory goes with the surface, so with spacing^-2.
+[[noreturn]] void too_large(double spacing, double bytes) {
+  const double room = SignedDistanceField::max_bytes;
+  const double fits = spacing * sqrt(bytes / room) * 1.1;
+  throw Error("SignedDistanceField: a spacing of " + text(spacing) + " m needs " + text(bytes / 1048576) +
+              " MiB for this mesh; at most " + text(room / 1048576) +
+              " are allowed: take a spacing of about " + text(fits) + " m or more");
+}
+
+/// The mesh as it can be mended. If it is not closed then, the user's own mesh is blamed, if that can be.
+TriangleMesh closed_surface(const TriangleMesh& mesh) {
+  const RepairedSurface repaired = repair(mesh);
+  TriangleMesh solid;
+  solid.positions = gather<Vec3d>(repaired.weld, mesh.positions);
+  solid.triangles = repaired.triangles;
+  const MeshReport mended = inspect(solid, 0);
+  if (!mended.is_closed) {
+    const char* name = "signed distance field (an obstacle may be open)";
+    require_closed(inspect(mesh), name);
+    require_closed(mended, name);
+  }
+  return solid;
+}
+
+}  // namespace
+
+/// Fills a grid. Points are gone through along lines to and fro, so that each has a neighbour just before it:
+/// its nearest triangle is a good guess, and where it was further from the surface than the way between the
+/// two, both are on the same side.
+struct SignedDistanceField::Builder {
+  const MeshTree& tree;
+  Grid& grid;
+
+  struct Walker {
+    Vec3d point{};
+    double distance = -1;  // unsigned; none yet
+    double sign = 1;
+    std::uint32_t triangle = 0;
+  };
+
+  double measure(Walker& walker, const Vec3d& point, double tolerance) const {
+    const double way = length(point - walker.point);
+    const MeshTree::Nearest nearest = tree.nearest(point, walker.triangle, tolerance);
+    const double clear = max(walker.distance, nearest.distance) / (1 + tolerance);
+    const bool same_side = clear > way * slack && walker.distance >= 0;
+    if (!same_side) walker.sign = tree.winding_number(point) > 0.5 ? -1.0 : 1.0;
+    walker = {point, nearest.distance, walker.sign, nearest.triangle};
+    return walker.sign * nearest.distance;
+  }
+
+  /// Calls f(i, j, k) for all points of a box of them, each next to the last.
+  template <class F>
+  static void to_and_fro(int nx, int ny, int nz, const F& f) {
+    bool back_y = false, back_x = false;
+    for (int k = 0; k < nz; ++k, back_y = !back_y)
+      for (int j = 0; j < ny; ++j, back_x = !back_x)
+        for (int i = 0; i < nx; ++i) f(back_x ? nx - 1 - i : i, back_y ? ny - 1 - j : j, k);
+  }
+
+  void fill_corners() {
+    const auto [nx, ny, nz] = grid.blocks;
+    grid.corners.resize(grid.corner_index(nx, ny, nz) + 1);
+    const double step = grid.spacing * Grid::block_cells;
+    Walker walker;
+    to_and_fro(nx + 1, ny + 1, nz + 1, [&](int i, int j, int k) {
+      const Vec3d point = grid.origin + Vec3d{double(i), double(j), double(k)} * step;
+      grid.corners[grid.corner_index(i, j, k)] = static_cast<float>(measure(walker, point, far_tolerance));
+    });
+  }
+
+  /// A block holds all its points if the surface comes within its own side of it.
+  void choose_blocks() {
+    const auto [nx, ny, nz] = grid.blocks;
+    grid.place.assign(grid.block_index(nx - 1, ny - 1, nz - 1) + 1, Grid::coarse_only);
+    const double step = grid.spacing * Grid::block_cells;
+    const double reach = (fine_cells * grid.spacing + 0.5 * sqrt(3.0) * step) * (1 + far_tolerance);
+    std::int32_t count = 0;
+    std::uint32_t guess = 0;
+    to_and_fro(nx, ny, nz, [&](int i, int j, int k) {
+      const Vec3d centre = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * step;
+      const MeshTree::Nearest nearest = tree.nearest(centre, guess, far_tolerance);
+      guess = nearest.triangle;
+      if (nearest.distance <= reach) grid.place[grid.block_index(i, j, k)] = count++;
+    });
+    const double bytes = double(count) * Grid::block_points * sizeof(float);
+    if (bytes > max_bytes) too_large(grid.spacing, bytes);
+    grid.points.resize(static_cast<std::size_t>(count) * Grid::block_points);
+  }
+
+  void fill_block(int i, int j, int k, float* points) const {
+    const Vec3d first =
+        grid.origin + Vec3d{double(i), double(j), double(k)} * (grid.spacing * Grid::block_cells);
+    Walker walker;
+    to_and_fro(Grid::block_side, Grid::block_side, Grid::block_side, [&](int x, int y, int z) {
+      const Vec3d point = first + Vec3d{double(x), double(y), double(z)} * grid.spacing;
+      points[(z * Grid::block_side + y) * Grid::block_side + x] =
+          static_cast<float>(measure(walker, point, 0));
+    });
+  }
+
+  void fill_blocks() {
+    const auto [nx, ny, nz] = grid.blocks;
+    to_and_fro(nx, ny, nz, [&](int i, int j, int k) {
+      const std::int32_t place = grid.place[grid.block_index(i, j, k)];
+      if (place == Grid::coarse_only) return;
+      fill_block(i, j, k, &grid.points[static_cast<std::size_t>(place) * Grid::block_points]);
+    });
+  }
+
+  /// As many blocks as hold the mesh and its margin, the mesh in their middle.
+  static void lay_out(Grid& grid) {
+    const double step = grid.spacing * Grid::block_cells;
+    double blocks = 1;
+    double count[3];
+    for (int k = 0; k < 3; ++k) {
+      count[k] = std::ceil((grid.hi[k] - grid.lo[k] + 2 * margin_cells * grid.spacing) / step);
+      blocks *= count[k];
+      grid.origin[k] = 0.5 * (grid.lo[k] + grid.hi[k]) - 0.5 * step * count[k];
+    }
+    // Before anything is computed: no mesh that fills so large a box fits either.
+    const double bytes = blocks * (sizeof(float) + sizeof(std::int32_t));
+    if (!(bytes <= max_bytes / 8)) too_large(grid.spacing, 8 * bytes);
+    for (int k = 0; k < 3; ++k) grid.blocks[static_cast<std::size_t>(k)] = static_cast<int>(count[k]);
+  }
+};
+
+SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacing) {
+  if (!(std::isfinite(spacing) && spacing > 0))
+    throw Error("SignedDistanceField: spacing is " + text(spacing) +
+                "; expected a finite length above 0, in metres");
+  const TriangleMesh solid = closed_surface(mesh);
+  const MeshTree tree(solid.positions, solid.triangles);
+  const auto grid = std::make_shared<Grid>();
+  std::vector<Vec3d> used;
+  for (const Triangle& t : solid.triangles)
+    for (const std::uint32_t vertex : t) used.push_back(solid.positions[vertex]);
+  const BoundingBox box = bounding_box(used);
+  grid->lo = box.lo;
+  grid->hi = box.hi;
+  grid->spacing = spacing;
+  grid->mesh_positions = solid.positions;
+  grid->mesh_triangles = solid.triangles;
+  Builder::lay_out(*grid);
+  Builder builder{tree, *grid};
+  builder.choose_blocks();
+  builder.fill_corners();
+  builder.fill_blocks();
+  grid_ = grid;
+}
+
+double SignedDistanceField::spacing_of(const TriangleMesh& mesh, int resolution) {
+  if (resolution < 1)
+    throw Error("SignedDistanceField: resolution is " + std::to_string(resolution) +
+                "; expected at least 1 cell");
+  const Vec3d size = bounding_box(mesh.positions).size();
+  return max(size.x, max(size.y, size.z)) / resolution;
+}
+
+}  // namespace souple

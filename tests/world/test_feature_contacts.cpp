@@ -1,0 +1,165 @@
+// Triangles and edges against colliders: what is coarse does not sink in between its corners.
+#include "souple/souple.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+void run(World& world, double seconds) {
+  for (int frame = 0; frame < std::lround(seconds * 60); ++frame) world.step(1.0 / 60);
+}
+
+/// The smallest distance of points inside an object's triangles to a shape that stands still.
+double lowest_in_triangles(const World& world, ObjectId object, const Shape& shape) {
+  constexpr int n = 12;
+  double lowest = 1e9;
+  const auto x = world.positions(object);
+  for (const Triangle& t : world.triangles(object))
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        const double a = double(i) / n, b = double(j) / n;
+        const Vec3d p = Vec3d(x[t[0]]) * a + Vec3d(x[t[1]]) * b + Vec3d(x[t[2]]) * (1 - a - b);
+        lowest = std::min(lowest, surface_distance(shape, p).distance);
+      }
+  return lowest;
+}
+
+ClothMaterial thick_cloth() {
+  ClothMaterial material = material::cotton;
+  material.thickness = 0.01f;
+  return material;
+}
+
+// Edges of 0.2 m; the ball fits four times into one of them.
+TEST(FeatureContacts, ACoarseClothStaysOutsideASmallBall) {
+  const Shape shapes[] = {Sphere{{0.03f, 0, 0.02f}, 0.05f}, SignedDistanceField(sphere(3, 0.05), 0.01)};
+  for (const Shape& shape : shapes) {
+    for (const Form form : {Form::plain, Form::displacement}) {
+      World world({.form = form});
+      world.add_collider(shape, {.friction = 1});
+      const ObjectId cloth =
+          world.add_cloth(grid(5, 5, 0.8), thick_cloth(), {.transform = {.translation = {0, 0.15, 0}}});
+      double lowest = 1;
+      for (int frame = 0; frame < 40; ++frame) {
+        world.step(1.0 / 60);
+        lowest = std::min(lowest, lowest_in_triangles(world, cloth, shape));
+      }
+      EXPECT_GT(lowest, 0) << shape_name(shape);
+      EXPECT_GT(world.report().contacts, 0u);
+      EXPECT_GT(world.centre_of_mass(cloth).y, -0.5) << "it slid off";
+    }
+  }
+}
+
+TEST(FeatureContacts, ACoarseClothStaysOutsideATablesCorner) {
+  const Shape table = Box{{-0.5f, -0.05f, -0.5f}, {0.5f, 0.05f, 0.5f}};
+  World world;
+  world.add_collider(table, {.friction = 0.6f});
+  const ObjectId cloth =
+      world.add_cloth(grid(5, 5, 0.8), thick_cloth(), {.transform = {.translation = {-0.1, 0.1, -0.07}}});
+  double lowest = 1;
+  for (int frame = 0; frame < 60; ++frame) {
+    world.step(1.0 / 60);
+    lowest = std::min(lowest, lowest_in_triangles(world, cloth, table));
+  }
+  EXPECT_GT(lowest, 0);
+}
+
+// Nodes 10 cm apart, a bar of 1 cm.
+TEST(FeatureContacts, ARopeHangsOverAThinBar) {
+  const Shape bar = Capsule{{}, 0.01f, 0.5f};
+  const Transform across{.rotation = Quatd::from_axis_angle({1, 0, 0}, 1.5707963267948966)};
+  World world;
+  world.add_collider(bar, {.friction = 1, .motion = ColliderMotion::fixed(across)});
+  const Vec3d points[] = {{-0.55, 0.3, 0}, {0.55, 0.3, 0}};
+  const ObjectId rope = world.add_rope(points, 11, {.radius = 0.005f, .density = 1100, .friction = 1});
+  double lowest = 1;
+  for (int frame = 0; frame < 90; ++frame) {
+    world.step(1.0 / 60);
+    const auto x = world.positions(rope);
+    float highest = -10;
+    for (const Vec3f& node : x) highest = std::max(highest, node.y);
+    ASSERT_GT(highest, -0.1f) << "it fell through, or off, in frame " << frame;
+  }
+  // The bar's own frame has it along Y.
+  std::vector<Vec3d> local;
+  for (const Vec3f& x : world.positions(rope)) local.push_back(rotate(conjugate(across.rotation), Vec3d(x)));
+  for (std::size_t i = 0; i + 1 < local.size(); ++i)
+    for (int s = 0; s <= 50; ++s)
+      lowest = std::min(
+          lowest, surface_distance(bar, local[i] * (1 - s / 50.0) + local[i + 1] * (s / 50.0)).distance);
+  EXPECT_GT(lowest, 0);
+}
+
+// A taut triangle carries a ball that is fast enough to pass within a substep.
+TEST(FeatureContacts, AFastBallDoesNotPassATriangle) {
+  World world({.gravity = {}});
+  const auto motion = ColliderMotion::callback([](double t) {
+    return Transform{.translation = {0.13, 0.5 - 60 * t, 0.11}};
+  });
+  world.add_collider(Sphere{{}, 0.02f}, {.motion = motion});
+  const ObjectId cloth = world.add_cloth(grid(4, 4, 1.5), thick_cloth());
+  run(world, 2.0 / 60);
+  // The ball is at -1.5 m; what it met is below it, nothing above.
+  const Vec3d centre = world.collider_pose(world.colliders()[0]).translation;
+  float lowest = 10;
+  for (const Vec3f& x : world.positions(cloth)) lowest = std::min(lowest, x.y);
+  EXPECT_LT(world.centre_of_mass(cloth).y, -0.05);
+  EXPECT_GT(lowest_in_triangles(world, cloth, Sphere{Vec3f(centre), 0.02f}), 0);
+}
+
+// Fine enough for the ball below it: not one contact more than its vertices have.
+TEST(FeatureContacts, AFineClothNeedsNone) {
+  World world;
+  world.add_collider(Sphere{{}, 0.5f});
+  const ObjectId cloth =
+      world.add_cloth(grid(31, 31, 0.6), thick_cloth(), {.transform = {.translation = {0, 0.51, 0}}});
+  run(world, 0.5);
+  EXPECT_LE(world.report().contacts, world.positions(cloth).size());
+  for (const ContactEvent& event : world.contacts()) EXPECT_NEAR(length(event.point), 0.5f, 1e-4f);
+}
+
+// A sheet of two triangles on a ball below its middle: the ball carries its weight, and slides as mu says.
+TEST(FeatureContacts, TheBallCarriesTheWeight) {
+  World world;
+  world.add_collider(Sphere{{0, -0.1f, 0}, 0.1f}, {.friction = 1});
+  ClothMaterial stiff = thick_cloth();
+  stiff.friction = 1;
+  stiff.bending_stiffness = 10;
+  stiff.areal_density = 1;
+  stiff.damping = 20;
+  const ObjectId cloth =
+      world.add_cloth(grid(2, 2, 0.4), stiff, {.transform = {.translation = {0, 0.004, 0}}});
+  run(world, 0.3);
+  double impulse = 0;
+  for (const ContactEvent& event : world.contacts()) {
+    impulse += double(event.impulse);
+    EXPECT_TRUE(event.other_is_collider);
+    EXPECT_GT(event.normal.y, 0.9f);
+    EXPECT_NEAR(length(event.point - Vec3f(0, -0.1f, 0)), 0.1f, 5e-3f);
+  }
+  const double weight = world.total_mass(cloth) * 9.81;
+  EXPECT_NEAR(impulse * 600, weight, 0.1 * weight);
+}
+
+TEST(FeatureContacts, AreTheSameForAnyNumberOfThreads) {
+  std::vector<Vec3f> first;
+  for (const int threads : {1, 2, 3}) {
+    World world({.threads = threads});
+    world.add_collider(Box{{0, -0.1f, 0}, {0.2f, 0.1f, 0.2f}});
+    const ObjectId cloth =
+        world.add_cloth(grid(20, 20, 0.8), thick_cloth(), {.transform = {.translation = {0, 0.02, 0}}});
+    run(world, 0.5);
+    const auto x = world.positions(cloth);
+    if (first.empty()) first.assign(x.begin(), x.end());
+    EXPECT_EQ(std::memcmp(first.data(), x.data(), x.size_bytes()), 0) << threads;
+  }
+}
+
+}  // namespace
+}  // namespace souple
