@@ -52,7 +52,7 @@ TEST(SandPile, AngleOfReposeGrowsWithFriction) {
   for (const float mu : {0.1f, 0.2f, 0.4f, 0.6f, 1.0f}) {
     const double slope = slope_of_pile(mu), angle = std::atan(slope) * 180 / pi;
     curves.add("heap of 700 grains", double(mu), angle);
-    curves.add("theory: friction angle of the material", double(mu), std::atan(double(mu)) * 180 / pi);
+    curves.add("angle at which one grain slides", double(mu), std::atan(double(mu)) * 180 / pi);
     state(name, "friction " + detail::number(double(mu), "%.1f") + " [degrees]", angle);
     EXPECT_GT(angle, before + 0.5) << mu;
     before = angle;
