@@ -355,4 +355,38 @@ TetMesh tet_bar(int nx, int ny, int nz, const Vec3d& size) {
   return mesh;
 }
 
+TetMesh tet_ball(int subdivisions, int layers, double radius) {
+  require_count("tet_ball", "subdivisions", subdivisions, 0);
+  require_count("tet_ball", "layers", layers, 1);
+  require_length("tet_ball", "radius", radius);
+  require_total("tet_ball", 20 * std::pow(4.0, subdivisions) * (3 * double(layers) - 2));
+  const TriangleMesh skin = sphere(subdivisions, 1);
+  const std::uint32_t shell = index32(std::int64_t(skin.positions.size()));
+  TetMesh mesh;
+  for (int layer = layers; layer > 0; --layer)
+    for (const Vec3d& p : skin.positions) mesh.positions.push_back(p * (radius * layer / layers));
+  mesh.positions.push_back({});
+  const std::uint32_t middle = index32(std::int64_t(mesh.positions.size())) - 1;
+  for (Triangle t : skin.triangles) {
+    for (int layer = 1; layer < layers; ++layer) {
+      const std::uint32_t out = index32(layer - 1) * shell, in = out + shell;
+      // A prism in three tets; each of its sides is cut from the outer end of the lower vertex to the inner
+      // one of the higher, so that neighbours match. Turned so that the lowest comes first.
+      while (t[0] > t[1] || t[0] > t[2]) t = {t[1], t[2], t[0]};
+      const auto [a, b, c] = t;
+      mesh.tets.push_back({in + a, in + b, in + c, out + a});
+      if (b < c) {
+        mesh.tets.push_back({out + a, in + b, in + c, out + b});
+        mesh.tets.push_back({out + a, out + b, in + c, out + c});
+      } else {
+        mesh.tets.push_back({out + a, in + b, in + c, out + c});
+        mesh.tets.push_back({out + a, out + b, in + b, out + c});
+      }
+    }
+    const std::uint32_t out = index32(layers - 1) * shell;
+    mesh.tets.push_back({middle, out + t[0], out + t[1], out + t[2]});
+  }
+  return mesh;
+}
+
 }  // namespace souple

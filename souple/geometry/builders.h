@@ -56,4 +56,8 @@ TriangleMesh cylinder(double radius, double height, int segments, int divisions 
 /// diagonals all point the same way, couples bending to twist.
 TetMesh tet_bar(int nx, int ny, int nz, const Vec3d& size);
 
+/// A solid ball whose surface is that of `sphere`, in `layers` >= 1 shells of equal thickness about a vertex
+/// in the middle. Vertices shell by shell from the outer one inwards, each as in `sphere`, the middle last.
+TetMesh tet_ball(int subdivisions, int layers, double radius);
+
 }  // namespace souple

@@ -49,7 +49,8 @@ bool holds_tets(const std::string& file) {
 
 bool is_tet_mesh(const MeshDescription& mesh) {
   const FileMesh* file = std::get_if<FileMesh>(&mesh.source);
-  return std::holds_alternative<TetBarMesh>(mesh.source) || (file != nullptr && holds_tets(file->file));
+  return std::holds_alternative<TetBarMesh>(mesh.source) ||
+         std::holds_alternative<TetBallMesh>(mesh.source) || (file != nullptr && holds_tets(file->file));
 }
 
 // --- meshes ------------------------------------------------------------------------------------------------
@@ -73,6 +74,7 @@ struct SurfaceMaker {
     return cylinder(m.radius, m.height, m.segments, m.divisions, m.cap_rings);
   }
   TriangleMesh operator()(const TetBarMesh&) const { throw Error("expected a surface, found tets"); }
+  TriangleMesh operator()(const TetBallMesh&) const { throw Error("expected a surface, found tets"); }
   TriangleMesh operator()(const FileMesh& m) const {
     if (holds_tets(m.file)) throw Error("expected a surface, found a file of tets: " + m.file);
     return read_triangle_mesh(folder / m.file, import);
@@ -86,6 +88,9 @@ TriangleMesh surface_of(const MeshDescription& mesh, const std::filesystem::path
 TetMesh tets_of(const MeshDescription& mesh, const std::filesystem::path& folder) {
   if (const TetBarMesh* bar = std::get_if<TetBarMesh>(&mesh.source)) {
     return tet_bar(bar->cells[0], bar->cells[1], bar->cells[2], bar->size);
+  }
+  if (const TetBallMesh* ball = std::get_if<TetBallMesh>(&mesh.source)) {
+    return tet_ball(ball->subdivisions, ball->layers, ball->radius);
   }
   return read_tet_mesh(folder / std::get<FileMesh>(mesh.source).file, mesh.import);
 }

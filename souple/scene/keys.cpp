@@ -378,6 +378,17 @@ CodecPtr<TetBarMesh> tet_bar_codec() {
   return keys;
 }
 
+CodecPtr<TetBallMesh> tet_ball_codec() {
+  auto keys = table<TetBallMesh>("tet_ball", "A solid ball of tets; soft bodies only.");
+  keys->key<&TetBallMesh::subdivisions>(
+          "subdivisions", number<int>(within(0, 6)),
+          "of an icosahedron: 12, 42, 162, 642, 2562, 10242 or 40962 vertices on the surface")
+      .key<&TetBallMesh::layers>("layers", number<int>(within(1, 20)),
+                                 "shells between the middle and the surface")
+      .required<&TetBallMesh::radius>("radius", number<double>(size_range), "[m]");
+  return keys;
+}
+
 /// `where` says which shapes an object of this kind can be made of.
 enum class MeshUse { surface, solid, points };
 
@@ -403,7 +414,10 @@ CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
     sources.push_back(alternative<V>("capsule", capsule_mesh_codec(), "a closed capsule"));
     sources.push_back(alternative<V>("cylinder", cylinder_mesh_codec(), "a closed cylinder"));
   }
-  if (use == MeshUse::solid) sources.push_back(alternative<V>("tet_bar", tet_bar_codec(), "a box of tets"));
+  if (use == MeshUse::solid) {
+    sources.push_back(alternative<V>("tet_bar", tet_bar_codec(), "a box of tets"));
+    sources.push_back(alternative<V>("tet_ball", tet_ball_codec(), "a ball of tets"));
+  }
   const char* formats =
       use == MeshUse::solid
           ? "OBJ, PLY or STL (or what assimp reads) for a surface; .msh, .node/.ele or .vtk for tets"

@@ -70,12 +70,16 @@ struct TetBarMesh {
   std::array<int, 3> cells{1, 1, 1};
   Vec3d size{};
 };
+struct TetBallMesh {
+  int subdivisions = 2, layers = 2;
+  double radius = 0;
+};
 struct FileMesh {
   std::string file;  ///< relative to the scene's folder
 };
 struct MeshDescription {
   std::variant<GridMesh, DiskMesh, SphereMesh, BoxMesh, TorusMesh, CapsuleMesh, CylinderMesh, TetBarMesh,
-               FileMesh>
+               TetBallMesh, FileMesh>
       source;
   MeshImport import{};  ///< of a file
 };

@@ -153,6 +153,25 @@ TEST(TetBar, FillsItsBoxWithPositiveTetsThatMatchAtEveryFace) {
   EXPECT_NEAR(area(skin), 2 * (2.0 * 0.6 + 0.6 * 0.3 + 0.3 * 2.0), 1e-13);
 }
 
+TEST(TetBall, FillsTheSphereWithPositiveTetsThatMatchAtEveryFace) {
+  for (const int layers : {1, 2, 3}) {
+    const TetMesh mesh = tet_ball(2, layers, 0.5);
+    EXPECT_EQ(mesh.tets.size(), 320u * (3 * std::size_t(layers) - 2));
+    double sum = 0, least = 1;
+    for (const Tet& t : mesh.tets) {
+      least = std::min(least, check::tet_volume(mesh, t));
+      sum += check::tet_volume(mesh, t);
+    }
+    EXPECT_GT(least, 0) << layers;
+    const TriangleMesh skin = sphere(2, 0.5);
+    EXPECT_NEAR(sum, volume(skin), 1e-14);
+    const TriangleMesh surface{mesh.positions, surface_triangles(mesh.tets), {}, {}, {}, {}, {}};
+    EXPECT_TRUE(is_watertight(surface.triangles));
+    EXPECT_NEAR(area(surface), area(skin), 1e-13);
+    EXPECT_NEAR(volume(surface), volume(skin), 1e-14);
+  }
+}
+
 TEST(Builders, RefuseWhatCannotBeBuilt) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   EXPECT_THROW(grid(0, 5, 1), Error);
@@ -174,6 +193,9 @@ TEST(Builders, RefuseWhatCannotBeBuilt) {
   EXPECT_THROW(cylinder(1, nan, 8), Error);
   EXPECT_THROW(tet_bar(1, 1, 0, {1, 1, 1}), Error);
   EXPECT_THROW(tet_bar(100000, 100000, 100000, {1, 1, 1}), Error);
+  EXPECT_THROW(tet_ball(1, 0, 1), Error);
+  EXPECT_THROW(tet_ball(-1, 1, 1), Error);
+  EXPECT_THROW(tet_ball(20, 1, 1), Error);
   try {
     grid(0, 5, 1);
     FAIL();

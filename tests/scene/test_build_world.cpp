@@ -64,6 +64,16 @@ TEST(BuildWorld, AnOpenMeshMakesNoSignedDistanceField) {
                Error);
 }
 
+TEST(BuildWorld, ABallOfTetsIsWhatItSays) {
+  const World world = built(R"({"souple": 1, "objects": [{"name": "ball", "kind": "soft_body",
+    "mesh": {"tet_ball": {"radius": 0.1, "subdivisions": 1, "layers": 3}}, "transform": {"translate": [0, 1, 0]}}]})");
+  const ObjectId ball = world.find_object("ball");
+  ASSERT_EQ(world.positions(ball).size(), 42u * 3 + 1);
+  for (std::size_t i = 0; i < 42; ++i)
+    EXPECT_NEAR(length(Vec3d(world.positions(ball)[i]) - Vec3d{0, 1, 0}), 0.1, 1e-6);
+  EXPECT_EQ(world.triangles(ball).size(), 80u);
+}
+
 TEST(BuildWorld, GrainsFillTheirBoxWithoutOverlap) {
   const World world = built(with_object(
       R"("kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 0.5, 0.5], "jitter": 0.2}, "material": {"radius": 0.05})"));

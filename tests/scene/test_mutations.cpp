@@ -166,6 +166,8 @@ std::size_t size_of(const MeshDescription& mesh) {
   if (const auto* sphere = std::get_if<SphereMesh>(&mesh.source))
     return std::size_t{10} << (2 * sphere->subdivisions);
   if (const auto* bar = std::get_if<TetBarMesh>(&mesh.source)) return product(bar->cells);
+  if (const auto* ball = std::get_if<TetBallMesh>(&mesh.source))
+    return (std::size_t{10} << (2 * ball->subdivisions)) * static_cast<std::size_t>(ball->layers);
   return 1000;
 }
 std::size_t size_of(const ClothDescription& cloth) {

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""Writes the meshes of the shipped scenes that are swept along a circle or a curve, beside itself: glass.obj, tube.obj,
+knot_left.obj, knot_right.obj. Metres."""
+import math
+import pathlib
+
+here = pathlib.Path(__file__).parent
+
+
+def write(name, about, vertices, triangles):
+    lines = [f"# {about} Made by make_swept.py.", f"o {name}"]
+    lines += ["v " + " ".join(f"{x + 0.0:.5g}" if abs(x) >= 5e-6 else "0" for x in v) for v in vertices]
+    lines += ["f " + " ".join(str(v + 1) for v in t) for t in triangles]
+    (here / f"{name}.obj").write_text("\n".join(lines) + "\n")
+    print(f"{name}: {len(vertices)} vertices, {len(triangles)} triangles")
+
+
+def quads(rows, columns, closed):
+    """Two triangles for each cell of a grid whose rows are closed or open, their diagonals in turn."""
+    triangles = []
+    for row in range(rows - 1):
+        for column in range(columns if closed else columns - 1):
+            a, b = row * columns + column, row * columns + (column + 1) % columns
+            c, d = a + columns, b + columns
+            triangles += [(a, c, d), (a, d, b)] if (row + column) % 2 == 0 else [(a, c, b), (b, c, d)]
+    return triangles
+
+
+def circle(radius, height, segments):
+    angles = (2 * math.pi * s / segments for s in range(segments))
+    return [(radius * math.cos(a), height, radius * math.sin(a)) for a in angles]
+
+
+def glass(radius, height, wall, segments=32, parts=5):
+    """A cup with thick walls that stands in y = 0: its outside from below, then its inside from above."""
+    outer = radius + wall
+    profile = [(outer / 2, 0), (outer, 0)] + [(outer, (height + wall) * k / parts) for k in range(1, parts + 1)]
+    profile += [(radius, wall + height * (parts - k) / parts) for k in range(parts + 1)] + [(radius / 2, wall)]
+    vertices = [v for r, y in profile for v in circle(r, y, segments)] + [(0, 0, 0), (0, wall, 0)]
+    triangles = quads(len(profile), segments, True)
+    low, high, last = len(vertices) - 2, len(vertices) - 1, (len(profile) - 1) * segments
+    for s in range(segments):
+        t = (s + 1) % segments
+        triangles += [(low, s, t), (high, last + t, last + s)]
+    write("glass", "A glass, closed, with thick walls.", vertices, triangles)
+
+
+def tube(radius, length, around):
+    along = round(length / (2 * math.pi * radius / around))
+    vertices = [v for k in range(along + 1) for v in circle(radius, length * k / along, around)]
+    write("tube", "An open tube that stands in y = 0.", vertices, quads(along + 1, around, True))
+
+
+def smooth(points, step):
+    """Points at equal steps along the Catmull-Rom curve through `points`."""
+    dense = []
+    for k in range(len(points) - 1):
+        a, b, c, d = (points[min(max(i, 0), len(points) - 1)] for i in range(k - 1, k + 3))
+        for s in (i / 100 for i in range(100)):
+            dense.append([(2 * q + (r - p) * s + (2 * p - 5 * q + 4 * r - t) * s ** 2 + (3 * q - p - 3 * r + t) * s ** 3) / 2
+                          for p, q, r, t in zip(a, b, c, d)])
+    dense.append(list(points[-1]))
+    ways = [math.dist(p, q) for p, q in zip(dense, dense[1:])]
+    each, since, even = sum(ways) / round(sum(ways) / step), 0, [dense[0]]
+    for before, after, way in zip(dense, dense[1:], ways):
+        since += way
+        while since >= each * (1 - 1e-9):
+            since -= each
+            even.append([q + (p - q) * since / way for p, q in zip(before, after)])
+    return even
+
+
+def strip(name, half, across=5, width=0.08):
+    """Half of a curve, and its mirror image in z; a strip on edge along it."""
+    curve = smooth(half + [(x, y, -z) for x, y, z in reversed(half[:-1])], width / (across - 1))
+    vertices = [(x, y + width * (k / (across - 1) - 0.5), z) for x, y, z in curve for k in range(across)]
+    write(name, "One strip of a reef knot.", vertices, quads(len(curve), across, False))
+
+
+if __name__ == "__main__":
+    glass(0.16, 0.4, 0.03)
+    tube(0.06, 1.3, 12)
+    h = 0.12
+    strip("knot_left", [(-1.3, 0, 0.32), (-1, 0, 0.32), (-0.4, 0, 0.32), (0, 0, 0.32), (0.2, 0, 0.25), (0.31, 0, 0)])
+    strip("knot_right", [(1.3, h, 0.14), (1, h, 0.14), (0.5, h, 0.14), (0.28, h, 0.15), (0.1, 0, 0.2), (-0.05, -h, 0.28),
+                         (-0.15, -h, 0.36), (-0.3, -0.7 * h, 0.5), (-0.48, 0, 0.53), (-0.64, 0.8 * h, 0.46),
+                         (-0.74, 1.1 * h, 0.32), (-0.78, 1.1 * h, 0)])

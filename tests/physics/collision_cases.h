@@ -1,0 +1,104 @@
+#pragma once
+
+#include "souple/souple.h"
+#include "tests/collision/crossings.h"
+
+#include <string>
+#include <vector>
+
+// The scenes in which collisions have to hold, at any size: small for every day, large under the label slow.
+
+namespace souple::test {
+
+/// All surfaces of a world, obstacles among them.
+inline Tangle tangle_of(const World& world) {
+  Tangle tangle;
+  for (const ObjectId id : world.objects()) {
+    const auto triangles = world.triangles(id);
+    if (!triangles.empty()) tangle.add(world.positions(id), triangles);
+  }
+  return tangle;
+}
+
+/// What a run showed.
+struct Watched {
+  std::size_t crossings = 0;   ///< edges through triangles, of all frames that were looked at
+  int first_crossed = -1;      ///< frame
+  double largest_strain = 0;   ///< of any frame
+  std::size_t kept_apart = 0;  ///< ways that were shortened
+  bool ok = true;              ///< nothing became infinite
+};
+
+/// Runs frames of 1/60 s and counts crossings after each `every`-th, until something crosses.
+Watched run_untangled(World& world, int frames, int every = 1);
+
+/// The fastest vertex of an object. [m/s]
+double top_speed(const World& world, ObjectId object);
+
+// --- cloth
+
+enum class Support { ball, ring, corner };
+const char* support_name(Support support);
+
+/// A square cloth of 1 m, n x n vertices, falls on something above the floor; a bar that lies ready under its
+/// left part lifts it from `fold_at` on and lays it over the right one.
+struct DrapeAndFold {
+  World world;
+  ObjectId cloth;
+  double fold_at, end;  // s
+};
+DrapeAndFold drape_and_fold(int n, Support support);
+
+/// A tube of cloth whose rims are held; the upper one turns `turns` times and comes nearer.
+struct TwistedTube {
+  World world;
+  ObjectId tube;
+  double end;  // s
+};
+TwistedTube twisted_tube(int around, double turns, double seconds);
+
+/// Two strips tied in a reef knot; springs pull at the ends, up to `pull` newtons at each strip's end.
+struct Knot {
+  World world;
+  ObjectId left, right;
+};
+Knot reef_knot(int across, double pull);
+
+// --- soft bodies
+
+/// An open cup with thick walls around the Y axis, a closed mesh that stands on y = 0.
+TriangleMesh glass_mesh(double radius, double height, double wall, int segments);
+
+/// Balls of tets of 5 cm, layer above layer, fall into a glass.
+struct Glass {
+  World world;
+  TetMesh ball;
+  std::vector<ObjectId> balls;
+  double radius, height;  ///< of the space inside [m]
+};
+Glass balls_in_glass(int count);
+
+/// The part of the bodies' volume that lies inside another one too, by sample points in every tet. `bodies`
+/// have the tets of `mesh`.
+double shared_volume(const World& world, const std::vector<ObjectId>& bodies, const TetMesh& mesh);
+
+// --- shots
+
+enum class ShotAt { cloth, layer };
+
+/// A ball of grains flies at something pinned along its rim in the plane y = 0, from above.
+struct Shot {
+  World world;
+  ObjectId target, grains;
+};
+Shot shot_at(ShotAt what, int n, int grains, double speed);
+/// Grains below what they were shot at.
+std::size_t grains_that_passed(const Shot& shot);
+
+// --- sand
+
+/// H / R of the cone that has the same centre of mass and spread as grains on y = 0: the tangent of its angle
+/// of repose.
+double slope_of_heap(const World& world, ObjectId grains, double radius);
+
+}  // namespace souple::test
