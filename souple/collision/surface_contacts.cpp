@@ -3,6 +3,7 @@
 #include "souple/collision/continuous.h"
 #include "souple/collision/friction.h"
 #include "souple/collision/nearest.h"
+#include "souple/collision/untangling.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -291,6 +292,7 @@ void SurfaceContacts::add_candidates(std::span<const NearPair> pairs, bool edges
       for (std::size_t k = c * chunk_size; k < std::min(pairs.size(), (c + 1) * chunk_size); ++k) {
         const auto& i = pairs[k].particle;
         if (is_excluded(pairs[k], edges)) continue;
+        if (untangling_ != nullptr && untangling_->exempts(pairs[k], edges)) continue;
         Vec3f x[4];
         for (std::size_t j = 1; j < 4; ++j) x[j] = particles.difference(i[j], i[0]);
         const float apart = distance(x, edges);

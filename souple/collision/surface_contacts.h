@@ -12,6 +12,8 @@
 
 namespace souple {
 
+class Untangling;
+
 /// What an object shows to others: triangles, loose edges and loose vertices over its particles. Spans live
 /// as long as the projector uses them.
 struct ContactSurface {
@@ -50,6 +52,9 @@ class SurfaceContacts final : public Projector {
   void set_surfaces(std::vector<ContactSurface> surfaces);
   /// Pairs of particles that are tied together: features that have one each never touch.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+
+  /// Whose tangles may pass; none: all are held. It must live as long as this is used.
+  void set_untangling(const Untangling* untangling) { untangling_ = untangling; }
 
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, const SurfaceMatrix& matrix, const ContactStep& step,
@@ -151,6 +156,7 @@ class SurfaceContacts final : public Projector {
   ObjectMatrix own_matrix_, crossing_matrix_;
   bool any_pair_ = false;  // of surfaces that could meet
 
+  const Untangling* untangling_ = nullptr;
   std::span<const float> radius_;
   const SurfaceMatrix* matrix_ = nullptr;
   ContactStep step_;

@@ -83,7 +83,7 @@ MemoryReport World::memory() {
                                                                   world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);
   report.simulation.push_back({"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
-                                               world.collider_contacts.bytes()});
+                                               world.collider_contacts.bytes() + world.untangling.bytes()});
   add_objects(world, report);
   return report;
 }

@@ -99,6 +99,7 @@ void World::restore(const Snapshot& snapshot) {
   get(in, memory.data(), memory.size());
   world.particle_contacts.set_memory(memory);
   world.forget_contacts();
+  world.look_for_tangles = true;
   ++world.version;
 }
 

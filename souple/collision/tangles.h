@@ -1,0 +1,96 @@
+#pragma once
+
+#include "souple/collision/near_pairs.h"
+#include "souple/collision/spatial_hash.h"
+#include "souple/collision/surface_contacts.h"
+#include "souple/collision/surface_elements.h"
+#include "souple/solver/threads.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// An edge that passes through a triangle, of two objects or of one. Edge and triangle meet where
+/// sum_k c_k x_k = 0, so opposite forces on the two, shared out by c_k, keep momentum and angular momentum.
+struct TangledEdge {
+  std::uint32_t edge = 0, triangle = 0;          ///< of SurfaceElements
+  std::uint32_t edge_surface = 0, surface = 0;   ///< whose the edge and the triangle are
+  std::array<std::uint32_t, 5> particle{};       ///< ends of the edge, corners of the triangle
+  std::array<float, 5> c{};                      ///< weights of the ends; minus those of the corners
+};
+
+/// Where a line goes through a surface.
+struct SurfaceHit {
+  int count = 0;                                            ///< how often
+  std::uint32_t triangle = SurfaceElement::no_edge;         ///< the first on the way
+  std::array<float, 3> weight{};                            ///< of its corners, where the line meets it
+};
+
+/// Finds what is tangled: edges that pass through triangles. What meets nothing, shares a particle or is tied
+/// together is left out. An edge that only touches does not count, nor does one that lies in the triangle's
+/// plane.
+class Tangles {
+ public:
+  /// As SurfaceContacts::set_surfaces; `surfaces` is read now and not kept.
+  void set_surfaces(std::span<const ContactSurface> surfaces);
+  /// As SurfaceContacts::exclude.
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+
+  /// Where particles are now. By edge, then triangle: the same for any number of threads. Allocates nothing
+  /// when warm.
+  void find(const ParticleView& particles, Threads& threads);
+  std::span<const TangledEdge> edges() const { return found_; }
+
+  // For those who pull them apart; of the positions that `find` saw.
+
+  const SurfaceElements& elements() const { return elements_; }
+  std::size_t surface_count() const { return closed_.size(); }
+  /// Whether a surface is watertight and wound outward all over, so that it has an inside.
+  bool is_closed(std::size_t surface) const { return closed_[surface] != 0; }
+  const Bounds& bounds(std::size_t surface) const { return surface_bounds_[surface]; }
+  /// Corners opposite to an edge in up to two triangles; no_edge where there is none.
+  const std::array<std::uint32_t, 2>& opposite(std::size_t edge) const { return opposite_[edge]; }
+  bool meet(std::size_t a, std::size_t b) const { return any_pair_ && meets_.at(a, b); }
+  std::uint32_t surface_of(std::size_t particle) const { return surface_of_[particle]; }
+
+  /// Looks from x_i + shift along a unit vector, to 1e-3, as far as the surface reaches.
+  SurfaceHit look(const ParticleView& particles, std::uint32_t i, const Vec3f& shift, const Vec3f& direction,
+                  std::uint32_t surface) const;
+  /// Whether the edge would pass through some triangle of `surface` that reaches into `region`, were it
+  /// displaced by `shift`.
+  bool passes(const ParticleView& particles, std::uint32_t edge, const Vec3f& shift, std::uint32_t surface,
+              const Bounds& region) const;
+  std::size_t bytes() const;
+
+ private:
+  struct Chunk {
+    std::vector<TangledEdge> edges;
+    std::vector<std::uint32_t> near;
+  };
+
+  void find_closed(std::span<const ContactSurface> surfaces);
+  void find_opposite();
+  void find_active(const ParticleView& particles);
+  void find_boxes(const ParticleView& particles, Threads& threads);
+  void find_chunk(const ParticleView& particles, std::size_t chunk);
+  bool is_excluded(const TangledEdge& pair) const;
+
+  SurfaceElements elements_;
+  ObjectMatrix meets_;
+  bool any_pair_ = false;
+  std::vector<std::array<std::uint32_t, 2>> excluded_;  // both ways, sorted
+  std::vector<std::array<std::uint32_t, 2>> ranges_;    // particles of each surface
+  std::vector<std::uint32_t> surface_of_;               // of each particle
+  std::vector<std::array<std::uint32_t, 2>> opposite_;  // of each edge
+  std::vector<std::uint8_t> closed_, active_;           // of each surface
+  std::vector<Bounds> surface_bounds_, boxes_;          // of surfaces and triangles
+  SpatialHash hash_;
+  float cell_size_ = 1;  // m
+  std::vector<Chunk> chunks_;
+  std::vector<TangledEdge> found_;
+};
+
+}  // namespace souple

@@ -1,0 +1,102 @@
+// What begins tangled, or is put into each other, comes apart again or is reported.
+#include "souple/geometry/builders.h"
+#include "souple/world/world.h"
+#include "tests/collision/crossings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+constexpr double frame_time = 1.0 / 60;
+constexpr float speed_limit = 15;  // m/s
+
+std::size_t crossings(const World& world) {
+  test::Tangle tangle;
+  for (const ObjectId id : world.objects()) tangle.add(world.positions(id), world.mesh(id).triangles);
+  return tangle.crossings();
+}
+
+float top_speed(const World& world) {
+  float top = 0;
+  for (const ObjectId id : world.objects())
+    if (world.kind(id) != ObjectKind::obstacle)
+      for (const Vec3f& v : world.velocities(id)) {
+        EXPECT_TRUE(is_finite(v));
+        top = std::max(top, length(v));
+      }
+  return top;
+}
+
+Vec3d total_momentum(const World& world) {
+  Vec3d sum;
+  for (const ObjectId id : world.objects()) sum += world.momentum(id);
+  return sum;
+}
+
+struct Story {
+  std::size_t at_first = 0, at_last = 0;  // edges through triangles
+  int apart_after = -1;                   // frames; -1: never
+  bool reported = false;
+  float top_speed = 0;  // m/s
+};
+
+Story tell(World& world, int frames) {
+  Story story;
+  story.at_first = crossings(world);
+  for (int frame = 0; frame < frames; ++frame) {
+    const StepReport& report = world.step(frame_time);
+    EXPECT_TRUE(report.ok()) << report.message;
+    EXPECT_EQ(report.has(Flag::tangled), report.tangles > 0);
+    story.reported = story.reported || report.has(Flag::tangled);
+    story.top_speed = std::max(story.top_speed, top_speed(world));
+    story.at_last = crossings(world);
+    if (story.at_last > 0) story.apart_after = -1;
+    if (story.at_last == 0 && story.apart_after < 0) story.apart_after = frame;
+  }
+  return story;
+}
+
+void expect_apart(const Story& story) {
+  EXPECT_TRUE(story.reported);
+  EXPECT_EQ(story.at_last, 0u);
+  EXPECT_LT(story.top_speed, speed_limit);
+  std::printf("apart after %d frames, top speed %g\n", story.apart_after, double(story.top_speed));
+}
+
+Transform upright(double x) {
+  return {.translation = {x, 0.013, 0.021}, .rotation = Quatd::from_axis_angle({0, 0, 1}, 1.5707963)};
+}
+
+TEST(Tangles, SheetsThatCrossFromSideToSideComeApart) {
+  World world({.gravity = {}});
+  world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f});
+  world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f}, {.transform = upright(0.21)});
+  const Vec3d before = total_momentum(world);
+  const Story story = tell(world, 180);
+  EXPECT_GT(story.at_first, 10u);
+  expect_apart(story);
+  EXPECT_LT(length(total_momentum(world) - before), 1e-3 * world.total_mass(world.objects()[0]));
+}
+
+TEST(Tangles, BoxesThatOverlapByAThirdComeApart) {
+  World world({.gravity = {}});
+  ObjectOptions beside;
+  beside.transform.translation = {0.2, 0.02, 0.03};
+  const SoftBodyMaterial jelly{.young_modulus = 1e5f, .thickness = 0.01f};
+  const ObjectId one = world.add_soft_body(tet_bar(4, 4, 4, {0.3, 0.3, 0.3}), jelly);
+  const ObjectId other = world.add_soft_body(tet_bar(4, 4, 4, {0.3, 0.3, 0.3}), jelly, beside);
+  const Story story = tell(world, 180);
+  EXPECT_GT(story.at_first, 10u);
+  expect_apart(story);
+  const double mass = world.total_mass(one);
+  EXPECT_LT(length(total_momentum(world)), 1e-3 * mass);
+  EXPECT_GT((world.centre_of_mass(other) - world.centre_of_mass(one)).x, 0.29);
+}
+
+}  // namespace
+}  // namespace souple
