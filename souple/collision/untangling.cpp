@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 namespace souple {
@@ -26,8 +28,9 @@ constexpr int distances = 10;            // that are tried, each
 constexpr float distance_ratio = 1.5f;   // times as long as the one before it
 constexpr float time_to_part = 0.4f;     // s: how long a way may take, as far as the speed allows
 constexpr float least_speed = 0.1f;      // m/s
-constexpr double patience = 4;           // times as long as it should take, and
-constexpr double more_patience = 0.5;    // s
+constexpr double patience = 1.5;         // times as long as it should take, and
+constexpr double stall_time = 0.3;       // s: more, and as long as that once it has come off here and there
+constexpr int most_doublings = 3;        // of the speed before another direction is tried
 constexpr int most_attempts = 6;         // each looks twice as far as the one before it
 constexpr int searches_per_step = 4;     // others wait
 constexpr int held_interval = 16;        // steps between two looks at what nothing can part
@@ -168,9 +171,7 @@ void Untangling::inherit(Knot& knot) const {
       if (old_knot_of_[i] == none) continue;
       const Knot& old = old_knots_[old_knot_of_[i]];
       if (old.a != knot.a || old.b != knot.b) continue;
-      knot.direction = old.direction, knot.speed = old.speed, knot.known = old.known;
-      knot.deadline = old.deadline, knot.attempt = old.attempt;
-      knot.tried = old.tried, knot.which = old.which;
+      static_cast<Course&>(knot) = old;
       return;
     }
 }
@@ -253,7 +254,26 @@ void Untangling::choose_direction(Knot& knot, const ParticleView& particles, dou
     }
   }
   knot.speed = min(most_speed, max(least_speed, distance / time_to_part));
-  knot.deadline = time + patience * static_cast<double>(distance / knot.speed) + more_patience;
+  knot.deadline = time + patience * static_cast<double>(distance / knot.speed) + stall_time;
+  knot.fewest = knot.count;
+  knot.doublings = 0;
+}
+
+// What does not get smaller is pulled harder, then another way.
+void Untangling::attend(Knot& knot, const ParticleView& particles, double time, float most_speed,
+                        int& searches) {
+  if (knot.count < knot.fewest) {
+    knot.fewest = knot.count;
+    knot.deadline = time + stall_time;
+  }
+  if (knot.known && time <= knot.deadline) return;
+  if (knot.known && knot.doublings < most_doublings && knot.speed < most_speed) {
+    ++knot.doublings;
+    knot.speed = min(most_speed, 2 * knot.speed);
+    knot.deadline = time + stall_time;
+  } else if (searches++ < searches_per_step) {
+    choose_direction(knot, particles, time, most_speed);
+  }
 }
 
 // Where an edge must go, against the triangle that it passes through, for the contour to become shorter. The
@@ -366,11 +386,15 @@ void Untangling::begin_step(const ParticleView& particles, const ContactStep& st
   int searches = 0;
   for (Knot& knot : knots_) {
     inherit(knot);
-    if ((!knot.known || step.time > knot.deadline) && searches++ < searches_per_step)
-      choose_direction(knot, particles, step.time, step.depenetration_speed);
+    attend(knot, particles, step.time, step.depenetration_speed, searches);
     pull_knot(knot, particles);
     pull_inside(knot, particles, false, threads);
     pull_inside(knot, particles, true, threads);
+  }
+  if (std::getenv("TGDBG")) {
+    std::fprintf(stderr,"t %.3f edges %zu pulls %zu:", step.time, tangles_.edges().size(), pulls_.size());
+    for (const Knot& k : knots_) std::fprintf(stderr," [%u %u n%zu dir %.2f %.2f %.2f v %.2f att %d due %.2f size %.2f]", k.a,k.b,k.count,double(k.direction.x),double(k.direction.y),double(k.direction.z),double(k.speed),k.attempt,k.deadline,double(length(k.bounds.hi-k.bounds.lo)));
+    std::fprintf(stderr,"\n");
   }
   remember();
 }

@@ -53,18 +53,22 @@ class Untangling {
   std::size_t bytes() const;
 
  private:
+  /// How a knot is pulled; what it leaves to the knots of the next step.
+  struct Course {
+    bool known = false;    // it has been looked for
+    Vec3f direction{};     // of a relative to b; zero: by the contour
+    float speed = 0;       // m/s
+    std::size_t fewest = 0;  // edges that it had
+    double deadline = 0;   // by when it should be undone, or have fewer [s]
+    int doublings = 0;     // of the speed
+    int attempt = 0;       // directions so far
+    std::uint32_t tried = 0, which = 0;  // bits of those, and the one it has
+  };
   /// Of surfaces a <= b.
-  struct Knot {
+  struct Knot : Course {
     std::uint32_t a = 0, b = 0;
     std::size_t first = 0, count = 0;  // of order_
     Bounds bounds{};
-    Vec3f direction{};    // of a relative to b; zero: by the contour
-    float speed = 0;      // m/s
-    bool known = false;   // it has been looked for
-    double deadline = 0;  // s
-    int attempt = 0;
-    std::uint32_t tried = 0;  // of directions
-    std::uint32_t which = 0;  // of directions, when not zero
   };
   struct Pull {
     std::array<std::uint32_t, 5> particle;
@@ -80,6 +84,7 @@ class Untangling {
   void inherit(Knot& knot) const;
   void remember();
   void choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed);
+  void attend(Knot& knot, const ParticleView& particles, double time, float most_speed, int& searches);
   bool is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
                  const Vec3f& shift) const;
   bool is_outside(const Knot& knot, const ParticleView& particles, const Vec3f& shift) const;

@@ -72,10 +72,17 @@ Transform upright(double x) {
   return {.translation = {x, 0.013, 0.021}, .rotation = Quatd::from_axis_angle({0, 0, 1}, 1.5707963)};
 }
 
+ObjectId add_sheet(World& world, const Transform& transform) {
+  ObjectOptions options;
+  options.transform = transform;
+  options.self_collision = true;
+  return world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f}, options);
+}
+
 TEST(Tangles, SheetsThatCrossFromSideToSideComeApart) {
   World world({.gravity = {}});
-  world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f});
-  world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f}, {.transform = upright(0.21)});
+  add_sheet(world, {});
+  add_sheet(world, upright(0.21));
   const Vec3d before = total_momentum(world);
   const Story story = tell(world, 180);
   EXPECT_GT(story.at_first, 10u);
@@ -96,6 +103,35 @@ TEST(Tangles, BoxesThatOverlapByAThirdComeApart) {
   const double mass = world.total_mass(one);
   EXPECT_LT(length(total_momentum(world)), 1e-3 * mass);
   EXPECT_GT((world.centre_of_mass(other) - world.centre_of_mass(one)).x, 0.29);
+}
+
+void hold_corners(World& world, ObjectId sheet) {
+  world.pin(sheet, vertices({0, 14, 210, 224}));
+}
+
+// A closed obstacle is suddenly in the way of a sheet, free or held at its corners.
+Story put_into_sheet(const TriangleMesh& mesh, const Vec3d& at, bool free, int frames) {
+  World world({.gravity = {0, free ? 0 : -9.81f, 0}});
+  const ObjectId sheet = add_sheet(world, {});
+  if (!free) hold_corners(world, sheet);
+  ObjectOptions away;
+  away.transform.translation = {0, -3, 0};
+  const ObjectId obstacle = world.add_obstacle(mesh, {.thickness = 0.01f}, {}, away);
+  for (int frame = 0; frame < 30; ++frame) world.step(frame_time);
+  EXPECT_EQ(crossings(world), 0u);
+  world.set_motion(obstacle, {.pose = ColliderMotion::fixed({.translation = at + Vec3d{0, 3, 0}})});
+  return tell(world, frames);
+}
+
+TEST(Tangles, ObstaclesPutIntoASheetAreLeft) {
+  const TriangleMesh cube = box({0.4, 0.4, 0.4}, 4), ball = sphere(3, 0.2), ring = torus(0.2, 0.06, 24, 12);
+  for (const TriangleMesh& mesh : {cube, ball, ring})
+    for (const bool free : {true, false})
+      for (const double height : {-0.05, 0.04}) {
+        const Story story = put_into_sheet(mesh, {0.03, height, 0.02}, free, 240);
+        EXPECT_GT(story.at_first, 10u);
+        expect_apart(story);
+      }
 }
 
 }  // namespace
