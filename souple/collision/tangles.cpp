@@ -201,13 +201,19 @@ void Tangles::find_chunk(const ParticleView& particles, std::size_t c) {
     if (active_[owner] == 0) continue;
     const Edge& edge = edges[e];
     chunk.near.clear();
-    hash_.find(united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {}))),
-               chunk.near);
+    chunk.also.clear();
+    const std::size_t before = chunk.edges.size();
+    hash_.find(box_of(particles, edge, owner), chunk.near);
     for (const std::uint32_t t : chunk.near) {
       const SurfaceElement& triangle = elements_.triangles()[t];
       if (!meets_.at(owner, triangle.object) || shares_particle(edge, triangle)) continue;
-      const Crossing<double> at = crossing_of(Vec3d(particles.difference(edge[1], edge[0])),
-                                              corners_from(particles, triangle, edge[0], {}));
+      const Vec3d direction(particles.difference(edge[1], edge[0]));
+      const Vec3f aside = displacement(owner, triangle.object);
+      const auto crossing_at = [&](const Vec3f& shift) {
+        return crossing_of(direction, corners_from(particles, triangle, edge[0], Vec3d(shift)));
+      };
+      const Crossing<double> at = crossing_at(aside);
+      if (crossing_at(-aside).t < 1) chunk.also.push_back(triangle.object);
       if (!(at.t < 1)) continue;
       const auto s = static_cast<float>(at.t);
       const Vec3f w(at.weight);
@@ -220,15 +226,32 @@ void Tangles::find_chunk(const ParticleView& particles, std::size_t c) {
           {1 - s, s, -w.x, -w.y, -w.z}};
       if (!is_excluded(pair)) chunk.edges.push_back(pair);
     }
+    const auto only_touches = [&](const TangledEdge& pair) {
+      return std::find(chunk.also.begin(), chunk.also.end(), pair.surface) == chunk.also.end();
+    };
+    const auto new_ones = chunk.edges.begin() + static_cast<std::ptrdiff_t>(before);
+    chunk.edges.erase(std::remove_if(new_ones, chunk.edges.end(), only_touches), chunk.edges.end());
   }
+}
+
+// Meshes made by a rule are often aligned to the bit: edges that meet edges, faces in one plane. What is
+// asked is therefore asked of the surfaces a little displaced, once to one side and once to the other: what
+// is tangled both times is, and what only touches is not. Not for a surface against itself.
+Vec3f Tangles::displacement(std::uint32_t edge_surface, std::uint32_t surface) const {
+  constexpr Vec3f generic{6.1e-7f, 3.5e-7f, 7.1e-7f};  // of the smaller one's size
+  if (edge_surface == surface) return {};
+  const auto size = [&](std::uint32_t a) { return length(surface_bounds_[a].hi - surface_bounds_[a].lo); };
+  const float smaller = min(size(edge_surface), size(surface));
+  return generic * (edge_surface < surface ? smaller : -smaller);
 }
 
 // --- looking around
 
 // The line is looked at piece by piece: its own box would hold half of the surface. It is bent a little, for
 // along an axis it would meet the corners of a regular mesh, which many triangles share.
-SurfaceHit Tangles::look(const ParticleView& particles, std::uint32_t i, const Vec3f& shift,
-                         const Vec3f& straight, std::uint32_t surface) const {
+SurfaceHit Tangles::look(const ParticleView& particles, std::uint32_t i, const Vec3f& by,
+                         const Vec3f& straight, std::uint32_t surface, float side) const {
+  const Vec3f shift = by + displacement(surface_of_[i], surface) * side;
   constexpr Vec3f bend{7.3e-4f, -4.1e-4f, 5.9e-4f};
   const Vec3f direction = straight + bend;
   SurfaceHit hit;
@@ -269,23 +292,36 @@ SurfaceHit Tangles::look(const ParticleView& particles, std::uint32_t i, const V
 bool Tangles::passes(const ParticleView& particles, std::uint32_t e, const Vec3f& shift,
                      std::uint32_t surface, const Bounds& region) const {
   const Edge& edge = elements_.edges()[e];
-  const Bounds box =
-      shifted(united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {}))), shift);
+  const std::uint32_t owner = elements_.edge_objects()[e];
+  const Bounds box = shifted(box_of(particles, edge, owner), shift);
   if (!overlap(box, surface_bounds_[surface]) || !overlap(box, region)) return false;
   std::vector<std::uint32_t> near;
   hash_.find(box, near);
   return std::any_of(near.begin(), near.end(), [&](std::uint32_t t) {
     const SurfaceElement& triangle = elements_.triangles()[t];
     if (triangle.object != surface || !overlap(boxes_[t], region)) return false;
-    const Corners<double> corners = corners_from(particles, triangle, edge[0], Vec3d(shift));
-    return crossing_of(Vec3d(particles.difference(edge[1], edge[0])), corners).t < 1;
+    const Vec3f aside = displacement(owner, surface);
+    const Vec3d direction(particles.difference(edge[1], edge[0]));
+    const auto crosses = [&](const Vec3f& by) {
+      return crossing_of(direction, corners_from(particles, triangle, edge[0], Vec3d(by))).t < 1;
+    };
+    return crosses(shift + aside) || crosses(shift - aside);
   });
+}
+
+// With room for the displacement.
+Bounds Tangles::box_of(const ParticleView& particles, const Edge& edge, std::uint32_t owner) const {
+  const Bounds& all = surface_bounds_[owner];
+  const float reach = 1e-6f * length(all.hi - all.lo);
+  const Bounds box =
+      united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {})));
+  return {box.lo - Vec3f{reach, reach, reach}, box.hi + Vec3f{reach, reach, reach}};
 }
 
 std::size_t Tangles::bytes() const {
   std::size_t sum = bytes_of(excluded_, ranges_, surface_of_, opposite_, closed_, active_, surface_bounds_,
                              boxes_, found_);
-  for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near);
+  for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near, chunk.also);
   return sum + elements_.bytes() + hash_.bytes();
 }
 

@@ -56,9 +56,10 @@ class Tangles {
   bool meet(std::size_t a, std::size_t b) const { return any_pair_ && meets_.at(a, b); }
   std::uint32_t surface_of(std::size_t particle) const { return surface_of_[particle]; }
 
-  /// Looks from x_i + shift along a unit vector, to 1e-3, as far as the surface reaches.
+  /// Looks from x_i + shift along a unit vector, to 1e-3, as far as the surface reaches. `side`, 1 or -1: to
+  /// which side x_i is displaced by some 1e-6 of the smaller object, in case that it lies on the surface.
   SurfaceHit look(const ParticleView& particles, std::uint32_t i, const Vec3f& shift, const Vec3f& direction,
-                  std::uint32_t surface) const;
+                  std::uint32_t surface, float side) const;
   /// Whether the edge would pass through some triangle of `surface` that reaches into `region`, were it
   /// displaced by `shift`.
   bool passes(const ParticleView& particles, std::uint32_t edge, const Vec3f& shift, std::uint32_t surface,
@@ -68,7 +69,7 @@ class Tangles {
  private:
   struct Chunk {
     std::vector<TangledEdge> edges;
-    std::vector<std::uint32_t> near;
+    std::vector<std::uint32_t> near, also;
   };
 
   void find_closed(std::span<const ContactSurface> surfaces);
@@ -77,6 +78,8 @@ class Tangles {
   void find_boxes(const ParticleView& particles, Threads& threads);
   void find_chunk(const ParticleView& particles, std::size_t chunk);
   bool is_excluded(const TangledEdge& pair) const;
+  Vec3f displacement(std::uint32_t edge_surface, std::uint32_t surface) const;
+  Bounds box_of(const ParticleView& particles, const Edge& edge, std::uint32_t owner) const;
 
   SurfaceElements elements_;
   ObjectMatrix meets_;

@@ -207,7 +207,8 @@ bool Untangling::is_outside(const Knot& knot, const ParticleView& particles, con
       const std::uint32_t other = of_a ? knot.b : knot.a;
       if (!tangles_.is_closed(other)) continue;
       const Vec3f own = of_a ? shift : -shift, along = of_a ? ahead : -ahead;
-      if (is_odd(tangles_.look(particles, i, own, along, other).count)) return false;
+      for (const float side : {1.0f, -1.0f})
+        if (is_odd(tangles_.look(particles, i, own, along, other, side).count)) return false;
     }
   return true;
 }
@@ -347,8 +348,9 @@ void Untangling::pull_inside(const Knot& knot, const ParticleView& particles, bo
     for (; v < end; ++v) {
       const std::uint32_t i = elements.vertices()[v];
       if (elements.vertex_objects()[v] != own || inside_[i] != none) continue;
-      if (overlap(around(particles.relative(i, {})), bounds))
-        hits_[v] = tangles_.look(particles, i, {}, n, other);
+      if (!overlap(around(particles.relative(i, {})), bounds)) continue;
+      hits_[v] = tangles_.look(particles, i, {}, n, other, 1);
+      if (!is_odd(hits_[v].count)) hits_[v] = tangles_.look(particles, i, {}, n, other, -1);
     }
   });
   for (std::size_t v = 0; v < hits_.size(); ++v) {
