@@ -53,7 +53,8 @@ class Tangles {
   const Bounds& bounds(std::size_t surface) const { return surface_bounds_[surface]; }
   /// Corners opposite to an edge in up to two triangles; no_edge where there is none.
   const std::array<std::uint32_t, 2>& opposite(std::size_t edge) const { return opposite_[edge]; }
-  bool meet(std::size_t a, std::size_t b) const { return any_pair_ && meets_.at(a, b); }
+  /// Whether there is anything that meets something.
+  bool any_pair() const { return any_pair_; }
   std::uint32_t surface_of(std::size_t particle) const { return surface_of_[particle]; }
 
   /// Looks from x_i + shift along a unit vector, to 1e-3, as far as the surface reaches. `side`, 1 or -1: to

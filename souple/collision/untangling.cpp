@@ -69,6 +69,7 @@ void Untangling::set_surfaces(std::span<const ContactSurface> surfaces) {
   *this = {};
   tangles_ = std::move(tangles);
   tangles_.set_surfaces(surfaces);
+  if (!tangles_.any_pair()) return;
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
   touched_.assign(end, 0);
@@ -371,7 +372,7 @@ void Untangling::pull_inside(const Knot& knot, const ParticleView& particles, bo
 void Untangling::begin_step(const ParticleView& particles, const ContactStep& step, bool look,
                             Threads& threads) {
   const bool was_tangled = !pairs_.empty();
-  if (!look && !was_tangled) return;
+  if (!tangles_.any_pair() || (!look && !was_tangled)) return;
   if (!look && pulls_.empty() && ++idle_ < held_interval) return;
   idle_ = 0;
   pulls_.clear();
