@@ -313,14 +313,13 @@ bool Tangles::passes(const ParticleView& particles, std::uint32_t e, const Vec3f
 Bounds Tangles::box_of(const ParticleView& particles, const Edge& edge, std::uint32_t owner) const {
   const Bounds& all = surface_bounds_[owner];
   const float reach = 1e-6f * length(all.hi - all.lo);
-  const Bounds box =
-      united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {})));
+  const Bounds box = united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {})));
   return {box.lo - Vec3f{reach, reach, reach}, box.hi + Vec3f{reach, reach, reach}};
 }
 
 std::size_t Tangles::bytes() const {
-  std::size_t sum = bytes_of(excluded_, ranges_, surface_of_, opposite_, closed_, active_, surface_bounds_,
-                             boxes_, found_);
+  std::size_t sum =
+      bytes_of(excluded_, ranges_, surface_of_, opposite_, closed_, active_, surface_bounds_, boxes_, found_);
   for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near, chunk.also);
   return sum + elements_.bytes() + hash_.bytes();
 }

@@ -16,17 +16,17 @@ namespace souple {
 /// An edge that passes through a triangle, of two objects or of one. Edge and triangle meet where
 /// sum_k c_k x_k = 0, so opposite forces on the two, shared out by c_k, keep momentum and angular momentum.
 struct TangledEdge {
-  std::uint32_t edge = 0, triangle = 0;          ///< of SurfaceElements
-  std::uint32_t edge_surface = 0, surface = 0;   ///< whose the edge and the triangle are
-  std::array<std::uint32_t, 5> particle{};       ///< ends of the edge, corners of the triangle
-  std::array<float, 5> c{};                      ///< weights of the ends; minus those of the corners
+  std::uint32_t edge = 0, triangle = 0;         ///< of SurfaceElements
+  std::uint32_t edge_surface = 0, surface = 0;  ///< whose the edge and the triangle are
+  std::array<std::uint32_t, 5> particle{};      ///< ends of the edge, corners of the triangle
+  std::array<float, 5> c{};                     ///< weights of the ends; minus those of the corners
 };
 
 /// Where a line goes through a surface.
 struct SurfaceHit {
-  int count = 0;                                            ///< how often
-  std::uint32_t triangle = SurfaceElement::no_edge;         ///< the first on the way
-  std::array<float, 3> weight{};                            ///< of its corners, where the line meets it
+  int count = 0;                                     ///< how often
+  std::uint32_t triangle = SurfaceElement::no_edge;  ///< the first on the way
+  std::array<float, 3> weight{};                     ///< of its corners, where the line meets it
 };
 
 /// Finds what is tangled: edges that pass through triangles. What meets nothing, shares a particle or is tied

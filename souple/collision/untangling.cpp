@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 namespace souple {
@@ -16,25 +14,32 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Along the axes, upward first, and along the diagonals between them; the last two are the contour's.
 constexpr float third = 0.57735027f;
-constexpr Vec3f directions[] = {{0, 1, 0},           {0, -1, 0},
-                                {1, 0, 0},           {-1, 0, 0},
-                                {0, 0, 1},           {0, 0, -1},
-                                {third, third, third},   {-third, -third, -third},
-                                {-third, third, third},  {third, -third, -third},
-                                {third, -third, third},  {-third, third, -third},
-                                {third, third, -third},  {-third, -third, third}};
+constexpr Vec3f directions[] = {{0, 1, 0},
+                                {0, -1, 0},
+                                {1, 0, 0},
+                                {-1, 0, 0},
+                                {0, 0, 1},
+                                {0, 0, -1},
+                                {third, third, third},
+                                {-third, -third, -third},
+                                {-third, third, third},
+                                {third, -third, -third},
+                                {third, -third, third},
+                                {-third, third, -third},
+                                {third, third, -third},
+                                {-third, -third, third}};
 constexpr std::uint32_t fixed_directions = 14, all_directions = 16;
-constexpr int distances = 10;            // that are tried, each
-constexpr float distance_ratio = 1.5f;   // times as long as the one before it
-constexpr float time_to_part = 0.4f;     // s: how long a way may take, as far as the speed allows
-constexpr float least_speed = 0.1f;      // m/s
-constexpr double patience = 1.5;         // times as long as it should take, and
-constexpr double stall_time = 0.3;       // s: more, and as long as that once it has come off here and there
-constexpr int most_doublings = 3;        // of the speed before another direction is tried
-constexpr int most_attempts = 6;         // each looks twice as far as the one before it
-constexpr int searches_per_step = 4;     // others wait
-constexpr int held_interval = 16;        // steps between two looks at what nothing can part
-constexpr std::size_t samples = 16;      // corners of a knot that are asked whether they are inside
+constexpr int distances = 10;           // that are tried, each
+constexpr float distance_ratio = 1.5f;  // times as long as the one before it
+constexpr float time_to_part = 0.4f;    // s: how long a way may take, as far as the speed allows
+constexpr float least_speed = 0.1f;     // m/s
+constexpr double patience = 1.5;        // times as long as it should take, and
+constexpr double stall_time = 0.3;      // s: more, and as long as that once it has come off here and there
+constexpr int most_doublings = 3;       // of the speed before another direction is tried
+constexpr int most_attempts = 6;        // each looks twice as far as the one before it
+constexpr int searches_per_step = 4;    // others wait
+constexpr int held_interval = 16;       // steps between two looks at what nothing can part
+constexpr std::size_t samples = 16;     // corners of a knot that are asked whether they are inside
 constexpr std::size_t vertex_grain = 64;
 
 Bounds around(const Vec3f& x) {
@@ -290,8 +295,7 @@ void Untangling::attend(Knot& knot, const ParticleView& particles, double time, 
 Vec3f Untangling::contour_pull(const TangledEdge& crossing, const ParticleView& particles) const {
   const auto& i = crossing.particle;
   const Vec3f e = particles.difference(i[1], i[0]);
-  const Vec3f n =
-      normalized(cross(particles.difference(i[3], i[2]), particles.difference(i[4], i[2])));
+  const Vec3f n = normalized(cross(particles.difference(i[3], i[2]), particles.difference(i[4], i[2])));
   const float e_n = dot(e, n);
   if (!(abs(e_n) > 0)) return {};
   Vec3f R;
@@ -393,11 +397,6 @@ void Untangling::begin_step(const ParticleView& particles, const ContactStep& st
     pull_knot(knot, particles);
     pull_inside(knot, particles, false, threads);
     pull_inside(knot, particles, true, threads);
-  }
-  if (std::getenv("TGDBG")) {
-    std::fprintf(stderr,"t %.3f edges %zu pulls %zu:", step.time, tangles_.edges().size(), pulls_.size());
-    for (const Knot& k : knots_) std::fprintf(stderr," [%u %u n%zu dir %.2f %.2f %.2f v %.2f att %d due %.2f size %.2f]", k.a,k.b,k.count,double(k.direction.x),double(k.direction.y),double(k.direction.z),double(k.speed),k.attempt,k.deadline,double(length(k.bounds.hi-k.bounds.lo)));
-    std::fprintf(stderr,"\n");
   }
   remember();
 }

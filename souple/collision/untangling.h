@@ -20,8 +20,8 @@ struct TangledPair {
 /// Edges through triangles that hang together are a knot. Each knot of two objects has a direction: the one
 /// along which the first must be displaced least, as it is, until no edge near the knot passes through a
 /// triangle any more and no corner of the knot lies inside of a closed surface. Several directions and
-/// distances are tried when the knot is first seen, and again when it is not undone in time. Where none helps,
-/// and where an object is tangled with itself, edges go where their part of the contour gets shorter:
+/// distances are tried when the knot is first seen, and again when it is not undone in time. Where none
+/// helps, and where an object is tangled with itself, edges go where their part of the contour gets shorter:
 /// Volino and Magnenat-Thalmann 2006, "Resolving surface collisions through intersection contour
 /// minimization". Their contour alone finds no way out where it keeps its length, such as that of
 /// a sheet that goes right through a box, or through another sheet from side to side.
@@ -55,13 +55,13 @@ class Untangling {
  private:
   /// How a knot is pulled; what it leaves to the knots of the next step.
   struct Course {
-    bool known = false;    // it has been looked for
-    Vec3f direction{};     // of a relative to b; zero: by the contour
-    float speed = 0;       // m/s
-    std::size_t fewest = 0;  // edges that it had
-    double deadline = 0;   // by when it should be undone, or have fewer [s]
-    int doublings = 0;     // of the speed
-    int attempt = 0;       // directions so far
+    bool known = false;                  // it has been looked for
+    Vec3f direction{};                   // of a relative to b; zero: by the contour
+    float speed = 0;                     // m/s
+    std::size_t fewest = 0;              // edges that it had
+    double deadline = 0;                 // by when it should be undone, or have fewer [s]
+    int doublings = 0;                   // of the speed
+    int attempt = 0;                     // directions so far
     std::uint32_t tried = 0, which = 0;  // bits of those, and the one it has
   };
   /// Of surfaces a <= b.

@@ -39,9 +39,10 @@ const Spoilt spoilt_meshes[] = {
     {"a position at infinity", true, [](TriangleMesh& mesh) { mesh.positions[3].x = infinity; }},
     {"a vertex that is not there", true, [](TriangleMesh& mesh) { mesh.triangles[2][1] = 1000000; }},
     {"a triangle with a repeated corner", false,
-     [](TriangleMesh& mesh) { mesh.triangles.push_back({4, 4, 5}); }},
-    {"flat triangles",
-     false,
+     [](TriangleMesh& mesh) {
+       mesh.triangles.push_back({4, 4, 5});
+     }},
+    {"flat triangles", false,
      [](TriangleMesh& mesh) {
        for (Vec3d& x : mesh.positions)
          if (x.x > 0.1) x.x = 0.1;
@@ -122,9 +123,8 @@ TEST(BadSurfaces, AClothIsRefusedOrCalm) {
   for (const Spoilt& spoilt : spoilt_meshes) {
     TriangleMesh mesh = grid(6, 6, 0.5);
     spoilt.spoil(mesh);
-    expect_refused_or_calm(spoilt, [&](World& world) {
-      world.add_cloth(mesh, {.thickness = 0.02f}, with_self_collision());
-    });
+    expect_refused_or_calm(
+        spoilt, [&](World& world) { world.add_cloth(mesh, {.thickness = 0.02f}, with_self_collision()); });
   }
 }
 
@@ -132,8 +132,7 @@ TEST(BadSurfaces, AnObstacleIsRefusedOrCalm) {
   for (const Spoilt& spoilt : spoilt_meshes) {
     TriangleMesh mesh = sphere(1, 0.2);
     spoilt.spoil(mesh);
-    expect_refused_or_calm(spoilt,
-                           [&](World& world) { world.add_obstacle(mesh, {.thickness = 0.02f}); });
+    expect_refused_or_calm(spoilt, [&](World& world) { world.add_obstacle(mesh, {.thickness = 0.02f}); });
   }
 }
 
