@@ -148,17 +148,17 @@ bool Tangles::is_excluded(const TangledEdge& pair) const {
 // --- finding
 
 // Surfaces that meet themselves, or whose bounds overlap those of another that they meet.
-void Tangles::find_active(const ParticleView& particles) {
+void Tangles::find_active(const ParticleView& particles, const ObjectMatrix& of) {
   const std::size_t n = surface_count();
   for (std::size_t a = 0; a < n; ++a) {
     surface_bounds_[a] = nothing;
     for (std::uint32_t i = ranges_[a][0]; i < ranges_[a][1]; ++i)
       surface_bounds_[a] = united(surface_bounds_[a], around(particles.relative(i, {})));
-    active_[a] = meets_.at(a, a) ? 1 : 0;
+    active_[a] = of.at(a, a) ? 1 : 0;
   }
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < a; ++b)
-      if (meets_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b])) active_[a] = active_[b] = 1;
+      if (of.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b])) active_[a] = active_[b] = 1;
 }
 
 // Of triangles; those of surfaces that nothing can cross are left out.
@@ -175,10 +175,10 @@ void Tangles::find_boxes(const ParticleView& particles, Threads& threads) {
   });
 }
 
-void Tangles::find(const ParticleView& particles, Threads& threads) {
+void Tangles::find(const ParticleView& particles, const ObjectMatrix& of, Threads& threads) {
   found_.clear();
   if (!any_pair_) return;
-  find_active(particles);
+  find_active(particles, of);
   if (std::find(active_.begin(), active_.end(), 1) == active_.end()) return;
   find_boxes(particles, threads);
   cell_size_ = SpatialHash::choose_cell_size(boxes_);
@@ -186,13 +186,21 @@ void Tangles::find(const ParticleView& particles, Threads& threads) {
   const std::size_t chunks = (elements_.edges().size() + chunk_size - 1) / chunk_size;
   if (chunks_.size() < chunks) chunks_.resize(chunks);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t end) {
-    for (; c < end; ++c) find_chunk(particles, c);
+    for (; c < end; ++c) find_chunk(particles, of, c);
   });
   for (std::size_t c = 0; c < chunks; ++c)
     found_.insert(found_.end(), chunks_[c].edges.begin(), chunks_[c].edges.end());
 }
 
-void Tangles::find_chunk(const ParticleView& particles, std::size_t c) {
+// Whether the box reaches to something that the surface meets.
+bool Tangles::may_cross(const Bounds& box, std::uint32_t surface, const ObjectMatrix& of) const {
+  if (of.at(surface, surface)) return true;
+  for (std::size_t b = 0; b < surface_count(); ++b)
+    if (of.at(surface, b) && overlap(box, surface_bounds_[b])) return true;
+  return false;
+}
+
+void Tangles::find_chunk(const ParticleView& particles, const ObjectMatrix& of, std::size_t c) {
   Chunk& chunk = chunks_[c];
   chunk.edges.clear();
   const std::span<const Edge> edges = elements_.edges();
@@ -203,10 +211,12 @@ void Tangles::find_chunk(const ParticleView& particles, std::size_t c) {
     chunk.near.clear();
     chunk.also.clear();
     const std::size_t before = chunk.edges.size();
-    hash_.find(box_of(particles, edge, owner), chunk.near);
+    const Bounds box = box_of(particles, edge, owner);
+    if (!may_cross(box, owner, of)) continue;
+    hash_.find(box, chunk.near);
     for (const std::uint32_t t : chunk.near) {
       const SurfaceElement& triangle = elements_.triangles()[t];
-      if (!meets_.at(owner, triangle.object) || shares_particle(edge, triangle)) continue;
+      if (!of.at(owner, triangle.object) || shares_particle(edge, triangle)) continue;
       const Vec3d direction(particles.difference(edge[1], edge[0]));
       const Vec3f aside = displacement(owner, triangle.object);
       const auto crossing_at = [&](const Vec3f& shift) {

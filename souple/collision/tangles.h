@@ -41,7 +41,9 @@ class Tangles {
 
   /// Where particles are now. By edge, then triangle: the same for any number of threads. Allocates nothing
   /// when warm.
-  void find(const ParticleView& particles, Threads& threads);
+  void find(const ParticleView& particles, Threads& threads) { find(particles, meets_, threads); }
+  /// Only of objects that are so marked, which must be some that meet.
+  void find(const ParticleView& particles, const ObjectMatrix& of, Threads& threads);
   std::span<const TangledEdge> edges() const { return found_; }
 
   // For those who pull them apart; of the positions that `find` saw.
@@ -75,9 +77,10 @@ class Tangles {
 
   void find_closed(std::span<const ContactSurface> surfaces);
   void find_opposite();
-  void find_active(const ParticleView& particles);
+  void find_active(const ParticleView& particles, const ObjectMatrix& of);
+  bool may_cross(const Bounds& box, std::uint32_t surface, const ObjectMatrix& of) const;
   void find_boxes(const ParticleView& particles, Threads& threads);
-  void find_chunk(const ParticleView& particles, std::size_t chunk);
+  void find_chunk(const ParticleView& particles, const ObjectMatrix& of, std::size_t chunk);
   bool is_excluded(const TangledEdge& pair) const;
   Vec3f displacement(std::uint32_t edge_surface, std::uint32_t surface) const;
   Bounds box_of(const ParticleView& particles, const Edge& edge, std::uint32_t owner) const;

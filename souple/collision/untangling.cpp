@@ -378,10 +378,17 @@ void Untangling::begin_step(const ParticleView& particles, const ContactStep& st
   const bool was_tangled = !pairs_.empty();
   if (!tangles_.any_pair() || (!look && !was_tangled)) return;
   if (!look && pulls_.empty() && ++idle_ < held_interval) return;
+  if (step.time < last_time_) std::fill(old_knot_of_.begin(), old_knot_of_.end(), none);
+  last_time_ = step.time;
   idle_ = 0;
   pulls_.clear();
   knots_.clear();
-  tangles_.find(particles, threads);
+  // Between objects that are not tangled contacts see to it that they do not become so.
+  if (look) {
+    tangles_.find(particles, threads);
+  } else {
+    tangles_.find(particles, tangled_, threads);
+  }
   count_pairs(particles);
   if (pairs_.empty()) {
     if (was_tangled) remember();

@@ -106,7 +106,8 @@ class Untangling {
   std::vector<SurfaceHit> hits_;                         // of the vertices that are looked from
   std::vector<Pull> pulls_;
   ObjectMatrix tangled_;
-  int idle_ = 0;  // steps since a tangle that is held was looked at
+  double last_time_ = 0;  // when the last step began [s]: earlier after a snapshot was restored
+  int idle_ = 0;          // steps since a tangle that is held was looked at
 };
 
 }  // namespace souple
