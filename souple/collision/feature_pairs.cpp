@@ -1,6 +1,7 @@
 #include "souple/collision/feature_pairs.h"
 
 #include "souple/collision/kernels/find_kernels.h"
+#include "souple/collision/untangling.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -64,8 +65,10 @@ kernels::FeatureColumns FeaturePairs::columns() {
 
 void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   ParticlePairs excluded = std::move(excluded_);
+  const Untangling* const untangling = untangling_;
   *this = {};
   excluded_ = std::move(excluded);
+  untangling_ = untangling;
   surfaces_ = std::move(surfaces);
   const std::size_t n = surfaces_.size();
   own_matrix_ = crossing_matrix_ = ObjectMatrix(n);
@@ -383,7 +386,7 @@ void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const float thickness = thickness_of(pairs[k], edges), near = (1 + early) * thickness;
     if (apart[k] > near + speed[k] * dt + room_of(pairs[k], edges)) continue;
-    if (is_excluded(pairs[k], edges)) continue;
+    if (is_excluded(pairs[k], edges) || (untangling_ && untangling_->exempts(pairs[k], edges))) continue;
     (apart[k] > near + far_part * thickness ? batch.far : batch.near)
         .push_back(pairs[k], thickness, apart[k]);
   }

@@ -13,6 +13,8 @@
 
 namespace souple {
 
+class Untangling;
+
 /// Vertices and triangles, and edges and edges, that may touch within a step.
 ///
 /// They are looked for once a step, in boxes swept by the velocities (near_pairs.h), those of one object
@@ -27,6 +29,8 @@ class FeaturePairs {
   void set_surfaces(std::vector<ContactSurface> surfaces);
   /// Pairs of particles that are tied together: features that have one each never touch.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+  /// Whose tangles are left out; none: nothing is. It must live as long as this is used.
+  void set_untangling(const Untangling* untangling) { untangling_ = untangling; }
 
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. Both spans must live
   /// until the step ends.
@@ -125,6 +129,7 @@ class FeaturePairs {
   float thickness_of(const NearPair& pair, bool edges) const;
 
   std::vector<ContactSurface> surfaces_;
+  const Untangling* untangling_ = nullptr;
   ParticlePairs excluded_;                 // both ways, sorted
   std::vector<std::uint32_t> surface_of_;  // of each particle; no_surface where it has none
   std::vector<Vec4f> rest_;                // of each particle, relative to the first of its surface

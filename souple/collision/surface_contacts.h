@@ -36,6 +36,8 @@ class SurfaceContacts final : public Projector {
   void set_surfaces(std::vector<ContactSurface> surfaces);
   /// Pairs of particles that are tied together: features that have one each never touch.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { pairs_.exclude(std::move(pairs)); }
+  /// Whose tangles may pass; none: all are held. It must live as long as this is used.
+  void set_untangling(const Untangling* untangling) { pairs_.set_untangling(untangling); }
 
   /// `surfaces` and `radius` as for ParticleContacts; both must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,

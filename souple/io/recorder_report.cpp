@@ -51,11 +51,11 @@ const char* word(Integrator integrator) {
   return "unknown";
 }
 
-constexpr std::array<std::pair<Flag, const char*>, 4> flag_names{
-    {{Flag::non_finite, "non_finite"},
-     {Flag::large_strain, "large_strain"},
-     {Flag::deep_contact, "deep_contact"},
-     {Flag::callback_failed, "callback_failed"}}};
+constexpr std::pair<Flag, const char*> flag_names[] = {{Flag::non_finite, "non_finite"},
+                                                       {Flag::large_strain, "large_strain"},
+                                                       {Flag::deep_contact, "deep_contact"},
+                                                       {Flag::callback_failed, "callback_failed"},
+                                                       {Flag::tangled, "tangled"}};
 
 }  // namespace
 

@@ -117,17 +117,62 @@ void build_contact_tables(WorldState& world) {
     for (std::size_t i = 0; extra.tie && i < extra.tie->size(); ++i)
       tied.push_back(extra.tie->set().indices(i));
   world.surface_contacts.exclude(tied);
+  world.untangling.exclude(tied);
   world.particle_contacts.exclude(std::move(tied));
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
   std::vector<ContactSurface> surfaces;
   for (std::uint32_t a = 0; a < world.objects.size(); ++a) surfaces.push_back(contact_surface(world, a));
+  world.untangling.set_surfaces(surfaces);
+  world.look_for_tangles = true;
   world.surface_contacts.set_surfaces(std::move(surfaces));
+  world.surface_contacts.set_untangling(&world.untangling);
   std::vector<FeatureContacts::Feature> features;
   for (std::uint32_t a = 0; a < world.objects.size(); ++a)
     append_features(*world.objects[a], a, tables.rope_edges[a], features);
   world.feature_contacts.set_features(std::move(features));
 }
+
+namespace {
+
+// Contacts keep apart what is not tangled. So only what is put somewhere can be, or what nothing can hold
+// back: pinned vertices and obstacles that are led through each other, which is seen soon enough.
+bool may_be_tangled(const WorldState& world) {
+  constexpr std::uint64_t interval = 8;  // steps
+  if (world.look_for_tangles) return true;
+  if (world.steps % interval != 0) return false;
+  bool led = false, pinned = false;
+  for (const auto& object : world.objects) {
+    led = led || (object->kind == ObjectKind::obstacle && !is_static(object->motion));
+    for (const PinnedParticle& pin : object->pins) led = led || pin.target, pinned = true;
+  }
+  return led && pinned;
+}
+
+void report_tangles(WorldState& world) {
+  std::string words;
+  std::size_t told = 0;
+  for (const TangledPair& pair : world.untangling.pairs()) {
+    world.report.tangles += pair.edges;
+    if (++told > 3) continue;
+    const std::string& one = world.objects[pair.edge_surface]->name;
+    const std::string& other = world.objects[pair.surface]->name;
+    const bool itself = pair.edge_surface == pair.surface;
+    words += std::to_string(pair.edges) + (pair.edges == 1 ? " edge of '" : " edges of '") + one +
+             (pair.edges == 1 ? "' passes through " : "' pass through ") +
+             (itself ? "its own triangles" : "triangles of '" + other + "'") +
+             (pair.held ? ", where nothing can move" : "") + "; ";
+  }
+  if (world.report.tangles > 0) world.complain(Flag::tangled, words + std::string(advice(Flag::tangled)));
+}
+
+void find_tangles(WorldState& world, const ContactStep& step) {
+  world.untangling.begin_step(world.view(), step, may_be_tangled(world), *world.threads);
+  world.look_for_tangles = false;
+  report_tangles(world);
+}
+
+}  // namespace
 
 void find_candidates(WorldState& world, double dt) {
   const ContactStep step{.time = world.time,
@@ -148,6 +193,7 @@ void find_candidates(WorldState& world, double dt) {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                        tables.colliders, tables.against_colliders, step, *world.threads);
   });
+  find_tangles(world, step);
   world.surface_contacts.begin_step(view, particles.velocity, particles.radius, tables.against_objects, step,
                                     *world.threads);
   world.particle_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
@@ -157,6 +203,7 @@ void find_candidates(WorldState& world, double dt) {
 void generate_contacts(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
   const ParticleView view = world.view();
+  world.untangling.pull(view, substep);
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
   world.guarded("a collider's motion",

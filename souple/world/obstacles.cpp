@@ -5,6 +5,11 @@
 #include <string>
 
 namespace souple {
+
+bool is_static(const ObstacleMotion& motion) {
+  return motion.pose.is_static() && motion.sequence.frames.size() <= 1;
+}
+
 namespace {
 
 // How many particles are worth a thread of their own.
@@ -16,10 +21,6 @@ double frame_time(const MeshSequence& sequence, std::size_t frame) {
 
 double duration(const MeshSequence& sequence) {
   return frame_time(sequence, sequence.frames.size() - 1);
-}
-
-bool is_static(const ObstacleMotion& motion) {
-  return motion.pose.is_static() && motion.sequence.frames.size() <= 1;
 }
 
 // A loop whose ends differ starts again between the two times.
@@ -148,6 +149,7 @@ void lead_obstacles(WorldState& world, const Substep& substep) {
   for (const auto& object : world.objects) {
     if (object->kind != ObjectKind::obstacle || is_static(object->motion)) continue;
     const bool jump = jumps(object->motion, world.time, t);
+    world.look_for_tangles = world.look_for_tangles || jump;
     at_moment(world, *object, t, [&](std::size_t i, const Vec3d& x) {
       p[i].set_xyz(Vec3f(plain ? x : x - Vec3d(particles.position[i].xyz())));
       if (jump) particles.start[i].set_xyz(p[i].xyz());  // it was there all the time

@@ -15,6 +15,8 @@ void validate(const ObstacleMotion& motion, std::size_t vertices, std::string_vi
 /// Where the particles of an obstacle are at `time` [s]; passes on what a callback throws.
 std::vector<Vec3d> obstacle_positions(const Object& object, double time);
 
+bool is_static(const ObstacleMotion& motion);
+
 /// Velocities that take obstacles through the next dt seconds: near pairs are found by them.
 void foresee_obstacles(WorldState& world, double dt);
 

@@ -22,6 +22,7 @@ enum class Flag : std::uint32_t {
       1u << 1,  ///< an edge is stretched more than 10 %: raise substeps, or compliance is what it should be
   deep_contact = 1u << 2,  ///< a contact ends the step deeper than its thickness: raise substeps or thickness
   callback_failed = 1u << 3,  ///< a user's callback threw; its effect was left out
+  tangled = 1u << 4  ///< edges pass through triangles, and are being pulled apart: start with them apart
 };
 /// One line: what the flag means and which setting mends it.
 std::string_view advice(Flag flag);
@@ -43,6 +44,7 @@ struct StepReport {
   std::size_t contacts = 0;       ///< that pushed in the last substep
   std::size_t asleep = 0;         ///< objects, at the end of the step
   std::size_t kept_apart = 0;     ///< times that two features were stopped before they passed each other
+  std::size_t tangles = 0;        ///< edges that passed through triangles when the step began
   double deepest_contact = 0;     ///< m, penetration left at the end
   double largest_strain = 0;      ///< (l - l0) / l0 over distance constraints, extension only
   std::vector<KindReport> kinds;  ///< in the order they are solved

@@ -116,6 +116,7 @@ void World::restore(const Snapshot& snapshot) {
     object->island = static_cast<std::uint32_t>(rest.island);
   }
   world.forget_contacts();
+  world.look_for_tangles = true;
   ++world.version;
 }
 

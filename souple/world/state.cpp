@@ -37,6 +37,7 @@ ColliderRecord& WorldState::collider(ColliderId id) {
 }
 
 void WorldState::place(std::size_t i, const Vec3d& x) {
+  look_for_tangles = true;
   const Vec3f rounded(x);
   particles.position[i].set_xyz(rounded);
   particles.offset[i] = {};

@@ -7,6 +7,7 @@
 #include "souple/collision/feature_contacts.h"
 #include "souple/collision/particle_contacts.h"
 #include "souple/collision/surface_contacts.h"
+#include "souple/collision/untangling.h"
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/geometry/embedding.h"
@@ -166,6 +167,8 @@ struct WorldState {
   FeatureContacts feature_contacts;
   ParticleContacts particle_contacts;
   SurfaceContacts surface_contacts;
+  Untangling untangling;
+  bool look_for_tangles = true;  ///< something was put where nothing led it
   ContactTables tables;
   PairTable pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: build before the next step

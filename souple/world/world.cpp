@@ -277,6 +277,7 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
     world.particles.position[i].set_xyz(positions[object.vertex_of[i - object.begin]]);
     world.particles.offset[i] = {};
   }
+  world.look_for_tangles = true;
   ++world.version;
 }
 

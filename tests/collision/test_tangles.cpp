@@ -1,0 +1,152 @@
+#include "souple/collision/tangles.h"
+#include "souple/geometry/builders.h"
+#include "tests/collision/crossings.h"
+#include "tests/collision/random.h"
+#include "tests/count_allocations.h"
+
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+/// Crumpled sheets that pass through themselves and one another.
+class CrumpledSheets {
+ public:
+  CrumpledSheets(int count, int columns, double roughness, const Vec3d& place) {
+    const TriangleMesh mesh = grid(columns, columns, 1);
+    meshes_.assign(static_cast<std::size_t>(count), mesh.triangles);
+    test::Random random(7);
+    for (const auto& triangles : meshes_) {
+      const auto begin = static_cast<std::uint32_t>(position_.size());
+      std::vector<Vec3f> positions;
+      for (const Vec3d& x : mesh.positions) {
+        const Vec3d exact = place + x + random.point(-1, 1) * (roughness / columns);
+        const Vec3f rounded(exact);
+        const Vec3f rest(exact - Vec3d(rounded));
+        position_.push_back({rounded.x, rounded.y, rounded.z, 1});
+        offset_.push_back({rest.x, rest.y, rest.z, 0});
+        positions.emplace_back(exact - place);
+      }
+      tangle_.add(positions, triangles);
+      ContactSurface surface;
+      surface.begin = begin, surface.end = static_cast<std::uint32_t>(position_.size());
+      surface.triangles = triangles;
+      surfaces_.push_back(surface);
+    }
+  }
+
+  ParticleView view() { return {position_, offset_, offset_, Form::displacement}; }
+  std::vector<ContactSurface>& surfaces() { return surfaces_; }
+  const test::Tangle& tangle() const { return tangle_; }
+
+ private:
+  std::vector<Vec4f> position_, offset_;
+  std::vector<std::vector<Triangle>> meshes_;
+  std::vector<ContactSurface> surfaces_;
+  test::Tangle tangle_;
+};
+
+/// How many that are of two objects, and of one.
+std::pair<std::size_t, std::size_t> count(const Tangles& tangles) {
+  std::size_t between = 0, within = 0;
+  for (const TangledEdge& e : tangles.edges()) ++(e.edge_surface == e.surface ? within : between);
+  return {between, within};
+}
+
+TEST(Tangles, AreThoseThatTheCheckerCounts) {
+  const auto threads = make_threads(Threading::pool, 2);
+  for (const double far : {0.0, 1000.0}) {
+    CrumpledSheets sheets(3, 20, 2, {far, -far, far / 2});
+    for (ContactSurface& surface : sheets.surfaces()) surface.meets_itself = true;
+    Tangles tangles;
+    tangles.set_surfaces(sheets.surfaces());
+    tangles.find(sheets.view(), *threads);
+    EXPECT_GT(tangles.edges().size(), 1000u);
+    EXPECT_EQ(tangles.edges().size(), sheets.tangle().crossings()) << far;
+    for (std::size_t k = 1; k < tangles.edges().size(); ++k) {
+      const TangledEdge &a = tangles.edges()[k - 1], &b = tangles.edges()[k];
+      EXPECT_LT(std::tie(a.edge, a.triangle), std::tie(b.edge, b.triangle));
+    }
+    for (const TangledEdge& e : tangles.edges()) {
+      Vec3f gap;  // of the two points where they cross
+      for (std::size_t k = 1; k < 5; ++k)
+        gap += sheets.view().difference(e.particle[k], e.particle[0]) * e.c[k];
+      EXPECT_LT(length(gap), 1e-5f);
+    }
+  }
+}
+
+TEST(Tangles, AreOfWhatMeets) {
+  const auto threads = make_threads(Threading::serial, 1);
+  CrumpledSheets sheets(2, 12, 2, {});
+  Tangles tangles;
+  const auto found = [&] {
+    tangles.set_surfaces(sheets.surfaces());
+    tangles.find(sheets.view(), *threads);
+    return count(tangles);
+  };
+  const auto [between, none_within] = found();
+  EXPECT_GT(between, 100u);
+  EXPECT_EQ(none_within, 0u);
+  for (ContactSurface& surface : sheets.surfaces()) surface.meets_itself = true;
+  EXPECT_EQ(found().first, between);
+  EXPECT_GT(found().second, 100u);
+  // Another group, and nothing is left between them.
+  sheets.surfaces()[0].meets = 2, sheets.surfaces()[0].groups = 2, sheets.surfaces()[1].meets = 1;
+  EXPECT_EQ(found().first, 0u);
+  EXPECT_GT(found().second, 100u);
+}
+
+TEST(Tangles, WhatIsTiedTogetherIsNone) {
+  const auto threads = make_threads(Threading::serial, 1);
+  CrumpledSheets sheets(2, 12, 2, {});
+  Tangles tangles;
+  tangles.set_surfaces(sheets.surfaces());
+  tangles.find(sheets.view(), *threads);
+  const std::size_t before = tangles.edges().size();
+  const TangledEdge first = tangles.edges()[0];
+  tangles.exclude({{first.particle[3], first.particle[0]}});
+  tangles.find(sheets.view(), *threads);
+  EXPECT_LT(tangles.edges().size(), before);
+  for (const TangledEdge& e : tangles.edges())
+    EXPECT_FALSE(e.edge == first.edge && e.triangle == first.triangle);
+}
+
+// Boxes that lie face on face, aligned to the bit, only touch; pushed into each other they are tangled.
+TEST(Tangles, WhatOnlyTouchesIsNone) {
+  const auto threads = make_threads(Threading::serial, 1);
+  const TriangleMesh mesh = box({1, 1, 1}, 4);
+  for (const double offset : {1.0, 0.75, 0.5, 0.9}) {
+    std::vector<Vec4f> position, still(2 * mesh.positions.size());
+    for (int k = 0; k < 2; ++k)
+      for (const Vec3d& x : mesh.positions)
+        position.push_back({float(x.x), float(x.y + k * offset), float(x.z), 1});
+    const auto n = static_cast<std::uint32_t>(mesh.positions.size());
+    std::vector<ContactSurface> surfaces(2);
+    for (std::uint32_t k = 0; k < 2; ++k)
+      surfaces[k].begin = k * n, surfaces[k].end = (k + 1) * n, surfaces[k].triangles = mesh.triangles,
+      surfaces[k].rest = mesh.positions;
+    Tangles tangles;
+    tangles.set_surfaces(surfaces);
+    tangles.find({position, still, still, Form::displacement}, *threads);
+    EXPECT_EQ(tangles.edges().empty(), offset == 1.0) << offset;
+    EXPECT_TRUE(tangles.is_closed(0));
+  }
+}
+
+TEST(Tangles, AWarmFindAllocatesNothing) {
+  const auto threads = make_threads(Threading::pool, 2);
+  CrumpledSheets sheets(2, 30, 1.5, {});
+  Tangles tangles;
+  tangles.set_surfaces(sheets.surfaces());
+  for (int k = 0; k < 3; ++k) tangles.find(sheets.view(), *threads);
+  const long before = test::allocations();
+  tangles.find(sheets.view(), *threads);
+  EXPECT_EQ(test::allocations() - before, 0);
+  EXPECT_FALSE(tangles.edges().empty());
+}
+
+}  // namespace
+}  // namespace souple
