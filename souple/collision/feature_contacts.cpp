@@ -385,30 +385,21 @@ void FeatureContacts::project(int, std::size_t begin, std::size_t end, const Par
 
 // The law of ColliderContacts::project_one, for a point of a feature.
 void FeatureContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
-  const double C = gap(body, contact, particles);
-  const float dn = max(float(double(contact.allowed) - C), -contact.pushed);
-  if (!(dn > 0) && !(contact.pushed > 0)) return;
-  const Vec3f n(body.after.rotation * contact.normal);
-  contact.pushed += dn;
-  if (!(contact.pushed > 0)) {
-    correct(contact, particles, n * dn - contact.rubbed);
-    contact.pushed = 0;
-    contact.rubbed = {};
-    return;
-  }
+  const auto C = static_cast<float>(gap(body, contact, particles));
+  if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
   if (body.moves) {
     Vec3d point;
     for (std::size_t k = 0; k < 3; ++k)
       point += place(particles, contact.particle[k]) * double(contact.weight[k]);
-    const Vec3d local = body.after.to_local(point);
-    contact.carried = Vec3f(point - body.before.to_world(local));
+    contact.carried = Vec3f(point - body.before.to_world(body.after.to_local(point)));
   }
-  const Vec3f relative = moved(contact, particles) - contact.carried;
-  const Vec3f tangential = relative - n * dot(n, relative);
-  const Vec3f wanted = contact.rubbed - n * dot(n, contact.rubbed) - tangential;
-  const Vec3f rubbed = within_friction(wanted, contact.surface, contact.pushed);
-  correct(contact, particles, n * dn + (rubbed - contact.rubbed));
-  contact.rubbed = rubbed;
+  const Vec3f n(body.after.rotation * contact.normal);
+  Pressed<float> sums{contact.pushed, contact.rubbed};
+  correct(contact, particles,
+          press(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried,
+                contact.surface.static_friction, contact.surface.kinetic_friction));
+  contact.pushed = sums.pushed;
+  contact.rubbed = sums.rubbed;
 }
 
 void FeatureContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
@@ -426,14 +417,12 @@ void FeatureContacts::restore_speed(const Body& body, Contact& contact, const Pa
   Vec3f v;
   for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
   const Vec3f u = v - contact.carried * (1 / h);
-  const float u_n = dot(n, u);
-  const float approach = -dot(n, contact.predicted) / h;
-  const float target = approach > 2 * step_.gravity * h ? contact.surface.restitution * approach : 0.0f;
-  contact.bounced = max(target - u_n, -contact.pushed / h);
-  const Vec3f held_back = contact.rubbed * (1 / h);
-  const Vec3f wanted = held_back - (u - n * u_n);
-  const float pressed = contact.pushed / h + max(contact.bounced, 0.0f);
-  const Vec3f change = n * contact.bounced + (within_friction(wanted, contact.surface, pressed) - held_back);
+  const float inverse_h = 1 / h;
+  const auto [change, bounced] =
+      rebound<float>({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+                     2 * step_.gravity * h, contact.surface.restitution, contact.surface.static_friction,
+                     contact.surface.kinetic_friction, inverse_h);
+  contact.bounced = bounced;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
     const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;

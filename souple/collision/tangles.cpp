@@ -54,7 +54,6 @@ bool shares_particle(const Edge& edge, const SurfaceElement& triangle) {
 
 // --- what there is
 
-// The rule of SurfaceContacts::meet.
 void Tangles::set_surfaces(std::span<const ContactSurface> surfaces) {
   auto excluded = std::move(excluded_);
   *this = {};
@@ -63,15 +62,10 @@ void Tangles::set_surfaces(std::span<const ContactSurface> surfaces) {
   meets_ = ObjectMatrix(n);
   std::uint32_t end = 0;
   for (std::uint32_t a = 0; a < n; ++a) {
-    const ContactSurface& one = surfaces[a];
-    end = std::max(end, one.end);
-    meets_.set(a, a, one.meets_itself);
-    any_pair_ = any_pair_ || one.meets_itself;
-    for (std::uint32_t b = 0; b < a; ++b) {
-      const ContactSurface& other = surfaces[b];
-      const bool meet = (one.groups & other.meets) != 0 && (other.groups & one.meets) != 0;
-      meets_.set(a, b, meet);
-      any_pair_ = any_pair_ || meet;
+    end = std::max(end, surfaces[a].end);
+    for (std::uint32_t b = 0; b <= a; ++b) {
+      meets_.set(a, b, meet(surfaces, a, b));
+      any_pair_ = any_pair_ || meets_.at(a, b);
     }
   }
   closed_.assign(n, 0);
