@@ -305,5 +305,34 @@ TEST_F(Behaviour, PairsDecideFrictionAndRestitution) {
   EXPECT_NEAR(top, 0.25, 0.02);
 }
 
+TEST_F(Behaviour, GroupsAndPairsDecideWhatMeets) {
+  const auto height = [&](const std::string& object, const std::string& collider,
+                          const std::string& collide) {
+    World world = built(
+        R"({"souple": 1, "objects": [{"name": "puck", "kind": "grains", "points": [[0, 0.05, 0]],
+        "material": {"radius": 0.05})" +
+        object + R"(}], "colliders": [{"name": "floor", "shape": {"plane": {}})" + collider +
+        R"(}], "pairs": [{"between": ["puck", "floor"], "collide": )" + collide + R"(, "friction": 1}]})");
+    run(world, 60);
+    return positions_of_only(world)[0].y;
+  };
+  EXPECT_NEAR(height("", "", "true"), 0.05f, 1e-3f);
+  EXPECT_LT(height("", "", "false"), -1);
+  EXPECT_LT(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [0])", "true"), -1);
+  EXPECT_LT(height(R"(, "collision_mask": [2])", "", "true"), -1);
+  EXPECT_NEAR(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [1, 7])", "true"), 0.05f, 1e-3f);
+}
+
+TEST_F(Behaviour, WhatLiesFallsAsleepWhenTheSceneSaysSo) {
+  for (const char* sleeping : {"", R"("sleeping": {"enabled": true, "seconds": 0.25},)"}) {
+    World world =
+        built(std::string(R"({"souple": 1, )") + sleeping + R"("objects": [{"name": "puck", "kind": "grains",
+        "points": [[0, 0.05, 0]], "material": {"radius": 0.05}}],
+        "colliders": [{"name": "floor", "shape": {"plane": {}}}]})");
+    run(world, 30);
+    EXPECT_EQ(world.is_asleep(world.find_object("puck")), *sleeping != 0);
+  }
+}
+
 }  // namespace
 }  // namespace souple::scene_test
