@@ -173,7 +173,7 @@ void expect_led(World world) {
 
 TEST_F(Behaviour, PinsFollowAPc2) {
   write_strip(file("strip.obj"));
-  Pc2Writer writer(file("led.pc2"), 2 * strip_rows);
+  Pc2Writer writer(file("led.pc2"), std::uint64_t{2} * strip_rows);
   for (int frame = 0; frame < sequence_frames; ++frame) writer.append(strip_points(frame * sequence_rise));
   writer.finish();
   expect_led(led_by(file(""), "led.pc2"));
@@ -181,7 +181,7 @@ TEST_F(Behaviour, PinsFollowAPc2) {
 
 TEST_F(Behaviour, PinsFollowAnMdd) {
   write_strip(file("strip.obj"));
-  MddWriter writer(file("led.mdd"), 2 * strip_rows, sequence_frames);
+  MddWriter writer(file("led.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
   for (int frame = 0; frame < sequence_frames; ++frame)
     writer.append(frame / 10.0, strip_points(frame * sequence_rise));
   writer.finish();

@@ -54,6 +54,7 @@ TEST(WarmStepOfAnObstacle, AllocatesNothing) {
 TEST(WarmStepBesideSleepers, AllocatesNothing) {
   World world({.sleeping = {.enabled = true}, .threads = 2});
   std::vector<Vec3d> centres;
+  centres.reserve(50);
   for (int i = 0; i < 50; ++i) centres.push_back({i < 25 ? 0.0 : 4.0, i < 25 ? 0.0 : 4.0, 0.1 * (i % 25)});
   const ObjectId grains = world.add_grains(centres);
   world.pin(grains, all());
