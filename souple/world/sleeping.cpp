@@ -1,11 +1,9 @@
 #include "souple/world/sleeping.h"
 
-#include "souple/state/bytes.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 // Speeds are measured by where a step has brought a particle, not by its last substep: what lies in touch
@@ -98,15 +96,16 @@ void wake_near_movers(WorldState& world, float dt) {
   bool any = false;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
-    if (object.island != 0) {
-      touching.answers[a] = 1;
-      mark_still(world, object, false);
-    } else if (object.still_time == 0 || is_obstacle(object)) {
-      touching.asks[a] = mark_mover(world, object, dt) ? 1 : 0;
-      any = any || touching.asks[a] != 0;
-    }
+    if (object.island != 0 || (object.still_time > 0 && !is_obstacle(object))) continue;
+    touching.asks[a] = mark_mover(world, object, dt) ? 1 : 0;
+    any = any || touching.asks[a] != 0;
   }
   if (!any) return;
+  for (std::size_t a = 0; a < world.objects.size(); ++a) {
+    if (world.objects[a]->island == 0) continue;
+    touching.answers[a] = 1;
+    mark_still(world, *world.objects[a], false);
+  }
   find_touching(world);
   for (const auto& [a, b] : touching.found)
     for (const std::uint32_t k : {a, b})

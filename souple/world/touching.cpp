@@ -26,9 +26,15 @@ void find_bounds(const WorldState& world, Touching& t) {
   }
 }
 
+void clear(ObjectMatrix& matrix, std::size_t n) {
+  if (matrix.size() != n) matrix = ObjectMatrix(n);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a; b < n; ++b) matrix.set(a, b, false);
+}
+
 void list_objects(const WorldState& world, Touching& t) {
   const auto n = static_cast<std::uint32_t>(world.objects.size());
-  t.compared = t.known = ObjectMatrix(n);
+  clear(t.compared, n), clear(t.known, n);
   t.listed.clear();
   for (std::uint32_t a = 0; a < n; ++a) {
     bool meets_any = false;

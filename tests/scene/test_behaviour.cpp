@@ -173,7 +173,7 @@ void expect_led(World world) {
 
 TEST_F(Behaviour, PinsFollowAPc2) {
   write_strip(file("strip.obj"));
-  Pc2Writer writer(file("led.pc2"), 2 * strip_rows);
+  Pc2Writer writer(file("led.pc2"), std::uint64_t{2} * strip_rows);
   for (int frame = 0; frame < sequence_frames; ++frame) writer.append(strip_points(frame * sequence_rise));
   writer.finish();
   expect_led(led_by(file(""), "led.pc2"));
@@ -181,7 +181,7 @@ TEST_F(Behaviour, PinsFollowAPc2) {
 
 TEST_F(Behaviour, PinsFollowAnMdd) {
   write_strip(file("strip.obj"));
-  MddWriter writer(file("led.mdd"), 2 * strip_rows, sequence_frames);
+  MddWriter writer(file("led.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
   for (int frame = 0; frame < sequence_frames; ++frame)
     writer.append(frame / 10.0, strip_points(frame * sequence_rise));
   writer.finish();
@@ -303,6 +303,35 @@ TEST_F(Behaviour, PairsDecideFrictionAndRestitution) {
     top = std::max(top, static_cast<double>(positions_of_only(bouncing)[0].y) - 0.05);
   }
   EXPECT_NEAR(top, 0.25, 0.02);
+}
+
+TEST_F(Behaviour, GroupsAndPairsDecideWhatMeets) {
+  const auto height = [&](const std::string& object, const std::string& collider,
+                          const std::string& collide) {
+    World world = built(
+        R"({"souple": 1, "objects": [{"name": "puck", "kind": "grains", "points": [[0, 0.05, 0]],
+        "material": {"radius": 0.05})" +
+        object + R"(}], "colliders": [{"name": "floor", "shape": {"plane": {}})" + collider +
+        R"(}], "pairs": [{"between": ["puck", "floor"], "collide": )" + collide + R"(, "friction": 1}]})");
+    run(world, 60);
+    return positions_of_only(world)[0].y;
+  };
+  EXPECT_NEAR(height("", "", "true"), 0.05f, 1e-3f);
+  EXPECT_LT(height("", "", "false"), -1);
+  EXPECT_LT(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [0])", "true"), -1);
+  EXPECT_LT(height(R"(, "collision_mask": [2])", "", "true"), -1);
+  EXPECT_NEAR(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [1, 7])", "true"), 0.05f, 1e-3f);
+}
+
+TEST_F(Behaviour, WhatLiesFallsAsleepWhenTheSceneSaysSo) {
+  for (const char* sleeping : {"", R"("sleeping": {"enabled": true, "seconds": 0.25},)"}) {
+    World world =
+        built(std::string(R"({"souple": 1, )") + sleeping + R"("objects": [{"name": "puck", "kind": "grains",
+        "points": [[0, 0.05, 0]], "material": {"radius": 0.05}}],
+        "colliders": [{"name": "floor", "shape": {"plane": {}}}]})");
+    run(world, 30);
+    EXPECT_EQ(world.is_asleep(world.find_object("puck")), *sleeping != 0);
+  }
 }
 
 }  // namespace

@@ -50,6 +50,21 @@ TEST(WarmStepOfAnObstacle, AllocatesNothing) {
   EXPECT_GT(length(world.velocities(plate)[0]), 1.0f);
 }
 
+// A plate that swings between two sleepers: it is compared with them in every step, and wakes neither.
+TEST(WarmStepBesideSleepers, AllocatesNothing) {
+  World world({.sleeping = {.enabled = true}, .threads = 2});
+  std::vector<Vec3d> centres;
+  centres.reserve(50);
+  for (int i = 0; i < 50; ++i) centres.push_back({i < 25 ? 0.0 : 4.0, i < 25 ? 0.0 : 4.0, 0.1 * (i % 25)});
+  const ObjectId grains = world.add_grains(centres);
+  world.pin(grains, all());
+  ObstacleMotion motion{
+      .pose = ColliderMotion::keyframes({{0, {1, 3, 0}}, {1, {1.2, 3, 0}}, {2, {1, 3, 0}}}, true)};
+  world.add_obstacle(grid(20, 20, 1.0), {}, motion);
+  EXPECT_EQ(allocations_of_a_warm_step(world, 60), 0);
+  EXPECT_TRUE(world.is_asleep(grains));
+}
+
 // A step that warns says so in a report of its own, in memory of the last one.
 TEST(WarmStepThatWarns, AllocatesNothing) {
   World world({.substeps = 1, .threads = 2});
