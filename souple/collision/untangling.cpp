@@ -219,7 +219,43 @@ bool Untangling::is_outside(const Knot& knot, const ParticleView& particles, con
   return true;
 }
 
-// The shortest way out, of those that are tried.
+// The edges of both that reach into the region.
+void Untangling::collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region) {
+  edges_a_.clear(), edges_b_.clear();
+  const SurfaceElements& elements = tangles_.elements();
+  for (std::uint32_t e = 0; e < elements.edges().size(); ++e) {
+    const std::uint32_t owner = elements.edge_objects()[e];
+    if (owner != knot.a && owner != knot.b) continue;
+    const auto& [i, j] = elements.edges()[e];
+    const Bounds box = united(around(particles.relative(i, {})), around(particles.relative(j, {})));
+    if (overlap(box, region)) (owner == knot.a ? edges_a_ : edges_b_).push_back(e);
+  }
+}
+
+// The shortest way out, of those that are tried: its direction is given to the knot, its length returned; 0
+// where none leads out. No way is longer than the region is wide around the knot: what is beyond is not seen.
+float Untangling::find_way(Knot& knot, const ParticleView& particles, float farthest) {
+  const Bounds region = widened(knot.bounds, farthest);
+  collect_edges(knot, particles, region);
+  Vec3f contour;
+  for (std::size_t k = knot.first; k < knot.first + knot.count; ++k)
+    contour += contour_pull(crossing(k), particles) * (crossing(k).edge_surface == knot.a ? 1.0f : -1.0f);
+  contour = normalized(contour);
+  float way = farthest;
+  for (int step = 1; step < distances; ++step) way /= distance_ratio;
+  for (int step = 0; step < distances; ++step) {
+    for (std::uint32_t d = 0; d < all_directions; ++d) {
+      const Vec3f n = d < fixed_directions ? directions[d] : d == fixed_directions ? contour : -contour;
+      if ((knot.tried >> d & 1u) != 0 || !(length_squared(n) > 0)) continue;
+      if (!is_parted(knot, particles, region, n * way)) continue;
+      knot.direction = n, knot.which = d;
+      return way;
+    }
+    way *= distance_ratio;
+  }
+  return 0;
+}
+
 void Untangling::choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed) {
   if (knot.known) {
     ++knot.attempt;
@@ -230,36 +266,8 @@ void Untangling::choose_direction(Knot& knot, const ParticleView& particles, dou
   knot.direction = {};
   const float size = length(knot.bounds.hi - knot.bounds.lo);
   const float farthest = size * static_cast<float>(1 << std::min(knot.attempt, most_attempts));
-  float distance = size;
-  if (knot.a != knot.b) {
-    const Bounds region = widened(knot.bounds, farthest);
-    edges_a_.clear(), edges_b_.clear();
-    const SurfaceElements& elements = tangles_.elements();
-    for (std::uint32_t e = 0; e < elements.edges().size(); ++e) {
-      const std::uint32_t owner = elements.edge_objects()[e];
-      if (owner != knot.a && owner != knot.b) continue;
-      const auto& [i, j] = elements.edges()[e];
-      if (!overlap(united(around(particles.relative(i, {})), around(particles.relative(j, {}))), region))
-        continue;
-      (owner == knot.a ? edges_a_ : edges_b_).push_back(e);
-    }
-    Vec3f contour;
-    for (std::size_t k = knot.first; k < knot.first + knot.count; ++k)
-      contour += contour_pull(crossing(k), particles) * (crossing(k).edge_surface == knot.a ? 1.0f : -1.0f);
-    contour = normalized(contour);
-    float way = farthest;
-    for (int step = 1; step < distances; ++step) way /= distance_ratio;
-    for (int step = 0; step < distances && !(length_squared(knot.direction) > 0); ++step) {
-      for (std::uint32_t d = 0; d < all_directions; ++d) {
-        const Vec3f n = d < fixed_directions ? directions[d] : d == fixed_directions ? contour : -contour;
-        if ((knot.tried >> d & 1u) != 0 || !(length_squared(n) > 0)) continue;
-        if (!is_parted(knot, particles, region, n * way)) continue;
-        knot.direction = n, knot.which = d, distance = way;
-        break;
-      }
-      way *= distance_ratio;
-    }
-  }
+  const float way = knot.a != knot.b ? find_way(knot, particles, farthest) : 0.0f;
+  const float distance = way > 0 ? way : size;
   knot.speed = min(most_speed, max(least_speed, distance / time_to_part));
   knot.deadline = time + patience * static_cast<double>(distance / knot.speed) + stall_time;
   knot.fewest = knot.count;

@@ -83,6 +83,8 @@ class Untangling {
   void find_knots(const ParticleView& particles);
   void inherit(Knot& knot) const;
   void remember();
+  void collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region);
+  float find_way(Knot& knot, const ParticleView& particles, float farthest);
   void choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed);
   void attend(Knot& knot, const ParticleView& particles, double time, float most_speed, int& searches);
   bool is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
