@@ -120,20 +120,35 @@ void Untangling::count_pairs(const ParticleView& particles) {
       }
 }
 
-// Crossings of one pair of surfaces that share a particle, and so on, are a knot. order_ is sorted by knots,
-// which are numbered by their first crossing.
+// Crossings of one pair of surfaces that share a particle, and so on, are a knot.
 void Untangling::find_knots(const ParticleView& particles) {
-  knots_.clear();
+  join_crossings();
+  number_knots(particles);
+  sort_by_knots();
+}
+
+std::uint32_t Untangling::root(std::uint32_t k) {
+  while (root_[k] != k) {
+    root_[k] = root_[root_[k]];
+    k = root_[k];
+  }
+  return k;
+}
+
+// root_ is a forest of crossings, one tree for each knot, the first crossing its root.
+void Untangling::join_crossings() {
   root_.resize(order_.size());
-  knot_of_.assign(order_.size(), none);
-  const auto root = [&](std::uint32_t k) {
-    while (root_[k] != k) k = root_[k] = root_[root_[k]];
-    return k;
+  std::uint32_t first_of_pair = 0;
+  const auto forget = [&](std::uint32_t begin, std::uint32_t end) {
+    for (; begin < end; ++begin)
+      for (const std::uint32_t i : crossing(begin).particle) last_of_[i] = none;
   };
-  for (std::uint32_t k = 0; k < order_.size(); ++k) {
-    if (k == 0 || pair_of(crossing(k)) != pair_of(crossing(k - 1)))
-      for (std::uint32_t j = 0; j < k; ++j)
-        for (const std::uint32_t i : crossing(j).particle) last_of_[i] = none;
+  const auto count = static_cast<std::uint32_t>(order_.size());
+  for (std::uint32_t k = 0; k < count; ++k) {
+    if (pair_of(crossing(k)) != pair_of(crossing(first_of_pair))) {
+      forget(first_of_pair, k);
+      first_of_pair = k;
+    }
     root_[k] = k;
     for (const std::uint32_t i : crossing(k).particle) {
       if (last_of_[i] != none) {
@@ -143,8 +158,14 @@ void Untangling::find_knots(const ParticleView& particles) {
       last_of_[i] = k;
     }
   }
+  forget(first_of_pair, count);
+}
+
+// By their first crossings.
+void Untangling::number_knots(const ParticleView& particles) {
+  knots_.clear();
+  knot_of_.assign(order_.size(), none);
   for (std::uint32_t k = 0; k < order_.size(); ++k) {
-    for (const std::uint32_t i : crossing(k).particle) last_of_[i] = none;
     const std::uint32_t first = root(k);
     if (first == k) {
       const auto pair = pair_of(crossing(k));
@@ -160,10 +181,12 @@ void Untangling::find_knots(const ParticleView& particles) {
     for (const std::uint32_t i : crossing(k).particle)
       knot.bounds = united(knot.bounds, around(particles.relative(i, {})));
   }
+}
+
+void Untangling::sort_by_knots() {
   std::size_t place = 0;
   for (Knot& knot : knots_) knot.first = place, place += knot.count, knot.count = 0;
   std::swap(root_, order_);  // root_ is what order_ was
-  order_.resize(root_.size());
   for (std::size_t k = 0; k < root_.size(); ++k) {
     Knot& knot = knots_[knot_of_[k]];
     order_[knot.first + knot.count++] = root_[k];

@@ -81,6 +81,10 @@ class Untangling {
   void sort_by_pairs();
   void count_pairs(const ParticleView& particles);
   void find_knots(const ParticleView& particles);
+  std::uint32_t root(std::uint32_t k);
+  void join_crossings();
+  void number_knots(const ParticleView& particles);
+  void sort_by_knots();
   void inherit(Knot& knot) const;
   void remember();
   void collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region);
