@@ -120,20 +120,35 @@ void Untangling::count_pairs(const ParticleView& particles) {
       }
 }
 
-// Crossings of one pair of surfaces that share a particle, and so on, are a knot. order_ is sorted by knots,
-// which are numbered by their first crossing.
+// Crossings of one pair of surfaces that share a particle, and so on, are a knot.
 void Untangling::find_knots(const ParticleView& particles) {
-  knots_.clear();
+  join_crossings();
+  number_knots(particles);
+  sort_by_knots();
+}
+
+std::uint32_t Untangling::root(std::uint32_t k) {
+  while (root_[k] != k) {
+    root_[k] = root_[root_[k]];
+    k = root_[k];
+  }
+  return k;
+}
+
+// root_ is a forest of crossings, one tree for each knot, the first crossing its root.
+void Untangling::join_crossings() {
   root_.resize(order_.size());
-  knot_of_.assign(order_.size(), none);
-  const auto root = [&](std::uint32_t k) {
-    while (root_[k] != k) k = root_[k] = root_[root_[k]];
-    return k;
+  std::uint32_t first_of_pair = 0;
+  const auto forget = [&](std::uint32_t begin, std::uint32_t end) {
+    for (; begin < end; ++begin)
+      for (const std::uint32_t i : crossing(begin).particle) last_of_[i] = none;
   };
-  for (std::uint32_t k = 0; k < order_.size(); ++k) {
-    if (k == 0 || pair_of(crossing(k)) != pair_of(crossing(k - 1)))
-      for (std::uint32_t j = 0; j < k; ++j)
-        for (const std::uint32_t i : crossing(j).particle) last_of_[i] = none;
+  const auto count = static_cast<std::uint32_t>(order_.size());
+  for (std::uint32_t k = 0; k < count; ++k) {
+    if (pair_of(crossing(k)) != pair_of(crossing(first_of_pair))) {
+      forget(first_of_pair, k);
+      first_of_pair = k;
+    }
     root_[k] = k;
     for (const std::uint32_t i : crossing(k).particle) {
       if (last_of_[i] != none) {
@@ -143,8 +158,14 @@ void Untangling::find_knots(const ParticleView& particles) {
       last_of_[i] = k;
     }
   }
+  forget(first_of_pair, count);
+}
+
+// By their first crossings.
+void Untangling::number_knots(const ParticleView& particles) {
+  knots_.clear();
+  knot_of_.assign(order_.size(), none);
   for (std::uint32_t k = 0; k < order_.size(); ++k) {
-    for (const std::uint32_t i : crossing(k).particle) last_of_[i] = none;
     const std::uint32_t first = root(k);
     if (first == k) {
       const auto pair = pair_of(crossing(k));
@@ -160,10 +181,12 @@ void Untangling::find_knots(const ParticleView& particles) {
     for (const std::uint32_t i : crossing(k).particle)
       knot.bounds = united(knot.bounds, around(particles.relative(i, {})));
   }
+}
+
+void Untangling::sort_by_knots() {
   std::size_t place = 0;
   for (Knot& knot : knots_) knot.first = place, place += knot.count, knot.count = 0;
   std::swap(root_, order_);  // root_ is what order_ was
-  order_.resize(root_.size());
   for (std::size_t k = 0; k < root_.size(); ++k) {
     Knot& knot = knots_[knot_of_[k]];
     order_[knot.first + knot.count++] = root_[k];
@@ -219,7 +242,43 @@ bool Untangling::is_outside(const Knot& knot, const ParticleView& particles, con
   return true;
 }
 
-// The shortest way out, of those that are tried.
+// The edges of both that reach into the region.
+void Untangling::collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region) {
+  edges_a_.clear(), edges_b_.clear();
+  const SurfaceElements& elements = tangles_.elements();
+  for (std::uint32_t e = 0; e < elements.edges().size(); ++e) {
+    const std::uint32_t owner = elements.edge_objects()[e];
+    if (owner != knot.a && owner != knot.b) continue;
+    const auto& [i, j] = elements.edges()[e];
+    const Bounds box = united(around(particles.relative(i, {})), around(particles.relative(j, {})));
+    if (overlap(box, region)) (owner == knot.a ? edges_a_ : edges_b_).push_back(e);
+  }
+}
+
+// The shortest way out, of those that are tried: its direction is given to the knot, its length returned; 0
+// where none leads out. No way is longer than the region is wide around the knot: what is beyond is not seen.
+float Untangling::find_way(Knot& knot, const ParticleView& particles, float farthest) {
+  const Bounds region = widened(knot.bounds, farthest);
+  collect_edges(knot, particles, region);
+  Vec3f contour;
+  for (std::size_t k = knot.first; k < knot.first + knot.count; ++k)
+    contour += contour_pull(crossing(k), particles) * (crossing(k).edge_surface == knot.a ? 1.0f : -1.0f);
+  contour = normalized(contour);
+  float way = farthest;
+  for (int step = 1; step < distances; ++step) way /= distance_ratio;
+  for (int step = 0; step < distances; ++step) {
+    for (std::uint32_t d = 0; d < all_directions; ++d) {
+      const Vec3f n = d < fixed_directions ? directions[d] : d == fixed_directions ? contour : -contour;
+      if ((knot.tried >> d & 1u) != 0 || !(length_squared(n) > 0)) continue;
+      if (!is_parted(knot, particles, region, n * way)) continue;
+      knot.direction = n, knot.which = d;
+      return way;
+    }
+    way *= distance_ratio;
+  }
+  return 0;
+}
+
 void Untangling::choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed) {
   if (knot.known) {
     ++knot.attempt;
@@ -230,36 +289,8 @@ void Untangling::choose_direction(Knot& knot, const ParticleView& particles, dou
   knot.direction = {};
   const float size = length(knot.bounds.hi - knot.bounds.lo);
   const float farthest = size * static_cast<float>(1 << std::min(knot.attempt, most_attempts));
-  float distance = size;
-  if (knot.a != knot.b) {
-    const Bounds region = widened(knot.bounds, farthest);
-    edges_a_.clear(), edges_b_.clear();
-    const SurfaceElements& elements = tangles_.elements();
-    for (std::uint32_t e = 0; e < elements.edges().size(); ++e) {
-      const std::uint32_t owner = elements.edge_objects()[e];
-      if (owner != knot.a && owner != knot.b) continue;
-      const auto& [i, j] = elements.edges()[e];
-      if (!overlap(united(around(particles.relative(i, {})), around(particles.relative(j, {}))), region))
-        continue;
-      (owner == knot.a ? edges_a_ : edges_b_).push_back(e);
-    }
-    Vec3f contour;
-    for (std::size_t k = knot.first; k < knot.first + knot.count; ++k)
-      contour += contour_pull(crossing(k), particles) * (crossing(k).edge_surface == knot.a ? 1.0f : -1.0f);
-    contour = normalized(contour);
-    float way = farthest;
-    for (int step = 1; step < distances; ++step) way /= distance_ratio;
-    for (int step = 0; step < distances && !(length_squared(knot.direction) > 0); ++step) {
-      for (std::uint32_t d = 0; d < all_directions; ++d) {
-        const Vec3f n = d < fixed_directions ? directions[d] : d == fixed_directions ? contour : -contour;
-        if ((knot.tried >> d & 1u) != 0 || !(length_squared(n) > 0)) continue;
-        if (!is_parted(knot, particles, region, n * way)) continue;
-        knot.direction = n, knot.which = d, distance = way;
-        break;
-      }
-      way *= distance_ratio;
-    }
-  }
+  const float way = knot.a != knot.b ? find_way(knot, particles, farthest) : 0.0f;
+  const float distance = way > 0 ? way : size;
   knot.speed = min(most_speed, max(least_speed, distance / time_to_part));
   knot.deadline = time + patience * static_cast<double>(distance / knot.speed) + stall_time;
   knot.fewest = knot.count;

@@ -81,8 +81,14 @@ class Untangling {
   void sort_by_pairs();
   void count_pairs(const ParticleView& particles);
   void find_knots(const ParticleView& particles);
+  std::uint32_t root(std::uint32_t k);
+  void join_crossings();
+  void number_knots(const ParticleView& particles);
+  void sort_by_knots();
   void inherit(Knot& knot) const;
   void remember();
+  void collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region);
+  float find_way(Knot& knot, const ParticleView& particles, float farthest);
   void choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed);
   void attend(Knot& knot, const ParticleView& particles, double time, float most_speed, int& searches);
   bool is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
