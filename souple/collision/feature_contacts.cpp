@@ -53,7 +53,16 @@ struct CurvatureRadius {
   }
 };
 
-// Whether a feature of circumradius R or less, whose corners keep r from a surface of that radius of
+/// The radius of the smallest circle that holds a triangle.
+double radius_around(const std::array<Vec3d, 3>& x) {
+  const double a = length_squared(x[1] - x[2]), b = length_squared(x[2] - x[0]),
+               c = length_squared(x[0] - x[1]);
+  const double longest = max(a, max(b, c)), area = length(cross(x[1] - x[0], x[2] - x[0]));
+  if (2 * longest >= a + b + c) return 0.5 * sqrt(longest);
+  return sqrt(a * b * c) / (2 * area);
+}
+
+// Whether a feature that a circle of radius R holds, whose corners keep r from a surface of that radius of
 // curvature, may come nearer than kept_part r between them: it lies deepest at sqrt((c + r)^2 - R^2) - c. A
 // tenth is left for what it may stretch.
 bool matters(double R, double r, double curvature_radius) {
@@ -142,8 +151,9 @@ bool FeatureContacts::is_candidate(const Body& body, std::size_t feature,
   const Feature& f = features_[feature];
   if (!surfaces_->collide(f.object, body.collider)) return false;
   const auto& [a, b, c] = f.particle;
-  const Ball ball = ball_about({placed_[a], placed_[b], placed_[c]}, is_edge(f));
-  if (!matters(ball.radius, double(radius_of(f)), body.curvature_radius)) return false;
+  const Corners x{placed_[a], placed_[b], placed_[c]};
+  const Ball ball = ball_about(x, is_edge(f));
+  if (!matters(radius_around(x), double(radius_of(f)), body.curvature_radius)) return false;
   if (!(particles.inverse_mass(a) > 0 || particles.inverse_mass(b) > 0 || particles.inverse_mass(c) > 0))
     return false;
   if (body.moves) return true;
@@ -211,29 +221,50 @@ FeatureContacts::Corners FeatureContacts::corners(const Pose& pose, const Featur
   return x;
 }
 
-// The distance d to a convex shape is a convex function: nowhere in the feature is it below
-//   d(m) + min_k n(m) . (x_k - m),   m the middle.
-// What is flat for the shape below it is told apart so with one look. For other shapes it is a good guess.
+// How much lower than its lowest corner a feature may be, where d is convex: with the middle m and the corner
+// x that is lowest along n(m),
+//   d(x) - (d(m) + n(m) . (x - m)).
+// It is 0 on what is flat below the feature.
+double FeatureContacts::sag(const Shape& shape, const Corners& x, const Vec3d& middle,
+                            const SurfaceDistance& at_middle) {
+  std::size_t low = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (dot(at_middle.normal, x[k] - x[low]) < 0) low = k;
+  return surface_distance(shape, x[low]).distance - at_middle.distance -
+         dot(at_middle.normal, x[low] - middle);
+}
+
+// The distance d to a convex shape is a convex function: nowhere on the way of the feature is it below
+//   d(m) + min_k n(m) . (x_k - m),   m the middle, x_k its corners at the way's begin and end.
+// Nor does a feature need a contact that sags so little that its corners hold it. Each takes one look at the
+// shape. For shapes that are not convex both are good guesses.
 bool FeatureContacts::may_touch(const Body& body, const Feature& feature,
                                 const ParticleView& particles) const {
   const Corners x = corners(body.before, feature, particles, true);
-  const Ball ball = ball_about(x, is_edge(feature));
-  const double r = double(radius_of(feature));
-  double path = 0;
-  if (body.moves) {
-    const Corners to = corners(body.after, feature, particles, false);
-    for (std::size_t k = 0; k < 3; ++k) path = max(path, length_squared(to[k] - x[k]));
-    path = sqrt(path);
-  } else {
-    for (const std::uint32_t i : feature.particle) path = max(path, double(length(particles.moved(i))));
+  const bool edge = is_edge(feature);
+  const Ball ball = ball_about(x, edge);
+  const double r = double(radius_of(feature)), reach = 2 * (ball.radius + r);
+  if (!body.moves) {
+    double way = 0;
+    for (const std::uint32_t i : feature.particle) way = max(way, double(length(particles.moved(i))));
+    const double clear = body.ball.radius + reach + way;
+    if (!(length_squared(ball.middle - body.ball.center) <= clear * clear)) return false;
   }
-  const double reach = ball.radius + r + path, clear = body.ball.radius + reach;
-  if (!(length_squared(ball.middle - body.ball.center) <= clear * clear)) return false;
-  const SurfaceDistance surface = surface_distance(shape_of(body), ball.middle);
-  if (surface.distance > reach) return false;
-  double lowest = 0;
-  for (const Vec3d& corner : x) lowest = min(lowest, dot(surface.normal, corner - ball.middle));
-  return surface.distance + lowest - path < 1.2 * kept_part * r;
+  const Shape& shape = shape_of(body);
+  const SurfaceDistance surface = surface_distance(shape, ball.middle);
+  const Corners to = corners(body.after, feature, particles, false);
+  double lowest = 0, path = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    lowest =
+        min(lowest, min(dot(surface.normal, x[k] - ball.middle), dot(surface.normal, to[k] - ball.middle)));
+    path = max(path, length_squared(to[k] - x[k]));
+  }
+  if (surface.distance > reach + sqrt(path) || surface.distance + lowest >= 1.2 * kept_part * r) return false;
+  const double least = 0.8 * (1 - kept_part) * r;
+  if (sag(shape, x, ball.middle, surface) > least) return true;
+  if (path <= r * r) return false;
+  const Vec3d middle = ball_about(to, edge).middle;
+  return sag(shape, to, middle, surface_distance(shape, middle)) > least;
 }
 
 // With the gap of Frank and Wolfe,

@@ -122,6 +122,8 @@ class FeatureContacts final : public Projector {
   Corners corners(const Pose& pose, const Feature& feature, const ParticleView& particles, bool start) const;
   float radius_of(const Feature& feature) const;
   bool may_touch(const Body& body, const Feature& feature, const ParticleView& particles) const;
+  static double sag(const Shape& shape, const Corners& x, const Vec3d& middle,
+                    const SurfaceDistance& at_middle);
   bool contact_of(const Body& body, const Feature& feature, const ParticleView& particles, float h,
                   Contact& contact) const;
   static Deepest look(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
