@@ -16,8 +16,8 @@ constexpr std::size_t search_grain = 8;     // searches worth a thread
 constexpr double kept_part = 0.25;
 // Features matter from this part of a round shape's radius on, or of the radius of the ball about any other:
 // a fine cloth on a large table would pay for every triangle at its edges, ten times the rest of its step,
-// and one on a ball sinks in by 0.05 % of its radius at most.
-constexpr double coarse_part = 0.03;
+// and one on a ball sinks in by 0.2 % of its radius at most.
+constexpr double coarse_part = 0.05;
 
 Vec3d place(const ParticleView& particles, std::size_t i) {
   const Vec3d x(particles.position[i].xyz());
