@@ -16,12 +16,14 @@ namespace souple {
 /// Triangles and edges against colliders, where their corners alone do not suffice: a coarse cloth on a
 /// table's corner or on a small ball, a rope over a thin bar.
 ///
-///   C = n . (sum_k w_k p_k - s) - r / 2 >= 0,
+///   C = n . (sum_k w_k p_k - s) - r / 4 >= 0,
 ///
 /// sum_k w_k p_k the feature's deepest point, s the surface point below it, n the outward normal there, r the
 /// radius of its particles. The corners keep r themselves (ColliderContacts); between them a feature may come
-/// half as near, so that whatever is fine for the curvature below it never needs a contact of its own: it is
-/// left out before it costs anything. Planes need none.
+/// nearer, so that whatever is fine for the curvature below it never needs a contact of its own: it is left
+/// out before it costs anything. So is, on shapes with edges, what is small beside the whole shape: there a
+/// fine cloth still lets an edge in between its vertices, by half a triangle's size at most. Planes need
+/// none.
 ///
 /// The deepest point is searched for as Macklin et al. 2020 ("Local optimization for robust signed distance
 /// field collision", section 4) do, by the method of Frank and Wolfe. It, its weights and its plane hold for

@@ -5,6 +5,7 @@
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace souple {
@@ -128,8 +129,12 @@ void build_contact_tables(WorldState& world) {
   world.surface_contacts.set_surfaces(std::move(surfaces));
   world.surface_contacts.set_untangling(&world.untangling);
   std::vector<FeatureContacts::Feature> features;
-  for (std::uint32_t a = 0; a < world.objects.size(); ++a)
+  const bool any_solid = std::any_of(tables.colliders.begin(), tables.colliders.end(), [](const Collider& c) {
+    return !std::holds_alternative<Plane>(c.shape);
+  });
+  for (std::uint32_t a = 0; any_solid && a < world.objects.size(); ++a)
     append_features(*world.objects[a], a, tables.rope_edges[a], features);
+  features.shrink_to_fit();
   world.feature_contacts.set_features(std::move(features));
 }
 
