@@ -47,7 +47,7 @@ TEST(CollisionThreads, ResultsDoNotDependOnThem) {
     World world = crowded_world(threads);
     std::vector<std::uint64_t> hashes;
     std::size_t contacts = 0;
-    for (int frame = 0; frame < 15; ++frame) {
+    for (int frame = 0; frame < 10; ++frame) {
       const StepReport& report = world.step(1.0 / 60);
       ASSERT_TRUE(report.ok()) << report.message;
       contacts = std::max(contacts, report.contacts);
