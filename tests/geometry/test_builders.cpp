@@ -16,14 +16,12 @@ using check::euler_characteristic;
 using check::is_watertight;
 using check::volume;
 
-constexpr double pi_ = 3.14159265358979323846;
-
 TEST(Circle, EqualsCosineAndSineAndIsExactAtQuarters) {
   for (const int n : {1, 2, 3, 5, 7, 8, 64, 1000, 999983})
     for (const int k : {0, 1, 2, 3, n / 8, n / 4, n / 2, n - 1, n, 3 * n + 1}) {
       const CirclePoint p = circle_point(k, n);
-      EXPECT_NEAR(p.cosine, std::cos(2 * pi_ * (k % n) / n), 1e-15);
-      EXPECT_NEAR(p.sine, std::sin(2 * pi_ * (k % n) / n), 1e-15);
+      EXPECT_NEAR(p.cosine, std::cos(2 * pi * (k % n) / n), 1e-15);
+      EXPECT_NEAR(p.sine, std::sin(2 * pi * (k % n) / n), 1e-15);
     }
   EXPECT_EQ(circle_point(1, 4).cosine, 0);
   EXPECT_EQ(circle_point(2, 4).sine, 0);
@@ -70,7 +68,7 @@ TEST(Grid, DiagonalsAlternateOrNot) {
 TEST(Disk, AreaIsThatOfItsPolygon) {
   const TriangleMesh mesh = disk(4, 24, 0.5);
   EXPECT_EQ(mesh.positions.size(), 97u);
-  EXPECT_NEAR(area(mesh), 0.5 * 24 * 0.25 * std::sin(2 * pi_ / 24), 1e-14);
+  EXPECT_NEAR(area(mesh), 0.5 * 24 * 0.25 * std::sin(2 * pi / 24), 1e-14);
   EXPECT_EQ(euler_characteristic(mesh.triangles), 1);
   EXPECT_EQ(boundary_edges(mesh.triangles).size(), 24u);
   for (const Triangle& t : mesh.triangles)
@@ -86,15 +84,15 @@ TEST(Sphere, ClosedAndConvergesToTheVolumeAndAreaOfABall) {
     EXPECT_EQ(euler_characteristic(mesh.triangles), 2);
     EXPECT_EQ(mesh.triangles.size(), 20u << (2 * s));
     for (const Vec3d& p : mesh.positions) EXPECT_NEAR(length(p), 2.0, 1e-14);
-    const double error = 4.0 / 3 * pi_ * 8 - volume(mesh);
+    const double error = 4.0 / 3 * pi * 8 - volume(mesh);
     EXPECT_GT(error, 0);
     if (s > 1) {
       EXPECT_NEAR(previous / error, 4.0, 0.4);  // second order
     }
     previous = error;
   }
-  EXPECT_NEAR(volume(sphere(4, 2.0)), 4.0 / 3 * pi_ * 8, 0.1);
-  EXPECT_NEAR(area(sphere(4, 2.0)), 16 * pi_, 0.1);
+  EXPECT_NEAR(volume(sphere(4, 2.0)), 4.0 / 3 * pi * 8, 0.1);
+  EXPECT_NEAR(area(sphere(4, 2.0)), 16 * pi, 0.1);
 }
 
 TEST(Box, VolumeAndAreaAreExact) {
@@ -114,16 +112,16 @@ TEST(Torus, VolumeAndAreaByPappus) {
   const TriangleMesh mesh = torus(1.0, 0.25, 96, 48);
   EXPECT_TRUE(is_watertight(mesh.triangles));
   EXPECT_EQ(euler_characteristic(mesh.triangles), 0);
-  EXPECT_NEAR(volume(mesh) / (2 * pi_ * pi_ * 0.0625), 1, 4e-3);
-  EXPECT_NEAR(area(mesh) / (4 * pi_ * pi_ * 0.25), 1, 2e-3);
+  EXPECT_NEAR(volume(mesh) / (2 * pi * pi * 0.0625), 1, 4e-3);
+  EXPECT_NEAR(area(mesh) / (4 * pi * pi * 0.25), 1, 2e-3);
 }
 
 TEST(Capsule, VolumeAndHeight) {
   const TriangleMesh mesh = capsule(0.5, 2.0, 64, 24, 5);
   EXPECT_TRUE(is_watertight(mesh.triangles));
   EXPECT_EQ(euler_characteristic(mesh.triangles), 2);
-  EXPECT_NEAR(volume(mesh) / (pi_ * 0.25 * 2 + 4.0 / 3 * pi_ * 0.125), 1, 4e-3);
-  EXPECT_NEAR(area(mesh) / (2 * pi_ * 0.5 * 2 + 4 * pi_ * 0.25), 1, 2e-3);
+  EXPECT_NEAR(volume(mesh) / (pi * 0.25 * 2 + 4.0 / 3 * pi * 0.125), 1, 4e-3);
+  EXPECT_NEAR(area(mesh) / (2 * pi * 0.5 * 2 + 4 * pi * 0.25), 1, 2e-3);
   EXPECT_EQ(mesh.positions.front(), (Vec3d{0, -1.5, 0}));
   EXPECT_EQ(mesh.positions.back(), (Vec3d{0, 1.5, 0}));
 }
@@ -132,7 +130,7 @@ TEST(Cylinder, VolumeAndAreaOfItsPrism) {
   const TriangleMesh mesh = cylinder(0.5, 2.0, 12, 4, 3);
   EXPECT_TRUE(is_watertight(mesh.triangles));
   EXPECT_EQ(euler_characteristic(mesh.triangles), 2);
-  const double cap = 0.5 * 12 * 0.25 * std::sin(2 * pi_ / 12), rim = 12 * 2 * 0.5 * std::sin(pi_ / 12);
+  const double cap = 0.5 * 12 * 0.25 * std::sin(2 * pi / 12), rim = 12 * 2 * 0.5 * std::sin(pi / 12);
   EXPECT_NEAR(volume(mesh), 2 * cap, 1e-13);
   EXPECT_NEAR(area(mesh), 2 * cap + 2 * rim, 1e-13);
 }

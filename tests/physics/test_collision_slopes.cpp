@@ -52,7 +52,9 @@ ObjectId add_body(World& world, Body body, double above) {
   }
   // Tied, or some would roll.
   std::vector<Vec3d> centres;
-  for (int k = 0; k < 9; ++k) centres.push_back({0.05 * (k % 3), 0, 0.05 * (k / 3)});
+  centres.reserve(9);
+  for (int x = 0; x < 3; ++x)
+    for (int z = 0; z < 3; ++z) centres.push_back({0.05 * x, 0, 0.05 * z});
   const ObjectId raft =
       world.add_grains(centres, {.radius = 0.02f, .friction = mu}, {.transform = at(0.0201)});
   std::vector<std::pair<VertexRef, VertexRef>> ties;

@@ -55,8 +55,8 @@ TEST(BallsInAGlass, StayInItAndComeToRest) {
   drop_and_look(12, 3, 2, 0.01);
 }
 
-// In a heap of fifty the contacts of some vertices take turns, one substep this, the next that one: they go to
-// and fro by less than 0.1 mm.
+// In a heap of fifty the contacts of some vertices take turns, one substep this, the next that one: they go
+// to and fro by less than 0.1 mm.
 TEST(BallsInAGlass, FiftyStayInItAndComeToRestSlow) {
   drop_and_look(50, 30, 10, 0.2);
 }
