@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/contact.h"
 #include "souple/collision/tangles.h"
 
 #include <cstdint>
