@@ -12,11 +12,13 @@ namespace souple {
 /// Contacts column by column, as kernels read and write them.
 class ContactArrays {
  public:
+  /// They come and go by many: room for as many again.
+  static constexpr double room = 1;
   std::size_t size() const { return particle_[0].size(); }
   /// What is there keeps its values; sizes that were there before allocate nothing.
   void resize(std::size_t size) {
-    for (auto& column : particle_) resize_with_room(column, size);
-    for (auto& column : floats_) resize_with_room(column, size);
+    for (auto& column : particle_) resize_with_room(column, size, room);
+    for (auto& column : floats_) resize_with_room(column, size, room);
   }
   kernels::ContactColumns columns() {
     kernels::ContactColumns result;

@@ -85,6 +85,10 @@ void FeatureContacts::set_features(std::vector<Feature> features) {
   corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
   bodies_.clear();
   contacts_.clear();
+  met_.reserve(features_.size());
+  candidates_.reserve(features_.size());
+  contacts_.reserve(256);
+  found_.resize(std::min<std::size_t>(features_.size(), 256));
 }
 
 void FeatureContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,

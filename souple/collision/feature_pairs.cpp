@@ -97,7 +97,8 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   }
   own_.index_particles();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
-  left_particles_.reserve(end / 8 + 64);
+  left_particles_.reserve(end);
+  chunks_.reserve(64);
 }
 
 void FeaturePairs::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
@@ -275,7 +276,8 @@ void FeaturePairs::find_crossing() {
 void FeaturePairs::find_left(const ParticleView& particles, Threads& threads) {
   find_shift(particles);
   const std::size_t n = surface_of_.size(), chunks = batches_of(n);
-  if (left_of_chunk_.size() < chunks) left_of_chunk_.resize(chunks);
+  for (std::size_t c = left_of_chunk_.size(); c < chunks; ++c)
+    left_of_chunk_.emplace_back().reserve(batch_size);
   threads.for_each(chunks, 2, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
       left_of_chunk_[c].clear();

@@ -5,6 +5,7 @@
 #include "souple/solver/threads.h"
 #include "souple/state/particles.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -31,6 +32,7 @@ class ObjectMatrix {
   void set(std::size_t a, std::size_t b, bool meet) {
     meets_[a * objects_ + b] = meets_[b * objects_ + a] = meet;
   }
+  void clear() { std::fill(meets_.begin(), meets_.end(), std::uint8_t{0}); }
   bool at(std::size_t a, std::size_t b) const { return meets_[a * objects_ + b] != 0; }
   std::size_t size() const { return objects_; }
 

@@ -76,7 +76,13 @@ bool has_normal(const NearPair& pair, const Motion& motion, float part, bool edg
 void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   forget_contacts();
   pairs_.set_surfaces(std::move(surfaces));
-  if (pairs_.any()) find_owners();
+  if (!pairs_.any()) return;
+  find_owners();
+  // Colours and what the solver leaves undone come and go.
+  used_.reserve(3 * pairs_.particle_count());
+  begin_.reserve(512), next_place_.reserve(512);
+  cut_pair_.reserve(256), cut_part_.reserve(256), cuts_.reserve(256);
+  rescues_.resize(256);
 }
 
 // --- what is there more than once
@@ -176,8 +182,7 @@ void SurfaceContacts::find(std::vector<Touch>& found, Threads& threads, const Fu
   if (found_.size() < count) {
     const std::size_t before = found_.size();
     found_.resize(count + count / 2 + 16);
-    for (std::size_t c = before; c < found_.size(); ++c)
-      found_[c].touches.reserve(FeaturePairs::chunk_size / 2);
+    for (std::size_t c = before; c < found_.size(); ++c) found_[c].touches.reserve(FeaturePairs::chunk_size);
   }
   threads.for_each(count, 4, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
@@ -190,7 +195,7 @@ void SurfaceContacts::find(std::vector<Touch>& found, Threads& threads, const Fu
     found_[c].place = sum;
     sum += found_[c].touches.size();
   }
-  resize_with_room(found, sum);
+  resize_with_room(found, sum, ContactArrays::room);
   for (std::size_t c = 0; c < count; ++c)
     std::copy(found_[c].touches.begin(), found_[c].touches.end(),
               found.begin() + static_cast<std::ptrdiff_t>(found_[c].place));
@@ -281,8 +286,8 @@ void SurfaceContacts::sort_touches(const ParticleView& particles) {
     sum += vertices + edges;
   }
   begin_.push_back(sum);
-  resize_with_room(pair_, sum);
-  resize_with_room(part_, sum);
+  resize_with_room(pair_, sum, ContactArrays::room);
+  resize_with_room(part_, sum, ContactArrays::room);
   for (const Touch& touch : touches_) {
     const std::size_t place =
         next_place_[2 * std::size_t{colour_[touch.pair]} + (pairs_.are_edges(touch.pair) ? 1 : 0)]++;

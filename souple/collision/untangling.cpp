@@ -98,7 +98,8 @@ void Untangling::sort_by_pairs() {
 
 void Untangling::count_pairs(const ParticleView& particles) {
   pairs_.clear();
-  tangled_ = ObjectMatrix(tangles_.surface_count());
+  if (tangled_.size() != tangles_.surface_count()) tangled_ = ObjectMatrix(tangles_.surface_count());
+  tangled_.clear();
   for (const TangledEdge& edge : tangles_.edges()) {
     const bool movable = any_movable(particles, edge.particle, 5);
     tangled_.set(edge.edge_surface, edge.surface, true);
