@@ -358,6 +358,10 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
   const Shape& shape = shape_of(body);
   const Corners from = corners(body.before, feature, particles, true);
   const Corners to = corners(body.after, feature, particles, false);
+  // What begins inside, such as under a collider that jumped, is led out by its corners; both at once would
+  // throw it out.
+  for (const Vec3d& corner : from)
+    if (surface_distance(shape, corner).distance < 0) return false;
   double path = 0;
   for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
   const double r = double(radius_of(feature)), target = kept_part * r;
