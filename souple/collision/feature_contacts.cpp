@@ -79,10 +79,15 @@ bool matters(double R, double r, double curvature_radius) {
 void FeatureContacts::set_features(std::vector<Feature> features) {
   features_ = std::move(features);
   corners_.clear();
-  for (const Feature& feature : features_)
-    corners_.insert(corners_.end(), feature.particle.begin(), feature.particle.end());
-  std::sort(corners_.begin(), corners_.end());
-  corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
+  objects_ = 0;
+  for (const Feature& feature : features_) {
+    for (const std::uint32_t i : feature.particle) corners_.push_back({i, feature.object});
+    objects_ = std::max(objects_, feature.object + 1);
+  }
+  const auto before = [](const Corner& a, const Corner& b) { return a.particle < b.particle; };
+  const auto same = [](const Corner& a, const Corner& b) { return a.particle == b.particle; };
+  std::sort(corners_.begin(), corners_.end(), before);
+  corners_.erase(std::unique(corners_.begin(), corners_.end(), same), corners_.end());
   bodies_.clear();
   contacts_.clear();
   met_.reserve(features_.size());
@@ -99,7 +104,11 @@ void FeatureContacts::begin_step(const ParticleView& particles, std::span<const 
   step_ = step;
   contacts_.clear();
   find_bodies();
-  if (!bodies_.empty()) find_candidates(particles, velocity, 0, threads);
+  if (bodies_.empty()) return;
+  led_out_.assign(bodies_.size() * objects_, 0);
+  for (Body& body : bodies_)
+    if (!body.moves) find_led_out(body, particles, threads);
+  find_candidates(particles, velocity, 0, threads);
 }
 
 // Of a plane nothing is lower than a corner.
@@ -136,7 +145,7 @@ void FeatureContacts::find_candidates(const ParticleView& particles, std::span<c
   const float t = step_.dt;
   threads.for_each(corners_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      const std::uint32_t i = corners_[c];
+      const std::uint32_t i = corners_[c].particle;
       const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
       placed_[i] = place(particles, i);
       margin_[i] = 2 * t * (speed + step_.gravity * t) + radius_[i];
@@ -175,7 +184,8 @@ bool FeatureContacts::is_candidate(const Body& body, std::size_t feature,
 }
 
 bool FeatureContacts::left_margins(const ParticleView& particles) const {
-  return std::any_of(corners_.begin(), corners_.end(), [&](std::uint32_t i) {
+  return std::any_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
+    const std::uint32_t i = corner.particle;
     const double margin = double(margin_[i]);
     return length_squared(place(particles, i) - placed_[i]) > margin * margin;
   });
@@ -195,7 +205,10 @@ void FeatureContacts::refresh(const ParticleView& particles, const Substep& subs
     body.after = {rotation_matrix(after.rotation), after.translation};
   }
   if (left_margins(particles)) find_candidates(particles, {}, substep.h, threads);
-  for (Body& body : bodies_) meet_all(body, particles, substep.h, threads);
+  for (Body& body : bodies_) {
+    if (body.moves) find_led_out(body, particles, threads);
+    meet_all(body, particles, substep.h, threads);
+  }
 }
 
 // On all threads, then in order on one: the same contacts in the same order for any number of threads.
@@ -213,12 +226,35 @@ void FeatureContacts::meet_all(Body& body, const ParticleView& particles, float 
   if (found_.size() < met_.size()) found_.resize(2 * met_.size());
   threads.for_each(met_.size(), search_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      found_[k].touches = contact_of(body, features_[met_[k]], particles, h, found_[k].contact);
+      found_[k].touches = contact_of(body, features_[met_[k]], particles, h, found_[k]);
   });
+  for (std::size_t k = 0; k < met_.size(); ++k)
+    if (found_[k].inside) led_out_of(body)[features_[met_[k]].object] = 1;
   body.contact_begin = contacts_.size();
   for (std::size_t k = 0; k < met_.size(); ++k)
-    if (found_[k].touches) contacts_.push_back(found_[k].contact);
+    if (found_[k].touches && !is_led_out(body, features_[met_[k]].object))
+      contacts_.push_back(found_[k].contact);
   body.contact_end = contacts_.size();
+}
+
+// Where a collider has jumped into an object, corners are led out slowly, by contacts of their own. Held by
+// its features at the same time it would be torn, so these wait until none is inside.
+void FeatureContacts::find_led_out(Body& body, const ParticleView& particles, Threads& threads) {
+  std::uint8_t* const led_out = led_out_of(body);
+  std::fill_n(led_out, objects_, std::uint8_t{0});
+  near_.resize(max(near_.size(), corners_.size()));
+  threads.for_each(corners_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      const Vec3d x = body.before.to_local(start_place(particles, corners_[c].particle));
+      const double reach = body.ball.radius;
+      near_[c] = length_squared(x - body.ball.center) < reach * reach &&
+                         surface_distance(shape_of(body), x).distance < 0
+                     ? 1
+                     : 0;
+    }
+  });
+  for (std::size_t c = 0; c < corners_.size(); ++c)
+    if (near_[c] != 0) led_out[corners_[c].object] = 1;
 }
 
 FeatureContacts::Corners FeatureContacts::corners(const Pose& pose, const Feature& feature,
@@ -354,19 +390,17 @@ FeatureContacts::Deepest FeatureContacts::deepest(const Shape& shape, const Corn
 // Corners go straight, in the collider's frame. One that has not arrived after 16 strides is as good as
 // there.
 bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const ParticleView& particles,
-                                 float h, Contact& contact) const {
+                                 float h, Found& found) const {
+  Contact& contact = found.contact;
   const Shape& shape = shape_of(body);
   const Corners from = corners(body.before, feature, particles, true);
   const Corners to = corners(body.after, feature, particles, false);
-  // What begins inside, such as under a collider that jumped, is led out by its corners; both at once would
-  // throw it out.
-  for (const Vec3d& corner : from)
-    if (surface_distance(shape, corner).distance < 0) return false;
   double path = 0;
   for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
   const double r = double(radius_of(feature)), target = kept_part * r;
   Deepest low = deepest(shape, from, r + path, 0.1 * r);
   const double overlap = low.surface.distance - target;
+  found.inside = low.surface.distance < -r;
   double gone = 0;
   for (int stride = 0; stride < 16; ++stride) {
     const double free = max(low.surface.distance - low.gap, 0.5 * low.surface.distance) - target;

@@ -111,7 +111,7 @@ class FeatureContacts final : public Projector {
   };
   /// What a candidate came to.
   struct Found {
-    bool touches = false;
+    bool touches = false, inside = false;
     Contact contact{};
   };
 
@@ -122,12 +122,17 @@ class FeatureContacts final : public Projector {
   bool left_margins(const ParticleView& particles) const;
   void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
   Corners corners(const Pose& pose, const Feature& feature, const ParticleView& particles, bool start) const;
+  void find_led_out(Body& body, const ParticleView& particles, Threads& threads);
+  std::uint8_t* led_out_of(const Body& body) {
+    return led_out_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
+  }
+  bool is_led_out(const Body& body, std::uint32_t object) { return led_out_of(body)[object] != 0; }
   float radius_of(const Feature& feature) const;
   bool may_touch(const Body& body, const Feature& feature, const ParticleView& particles) const;
   static double sag(const Shape& shape, const Corners& x, const Vec3d& middle,
                     const SurfaceDistance& at_middle);
   bool contact_of(const Body& body, const Feature& feature, const ParticleView& particles, float h,
-                  Contact& contact) const;
+                  Found& found) const;
   static Deepest look(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
   static Deepest deepest_between(const Shape& shape, const Corners& x, const std::array<double, 3>& a,
                                  const std::array<double, 3>& b);
@@ -142,7 +147,11 @@ class FeatureContacts final : public Projector {
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
 
   std::vector<Feature> features_;
-  std::vector<std::uint32_t> corners_;  // the particles they have, each once
+  struct Corner {
+    std::uint32_t particle, object;
+  };
+  std::vector<Corner> corners_;  // the particles they have, each once
+  std::uint32_t objects_ = 0;    // one more than the largest that features name
   std::span<const Collider> colliders_;
   std::span<const float> radius_;
   const SurfaceMatrix* surfaces_ = nullptr;
@@ -155,6 +164,7 @@ class FeatureContacts final : public Projector {
   std::vector<std::uint32_t> candidates_;  // features, body by body
   std::vector<std::uint32_t> met_;         // of them, those that may touch now
   std::vector<Found> found_;               // what each of these came to
+  std::vector<std::uint8_t> led_out_;      // [body][object]: some corner begins inside
   std::vector<Contact> contacts_;          // body by body
 };
 
