@@ -145,7 +145,7 @@ class Window(unittest.TestCase):
         self.wait_for("the picture after that", lambda: self.next_picture(window) == (400, 300))
 
         self.hand("key", "p")
-        window = self.window_called("Souple: balloon")
+        window = self.window_called("Souple: balls_in_a_glass")
         self.assertIsNone(viewer.poll())
         self.hand("key", "Escape")
         output, errors = viewer.communicate(timeout=PATIENCE)
@@ -158,7 +158,7 @@ class Window(unittest.TestCase):
 
     def test_an_interrupt_finishes_the_film(self):
         viewer = self.start("balloon", "--size", "400x200")
-        self.focus(self.window_called("Souple: balloon"))
+        self.focus(self.window_called("Souple: balls_in_a_glass"))
         if shutil.which("ffmpeg"):
             self.hand("key", "v")
             self.wait_for("the film to begin", lambda: list(self.folder.glob("souple-balloon-0001*")))
