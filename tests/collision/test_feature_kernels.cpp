@@ -92,7 +92,8 @@ std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::si
   arrays.resize(found.size());
   const kernels::ContactColumns contacts = arrays.columns();
   const kernels::ContactLimits limits{600, 0.03f, 0.005f};
-  kernels.describe[kind](crowd.points(), columns, limits, found.data(), part.data(), 0, found.size(), contacts);
+  kernels.describe[kind](crowd.points(), columns, limits, found.data(), part.data(), 0, found.size(),
+                         contacts);
   for (std::size_t k = 0; k < found.size(); ++k)
     contacts.static_friction[k] = 0.5f, contacts.kinetic_friction[k] = 0.3f, contacts.restitution[k] = 0.2f;
   for (int sweep = 0; sweep < 3; ++sweep) kernels.project(crowd.points(), contacts, 0, found.size());

@@ -5,8 +5,8 @@
 namespace souple::kernels {
 
 const FeatureKernels& find_feature_kernels(InstructionSet set) {
-  const FeatureKernels* const packed =
-      souple::detail::find_for(set, []<class Set>(std::type_identity<Set>) { return &feature_kernels<Set>(); });
+  const FeatureKernels* const packed = souple::detail::find_for(
+      set, []<class Set>(std::type_identity<Set>) { return &feature_kernels<Set>(); });
   return packed ? *packed : feature_kernels<Single>();
 }
 
