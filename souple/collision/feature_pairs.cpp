@@ -227,7 +227,7 @@ void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float
   const float fall = 0.5f * step_.gravity * dt * dt, own_length = dt * length(own);
   Way& way = way_of_[i];
   way = {x - v * since, own_x - own * since, room + 2 * fall + surprise * dt * length(v),
-         room + min(fall, own_length) + surprise * own_length};
+         room + min(fall, own_length) + surprise * own_length, since + 1.01f * dt};
   boxes_[i] = around(x, x + v * dt, reach + way.room);
   own_boxes_[i] = around(own_x, own_x + own * dt, reach + way.own_room);
   expected_velocity_[i].set_xyz(v);
@@ -236,6 +236,7 @@ void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float
 bool FeaturePairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
   const std::uint32_t surface = surface_of_[i];
   const Way& way = way_of_[i];
+  if (elapsed_ > way.until) return false;
   const Vec3f v = expected_velocity_[i].xyz();
   const auto within = [](const Vec3f& d, float room) { return length_squared(d) <= room * room; };
   if (crosses_[surface] != 0 && !within(x - (way.from + v * elapsed_), way.room)) return false;
@@ -331,7 +332,7 @@ void FeaturePairs::find_all_again(const ParticleView& before, float h, Threads& 
 // Those of the particles that have left their boxes. They were pushed: where they are going is not sure for
 // long.
 void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads& threads) {
-  constexpr float foresight = 2;  // substeps
+  constexpr float foresight = 3;  // substeps
   const float dt = max(min(covered_ + h, foresight * h), h);
   find_shift(before);
   for (const std::uint32_t i : left_particles_) {
@@ -476,10 +477,11 @@ void FeaturePairs::watch_new_chunks(std::size_t first, Threads& threads) {
     for (; c < last; ++c) {
       Chunk& chunk = chunks_[first + c];
       auto& blocks = blocks_[first + c];
-      std::uint32_t last_block = no_surface;
+      std::array<std::uint32_t, 64> seen;  // some of those that it has, by their last bits
+      seen.fill(no_surface);
       const auto add = [&](std::uint32_t block) {
-        if (block == last_block) return;
-        last_block = block;
+        if (seen[block % seen.size()] == block) return;
+        seen[block % seen.size()] = block;
         for (std::uint32_t k = chunk.blocks; k-- > 0;)
           if (blocks[k] == block) return;
         if (chunk.blocks == most_blocks) {

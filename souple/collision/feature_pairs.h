@@ -153,6 +153,7 @@ class FeaturePairs {
   struct Way {
     Vec3f from, own_from;
     float room, own_room;
+    float until;  // pairs were looked for up to then, since pairs were found [s]
   };
   std::vector<Way> way_of_;
   std::vector<Vec4f> expected_velocity_;  // v [m/s]
