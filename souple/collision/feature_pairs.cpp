@@ -346,8 +346,8 @@ void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads&
                           [&](std::uint32_t i) { return valid_from_[i] == from; });
     });
   };
-  own_finder_.find_moved(left_particles_, own_boxes_, before.position, own_pairs_);
-  crossing_finder_.find_moved(left_particles_, boxes_, before.position, crossing_pairs_);
+  own_finder_.find_moved(left_particles_, own_boxes_, before.position, own_pairs_, threads);
+  crossing_finder_.find_moved(left_particles_, boxes_, before.position, crossing_pairs_, threads);
   for (NearPairs* found : {&own_pairs_, &crossing_pairs_}) {
     keep_theirs(found->vertex_triangle);
     keep_theirs(found->edge_edge);

@@ -91,9 +91,22 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
   milliseconds_.build = milliseconds_since(start);
 
-  // Chunks of patches go to the parts in turn, so that each has its share of crowded places.
   start = Clock::now();
   const std::size_t patches = patch_boxes_.size();
+  find_in_chunks(patches, chunk_size, out, threads, [&](std::size_t a, Part& part) {
+    find_near(static_cast<std::uint32_t>(a), position_w, part);
+  });
+  milliseconds_.pairs = milliseconds_since(start);
+  moved_.clear();
+  is_moved_.assign(patches, 0);
+}
+
+// Calls find_one(k, part) for k in [0, count). Chunks of them go to the parts in turn, so that each has its
+// share of crowded places; pairs come in order of k.
+template <class Function>
+void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, NearPairs& out,
+                                    Threads& threads, const Function& find_one) {
+  chunks_.resize((count + per_chunk - 1) / per_chunk);
   const std::size_t parts =
       std::clamp<std::size_t>(chunks_.size(), 1, static_cast<std::size_t>(threads.count()));
   if (parts_.size() < parts) parts_.resize(parts);
@@ -101,28 +114,22 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
     for (std::size_t p = begin; p < end; ++p) {
       Part& part = parts_[p];
       part.vertex_triangle.count = part.edge_edge.count = 0;
-      for (std::size_t k = p; k < chunks_.size(); k += parts) {
+      for (std::size_t c = p; c < chunks_.size(); c += parts) {
         const std::size_t first_vertex_triangle = part.vertex_triangle.count,
                           first_edge = part.edge_edge.count;
-        const std::size_t last = std::min(patches, (k + 1) * chunk_size);
-        for (std::size_t a = k * chunk_size; a < last; ++a)
-          find_near(static_cast<std::uint32_t>(a), position_w, part);
-        chunks_[k] = {{first_vertex_triangle, part.vertex_triangle.count - first_vertex_triangle, 0},
+        for (std::size_t k = c * per_chunk; k < std::min(count, (c + 1) * per_chunk); ++k) find_one(k, part);
+        chunks_[c] = {{first_vertex_triangle, part.vertex_triangle.count - first_vertex_triangle, 0},
                       {first_edge, part.edge_edge.count - first_edge, 0}};
       }
     }
   });
   join(&Chunk::vertex_triangle, &Part::vertex_triangle, out.vertex_triangle, parts, threads);
   join(&Chunk::edge_edge, &Part::edge_edge, out.edge_edge, parts, threads);
-  milliseconds_.pairs = milliseconds_since(start);
-  moved_.clear();
-  is_moved_.assign(patches, 0);
 }
 
 // The hash holds the boxes of the last find: patches that have left them are compared one by one.
 void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
-                                std::span<const Vec4f> position_w, NearPairs& out) {
-  out.vertex_triangle.clear(), out.edge_edge.clear();
+                                std::span<const Vec4f> position_w, NearPairs& out, Threads& threads) {
   moving_now_.clear();
   for (const std::uint32_t i : particles) {
     if (i >= elements_->particle_end()) continue;
@@ -136,9 +143,9 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
     if (is_moved_[a] == 0) moved_.push_back(a);
     is_moved_[a] = 1;
   }
-  Part& part = parts_[0];
-  part.vertex_triangle.count = part.edge_edge.count = 0;
-  for (const std::uint32_t a : moving_now_) {
+  constexpr std::size_t per_chunk = 4;
+  find_in_chunks(moving_now_.size(), per_chunk, out, threads, [&](std::size_t k, Part& part) {
+    const std::uint32_t a = moving_now_[k];
     part.found.clear();
     hash_.find(patch_boxes_[a], part.found);
     for (const std::uint32_t b : part.found)
@@ -147,13 +154,7 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
       const bool seen = b < a && std::binary_search(moving_now_.begin(), moving_now_.end(), b);
       if (!seen && overlap(patch_boxes_[a], patch_boxes_[b])) find_between(a, b, position_w, part);
     }
-  }
-  const auto copy = [](const List& from, std::vector<NearPair>& to) {
-    resize_with_room(to, from.count);
-    std::copy_n(from.pairs.data(), from.count, to.data());
-  };
-  copy(part.vertex_triangle, out.vertex_triangle);
-  copy(part.edge_edge, out.edge_edge);
+  });
 }
 
 void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w,

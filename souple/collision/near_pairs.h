@@ -65,7 +65,7 @@ class NearPairFinder {
   /// have been called). Pairs of theirs that were found before are found again. Costs little where few have
   /// moved. Elements, matrix and masses must be those of the find.
   void find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
-                  std::span<const Vec4f> position_w, NearPairs& out);
+                  std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
   /// Of the last find: vertices, edges and triangles left out because a box was not finite.
   std::size_t left_out() const { return left_out_; }
@@ -106,6 +106,9 @@ class NearPairFinder {
 
   void make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w, Threads& threads);
   std::size_t make_boxes_of(std::size_t patch, std::span<const Vec4f> position_w);
+  template <class Function>
+  void find_in_chunks(std::size_t count, std::size_t per_chunk, NearPairs& out, Threads& threads,
+                      const Function& find_one);
   void find_near(std::uint32_t patch, std::span<const Vec4f> position_w, Part& part) const;
   void find_between(std::uint32_t a, std::uint32_t b, std::span<const Vec4f> position_w, Part& part) const;
   void join(Piece Chunk::*piece, List Part::*list, std::vector<NearPair>& out, std::size_t parts,

@@ -158,7 +158,7 @@ class Window(unittest.TestCase):
 
     def test_an_interrupt_finishes_the_film(self):
         viewer = self.start("balloon", "--size", "400x200")
-        self.focus(self.window_called("Souple: balls_in_a_glass"))
+        self.focus(self.window_called("Souple: balloon"))
         if shutil.which("ffmpeg"):
             self.hand("key", "v")
             self.wait_for("the film to begin", lambda: list(self.folder.glob("souple-balloon-0001*")))
