@@ -14,7 +14,7 @@ struct FeaturePoints {
   float* moving = nullptr;          ///< plain form: the same as position
   float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
-  const float* moved = nullptr;     ///< moving - start; read by begin_near, still_near and describe
+  const float* moved = nullptr;     ///< moving - start; read by ways, near, judge and describe
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
@@ -95,9 +95,6 @@ struct FeatureKernels {
   void (*restore_speed)(const FeaturePoints&, const ContactColumns&, const ContactLimits&, float* velocity,
                         std::size_t begin, std::size_t end);
 };
-
-/// One lane.
-struct Single;
 
 /// Compiled in one translation unit per instruction set (compile_features.h).
 template <class Set>
