@@ -6,6 +6,19 @@
 
 namespace souple::scene_format {
 
+template class Number<double>;
+template class Number<float>;
+template class Number<int>;
+template class Number<std::uint32_t>;
+template class Vector3<double>;
+template class Vector3<float>;
+template CodecPtr<double> number(const Range& range);
+template CodecPtr<float> number(const Range& range);
+template CodecPtr<int> number(const Range& range);
+template CodecPtr<std::uint32_t> number(const Range& range);
+template CodecPtr<Vec3d> vector3(const Range& range);
+template CodecPtr<Vec3f> vector3(const Range& range);
+
 namespace {
 
 /// A key may be anything; a message is one line.

@@ -120,21 +120,21 @@ struct Range {
   std::string text(const std::string& noun) const;
   Json schema(const char* type) const;
 };
-inline Range positive(double highest) {
+constexpr Range positive(double highest) {
   return {0, highest, true, false};
 }
-inline Range from_zero(double highest) {
+constexpr Range from_zero(double highest) {
   return {0, highest};
 }
-inline Range within(double lowest, double highest) {
+constexpr Range within(double lowest, double highest) {
   return {lowest, highest};
 }
 /// Zero allowed, one not.
-inline Range below(double highest) {
+constexpr Range below(double highest) {
   return {0, highest, false, true};
 }
 /// A coordinate, a speed: either sign.
-inline Range signed_range(double highest) {
+constexpr Range signed_range(double highest) {
   return {-highest, highest};
 }
 
@@ -205,6 +205,20 @@ template <class T>
 CodecPtr<Vec3<T>> vector3(const Range& range) {
   return std::make_shared<Vector3<T>>(range);
 }
+
+// Compiled once, in codec.cpp: every table has some of them.
+extern template class Number<double>;
+extern template class Number<float>;
+extern template class Number<int>;
+extern template class Number<std::uint32_t>;
+extern template class Vector3<double>;
+extern template class Vector3<float>;
+extern template CodecPtr<double> number(const Range& range);
+extern template CodecPtr<float> number(const Range& range);
+extern template CodecPtr<int> number(const Range& range);
+extern template CodecPtr<std::uint32_t> number(const Range& range);
+extern template CodecPtr<Vec3d> vector3(const Range& range);
+extern template CodecPtr<Vec3f> vector3(const Range& range);
 
 // --- words -----------------------------------------------------------------------------------------------
 

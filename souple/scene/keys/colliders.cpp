@@ -1,0 +1,82 @@
+#include "souple/scene/keys/parts.h"
+
+namespace souple::scene_format {
+
+namespace {
+
+CodecPtr<SignedDistanceFieldDescription> signed_distance_field_codec() {
+  using F = SignedDistanceFieldDescription;
+  auto keys = table<F>("signed_distance_field",
+                       "The solid inside a closed surface, as a grid of distances: large things of many "
+                       "triangles that only move as a whole.");
+  keys->required<&F::mesh>("mesh", mesh_codec(MeshUse::surface),
+                           "its surface, closed, in the collider's own frame")
+      .key<&F::spacing>("spacing", maybe(number<double>(size_range)),
+                        "of the grid's points [m]; walls and gaps thinner than two of it are lost")
+      .key<&F::resolution>("resolution", number<int>(within(4, 4096)),
+                           "cells along the surface's longest side, instead of `spacing`")
+      .excludes("spacing", "resolution");
+  return keys;
+}
+
+CodecPtr<ShapeDescription> shape_codec() {
+  using S = ShapeDescription;
+  const CodecPtr<Vec3f> centre = vector3<float>(metres);
+  const CodecPtr<float> size = number<float>(size_range);
+  const char* centre_doc = "in the collider's own frame [m]";
+  auto plane = table<Plane>("plane", "The half space normal . x <= offset is solid.");
+  plane->key<&Plane::normal>("normal", vector3<float>(metres), "points out of the solid; any length but zero")
+      .key<&Plane::offset>("offset", number<float>(metres), "[m], times the length of the normal")
+      .check([](const Plane& shape, const Place& place) {
+        if (!(length_squared(Vec3d(shape.normal)) > 1e-12)) place.key("normal").fail("must not be zero");
+      });
+  auto sphere = table<Sphere>("sphere", "A ball.");
+  sphere->required<&Sphere::radius>("radius", size, "[m]").key<&Sphere::center>("center", centre, centre_doc);
+  auto box = table<Box>("box", "A box.");
+  box->required<&Box::half_extents>("half_extents", vector3<float>(size_range), "half the side lengths [m]")
+      .key<&Box::center>("center", centre, centre_doc);
+  auto capsule = table<Capsule>("capsule", "Everything within `radius` of a segment along Y.");
+  capsule->required<&Capsule::radius>("radius", size, "[m]")
+      .required<&Capsule::half_height>("half_height", number<float>(from_zero(far_away)),
+                                       "half the length of the segment, caps not counted [m]")
+      .key<&Capsule::center>("center", centre, centre_doc);
+  auto cylinder = table<Cylinder>("cylinder", "A cylinder along Y with flat ends.");
+  cylinder->required<&Cylinder::radius>("radius", size, "[m]")
+      .required<&Cylinder::half_height>("half_height", size, "half the height [m]")
+      .key<&Cylinder::center>("center", centre, centre_doc);
+  auto keys = table<S>("shape", "The solid of a collider.");
+  keys->choice<>({alternative<S, Plane>("plane", plane, "a half space"),
+                  alternative<S, Sphere>("sphere", sphere, "a ball"),
+                  alternative<S, Box>("box", box, "a box"),
+                  alternative<S, Capsule>("capsule", capsule, "a capsule along Y"),
+                  alternative<S, Cylinder>("cylinder", cylinder, "a cylinder along Y"),
+                  alternative<S>("signed_distance_field", signed_distance_field_codec(),
+                                 "the inside of a closed mesh")});
+  return keys;
+}
+
+}  // namespace
+
+CodecPtr<ColliderDescription> collider_codec() {
+  using C = ColliderDescription;
+  auto keys = table<C>("collider", "A solid that objects touch and that nothing moves but its keyframes.");
+  keys->key<&C::name>("name", name(), "unique; if not given: collider, collider2, ...")
+      .required<&C::shape>("shape", shape_codec(), "what it is")
+      .key<&C::friction>("friction", number<float>(friction_range),
+                         "Coulomb coefficient; a contact has the geometric mean of both sides")
+      .key<&C::restitution>(
+          "restitution", number<float>(unit),
+          "how much of the speed a bounce gives back; a contact has the larger of both sides")
+      .key<&C::colour>("colour", maybe(colour()),
+                       "how pictures show it, as in HTML; if not given: light grey")
+      .key<&C::transform>("transform", pose_codec(), "where it stands")
+      .key<&C::keyframes>("keyframes", keyframes_codec(), "where it goes, instead of `transform`")
+      .key<&C::loop>("loop", boolean(), "starts the keyframes over after the last")
+      .needs("loop", "keyframes")
+      .excludes("transform", "keyframes")
+      .check([](const C& collider, const Place& place) { check_times(collider.keyframes, place); });
+  add_collision_keys(*keys);
+  return keys;
+}
+
+}  // namespace souple::scene_format

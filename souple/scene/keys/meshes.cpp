@@ -1,0 +1,171 @@
+#include "souple/scene/keys/parts.h"
+
+namespace souple::scene_format {
+
+namespace {
+
+CodecPtr<GridMesh> grid_codec() {
+  auto keys = table<GridMesh>("grid",
+                              "A flat sheet in the XZ plane, square cells, centred at the origin, facing "
+                              "up. Vertex index = row * columns + column.");
+  keys->required<&GridMesh::columns>("columns", number<int>(within(2, 10000)), "vertices along X")
+      .required<&GridMesh::rows>("rows", number<int>(within(2, 10000)), "vertices along Z")
+      .required<&GridMesh::size>("size", number<double>(size_range), "width along X [m]")
+      .key<&GridMesh::diagonals>(
+          "diagonals",
+          enumeration<Diagonals>({{"alternating", Diagonals::alternating}, {"one_way", Diagonals::one_way}}),
+          "how the squares are cut; one_way prefers a direction and is there to compare with")
+      .check([](const GridMesh& mesh, const Place& place) {
+        check_count(static_cast<double>(mesh.columns) * mesh.rows, place);
+      });
+  return keys;
+}
+
+CodecPtr<DiskMesh> disk_codec() {
+  auto keys = table<DiskMesh>("disk",
+                              "A flat disk in the XZ plane, facing up; vertex 0 is the centre, the rest "
+                              "follow ring by ring.");
+  keys->required<&DiskMesh::rings>("rings", number<int>(within(1, 10000)), "circles about the centre")
+      .required<&DiskMesh::segments>("segments", number<int>(within(3, 10000)), "vertices of a circle")
+      .required<&DiskMesh::radius>("radius", number<double>(size_range), "[m]")
+      .check([](const DiskMesh& mesh, const Place& place) {
+        check_count(1 + static_cast<double>(mesh.rings) * mesh.segments, place);
+      });
+  return keys;
+}
+
+CodecPtr<SphereMesh> sphere_mesh_codec() {
+  auto keys =
+      table<SphereMesh>("sphere_mesh", "A closed sphere of 20 * 4^subdivisions nearly equal triangles.");
+  keys->required<&SphereMesh::radius>("radius", number<double>(size_range), "[m]")
+      .key<&SphereMesh::subdivisions>("subdivisions", number<int>(within(0, 8)),
+                                      "how often an icosahedron's triangles are cut in four");
+  return keys;
+}
+
+CodecPtr<BoxMesh> box_mesh_codec() {
+  auto keys = table<BoxMesh>("box_mesh", "A closed box, centred at the origin.");
+  keys->required<&BoxMesh::size>("size", vector3<double>(size_range), "side lengths [m]")
+      .key<&BoxMesh::divisions>("divisions", counts(1000), "cells along the sides")
+      .check([](const BoxMesh& mesh, const Place& place) {
+        const auto [x, y, z] = std::array<double, 3>{static_cast<double>(mesh.divisions[0]),
+                                                     static_cast<double>(mesh.divisions[1]),
+                                                     static_cast<double>(mesh.divisions[2])};
+        check_count(2 * (x * y + y * z + z * x) + 2, place);
+      });
+  return keys;
+}
+
+CodecPtr<TorusMesh> torus_codec() {
+  auto keys = table<TorusMesh>("torus", "A closed ring about the Y axis.");
+  keys->required<&TorusMesh::major_radius>("major_radius", number<double>(size_range),
+                                           "from the axis to the middle of the tube [m]")
+      .required<&TorusMesh::minor_radius>("minor_radius", number<double>(size_range), "of the tube [m]")
+      .key<&TorusMesh::major_segments>("major_segments", number<int>(within(3, 2000)), "around the axis")
+      .key<&TorusMesh::minor_segments>("minor_segments", number<int>(within(3, 2000)), "around the tube")
+      .check([](const TorusMesh& mesh, const Place& place) {
+        if (mesh.minor_radius >= mesh.major_radius) {
+          place.key("minor_radius")
+              .fail("must be smaller than major_radius, " + number_text(mesh.major_radius) + "; found " +
+                    number_text(mesh.minor_radius));
+        }
+      });
+  return keys;
+}
+
+CodecPtr<CapsuleMesh> capsule_mesh_codec() {
+  auto keys = table<CapsuleMesh>("capsule_mesh", "A closed cylinder along Y between two half spheres.");
+  keys->required<&CapsuleMesh::radius>("radius", number<double>(size_range), "[m]")
+      .required<&CapsuleMesh::length>("length", number<double>(size_range),
+                                      "of the cylinder, caps not counted [m]")
+      .key<&CapsuleMesh::segments>("segments", number<int>(within(3, 1000)), "around the axis")
+      .key<&CapsuleMesh::rings>("rings", number<int>(within(1, 1000)), "of each half sphere")
+      .key<&CapsuleMesh::divisions>("divisions", number<int>(within(1, 1000)), "along the length");
+  return keys;
+}
+
+CodecPtr<CylinderMesh> cylinder_mesh_codec() {
+  auto keys = table<CylinderMesh>("cylinder_mesh", "A closed cylinder along Y.");
+  keys->required<&CylinderMesh::radius>("radius", number<double>(size_range), "[m]")
+      .required<&CylinderMesh::height>("height", number<double>(size_range), "[m]")
+      .key<&CylinderMesh::segments>("segments", number<int>(within(3, 1000)), "around the axis")
+      .key<&CylinderMesh::divisions>("divisions", number<int>(within(1, 1000)), "along the height")
+      .key<&CylinderMesh::cap_rings>("cap_rings", number<int>(within(1, 1000)),
+                                     "circles from the rim of a cap to its middle");
+  return keys;
+}
+
+CodecPtr<TetBarMesh> tet_bar_codec() {
+  auto keys = table<TetBarMesh>("tet_bar", "A solid box of cells cut into tets; soft bodies only.");
+  keys->required<&TetBarMesh::cells>("cells", counts(1000), "cells along X, Y and Z")
+      .required<&TetBarMesh::size>("size", vector3<double>(size_range), "side lengths [m]")
+      .check([](const TetBarMesh& mesh, const Place& place) {
+        check_count((mesh.cells[0] + 1.0) * (mesh.cells[1] + 1.0) * (mesh.cells[2] + 1.0), place);
+      });
+  return keys;
+}
+
+CodecPtr<TetBallMesh> tet_ball_codec() {
+  auto keys = table<TetBallMesh>("tet_ball", "A solid ball of tets; soft bodies only.");
+  keys->key<&TetBallMesh::subdivisions>(
+          "subdivisions", number<int>(within(0, 6)),
+          "of an icosahedron: 12, 42, 162, 642, 2562, 10242 or 40962 vertices on the surface")
+      .key<&TetBallMesh::layers>("layers", number<int>(within(1, 20)),
+                                 "shells between the middle and the surface")
+      .required<&TetBallMesh::radius>("radius", number<double>(size_range), "[m]");
+  return keys;
+}
+
+}  // namespace
+
+void check_count(double vertices, const Place& place) {
+  if (vertices > most_vertices) {
+    place.fail("would have " + number_text(vertices) + " vertices; at most " + number_text(most_vertices) +
+               " are allowed");
+  }
+}
+
+CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
+  using M = MeshDescription;
+  const char* heading =
+      use == MeshUse::surface ? "surface" : (use == MeshUse::solid ? "solid" : "point_file");
+  const char* doc =
+      use == MeshUse::surface ? "A surface: built, or read from a file."
+      : use == MeshUse::solid
+          ? "The shape of a soft body: a closed surface, which a lattice of tets will fill, or tets."
+          : "Points read from a file: the vertices of a mesh.";
+  using V = decltype(M::source);
+  std::vector<Alternative> sources;
+  if (use == MeshUse::surface) {
+    sources.push_back(alternative<V>("grid", grid_codec(), "a flat sheet"));
+    sources.push_back(alternative<V>("disk", disk_codec(), "a flat disk"));
+  }
+  if (use != MeshUse::points) {
+    sources.push_back(alternative<V>("sphere", sphere_mesh_codec(), "a closed sphere"));
+    sources.push_back(alternative<V>("box", box_mesh_codec(), "a closed box"));
+    sources.push_back(alternative<V>("torus", torus_codec(), "a closed ring"));
+    sources.push_back(alternative<V>("capsule", capsule_mesh_codec(), "a closed capsule"));
+    sources.push_back(alternative<V>("cylinder", cylinder_mesh_codec(), "a closed cylinder"));
+  }
+  if (use == MeshUse::solid) {
+    sources.push_back(alternative<V>("tet_bar", tet_bar_codec(), "a box of tets"));
+    sources.push_back(alternative<V>("tet_ball", tet_ball_codec(), "a ball of tets"));
+  }
+  const char* formats =
+      use == MeshUse::solid
+          ? "OBJ, PLY or STL (or what assimp reads) for a surface; .msh, .node/.ele or .vtk for tets"
+          : "OBJ, PLY or STL (or what assimp reads)";
+  sources.push_back(alternative<V>("file", wrapped<FileMesh>(&FileMesh::file, file()), formats));
+  auto keys = table<M>(heading, doc);
+  keys->choice<&M::source>(std::move(sources))
+      .key<&M::import, &MeshImport::scale>("scale", number<double>(positive(1e6)),
+                                           "metres per unit of the file")
+      .key<&M::import, &MeshImport::up>(
+          "up", enumeration<UpAxis>({{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}),
+          "the axis that points up in the file")
+      .needs("scale", "file")
+      .needs("up", "file");
+  return keys;
+}
+
+}  // namespace souple::scene_format

@@ -1,0 +1,118 @@
+#pragma once
+
+#include "souple/scene/scene.h"
+#include "souple/scene/table.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+// What keys.cpp puts together. Each file of this folder holds the keys of one part of a scene.
+
+namespace souple::scene_format {
+
+constexpr double far_away = 1e6;       // m
+constexpr double most_vertices = 4e6;  // of one built mesh
+constexpr Range metres = signed_range(far_away);
+constexpr Range size_range = positive(far_away);
+constexpr Range unit = within(0, 1);
+constexpr Range friction_range = from_zero(100);
+
+template <class T>
+std::shared_ptr<Table<T>> table(const char* name, const char* doc) {
+  return std::make_shared<Table<T>>(name, doc);
+}
+
+// --- values.cpp ------------------------------------------------------------------------------------------
+
+/// Three counts, or one for all three axes.
+CodecPtr<std::array<int, 3>> counts(int most);
+/// A bit mask as the list of the bits that are set, or "all".
+CodecPtr<std::uint32_t> groups();
+
+/// A struct whose only field is written without a name of its own.
+template <class Outer, class Inner, class Access>
+class Wrapped : public Codec<Outer> {
+ public:
+  Wrapped(Access access, CodecPtr<Inner> inner) : access_(access), inner_(std::move(inner)) {}
+  void read(const Json& json, const Place& place, Outer& value) const override {
+    inner_->read(json, place, std::invoke(access_, value));
+  }
+  Json write(const Outer& value) const override { return inner_->write(std::invoke(access_, value)); }
+  TypeInfo describe(Format& format) const override { return inner_->describe(format); }
+
+ private:
+  Access access_;
+  CodecPtr<Inner> inner_;
+};
+template <class Outer, class Inner>
+CodecPtr<Outer> wrapped(Inner Outer::*access, CodecPtr<Inner> inner) {
+  return std::make_shared<Wrapped<Outer, Inner, Inner Outer::*>>(access, std::move(inner));
+}
+
+template <class T>
+void add_collision_keys(Table<T>& keys) {
+  const CodecPtr<std::uint32_t> listed = groups();
+  keys.template key<&T::collision, &CollisionFilter::groups>("collision_groups", listed,
+                                                             "which of 32 groups it belongs to")
+      .template key<&T::collision, &CollisionFilter::mask>(
+          "collision_mask", listed,
+          "which groups it meets; two things collide when each is in a group that the other meets");
+}
+
+// --- motion.cpp ------------------------------------------------------------------------------------------
+
+/// Where an object starts; it may be scaled.
+CodecPtr<TransformDescription> transform_codec();
+/// Where a collider stands.
+CodecPtr<TransformDescription> pose_codec();
+CodecPtr<std::vector<KeyframeDescription>> keyframes_codec();
+/// Each keyframe must be later than the one before.
+void check_times(const std::vector<KeyframeDescription>& keyframes, const Place& place);
+CodecPtr<SequenceDescription> sequence_codec();
+CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
+
+// --- meshes.cpp ------------------------------------------------------------------------------------------
+
+/// Says which shapes an object of this kind can be made of.
+enum class MeshUse { surface, solid, points };
+CodecPtr<MeshDescription> mesh_codec(MeshUse use);
+/// What is built has at most `most_vertices`.
+void check_count(double vertices, const Place& place);
+
+// --- pins.cpp --------------------------------------------------------------------------------------------
+
+/// The ways to name vertices of an object.
+std::vector<Alternative> selectors();
+CodecPtr<PinDescription> pin_codec();
+CodecPtr<AttachmentDescription> attachment_codec();
+
+// --- maps.cpp --------------------------------------------------------------------------------------------
+
+CodecPtr<MapsDescription> maps_codec();
+
+// --- materials.cpp ---------------------------------------------------------------------------------------
+
+CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec();
+CodecPtr<MaterialDescription<SoftBodyMaterial>> soft_body_material_codec();
+CodecPtr<MaterialDescription<RopeMaterial>> rope_material_codec();
+CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec();
+CodecPtr<ObstacleMaterial> obstacle_material_codec();
+
+// --- objects.cpp, colliders.cpp, ties.cpp ----------------------------------------------------------------
+
+/// Any object, by its key "kind".
+CodecPtr<AnyObjectDescription> object_codec();
+CodecPtr<ColliderDescription> collider_codec();
+CodecPtr<PairDescription> pair_codec();
+CodecPtr<ConnectionDescription> connection_codec();
+
+// --- settings.cpp ----------------------------------------------------------------------------------------
+
+CodecPtr<Wind> wind_codec();
+/// The keys of the scene that become `Settings`, the wind left out.
+void add_setting_keys(Table<SceneDescription>& keys);
+
+}  // namespace souple::scene_format

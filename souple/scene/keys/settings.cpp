@@ -1,0 +1,81 @@
+#include "souple/scene/keys/parts.h"
+#include "souple/solver/solver_names.h"
+
+namespace souple::scene_format {
+
+namespace {
+
+CodecPtr<Sleeping> sleeping_codec() {
+  auto keys = table<Sleeping>("sleeping",
+                              "Objects at rest fall asleep, those in touch together, and wake when something "
+                              "moves them or near them.");
+  keys->key<&Sleeping::enabled>("enabled", boolean(), "whether they do")
+      .key<&Sleeping::speed>("speed", number<float>(from_zero(1000)),
+                             "of an object at rest no particle moves faster, from frame to frame [m/s]")
+      .key<&Sleeping::seconds>("seconds", number<float>(positive(1e6)), "of rest before it falls asleep [s]");
+  return keys;
+}
+
+}  // namespace
+
+CodecPtr<Wind> wind_codec() {
+  auto keys = table<Wind>("wind", "Moving air.");
+  keys->key<&Wind::velocity>("velocity", vector3<float>(signed_range(1000)), "[m/s]")
+      .key<&Wind::gust>("gust", number<float>(unit), "its strength varies by this fraction")
+      .key<&Wind::gust_period>("gust_period", number<float>(positive(1e4)), "of the slowest of the gusts [s]")
+      .key<&Wind::air_density>("air_density", number<float>(from_zero(1e4)), "[kg/m^3]");
+  return keys;
+}
+
+void add_setting_keys(Table<SceneDescription>& keys) {
+  using S = SceneDescription;
+  keys.key<&S::settings, &Settings::substeps>("substeps", number<int>(within(1, 10000)),
+                                              "parts a frame is cut into")
+      .key<&S::settings, &Settings::iterations>("iterations", number<int>(within(1, 10000)),
+                                                "of the solver in each substep")
+      .key<&S::settings, &Settings::mode>(
+          "mode",
+          enumeration<Mode>({{"small_steps", Mode::small_steps}, {"xpbd", Mode::xpbd}, {"pbd", Mode::pbd}}),
+          "how constraints are enforced: compliance and many substeps, compliance with stored multipliers, "
+          "or "
+          "the stiffness in [0, 1] of classic PBD")
+      .key<&S::settings, &Settings::form>(
+          "form", enumeration<Form>({{"displacement", Form::displacement}, {"plain", Form::plain}}),
+          "what the solver moves; plain loses digits and is there to compare with")
+      .key<&S::settings, &Settings::integrator>(
+          "integrator",
+          enumeration<Integrator>({{"semi_implicit", Integrator::semi_implicit},
+                                   {"explicit_euler", Integrator::explicit_euler},
+                                   {"implicit_euler", Integrator::implicit_euler}}),
+          "how forces become velocities and positions")
+      .key<&S::settings, &Settings::gravity>("gravity", vector3<float>(signed_range(1e4)), "[m/s^2]")
+      .key<&S::settings, &Settings::drag>("drag", number<float>(from_zero(1e4)),
+                                          "slows everything relative to the wind [1/s]")
+      .key<&S::settings, &Settings::seed>("seed", number<std::uint64_t>(from_zero(9007199254740991.0)),
+                                          "of the gusts and of the jitter of grains")
+      .key<&S::settings, &Settings::measure_residuals>(
+          "measure_residuals", boolean(),
+          "reports residuals and strain each frame: costs about one iteration")
+      .key<&S::settings, &Settings::solver, &SolverSettings::kind>(
+          "solver", enumeration<SolverKind>({std::begin(solver_names), std::end(solver_names)}),
+          "how the constraints of a substep are solved")
+      .key<&S::settings, &Settings::solver, &SolverSettings::sweep>(
+          "sweep", enumeration<Sweep>({std::begin(sweep_names), std::end(sweep_names)}),
+          "in which order colours are solved: the same every time, or forward and backward")
+      .key<&S::settings, &Settings::solver, &SolverSettings::relaxation>(
+          "relaxation", number<float>(Range{0, 2, true, true}),
+          "factor on every correction: over-relaxation above 1")
+      .key<&S::settings, &Settings::solver, &SolverSettings::chebyshev>(
+          "chebyshev", number<float>(below(1)),
+          "acceleration of the iterations: the spectral radius it assumes; 0: none")
+      .key<&S::settings, &Settings::solver, &SolverSettings::colours>(
+          "colours", number<int>(within(0, 64)),
+          "to which phantom particles cut the constraint graph; 0: as many as it takes without")
+      .key<&S::settings, &Settings::segment_test>(
+          "segment_test",
+          enumeration<SegmentTest>({std::begin(segment_test_names), std::end(segment_test_names)}),
+          "how rays that pick are tested against triangles")
+      .key<&S::settings, &Settings::sleeping>("sleeping", sleeping_codec(), "what lies still costs little");
+}
+
+}  // namespace souple::scene_format

@@ -1,0 +1,68 @@
+#include "souple/scene/keys/parts.h"
+
+namespace souple::scene_format {
+
+namespace {
+
+/// A list of exactly two names.
+class TwoNames : public Codec<std::array<std::string, 2>> {
+ public:
+  void read(const Json& json, const Place& place, std::array<std::string, 2>& value) const override {
+    if (!json.is(Json::Kind::array) || json.items.size() != 2) place.unexpected("two names: [a, b]", json);
+    for (std::size_t i = 0; i < 2; ++i) name_->read(json.items[i], place.item(i), value[i]);
+  }
+  Json write(const std::array<std::string, 2>& value) const override {
+    return Json::array({Json::of(value[0]), Json::of(value[1])});
+  }
+  TypeInfo describe(Format& format) const override {
+    Json schema = Json::object();
+    schema.set("type", Json::of("array"));
+    schema.set("items", name_->describe(format).schema);
+    schema.set("minItems", Json::whole(2));
+    schema.set("maxItems", Json::whole(2));
+    return {"[name, name]", schema};
+  }
+
+ private:
+  CodecPtr<std::string> name_ = name();
+};
+
+}  // namespace
+
+CodecPtr<PairDescription> pair_codec() {
+  using P = PairDescription;
+  auto keys = table<P>("pair",
+                       "How two things rub and bounce, whatever their materials say, and whether they "
+                       "collide at all, whatever their groups say. One name twice: an object with itself.");
+  keys->required<&P::between>("between", CodecPtr<std::array<std::string, 2>>(std::make_shared<TwoNames>()),
+                              "names of objects or colliders")
+      .key<&P::collide>("collide", boolean(), "false: they pass through each other")
+      .key<&P::friction>("friction", maybe(number<float>(friction_range)), "Coulomb coefficient")
+      .key<&P::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
+      .needs("restitution", "friction")
+      .check([](const P& pair, const Place& place) {
+        if (pair.collide && !pair.friction) place.fail("needs \"friction\", or \"collide\": false");
+      });
+  return keys;
+}
+
+CodecPtr<ConnectionDescription> connection_codec() {
+  using C = ConnectionDescription;
+  auto end = table<EndDescription>("end", "Vertices of an object.");
+  end->required<&EndDescription::object>("object", name(), "its name");
+  end->choice<&EndDescription::where, &Selector::choice>(selectors());
+  auto keys = table<C>("connection", "Ties vertices of one object to vertices of another, pair by pair.");
+  keys->required<&C::from>("from", CodecPtr<EndDescription>(end), "vertices of one object")
+      .required<&C::to>("to", CodecPtr<EndDescription>(end), "vertices of the other")
+      .key<&C::pairing>(
+          "pairing", enumeration<Pairing>({{"in_order", Pairing::in_order}, {"nearest", Pairing::nearest}}),
+          "in_order: first to first, second to second (one vertex is tied to all of the other side); "
+          "nearest: "
+          "each of `from` to the nearest of `to`")
+      .key<&C::rest_length>("rest_length", maybe(number<float>(from_zero(far_away))),
+                            "[m]; if not given, the distance at the start; 0 glues them")
+      .key<&C::compliance>("compliance", number<float>(from_zero(1e6)), "[m/N]; 0 is rigid");
+  return keys;
+}
+
+}  // namespace souple::scene_format
