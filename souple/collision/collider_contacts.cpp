@@ -1,6 +1,7 @@
 #include "souple/collision/collider_contacts.h"
 
 #include "souple/collision/contact_law.h"
+#include "souple/collision/place.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -14,16 +15,6 @@ namespace {
 
 constexpr double far_away = std::numeric_limits<double>::infinity();
 constexpr std::size_t particle_grain = 256;  // particles worth a thread
-
-Vec3d place(const ParticleView& particles, std::size_t i) {
-  const Vec3d x(particles.position[i].xyz());
-  return particles.form == Form::displacement ? x + Vec3d(particles.moving[i].xyz()) : x;
-}
-
-Vec3d start_place(const ParticleView& particles, std::size_t i) {
-  const Vec3d start(particles.start[i].xyz());
-  return particles.form == Form::displacement ? Vec3d(particles.position[i].xyz()) + start : start;
-}
 
 struct Touch {
   SurfaceDistance surface;
@@ -67,11 +58,6 @@ bool may_pass(double start, double end, double path, double r) {
 
 }  // namespace
 
-ColliderContacts::Pose ColliderContacts::pose_at(const Collider& collider, double time) {
-  const Transform pose = collider.motion.at(time);
-  return {rotation_matrix(pose.rotation), pose.translation};
-}
-
 void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                   std::span<const float> radius, std::span<const ContactObject> objects,
                                   std::span<const Collider> colliders, const SurfaceMatrix& surfaces,
@@ -97,7 +83,7 @@ void ColliderContacts::find_bodies() {
     body.collider = c;
     body.moves = !collider.motion.is_static();
     body.ball = bounding_ball(collider.shape);
-    if (!body.moves) body.before = body.after = pose_at(collider, step_.time);
+    if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
     body.centre = body.after.to_world(body.ball.center);
     bodies_.push_back(body);
   }
@@ -176,10 +162,9 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
   for (Body& body : bodies_) body.contact_begin = body.contact_end = 0;
   for (Body& body : bodies_) {
     if (!body.moves) continue;
-    const Collider& collider = colliders_[body.collider];
-    const double end = time + double(substep.h);
-    body.after = pose_at(collider, end);
-    body.before = collider.motion.jumps(time, end) ? body.after : pose_at(collider, time);
+    const auto [before, after] =
+        poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
+    body.before = before, body.after = after;
     body.centre = body.after.to_world(body.ball.center);
     body.shift = length(body.centre - body.before.to_world(body.ball.center));
     body.turn = sqrt(frobenius_squared(body.after.rotation - body.before.rotation));
@@ -296,8 +281,8 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
   const Vec3f n(body.after.rotation * g.normal);
   if (body.moves) contact.carried = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
   Pressed<float> sums{contact.pushed, contact.rubbed};
-  particles.correct(i, press(sums, C, contact.allowed, n, particles.moved(i) - contact.carried,
-                             contact.surface.static_friction, contact.surface.kinetic_friction));
+  particles.correct(
+      i, press(sums, C, contact.allowed, n, particles.moved(i) - contact.carried, contact.surface));
   contact.pushed = sums.pushed;
   contact.rubbed = sums.rubbed;
   contact.normal = n;
@@ -320,9 +305,8 @@ void ColliderContacts::restore_speed(const Body& body, Contact& contact, const P
   const Vec3f u = v - contact.carried * (1 / h);
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
-      rebound<float>({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
-                     2 * step_.gravity * h, contact.surface.restitution, contact.surface.static_friction,
-                     contact.surface.kinetic_friction, inverse_h);
+      rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+              2 * step_.gravity * h, contact.surface, inverse_h);
   contact.bounced = bounced;
   velocity[contact.particle].set_xyz(v + change);
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));
@@ -330,13 +314,7 @@ void ColliderContacts::restore_speed(const Body& body, Contact& contact, const P
 }
 
 ContactReport ColliderContacts::report() const {
-  ContactReport report;
-  for (const Contact& contact : contacts_) {
-    if (!(contact.pushed > 0)) continue;
-    ++report.count;
-    report.deepest = max(report.deepest, contact.depth);
-  }
-  return report;
+  return report_of(contacts_);
 }
 
 void ColliderContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {

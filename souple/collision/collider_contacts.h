@@ -2,7 +2,7 @@
 
 #include "souple/collision/collider.h"
 #include "souple/collision/contact.h"
-#include "souple/math/mat3.h"
+#include "souple/collision/rigid_pose.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -77,22 +77,11 @@ class ColliderContacts final : public Projector {
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  /// A rigid pose with its rotation as a matrix: point = rotation local + translation.
-  struct Pose {
-    Mat3d rotation;
-    Vec3d translation;
-
-    Vec3d to_world(const Vec3d& local) const { return rotation * local + translation; }
-    Vec3d to_local(const Vec3d& world) const {
-      const Vec3d d = world - translation;
-      return {dot(rotation.column[0], d), dot(rotation.column[1], d), dot(rotation.column[2], d)};
-    }
-  };
   /// A collider during the step.
   struct Body {
     std::uint32_t collider = 0;
     bool moves = false;
-    Pose before, after;  // at the substep's begin and end
+    RigidPose before, after;  // at the substep's begin and end
     BoundingBall ball;
     Vec3d centre;                // of the ball, at the substep's end [m]
     double shift = 0, turn = 0;  // what the centre moves in a substep [m], and |R1 - R0|
@@ -130,7 +119,6 @@ class ColliderContacts final : public Projector {
     Vec3d surface;  // the surface point in the collider's frame
   };
 
-  static Pose pose_at(const Collider& collider, double time);
   static Gap gap(const Shape& shape, const Contact& contact, const Vec3d& local);
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
   void find_bodies();

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-// What the two contact projectors have in common.
+// What contact projectors have in common.
 
 namespace souple {
 
@@ -43,5 +43,17 @@ struct ContactReport {
   std::size_t count = 0;  ///< contacts that pushed during the last substep
   float deepest = 0;      ///< largest penetration left after it [m]
 };
+
+/// Of contacts that know how far they `pushed` and what `depth` is left.
+template <class Contacts>
+ContactReport report_of(const Contacts& contacts) {
+  ContactReport report;
+  for (const auto& contact : contacts) {
+    if (!(contact.pushed > 0)) continue;
+    ++report.count;
+    report.deepest = max(report.deepest, contact.depth);
+  }
+  return report;
+}
 
 }  // namespace souple

@@ -17,10 +17,6 @@ Vec3<T> within_friction(const Vec3<T>& wanted, T static_friction, T kinetic_fric
   return wanted * select(sticks, T(1), kinetic_friction * normal / select(sticks, T(1), size));
 }
 
-inline Vec3f within_friction(const Vec3f& wanted, const SurfacePair& surface, float normal) {
-  return within_friction(wanted, surface.static_friction, surface.kinetic_friction, normal);
-}
-
 /// What two surfaces have done to one another in a substep.
 template <class T>
 struct Pressed {
@@ -47,6 +43,11 @@ Vec3<T> press(Pressed<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>&
   return change;
 }
 
+inline Vec3f press(Pressed<float>& sums, float C, float allowed, const Vec3f& n, const Vec3f& moved,
+                   const SurfacePair& surface) {
+  return press(sums, C, allowed, n, moved, surface.static_friction, surface.kinetic_friction);
+}
+
 /// What a contact that pushed does to velocities.
 template <class T>
 struct Rebound {
@@ -68,6 +69,12 @@ Rebound<T> rebound(const Pressed<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T
   const Vec3<T> rubbed =
       within_friction(wanted, static_friction, kinetic_friction, pushed + max(bounced, zero));
   return {n * bounced + (rubbed - held_back), bounced};
+}
+
+inline Rebound<float> rebound(const Pressed<float>& sums, const Vec3f& n, const Vec3f& u, float approach,
+                              float slowest, const SurfacePair& surface, float inverse_h) {
+  return rebound(sums, n, u, approach, slowest, surface.restitution, surface.static_friction,
+                 surface.kinetic_friction, inverse_h);
 }
 
 }  // namespace souple

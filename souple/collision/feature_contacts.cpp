@@ -1,6 +1,7 @@
 #include "souple/collision/feature_contacts.h"
 
 #include "souple/collision/contact_law.h"
+#include "souple/collision/place.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -18,16 +19,6 @@ constexpr double kept_part = 0.25;
 // a fine cloth on a large table would pay for every triangle at its edges, ten times the rest of its step,
 // and one on a ball sinks in by 0.2 % of its radius at most.
 constexpr double coarse_part = 0.05;
-
-Vec3d place(const ParticleView& particles, std::size_t i) {
-  const Vec3d x(particles.position[i].xyz());
-  return particles.form == Form::displacement ? x + Vec3d(particles.moving[i].xyz()) : x;
-}
-
-Vec3d start_place(const ParticleView& particles, std::size_t i) {
-  const Vec3d start(particles.start[i].xyz());
-  return particles.form == Form::displacement ? Vec3d(particles.position[i].xyz()) + start : start;
-}
 
 bool is_edge(const FeatureContacts::Feature& feature) {
   return feature.particle[1] == feature.particle[2];
@@ -123,10 +114,7 @@ void FeatureContacts::find_bodies() {
     body.moves = !collider.motion.is_static();
     body.ball = bounding_ball(collider.shape);
     body.curvature_radius = std::visit(CurvatureRadius{}, collider.shape);
-    if (!body.moves) {
-      const Transform pose = collider.motion.at(step_.time);
-      body.before = body.after = {rotation_matrix(pose.rotation), pose.translation};
-    }
+    if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
     bodies_.push_back(body);
   }
 }
@@ -198,11 +186,9 @@ void FeatureContacts::refresh(const ParticleView& particles, const Substep& subs
   if (bodies_.empty()) return;
   for (Body& body : bodies_) {
     if (!body.moves) continue;
-    const ColliderMotion& motion = colliders_[body.collider].motion;
-    const double end = time + double(substep.h);
-    const Transform after = motion.at(end), before = motion.jumps(time, end) ? after : motion.at(time);
-    body.before = {rotation_matrix(before.rotation), before.translation};
-    body.after = {rotation_matrix(after.rotation), after.translation};
+    const auto [before, after] =
+        poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
+    body.before = before, body.after = after;
   }
   if (left_margins(particles)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) {
@@ -257,7 +243,7 @@ void FeatureContacts::find_led_out(Body& body, const ParticleView& particles, Th
     if (near_[c] != 0) led_out[corners_[c].object] = 1;
 }
 
-FeatureContacts::Corners FeatureContacts::corners(const Pose& pose, const Feature& feature,
+FeatureContacts::Corners FeatureContacts::corners(const RigidPose& pose, const Feature& feature,
                                                   const ParticleView& particles, bool start) const {
   Corners x;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -475,8 +461,7 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
   const Vec3f n(body.after.rotation * contact.normal);
   Pressed<float> sums{contact.pushed, contact.rubbed};
   correct(contact, particles,
-          press(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried,
-                contact.surface.static_friction, contact.surface.kinetic_friction));
+          press(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried, contact.surface));
   contact.pushed = sums.pushed;
   contact.rubbed = sums.rubbed;
 }
@@ -498,9 +483,8 @@ void FeatureContacts::restore_speed(const Body& body, Contact& contact, const Pa
   const Vec3f u = v - contact.carried * (1 / h);
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
-      rebound<float>({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
-                     2 * step_.gravity * h, contact.surface.restitution, contact.surface.static_friction,
-                     contact.surface.kinetic_friction, inverse_h);
+      rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+              2 * step_.gravity * h, contact.surface, inverse_h);
   contact.bounced = bounced;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
@@ -511,13 +495,7 @@ void FeatureContacts::restore_speed(const Body& body, Contact& contact, const Pa
 }
 
 ContactReport FeatureContacts::report() const {
-  ContactReport report;
-  for (const Contact& contact : contacts_) {
-    if (!(contact.pushed > 0)) continue;
-    ++report.count;
-    report.deepest = max(report.deepest, contact.depth);
-  }
-  return report;
+  return report_of(contacts_);
 }
 
 void FeatureContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {

@@ -2,7 +2,7 @@
 
 #include "souple/collision/collider.h"
 #include "souple/collision/contact.h"
-#include "souple/math/mat3.h"
+#include "souple/collision/rigid_pose.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -66,22 +66,12 @@ class FeatureContacts final : public Projector {
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  struct Pose {
-    Mat3d rotation;
-    Vec3d translation;
-
-    Vec3d to_world(const Vec3d& local) const { return rotation * local + translation; }
-    Vec3d to_local(const Vec3d& world) const {
-      const Vec3d d = world - translation;
-      return {dot(rotation.column[0], d), dot(rotation.column[1], d), dot(rotation.column[2], d)};
-    }
-  };
   using Corners = std::array<Vec3d, 3>;
   /// A collider during the step.
   struct Body {
     std::uint32_t collider = 0;
     bool moves = false;
-    Pose before, after;
+    RigidPose before, after;  // at the substep's begin and end
     BoundingBall ball;
     double curvature_radius = 0;  // the smallest of its surface [m]
     std::size_t candidate_begin = 0, candidate_end = 0;
@@ -121,7 +111,8 @@ class FeatureContacts final : public Projector {
   bool is_candidate(const Body& body, std::size_t feature, const ParticleView& particles) const;
   bool left_margins(const ParticleView& particles) const;
   void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
-  Corners corners(const Pose& pose, const Feature& feature, const ParticleView& particles, bool start) const;
+  Corners corners(const RigidPose& pose, const Feature& feature, const ParticleView& particles,
+                  bool start) const;
   void find_led_out(Body& body, const ParticleView& particles, Threads& threads);
   std::uint8_t* led_out_of(const Body& body) {
     return led_out_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;

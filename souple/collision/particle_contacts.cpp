@@ -411,8 +411,7 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
   Pressed<float> sums{contact.pushed, contact.rubbed};
   const Vec3f moved = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
-  const Vec3f dx = press(sums, C, contact.allowed, n, moved, contact.surface.static_friction,
-                         contact.surface.kinetic_friction);
+  const Vec3f dx = press(sums, C, contact.allowed, n, moved, contact.surface);
   contact.pushed = sums.pushed;
   contact.rubbed = sums.rubbed;
   contact.normal = n;
@@ -443,9 +442,8 @@ void ParticleContacts::restore_speed(Contact& contact, const ParticleView& parti
   if (!(contact.pushed > 0)) return;
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
-      rebound<float>({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
-                     2 * step_.gravity * h, contact.surface.restitution, contact.surface.static_friction,
-                     contact.surface.kinetic_friction, inverse_h);
+      rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+              2 * step_.gravity * h, contact.surface, inverse_h);
   contact.bounced = bounced;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
@@ -455,13 +453,7 @@ void ParticleContacts::restore_speed(Contact& contact, const ParticleView& parti
 }
 
 ContactReport ParticleContacts::report() const {
-  ContactReport report;
-  for (const Contact& contact : contacts_) {
-    if (!(contact.pushed > 0)) continue;
-    ++report.count;
-    report.deepest = max(report.deepest, contact.depth);
-  }
-  return report;
+  return report_of(contacts_);
 }
 
 // A pair that rubs with all its kinetic friction slides for good and owes nothing.

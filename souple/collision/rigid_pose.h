@@ -1,0 +1,36 @@
+#pragma once
+
+#include "souple/collision/collider_motion.h"
+#include "souple/math/mat3.h"
+
+namespace souple {
+
+/// Where a collider is at a moment, its rotation as a matrix: point = rotation local + translation.
+struct RigidPose {
+  Mat3d rotation;
+  Vec3d translation;
+
+  Vec3d to_world(const Vec3d& local) const { return rotation * local + translation; }
+  Vec3d to_local(const Vec3d& world) const {
+    const Vec3d d = world - translation;
+    return {dot(rotation.column[0], d), dot(rotation.column[1], d), dot(rotation.column[2], d)};
+  }
+};
+
+/// Throws what ColliderMotion::at throws.
+inline RigidPose pose_at(const ColliderMotion& motion, double time) {
+  const Transform pose = motion.at(time);
+  return {rotation_matrix(pose.rotation), pose.translation};
+}
+
+/// At a substep's begin and end. A loop that starts again within it is at its end all along.
+struct PosesOfSubstep {
+  RigidPose before, after;
+};
+
+inline PosesOfSubstep poses_between(const ColliderMotion& motion, double begin, double end) {
+  const RigidPose after = pose_at(motion, end);
+  return {motion.jumps(begin, end) ? after : pose_at(motion, begin), after};
+}
+
+}  // namespace souple
