@@ -40,6 +40,14 @@ kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& 
   return {begin, count, {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}};
 }
 
+// Of what a patch is made, where it is not of triangles.
+bool is_loose_vertex(const SurfacePatch& patch) {
+  return patch.triangles == 0 && patch.edges == 0;
+}
+bool is_loose_edges(const SurfacePatch& patch) {
+  return patch.triangles == 0 && patch.edges > 0;
+}
+
 // Pairs of which something can move, in the same order; how many.
 std::size_t keep_moving(kernels::Quad* pairs, std::size_t count, std::span<const Vec4f> position_w) {
   std::size_t kept = 0;
@@ -253,6 +261,16 @@ void NearPairFinder::find_between(std::uint32_t a, std::uint32_t b, std::span<co
     return kernels_->edges_edges(edges_, group(p.first_edge, p.edges, patch_boxes_[a]),
                                  group(q.first_edge, q.edges, patch_boxes_[b]), pairs);
   });
+  const auto vertices_edges = [&](std::uint32_t v, std::uint32_t e) {
+    const SurfacePatch &vertex = elements_->patches()[v], &edge = elements_->patches()[e];
+    if (!is_loose_vertex(vertex) || !is_loose_edges(edge)) return;
+    add(part.edge_edge, std::size_t{vertex.vertices} * edge.edges, [&](kernels::Quad* pairs) {
+      return kernels_->vertices_edges(vertices_, group(vertex.first_vertex, vertex.vertices, patch_boxes_[v]),
+                                      edges_, group(edge.first_edge, edge.edges, patch_boxes_[e]), pairs);
+    });
+  };
+  vertices_edges(a, b);
+  vertices_edges(b, a);
 }
 
 // Puts the pairs of all chunks one after the other, in order of chunks.

@@ -13,7 +13,8 @@
 
 namespace souple {
 
-/// A vertex near a triangle (particles v; a, b, c), or an edge near an edge (a, b; c, d).
+/// A vertex near a triangle (particles v; a, b, c), or an edge near an edge (a, b; c, d). A loose vertex near
+/// a loose edge is an edge from it to itself (v, v; a, b).
 struct NearPair {
   std::uint32_t particle[4];
 };
@@ -42,7 +43,7 @@ class ObjectMatrix {
 };
 
 /// Finds what may touch within a step: vertices whose box overlaps that of a triangle, edges whose box
-/// overlaps that of an edge.
+/// overlaps that of an edge, and loose vertices (grains) whose box overlaps that of a loose edge (a rope's).
 ///
 /// Patches of up to 15 neighbouring triangles (see SurfaceElements) are entered in the spatial hash, each
 /// with what it owns; two patches whose boxes overlap are compared item by item, a register's worth at a

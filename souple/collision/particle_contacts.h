@@ -18,8 +18,8 @@ struct FrictionMemory {
   Vec3f drift{};               ///< of i relative to j [m]
 };
 
-/// Particles against particles: grains with grains, with the nodes of ropes and of lattices. What has
-/// triangles meets as a surface (surface_contacts.h).
+/// Particles against particles: grains and the nodes of lattices. What has triangles or edges meets as a
+/// surface (surface_contacts.h).
 ///
 ///   C = |x_i - x_j| - (r_i + r_j) >= 0
 ///

@@ -13,7 +13,8 @@
 
 namespace souple {
 
-/// Surfaces against surfaces: a vertex against a triangle, an edge against an edge, of two objects or of one.
+/// Surfaces against surfaces: a vertex against a triangle, an edge against an edge, of two objects or of one;
+/// and a ball against the edge of a rope, as an edge of no length.
 ///
 ///   C = n . sum_k c_k p_k - d >= 0,   sum_k c_k = 0
 ///

@@ -11,18 +11,12 @@
 namespace souple {
 namespace {
 
-// Balls meet balls as particles, and the nodes of ropes; everything else meets as surfaces.
+// Balls meet balls as particles; everything else meets as surfaces.
 ContactObject contact_object(const Object& object) {
-  constexpr std::uint32_t balls = 1, ropes = 2;
+  constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .layers = 0};
   result.hits_itself = object.kind == ObjectKind::grains;
-  if (is_loose(object)) {
-    result.layers = balls;
-    result.hits_layers = balls | ropes;
-  } else if (object.kind == ObjectKind::rope) {
-    result.layers = ropes;
-    result.hits_layers = balls;
-  }
+  if (is_loose(object)) result.layers = result.hits_layers = balls;
   return result;
 }
 

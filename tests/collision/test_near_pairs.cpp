@@ -73,6 +73,14 @@ NearPairs brute_force(const SurfaceScene& scene) {
           counts(scene, std::array{p}, triangle.particle, all.vertex_objects()[v], triangle.object))
         pairs.vertex_triangle.push_back({{p, a, b, c}});
     }
+  for (const SurfaceElement& vertex : all.elements())
+    for (const SurfaceElement& edge : all.elements()) {
+      const std::uint32_t v = vertex.particle[0];
+      const std::array<std::uint32_t, 2> e{edge.particle[0], edge.particle[1]};
+      if (vertex.corners == 1 && edge.corners == 2 &&
+          counts(scene, std::array{v}, e, vertex.object, edge.object))
+        pairs.edge_edge.push_back({{v, v, e[0], e[1]}});
+    }
   for (std::size_t e = 0; e < all.edges().size(); ++e)
     for (std::size_t f = e + 1; f < all.edges().size(); ++f) {
       const Edge &a = all.edges()[e], &b = all.edges()[f];

@@ -69,6 +69,7 @@ TEST(PatchKernels, EveryInstructionSetFindsTheSame) {
       };
       keep(kernels->edges_edges(a.columns(), p, q, pairs));
       keep(kernels->vertices_triangles(a.columns(), p, b.columns(), q, pairs));
+      keep(kernels->vertices_edges(a.columns(), p, b.columns(), q, pairs));
       std::vector<std::uint32_t> keys(300), some(300);
       for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = std::uint32_t(i * 2654435769u);
       const std::size_t n =

@@ -384,10 +384,11 @@ struct Movable {
   }
 
   /// Adds change times w_k c_k / inverse_mass to each corner where `which` says so. Nothing is written to a
-  /// particle that cannot move: contacts of one colour may share it.
+  /// particle that cannot move: contacts of one colour may share it. Backwards, for a vertex that stands as
+  /// an edge from it to itself: all the weight is on its first corner, and what is written last counts.
   SOUPLE_INLINE void add(const Vectors<Set>& change, const T (&c)[4], const typename T::Mask& which,
                          float* base, const std::uint32_t (&first_float)[4][Set::lanes]) {
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 3; k >= 0; --k) {
       const T factor = inverse_mass[k] * c[k];
       auto& r = records[k].r;
       for (int axis = 0; axis < 3; ++axis)

@@ -137,19 +137,21 @@ struct Rows {
   }
 };
 
-template <class Set>
-std::size_t vertices_triangles(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& triangles,
-                               const BoxGroup& t, Quad* pairs) {
+/// Vertices against triangles (3 corners) or edges (2).
+template <class Set, int corners>
+std::size_t vertices_items(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& items,
+                           const BoxGroup& group, Quad* pairs) {
+  constexpr int first = 4 - corners;
   Rows<Set> rows;
-  for (std::uint32_t near = items_in<Set>(vertices, v, t.box); near != 0; near &= near - 1) {
+  for (std::uint32_t near = items_in<Set>(vertices, v, group.box); near != 0; near &= near - 1) {
     const std::uint32_t i = v.begin + static_cast<std::uint32_t>(__builtin_ctz(near));
-    rows.add(i, near_one<Set, 1, 3>(vertices, i, triangles, t));
+    rows.add(i, near_one<Set, 1, corners>(vertices, i, items, group));
   }
   Quad* next = pairs;
   rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
     Quad& pair = *next++;
-    pair[0] = vertices.particle[0][i];
-    for (int k = 0; k < 3; ++k) pair[1 + k] = triangles.particle[k][t.begin + bit];
+    for (int k = 0; k < first; ++k) pair[k] = vertices.particle[0][i];
+    for (int k = 0; k < corners; ++k) pair[first + k] = items.particle[k][group.begin + bit];
   });
   return rows.pairs;
 }
@@ -192,7 +194,8 @@ std::size_t overlapping(const BoxColumns& boxes, std::size_t begin, std::size_t 
 
 template <class Set>
 const PatchKernels& patch_kernels() {
-  static constexpr PatchKernels kernels{vertices_triangles<Set>, edges_edges<Set>, overlapping<Set>};
+  static constexpr PatchKernels kernels{vertices_items<Set, 3>, vertices_items<Set, 2>, edges_edges<Set>,
+                                        overlapping<Set>};
   return kernels;
 }
 

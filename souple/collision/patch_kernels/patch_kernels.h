@@ -22,7 +22,7 @@ struct BoxGroup {
   float box[6];
 };
 
-/// Four particles: a vertex and a triangle's, or two edges'.
+/// Four particles: a vertex and a triangle's, or two edges'. A vertex stands as an edge from it to itself.
 using Quad = std::uint32_t[4];
 
 struct PatchKernels {
@@ -30,6 +30,9 @@ struct PatchKernels {
   /// how many; room for all that there may be is needed, as below.
   std::size_t (*vertices_triangles)(const BoxColumns& vertices, const BoxGroup& v,
                                     const BoxColumns& triangles, const BoxGroup& t, Quad* pairs);
+  /// The same of vertices and edges.
+  std::size_t (*vertices_edges)(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& edges,
+                                const BoxGroup& e, Quad* pairs);
   /// Edges of two groups; those of one group where a and b begin alike, each pair once.
   std::size_t (*edges_edges)(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs);
   /// Which of `count` items from `begin` on overlap a box: their places in `keys`' order, keys[i] & mask == 0
