@@ -3,6 +3,7 @@
 #include "tests/collision/exact_cubic.h"
 #include "tests/collision/random.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -395,6 +396,59 @@ TEST_P(Continuous, NotFiniteIsNotSafe) {
       EXPECT_EQ(time_of(GetParam(), m, 1e-3), 0);
     }
   }
+}
+
+/// A vertex against an edge is an edge from it to itself.
+Moving4 vertex_to_edge(int which, Random& random) {
+  Moving4 m = motion(Kind::edge_edge, which, random);
+  m.x[1] = m.x[0];
+  m.p[1] = m.p[0];
+  return m;
+}
+
+// The two meet only where something aims them at each other: within a plane, or at one moment.
+TEST(ContinuousVertexEdge, NeverPastTheFirstTouchOfExactArithmetic) {
+  Random random(26);
+  int touches = 0, behind = 0;
+  double sum = 0;
+  for (int k = 0; k < 600; ++k) {
+    const int which = std::array{grazing, coplanar, oblique_coplanar}[std::size_t(k % 3)];
+    const Moving4 m = vertex_to_edge(which, random);
+    const auto touch = first_touch(Kind::edge_edge, m);
+    if (!touch || distance_at(Kind::edge_edge, m, 0) < 1e-13 * reach(m)) continue;
+    const double t = edge_edge_time(m, 0);
+    if (!(t < *touch)) describe(m);
+    ASSERT_LT(t, *touch) << "motion " << which;
+    ++touches;
+    sum += t / *touch;
+    behind += t / *touch < 0.9 ? 1 : 0;
+  }
+  RecordProperty("touches", touches);
+  RecordProperty("mean_ratio", std::to_string(sum / touches));
+  RecordProperty("behind", behind);
+  EXPECT_GT(touches, 250);
+  EXPECT_GT(sum / touches, 0.995);
+  EXPECT_LE(behind, touches / 100);
+}
+
+TEST(ContinuousVertexEdge, KeepsItsDistanceAndStopsOnlyWhenNear) {
+  Random random(27);
+  int stopped = 0, early = 0;
+  for (int k = 0; k < motions * 1000; ++k) {
+    const Moving4 m = vertex_to_edge(k % motions, random);
+    const double begin = distance_at(Kind::edge_edge, m, 0);
+    const double gap = begin * std::ldexp(1.0, int(random.uniform(-12, 3))) * 1.1;
+    const double least = bound(Kind::edge_edge, m, gap), t = edge_edge_time(m, gap);
+    const double rounding = 1e-13 * (1 + fastest(m));
+    for (int i = 0; i <= 100; ++i)
+      ASSERT_GE(distance_at(Kind::edge_edge, m, t * i / 100), least - rounding) << "motion " << k % motions;
+    if (t == 1) continue;
+    ++stopped;
+    early += distance_at(Kind::edge_edge, m, t) > 1.05 * least + rounding ? 1 : 0;
+  }
+  RecordProperty("early", early);
+  EXPECT_GT(stopped, 1000);
+  EXPECT_LE(early, motions);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Continuous, testing::Values(Kind::vertex_triangle, Kind::edge_edge),

@@ -69,6 +69,7 @@ struct Crowd {
 /// All that kernels make of a crowd, in a row.
 std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::size_t count, int kind) {
   Crowd crowd(plain, count);
+  for (std::size_t k = 0; kind == 1 && k < count; k += 3) crowd.pairs[k][1] = crowd.pairs[k][0];
   std::vector<float> result(2 * count);
   const auto add = [&](const float* from, std::size_t n) { result.insert(result.end(), from, from + n); };
   kernels.distances[kind](crowd.points(), crowd.quads(), 0, count, result.data());
@@ -107,7 +108,7 @@ std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::si
   return result;
 }
 
-// Any number of pairs, registers full or not.
+// Any number of pairs, registers full or not; some edges are a vertex twice.
 TEST(FeatureKernels, EveryInstructionSetGivesTheSameBits) {
   for (const bool plain : {false, true})
     for (const int kind : {0, 1})
@@ -150,6 +151,36 @@ TEST(FeatureKernels, AProjectionKeepsMomentumAndTheDistance) {
     EXPECT_NEAR(moved(1).y / moved(0).y, -0.5 / 2, 1e-5);
     EXPECT_NEAR(moved(2).y / moved(0).y, -0.2 / 2, 1e-5);
   }
+}
+
+// A ball and an edge: an edge from the ball to itself. The ball moves once, not twice and not never.
+TEST(FeatureKernels, ABallIsPushedOffAnEdge) {
+  for (const bool plain : {false, true})
+    for (const InstructionSet set : all_sets()) {
+      const FeatureKernels& kernels = kernels::find_feature_kernels(set);
+      Crowd crowd(plain, 1);
+      crowd.pairs[0] = {0, 0, 2, 3};
+      crowd.position = {record({0.25, 0.01, 0}, 2), record({}, 1), record({0, 0, 0}, 1),
+                        record({1, 0, 0}, 1)};
+      crowd.moving = plain ? crowd.position : std::vector<Vec4f>(4);
+      crowd.start = crowd.moving;
+      crowd.moved = std::vector<Vec4f>(4);
+      const std::vector<Vec4f> before = crowd.moving;
+      const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
+      crowd.thickness[0] = crowd.known[0] = 0.03f;
+      const std::uint32_t found = 0;
+      const float part = 1;
+      ContactArrays arrays;
+      arrays.resize(1);
+      const kernels::ContactColumns contacts = arrays.columns();
+      kernels.describe[1](crowd.points(), columns, {600, 0, 0}, &found, &part, 0, 1, contacts);
+      contacts.static_friction[0] = contacts.kinetic_friction[0] = 0;
+      kernels.project(crowd.points(), contacts, 0, 1);
+      const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz() - before[i].xyz()); };
+      EXPECT_NEAR(0.01 + moved(0).y - 0.75 * moved(2).y - 0.25 * moved(3).y, 0.03, 1e-7) << simd_name(set);
+      EXPECT_NEAR(moved(0).y / 2 + moved(2).y + moved(3).y, 0, 1e-8);
+      EXPECT_NEAR(moved(2).y / moved(3).y, 3, 1e-4);
+    }
 }
 
 }  // namespace

@@ -130,6 +130,28 @@ TEST(SurfaceContacts, AGrainRestsOnARopeWhereverItIs) {
   }
 }
 
+// A grain on a rope that goes down hill sticks and slides as mu says, over edges and nodes alike:
+// a = g (sin - mu cos).
+TEST(SurfaceContacts, AGrainSlidesDownARopeAsMuSays) {
+  const double mu = 0.4;
+  for (const double steepness : {0.9, 1.5}) {  // tan of the slope over mu
+    const double angle = std::atan(steepness * mu);
+    World world({.substeps = 20,
+                 .gravity = {static_cast<float>(9.81 * std::sin(angle)),
+                             static_cast<float>(-9.81 * std::cos(angle)), 0}});
+    const auto friction = static_cast<float>(mu);
+    const std::vector<Vec3d> along{{-0.2, 0, 0}, {1.2, 0, 0}}, above{{0.013, 0.015, 0}};
+    const ObjectId rope = world.add_rope(along, 28, {.radius = 0.01f, .friction = friction});
+    world.pin(rope, in_box({-9, -9, -9}, {9, 9, 9}));
+    const ObjectId grain = world.add_grains(above, {.radius = 0.005f, .friction = friction});
+    const double seconds = 0.8;
+    for (int frame = 0; frame < 48; ++frame) world.step(1.0 / 60);
+    const double slid = double(world.positions(grain)[0].x) - above[0].x;
+    const double a = std::max(0.0, 9.81 * (std::sin(angle) - mu * std::cos(angle)));
+    EXPECT_NEAR(slid, 0.5 * a * seconds * seconds, 0.02 * 0.5 * a * seconds * seconds + 1e-3) << steepness;
+  }
+}
+
 // A grain falls on the middle of an edge of a rope that floats: it bounces as restitution says, and what it
 // loses the rope gets.
 TEST(SurfaceContacts, AGrainBouncesOffAnEdgeOfARope) {
