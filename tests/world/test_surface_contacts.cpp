@@ -176,8 +176,8 @@ TEST(SurfaceContacts, NoGrainThatIsAimedAtARopePasses) {
     const std::vector<Vec3d> across{{-0.5, 0, 0}, {0.5, 0, 0}};
     const ObjectId rope = world.add_rope(across, 4, {.radius = 0.01f});
     world.pin(rope, vertices({0, 4}));
-    std::vector<Vec3d> centres;
-    for (int i = 0; i < 40; ++i) centres.push_back({-0.45 + 0.023 * i, 1 + 0.037 * i, 0});
+    std::vector<Vec3d> centres(40);
+    for (int i = 0; i < 40; ++i) centres[std::size_t(i)] = {-0.45 + 0.023 * i, 1 + 0.037 * i, 0};
     const ObjectId grains = world.add_grains(centres, {.radius = 0.002f}, {.velocity = {0, -200, 0}});
     std::size_t contacts = 0;
     for (int frame = 0; frame < 3; ++frame) {
