@@ -263,15 +263,20 @@ void require_all_finite(const Object& object, std::span<const Vec3f> values, con
       throw Error(std::string(what) + ": " + object.name + ", value " + std::to_string(i) + " is not finite");
 }
 
+/// Whether each of its vertices can be given one of these values.
+void require_settable(const Object& object, std::span<const Vec3f> values, const char* what) {
+  require_movable(object, what);
+  require_particle_vertices(object, what);
+  require_count(object, values.size(), what);
+  require_all_finite(object, values, what);
+}
+
 }  // namespace
 
 void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  require_movable(object, "set_positions");
-  require_particle_vertices(object, "set_positions");
-  require_count(object, positions.size(), "set_positions");
-  require_all_finite(object, positions, "set_positions");
+  require_settable(object, positions, "set_positions");
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     world.particles.position[i].set_xyz(positions[object.vertex_of[i - object.begin]]);
@@ -284,10 +289,7 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
 void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  require_movable(object, "set_velocities");
-  require_particle_vertices(object, "set_velocities");
-  require_count(object, velocities.size(), "set_velocities");
-  require_all_finite(object, velocities, "set_velocities");
+  require_settable(object, velocities, "set_velocities");
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     world.particles.velocity[i].set_xyz(velocities[object.vertex_of[i - object.begin]]);

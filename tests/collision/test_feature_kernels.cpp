@@ -125,6 +125,20 @@ TEST(FeatureKernels, EveryInstructionSetGivesTheSameBits) {
       }
 }
 
+/// The only pair of a crowd, 3 cm thick, without friction.
+void project_one(const FeatureKernels& kernels, Crowd& crowd, int kind) {
+  crowd.thickness[0] = crowd.known[0] = 0.03f;
+  const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
+  const std::uint32_t found = 0;
+  const float part = 1;
+  ContactArrays arrays;
+  arrays.resize(1);
+  const kernels::ContactColumns contacts = arrays.columns();
+  kernels.describe[kind](crowd.points(), columns, {600, 0, 0}, &found, &part, 0, 1, contacts);
+  contacts.static_friction[0] = contacts.kinetic_friction[0] = 0;
+  kernels.project(crowd.points(), contacts, 0, 1);
+}
+
 // Two that overlap are pushed apart by what their masses say; momentum stays, what cannot move stays.
 TEST(FeatureKernels, AProjectionKeepsMomentumAndTheDistance) {
   for (const InstructionSet set : all_sets()) {
@@ -133,16 +147,7 @@ TEST(FeatureKernels, AProjectionKeepsMomentumAndTheDistance) {
     crowd.position = {record({0.3, 0.01, 0.2}, 2), record({0, 0, 0}, 1), record({0, 0, 1}, 1),
                       record({1, 0, 0}, 0)};
     crowd.moving = crowd.start = crowd.moved = std::vector<Vec4f>(4);
-    const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
-    crowd.thickness[0] = crowd.known[0] = 0.03f;
-    const std::uint32_t found = 0;
-    const float part = 1;
-    ContactArrays arrays;
-    arrays.resize(1);
-    const kernels::ContactColumns contacts = arrays.columns();
-    kernels.describe[0](crowd.points(), columns, {600, 0, 0}, &found, &part, 0, 1, contacts);
-    contacts.static_friction[0] = contacts.kinetic_friction[0] = 0;
-    kernels.project(crowd.points(), contacts, 0, 1);
+    project_one(kernels, crowd, 0);
     const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz()); };
     EXPECT_EQ(moved(3), Vec3d{});
     // Weights of the triangle's corners where the vertex is above it: 0.5, 0.2, 0.3.
@@ -166,16 +171,7 @@ TEST(FeatureKernels, ABallIsPushedOffAnEdge) {
       crowd.start = crowd.moving;
       crowd.moved = std::vector<Vec4f>(4);
       const std::vector<Vec4f> before = crowd.moving;
-      const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
-      crowd.thickness[0] = crowd.known[0] = 0.03f;
-      const std::uint32_t found = 0;
-      const float part = 1;
-      ContactArrays arrays;
-      arrays.resize(1);
-      const kernels::ContactColumns contacts = arrays.columns();
-      kernels.describe[1](crowd.points(), columns, {600, 0, 0}, &found, &part, 0, 1, contacts);
-      contacts.static_friction[0] = contacts.kinetic_friction[0] = 0;
-      kernels.project(crowd.points(), contacts, 0, 1);
+      project_one(kernels, crowd, 1);
       const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz() - before[i].xyz()); };
       EXPECT_NEAR(0.01 + moved(0).y - 0.75 * moved(2).y - 0.25 * moved(3).y, 0.03, 1e-7) << simd_name(set);
       EXPECT_NEAR(moved(0).y / 2 + moved(2).y + moved(3).y, 0, 1e-8);

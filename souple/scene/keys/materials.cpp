@@ -61,6 +61,21 @@ auto material_table(const char* heading, const char* doc, Find find) {
   return keys;
 }
 
+template <class T>
+void add_surface_keys(Table<T>& keys) {
+  keys.template key<&T::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
+      .template key<&T::restitution>("restitution", number<float>(unit),
+                                     "how much of the speed a bounce gives back");
+}
+
+template <class T>
+void add_damping_keys(Table<T>& keys) {
+  keys.template key<&T::damping_time>("damping_time", number<float>(from_zero(1000)),
+                                      "Kelvin-Voigt: stress = E (strain + damping_time * strain rate) [s]")
+      .template key<&T::damping>("damping", number<float>(from_zero(1e4)),
+                                 "of motion other than that of a rigid body [1/s]");
+}
+
 }  // namespace
 
 CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec() {
@@ -78,15 +93,11 @@ CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec() {
       .key<&M::poisson_ratio>("poisson_ratio", number<float>(below(1)), "membrane model")
       .key<&M::bending_stiffness>("bending_stiffness", stiffness(from_zero(1e9)),
                                   "per unit width [N m]; rigid only with bending \"distance\"")
-      .key<&M::thickness>("thickness", number<float>(positive(10)), "from side to side [m]")
-      .key<&M::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
-      .key<&M::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
-      .key<&M::damping_time>("damping_time", number<float>(from_zero(1000)),
-                             "Kelvin-Voigt: stress = E (strain + damping_time * strain rate) [s]")
-      .key<&M::damping>("damping", number<float>(from_zero(1e4)),
-                        "of motion other than that of a rigid body [1/s]")
-      .key<&M::air_drag>("air_drag", number<float>(from_zero(100)),
-                         "coefficient of the wind along its direction")
+      .key<&M::thickness>("thickness", number<float>(positive(10)), "from side to side [m]");
+  add_surface_keys(*keys);
+  add_damping_keys(*keys);
+  keys->key<&M::air_drag>("air_drag", number<float>(from_zero(100)),
+                          "coefficient of the wind along its direction")
       .key<&M::air_lift>("air_lift", number<float>(from_zero(100)), "coefficient of the wind across it")
       .key<&M::stretch>(
           "stretch",
@@ -118,19 +129,15 @@ CodecPtr<MaterialDescription<SoftBodyMaterial>> soft_body_material_codec() {
       .key<&M::poisson_ratio>("poisson_ratio", number<float>(below(0.5)), "how much it thins when stretched")
       .key<&M::density>("density", number<float>(positive(1e6)), "[kg/m^3]")
       .key<&M::thickness>("thickness", number<float>(positive(10)),
-                          "contacts keep half of it as distance [m]")
-      .key<&M::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
-      .key<&M::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
-      .key<&M::damping_time>("damping_time", number<float>(from_zero(1000)),
-                             "Kelvin-Voigt: stress = E (strain + damping_time * strain rate) [s]")
-      .key<&M::damping>("damping", number<float>(from_zero(1e4)),
-                        "of motion other than that of a rigid body [1/s]")
-      .key<&M::model>("model",
-                      enumeration<SoftBodyModel>({{"neo_hookean", SoftBodyModel::neo_hookean},
-                                                  {"springs", SoftBodyModel::springs},
-                                                  {"shape_matching", SoftBodyModel::shape_matching}}),
-                      "how deformation is resisted: tets of a neo-Hookean solid, cheap springs and volumes, "
-                      "or one stiff shape")
+                          "contacts keep half of it as distance [m]");
+  add_surface_keys(*keys);
+  add_damping_keys(*keys);
+  keys->key<&M::model>("model",
+                       enumeration<SoftBodyModel>({{"neo_hookean", SoftBodyModel::neo_hookean},
+                                                   {"springs", SoftBodyModel::springs},
+                                                   {"shape_matching", SoftBodyModel::shape_matching}}),
+                       "how deformation is resisted: tets of a neo-Hookean solid, cheap springs and volumes, "
+                       "or one stiff shape")
       .key<&M::pbd_stiffness>("pbd_stiffness", number<float>(unit), "stiffness in mode \"pbd\"");
   return keys;
 }
@@ -142,10 +149,9 @@ CodecPtr<MaterialDescription<RopeMaterial>> rope_material_codec() {
       .key<&M::young_modulus>("young_modulus", number<float>(positive(1e13)), "[Pa]")
       .key<&M::density>("density", number<float>(positive(1e6)), "[kg/m^3]")
       .key<&M::bending_stiffness>("bending_stiffness", number<float>(from_zero(1e9)),
-                                  "E I [N m^2]; 0: limp. A solid rod has E pi r^4 / 4, a laid rope far less")
-      .key<&M::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
-      .key<&M::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
-      .key<&M::damping_time>("damping_time", number<float>(from_zero(1000)), "Kelvin-Voigt [s]")
+                                  "E I [N m^2]; 0: limp. A solid rod has E pi r^4 / 4, a laid rope far less");
+  add_surface_keys(*keys);
+  keys->key<&M::damping_time>("damping_time", number<float>(from_zero(1000)), "Kelvin-Voigt [s]")
       .key<&M::damping>("damping", number<float>(from_zero(1e4)),
                         "of motion other than that of a rigid body [1/s]")
       .key<&M::pbd_stretch>("pbd_stretch", number<float>(unit), "stiffness in mode \"pbd\"")
@@ -157,10 +163,9 @@ CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec() {
   using M = GrainsMaterial;
   auto keys = material_table<M>("grains_material", "Balls that touch and rub.", material::find_grains);
   keys->key<&M::radius>("radius", number<float>(positive(100)), "[m]")
-      .key<&M::density>("density", number<float>(positive(1e6)), "of one grain [kg/m^3]")
-      .key<&M::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
-      .key<&M::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
-      .key<&M::damping>("damping", number<float>(from_zero(1e4)), "of motion relative to the whole [1/s]");
+      .key<&M::density>("density", number<float>(positive(1e6)), "of one grain [kg/m^3]");
+  add_surface_keys(*keys);
+  keys->key<&M::damping>("damping", number<float>(from_zero(1e4)), "of motion relative to the whole [1/s]");
   return keys;
 }
 
@@ -168,9 +173,8 @@ CodecPtr<ObstacleMaterial> obstacle_material_codec() {
   using M = ObstacleMaterial;
   auto keys = table<M>("obstacle_material", "How the surface of an obstacle is felt.");
   keys->key<&M::thickness>("thickness", number<float>(positive(10)),
-                           "contacts keep half of it as distance [m]")
-      .key<&M::friction>("friction", number<float>(friction_range), "Coulomb coefficient")
-      .key<&M::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back");
+                           "contacts keep half of it as distance [m]");
+  add_surface_keys(*keys);
   return keys;
 }
 
