@@ -105,6 +105,15 @@ SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t 
   return bits & first_bits<Set>(group.count);
 }
 
+/// Items of the first group that may have a marked pair with one of the second.
+inline std::uint32_t may_have_marked(const BoxGroup& first, const BoxGroup& second) {
+  return second.marked != 0 ? ~0u : first.marked;
+}
+/// What item k of the first group may have in the second.
+inline std::uint32_t wanted_by(const BoxGroup& first, std::uint32_t k, const BoxGroup& second) {
+  return (first.marked >> k & 1) != 0 ? ~0u : second.marked;
+}
+
 /// What is near each item of a group: only items that have something near. One loop then goes over all pairs;
 /// a loop for each item would end as many times at a place that nobody foresees.
 template <class Set>
@@ -141,9 +150,10 @@ template <class Set>
 std::size_t vertices_triangles(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& triangles,
                                const BoxGroup& t, Quad* pairs) {
   Rows<Set> rows;
-  for (std::uint32_t near = items_in<Set>(vertices, v, t.box); near != 0; near &= near - 1) {
-    const std::uint32_t i = v.begin + static_cast<std::uint32_t>(__builtin_ctz(near));
-    rows.add(i, near_one<Set, 1, 3>(vertices, i, triangles, t));
+  for (std::uint32_t near = items_in<Set>(vertices, v, t.box) & may_have_marked(v, t); near != 0;
+       near &= near - 1) {
+    const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
+    rows.add(v.begin + k, near_one<Set, 1, 3>(vertices, v.begin + k, triangles, t) & wanted_by(v, k, t));
   }
   Quad* next = pairs;
   rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
@@ -159,9 +169,10 @@ template <class Set>
 std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs) {
   Rows<Set> rows;
   const bool same = a.begin == b.begin;
-  for (std::uint32_t near = items_in<Set>(edges, a, b.box); near != 0; near &= near - 1) {
+  for (std::uint32_t near = items_in<Set>(edges, a, b.box) & may_have_marked(a, b); near != 0;
+       near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
-    const std::uint32_t hits = near_one<Set, 2, 2>(edges, a.begin + k, edges, b);
+    const std::uint32_t hits = near_one<Set, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
     rows.add(a.begin + k, same ? hits & ~first_bits<Set>(k + 1) : hits);
   }
   Quad* next = pairs;

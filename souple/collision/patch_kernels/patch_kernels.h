@@ -20,6 +20,7 @@ struct BoxGroup {
   static constexpr std::uint32_t most_items = 32;
   std::uint32_t begin, count;
   float box[6];
+  std::uint32_t marked = ~0u;  ///< bit k: item k. Pairs of which neither is marked are left out.
 };
 
 /// Four particles: a vertex and a triangle's, or two edges'.
