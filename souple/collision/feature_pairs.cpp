@@ -38,6 +38,18 @@ Bounds around(const Vec3f& a, const Vec3f& b, float reach) {
           {max(a.x, b.x) + reach, max(a.y, b.y) + reach, max(a.z, b.z) + reach}};
 }
 
+// At rest. [m]
+float longest_edge(const ContactSurface& surface) {
+  double longest = 0;
+  const auto look_at = [&](std::uint32_t i, std::uint32_t j) {
+    longest = std::max(longest, length(surface.rest[i] - surface.rest[j]));
+  };
+  if (surface.rest.empty()) return 0;
+  for (const Edge& edge : surface.edges) look_at(edge[0], edge[1]);
+  for (const Triangle& t : surface.triangles) look_at(t[0], t[1]), look_at(t[1], t[2]), look_at(t[2], t[0]);
+  return static_cast<float>(longest);
+}
+
 const std::uint32_t (*quads(const std::vector<NearPair>& pairs))[4] {
   return pairs.empty() ? nullptr : &pairs[0].particle;
 }
@@ -86,6 +98,7 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   for (const ContactSurface& surface : surfaces_) end = std::max(end, surface.end);
   surface_of_.assign(end, no_surface);
   rest_.assign(end, {});
+  longest_edge_.assign(n, 0);
   for (std::uint32_t a = 0; a < n; ++a) {
     const ContactSurface& surface = surfaces_[a];
     std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
@@ -94,6 +107,7 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
     own_.add_edges(surface.edges, surface.begin, a);
     for (std::size_t i = 0; i < surface.rest.size(); ++i)
       rest_[surface.begin + i].set_xyz(Vec3f(surface.rest[i] - surface.rest[0]));
+    longest_edge_[a] = longest_edge(surface);
   }
   own_.index_particles();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
@@ -295,14 +309,26 @@ void FeaturePairs::find_left(const ParticleView& particles, Threads& threads) {
 }
 
 std::size_t FeaturePairs::keep_up(const ParticleView& particles, float h, Threads& threads) {
-  constexpr std::size_t many = 50;  // a part of all particles: for these alone it would take as long
   const bool over = covered_ <= -0.5f * h;
-  if (!over) {
-    find_left(particles, threads);
-    if (left_particles_.empty()) return size();
-  }
+  if (!over) find_left(particles, threads);
+  return find_again(particles, h, over, threads);
+}
+
+// Ways of one surface are all compared with the shift that the last keep_up found.
+std::size_t FeaturePairs::keep_up(const ParticleView& particles, float h,
+                                  std::span<const std::uint32_t> particles_moved, Threads& threads) {
+  left_particles_.clear();
+  for (const std::uint32_t i : particles_moved)
+    if (!is_on_its_way(i, particles.relative(i, {}))) left_particles_.push_back(i);
+  return find_again(particles, h, false, threads);
+}
+
+std::size_t FeaturePairs::find_again(const ParticleView& particles, float h, bool over, Threads& threads) {
+  constexpr std::size_t many = 5;  // a part of all particles: for these alone it would take as long
+  const bool all = over || left_particles_.size() > surface_of_.size() / many + 8;
+  if (!all && left_particles_.empty()) return size();
   const ParticleView before = take_back(particles, h);
-  if (over || left_particles_.size() > surface_of_.size() / many + 8) {
+  if (all) {
     find_all_again(before, h, threads);
     return 0;
   }
@@ -339,72 +365,59 @@ void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads&
     expect(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt, 0.5f * max(radius_[i], 0.0f));
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
-  const auto keep_theirs = [&](std::vector<NearPair>& pairs) {
-    const auto from = static_cast<std::uint32_t>(size());
-    std::erase_if(pairs, [&](const NearPair& pair) {
-      return std::none_of(std::begin(pair.particle), std::end(pair.particle),
-                          [&](std::uint32_t i) { return valid_from_[i] == from; });
-    });
-  };
   own_finder_.find_moved(left_particles_, own_boxes_, before.position, own_pairs_, threads);
   crossing_finder_.find_moved(left_particles_, boxes_, before.position, crossing_pairs_, threads);
-  for (NearPairs* found : {&own_pairs_, &crossing_pairs_}) {
-    keep_theirs(found->vertex_triangle);
-    keep_theirs(found->edge_edge);
-  }
   add_found(before, dt, threads);
 }
 
 // --- pairs
 
-// How far the two may leave their ways towards each other.
-float FeaturePairs::room_of(const NearPair& pair, bool edges) const {
-  const auto& i = pair.particle;
-  const bool same = surface_of_[i[0]] == surface_of_[i[3]];
-  const auto room = [&](std::size_t k) { return same ? way_of_[i[k]].own_room : way_of_[i[k]].room; };
-  const float first = edges ? max(room(0), room(1)) : room(0);
-  return first + (edges ? max(room(2), room(3)) : max(room(1), max(room(2), room(3))));
-}
-
-// What both are thick.
-float FeaturePairs::thickness_of(const NearPair& pair, bool edges) const {
-  const auto& i = pair.particle;
-  const float first = edges ? max(radius_[i[0]], radius_[i[1]]) : radius_[i[0]];
-  const float second =
-      edges ? max(radius_[i[2]], radius_[i[3]]) : max(radius_[i[1]], max(radius_[i[2]], radius_[i[3]]));
-  return max(first + second, least_thickness);
-}
-
-// What cannot come near enough within the time is left out. Those of one surface are not kept farther apart
-// than they were at rest.
-void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges,
+// What cannot come near enough within the time is left out.
+void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
                              const ParticleView& particles, float dt) const {
   const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
-  float apart[batch_size], speed[batch_size];
+  float apart[batch_size], thickness[batch_size], reach[batch_size];
   const kernels::FeaturePoints points = points_of(particles, expected_velocity_);
+  const kernels::FeatureRooms rooms{radius_.data(), crossing ? &way_of_[0].room : &way_of_[0].own_room,
+                                    sizeof(Way) / sizeof(float), least_thickness, early};
+  kernels.reaches[kind](points, rooms, dt, &pairs[0].particle, 0, pairs.size(), thickness, reach);
   kernels.distances[kind](points, &pairs[0].particle, 0, pairs.size(), apart);
-  kernels.ways[kind](points, &pairs[0].particle, 0, pairs.size(), speed);
-  for (List* list : {&batch.near, &batch.far}) list->clear();
+  batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const float thickness = thickness_of(pairs[k], edges), near = (1 + early) * thickness;
-    if (apart[k] > near + speed[k] * dt + room_of(pairs[k], edges)) continue;
-    if (is_excluded(pairs[k], edges) || (untangling_ && untangling_->exempts(pairs[k], edges))) continue;
-    (apart[k] > near + far_part * thickness ? batch.far : batch.near)
-        .push_back(pairs[k], thickness, apart[k]);
+    if (apart[k] > reach[k] || is_excluded(pairs[k], edges)) continue;
+    if (untangling_ && untangling_->exempts(pairs[k], edges)) continue;
+    (apart[k] > (1 + early + far_part) * thickness[k] ? batch.far : batch.near)
+        .add(pairs[k], thickness[k], apart[k]);
   }
+  if (crossing) return;
+  thin_at_rest(batch.near, edges);
+  thin_at_rest(batch.far, edges);
+}
+
+// Those of one surface are not kept farther apart than they were at rest.
+void FeaturePairs::thin_at_rest(List& list, bool edges) const {
+  NearPair near[batch_size];
+  std::size_t which[batch_size], count = 0;
+  for (std::size_t k = 0; k < list.count; ++k) {
+    const auto& i = list.particle[k].particle;
+    const std::uint32_t surface = surface_of_[i[0]];
+    const float near_enough = list.thickness[k] / rest_part + 2 * longest_edge_[surface];
+    if (surfaces_[surface].rest.empty() ||
+        length_squared(rest_[i[0]].xyz() - rest_[i[3]].xyz()) > near_enough * near_enough)
+      continue;
+    near[count] = list.particle[k];
+    which[count++] = k;
+  }
+  if (count == 0) return;
+  float apart[batch_size];
   kernels::FeaturePoints at_rest;
   at_rest.position = &rest_[0].x;
   at_rest.moving = const_cast<float*>(at_rest.position);  // only read
-  for (List* list : {&batch.near, &batch.far}) {
-    if (list->particle.empty()) continue;
-    kernels.distances[kind](at_rest, quads(list->particle), 0, list->particle.size(), apart);
-    for (std::size_t k = 0; k < list->particle.size(); ++k) {
-      const auto& i = list->particle[k].particle;
-      if (surface_of_[i[0]] == surface_of_[i[3]] && !surfaces_[surface_of_[i[0]]].rest.empty())
-        list->thickness[k] = min(list->thickness[k], rest_part * apart[k]);
-    }
-  }
+  const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
+  kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, apart);
+  for (std::size_t n = 0; n < count; ++n)
+    list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * apart[n]);
 }
 
 void FeaturePairs::add(std::span<const NearPair> pairs, bool edges, bool crossing,
@@ -415,16 +428,16 @@ void FeaturePairs::add(std::span<const NearPair> pairs, bool edges, bool crossin
     batches_.resize(count + count / 2 + 16);
     for (std::size_t b = before; b < batches_.size(); ++b)
       for (List* list : {&batches_[b].near, &batches_[b].far}) {
-        list->particle.reserve(batch_size);
-        list->thickness.reserve(batch_size);
-        list->known.reserve(batch_size);
+        list->particle.resize(batch_size);
+        list->thickness.resize(batch_size);
+        list->known.resize(batch_size);
       }
   }
   threads.for_each(count, 1, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b)
       add_batch(batches_[b],
                 pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)), edges,
-                particles, dt);
+                crossing, particles, dt);
   });
   append(&Batch::near, count, edges, crossing, threads);
   append(&Batch::far, count, edges, crossing, threads);
@@ -437,7 +450,7 @@ void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bo
   std::size_t sum = begin;
   for (std::size_t b = 0; b < batches; ++b) {
     (batches_[b].*list).place = sum;
-    sum += (batches_[b].*list).particle.size();
+    sum += (batches_[b].*list).count;
   }
   resize_with_room(particle_, sum);
   resize_with_room(is_edges_, sum);
@@ -445,10 +458,10 @@ void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bo
   threads.for_each(batches, 1, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b) {
       const List& from = batches_[b].*list;
-      std::copy(from.particle.begin(), from.particle.end(), particle_.data() + from.place);
-      std::copy(from.thickness.begin(), from.thickness.end(), thickness_.data() + from.place);
-      std::copy(from.known.begin(), from.known.end(), known_.data() + from.place);
-      std::fill_n(is_edges_.data() + from.place, from.particle.size(), edges ? 1 : 0);
+      std::copy_n(from.particle.data(), from.count, particle_.data() + from.place);
+      std::copy_n(from.thickness.data(), from.count, thickness_.data() + from.place);
+      std::copy_n(from.known.data(), from.count, known_.data() + from.place);
+      std::fill_n(is_edges_.data() + from.place, from.count, edges ? 1 : 0);
     }
   });
   for (std::size_t next = begin; next < sum; next += chunk_size) {
@@ -526,9 +539,45 @@ void FeaturePairs::measure(const ParticleView& particles, Threads& threads) {
       block_moved_[b] = sqrt(farthest), own_block_moved_[b] = sqrt(own_farthest);
     }
   });
+  was_moved_.assign(n, 0);
+  moved_alone_.clear();
   farthest_moved_ = farthest_own_moved_ = 0;
   for (const float farthest : block_moved_) farthest_moved_ = max(farthest_moved_, farthest);
   for (const float farthest : own_block_moved_) farthest_own_moved_ = max(farthest_own_moved_, farthest);
+}
+
+void FeaturePairs::measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
+  for (const std::uint32_t i : moved_alone_) was_moved_[i] = 0;
+  moved_alone_.assign(particles_moved.begin(), particles_moved.end());
+  for (const std::uint32_t i : particles_moved) {
+    was_moved_[i] = 1;
+    const Vec3f moved = particles.moved(i);
+    moved_[i].set_xyz(moved);
+    float &farthest = block_moved_[i / block_size], &own_farthest = own_block_moved_[i / block_size];
+    farthest = max(farthest, length(moved));
+    if (surface_of_[i] != no_surface)
+      own_farthest = max(own_farthest, length(moved - mean_moved_[surface_of_[i]]));
+    farthest_moved_ = max(farthest_moved_, farthest);
+    farthest_own_moved_ = max(farthest_own_moved_, own_farthest);
+  }
+}
+
+// How far a point of one feature has moved relative to a point of the other.
+float FeaturePairs::way_of(const NearPair& pair, bool edges) const {
+  const auto squared = [&](std::size_t a, std::size_t b) {
+    return length_squared(moved_[pair.particle[a]].xyz() - moved_[pair.particle[b]].xyz());
+  };
+  const float third = edges ? max(squared(1, 2), squared(1, 3)) : squared(0, 1);
+  return sqrt(max(third, max(squared(0, 2), squared(0, 3))));
+}
+
+bool FeaturePairs::any_moved_by(float part, const Chunk& chunk) const {
+  constexpr float rounding = 1e-6f;
+  for (std::size_t pair = chunk.begin; pair < chunk.end; ++pair)
+    if (was_moved(pair) && way_of(particle_[pair], chunk.edges) * (1 + rounding) >=
+                               part * (known_[pair] - chunk.owed))
+      return true;
+  return false;
 }
 
 // A bound on the ways of a chunk's pairs, rounding included.
@@ -566,7 +615,7 @@ std::size_t FeaturePairs::bytes() const {
       bytes_of(surfaces_, surface_of_, rest_, boxes_, own_boxes_, way_of_, expected_velocity_,
                own_pairs_.vertex_triangle, own_pairs_.edge_edge, crossing_pairs_.vertex_triangle,
                crossing_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, known_, is_edges_,
-               valid_from_, chunks_, blocks_, moved_);
+               valid_from_, chunks_, blocks_, moved_, was_moved_);
   for (const Batch& batch : batches_)
     for (const List* list : {&batch.near, &batch.far})
       sum += bytes_of(list->particle, list->thickness, list->known);

@@ -41,6 +41,9 @@ class FeaturePairs {
   /// Finds pairs again where particles have left their ways within the substep of `h`. Returns from where on
   /// pairs are new: size() where none are, 0 where all are.
   std::size_t keep_up(const ParticleView& particles, float h, Threads& threads);
+  /// The same when only `particles_moved` were moved since the last.
+  std::size_t keep_up(const ParticleView& particles, float h,
+                      std::span<const std::uint32_t> particles_moved, Threads& threads);
   void clear();
 
   /// Whether there are surfaces that may meet at all.
@@ -60,6 +63,15 @@ class FeaturePairs {
   /// What every particle has moved since the substep began: before `near`, and again whenever some were
   /// moved.
   void measure(const ParticleView& particles, Threads& threads);
+  /// The same when only some were moved since: of these alone.
+  void measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved);
+  /// Whether a pair has a particle that was measured by itself.
+  bool was_moved(std::size_t pair) const {
+    const auto& i = particle_[pair].particle;
+    return (was_moved_[i[0]] | was_moved_[i[1]] | was_moved_[i[2]] | was_moved_[i[3]]) != 0;
+  }
+  /// Whether a chunk has such a pair that goes `part` of what its features are apart, or may do so.
+  bool any_moved_by(float part, const Chunk& chunk) const;
   /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
   std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::FeaturePoints& points,
                    std::uint32_t* found);
@@ -91,11 +103,11 @@ class FeaturePairs {
   struct List {
     std::vector<NearPair> particle;
     std::vector<float> thickness, known;
-    std::size_t place = 0;  // in the columns
-    void push_back(const NearPair& pair, float thick, float apart) {
-      particle.push_back(pair), thickness.push_back(thick), known.push_back(apart);
+    std::size_t count = 0, place = 0;  // in the columns
+    void add(const NearPair& pair, float thick, float apart) {
+      particle[count] = pair, thickness[count] = thick, known[count] = apart;
+      ++count;
     }
-    void clear() { particle.clear(), thickness.clear(), known.clear(); }
   };
   /// Those among some neighbours that are near already, and the others: these are seldom looked at.
   struct Batch {
@@ -116,23 +128,25 @@ class FeaturePairs {
   void find_crossing();
   Vec3d middle(const ContactSurface& surface, const ParticleView& particles) const;
   void find_left(const ParticleView& particles, Threads& threads);
+  std::size_t find_again(const ParticleView& particles, float h, bool over, Threads& threads);
   bool is_excluded(const NearPair& pair, bool edges) const;
   void add_found(const ParticleView& particles, float dt, Threads& threads);
   void add(std::span<const NearPair> pairs, bool edges, bool crossing, const ParticleView& particles,
            float dt, Threads& threads);
-  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, const ParticleView& particles,
-                 float dt) const;
+  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
+                 const ParticleView& particles, float dt) const;
+  void thin_at_rest(List& list, bool edges) const;
   void append(List Batch::*list, std::size_t batches, bool edges, bool crossing, Threads& threads);
   void watch_new_chunks(std::size_t first, Threads& threads);
   float farthest_way(const Chunk& chunk) const;
-  float room_of(const NearPair& pair, bool edges) const;
-  float thickness_of(const NearPair& pair, bool edges) const;
+  float way_of(const NearPair& pair, bool edges) const;
 
   std::vector<ContactSurface> surfaces_;
   const Untangling* untangling_ = nullptr;
   ParticlePairs excluded_;                 // both ways, sorted
   std::vector<std::uint32_t> surface_of_;  // of each particle; no_surface where it has none
   std::vector<Vec4f> rest_;                // of each particle, relative to the first of its surface
+  std::vector<float> longest_edge_;        // of each surface at rest [m]
   SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
   std::vector<Bounds> surface_bounds_;
   std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are
@@ -175,6 +189,8 @@ class FeaturePairs {
   std::vector<Vec4f> moved_;                                    // of each particle [m]
   std::vector<Vec3f> mean_moved_;                               // of each surface
   std::vector<float> block_moved_, own_block_moved_;  // the farthest in each block; without that mean
+  std::vector<std::uint8_t> was_moved_;               // particles that were measured by themselves
+  std::vector<std::uint32_t> moved_alone_;            // which those are
   float farthest_moved_ = 0, farthest_own_moved_ = 0;
 };
 

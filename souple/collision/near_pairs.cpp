@@ -36,8 +36,8 @@ void require(std::size_t is, std::size_t expected, const char* what) {
                 std::to_string(expected) + "; give one for each");
 }
 
-kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& box) {
-  return {begin, count, {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}};
+kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& box, std::uint32_t marked) {
+  return {begin, count, {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}, marked};
 }
 
 // Of what a patch is made, where it is not of triangles.
@@ -105,8 +105,8 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
     find_near(static_cast<std::uint32_t>(a), position_w, part);
   });
   milliseconds_.pairs = milliseconds_since(start);
-  moved_.clear();
-  is_moved_.assign(patches, 0);
+  marks_.assign(patches, {});
+  is_moving_.assign(elements.particle_end(), 0);
 }
 
 // Calls find_one(k, part) for k in [0, count). Chunks of them go to the parts in turn, so that each has its
@@ -135,34 +135,61 @@ void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, Ne
   join(&Chunk::edge_edge, &Part::edge_edge, out.edge_edge, parts, threads);
 }
 
-// The hash holds the boxes of the last find: patches that have left them are compared one by one.
 void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
                                 std::span<const Vec4f> position_w, NearPairs& out, Threads& threads) {
-  moving_now_.clear();
-  for (const std::uint32_t i : particles) {
-    if (i >= elements_->particle_end()) continue;
-    clean_boxes_[i] = finite_or_endless(boxes[i]);
-    for (const std::uint32_t p : elements_->patches_of(i)) moving_now_.push_back(p);
-  }
-  std::sort(moving_now_.begin(), moving_now_.end());
-  moving_now_.erase(std::unique(moving_now_.begin(), moving_now_.end()), moving_now_.end());
-  for (const std::uint32_t a : moving_now_) {
-    left_out_ += make_boxes_of(a, position_w);
-    if (is_moved_[a] == 0) moved_.push_back(a);
-    is_moved_[a] = 1;
-  }
-  constexpr std::size_t per_chunk = 4;
+  for (const std::uint32_t i : particles)
+    if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_endless(boxes[i]);
+  mark(particles);
+  for (const std::uint32_t a : moving_now_) left_out_ += make_boxes_of(a, position_w);
+  if (!moving_now_.empty()) hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
+  constexpr std::size_t per_chunk = 16;
   find_in_chunks(moving_now_.size(), per_chunk, out, threads, [&](std::size_t k, Part& part) {
     const std::uint32_t a = moving_now_[k];
     part.found.clear();
     hash_.find(patch_boxes_[a], part.found);
-    for (const std::uint32_t b : part.found)
-      if (is_moved_[b] == 0) find_between(a, b, position_w, part);
-    for (const std::uint32_t b : moved_) {
-      const bool seen = b < a && std::binary_search(moving_now_.begin(), moving_now_.end(), b);
-      if (!seen && overlap(patch_boxes_[a], patch_boxes_[b])) find_between(a, b, position_w, part);
+    for (const std::uint32_t b : part.found) {
+      const Marks& of_b = marks_[b];
+      const bool seen = b < a && (of_b.vertices | of_b.edges | of_b.triangles) != 0;
+      if (!seen) find_between(a, marks_[a], b, of_b, position_w, part);
     }
   });
+  unmark(particles);
+}
+
+// Finds the patches that name one of them, and which of their items do.
+void NearPairFinder::mark(std::span<const std::uint32_t> particles) {
+  moving_now_.clear();
+  for (const std::uint32_t i : particles) {
+    if (i >= elements_->particle_end()) continue;
+    is_moving_[i] = 1;
+    for (const std::uint32_t p : elements_->patches_of(i)) moving_now_.push_back(p);
+  }
+  std::sort(moving_now_.begin(), moving_now_.end());
+  moving_now_.erase(std::unique(moving_now_.begin(), moving_now_.end()), moving_now_.end());
+  const auto bits = [&](std::uint32_t first, std::uint32_t count, const auto& moves) {
+    std::uint32_t marked = 0;
+    for (std::uint32_t k = 0; k < count; ++k) marked |= moves(first + k) ? 1u << k : 0u;
+    return marked;
+  };
+  for (const std::uint32_t a : moving_now_) {
+    const SurfacePatch& patch = elements_->patches()[a];
+    marks_[a].vertices = bits(patch.first_vertex, patch.vertices,
+                              [&](std::uint32_t v) { return is_moving_[elements_->vertices()[v]] != 0; });
+    marks_[a].edges = bits(patch.first_edge, patch.edges, [&](std::uint32_t e) {
+      const Edge& edge = elements_->edges()[e];
+      return (is_moving_[edge[0]] | is_moving_[edge[1]]) != 0;
+    });
+    marks_[a].triangles = bits(patch.first_triangle, patch.triangles, [&](std::uint32_t t) {
+      const auto& corner = elements_->triangles()[t].particle;
+      return (is_moving_[corner[0]] | is_moving_[corner[1]] | is_moving_[corner[2]]) != 0;
+    });
+  }
+}
+
+void NearPairFinder::unmark(std::span<const std::uint32_t> particles) {
+  for (const std::uint32_t i : particles)
+    if (i < elements_->particle_end()) is_moving_[i] = 0;
+  for (const std::uint32_t a : moving_now_) marks_[a] = {};
 }
 
 void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w,
@@ -230,14 +257,15 @@ std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> 
 }
 
 void NearPairFinder::find_near(std::uint32_t a, std::span<const Vec4f> position_w, Part& part) const {
+  constexpr Marks all{~0u, ~0u, ~0u};
   part.found.clear();
   hash_.find_partners(a, part.found);
-  find_between(a, a, position_w, part);
-  for (const std::uint32_t b : part.found) find_between(a, b, position_w, part);
+  find_between(a, all, a, all, position_w, part);
+  for (const std::uint32_t b : part.found) find_between(a, all, b, all, position_w, part);
 }
 
-void NearPairFinder::find_between(std::uint32_t a, std::uint32_t b, std::span<const Vec4f> position_w,
-                                  Part& part) const {
+void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint32_t b, const Marks& of_b,
+                                  std::span<const Vec4f> position_w, Part& part) const {
   const SurfacePatch &p = elements_->patches()[a], &q = elements_->patches()[b];
   if (!meets_->at(p.object, q.object)) return;
   if (moves_[a] == Moves::nothing && moves_[b] == Moves::nothing) return;
@@ -248,29 +276,32 @@ void NearPairFinder::find_between(std::uint32_t a, std::uint32_t b, std::span<co
     const std::size_t count = find(pairs);
     list.count += all_move ? count : keep_moving(pairs, count, position_w);
   };
-  const auto vertices_triangles = [&](const SurfacePatch& v, const Bounds& v_box, const SurfacePatch& t,
-                                      const Bounds& t_box) {
+  const Bounds &p_box = patch_boxes_[a], &q_box = patch_boxes_[b];
+  const auto vertices_triangles = [&](const SurfacePatch& v, const kernels::BoxGroup& vertices,
+                                      const SurfacePatch& t, const kernels::BoxGroup& triangles) {
     add(part.vertex_triangle, std::size_t{v.vertices} * t.triangles, [&](kernels::Quad* pairs) {
-      return kernels_->vertices_triangles(vertices_, group(v.first_vertex, v.vertices, v_box), triangles_,
-                                          group(t.first_triangle, t.triangles, t_box), pairs);
+      return kernels_->vertices_triangles(vertices_, vertices, triangles_, triangles, pairs);
     });
   };
-  vertices_triangles(p, patch_boxes_[a], q, patch_boxes_[b]);
-  if (a != b) vertices_triangles(q, patch_boxes_[b], p, patch_boxes_[a]);
+  vertices_triangles(p, group(p.first_vertex, p.vertices, p_box, of_a.vertices), q,
+                     group(q.first_triangle, q.triangles, q_box, of_b.triangles));
+  if (a != b)
+    vertices_triangles(q, group(q.first_vertex, q.vertices, q_box, of_b.vertices), p,
+                       group(p.first_triangle, p.triangles, p_box, of_a.triangles));
   add(part.edge_edge, std::size_t{p.edges} * q.edges, [&](kernels::Quad* pairs) {
-    return kernels_->edges_edges(edges_, group(p.first_edge, p.edges, patch_boxes_[a]),
-                                 group(q.first_edge, q.edges, patch_boxes_[b]), pairs);
+    return kernels_->edges_edges(edges_, group(p.first_edge, p.edges, p_box, of_a.edges),
+                                 group(q.first_edge, q.edges, q_box, of_b.edges), pairs);
   });
-  const auto vertices_edges = [&](std::uint32_t v, std::uint32_t e) {
-    const SurfacePatch &vertex = elements_->patches()[v], &edge = elements_->patches()[e];
-    if (!is_loose_vertex(vertex) || !is_loose_edges(edge)) return;
-    add(part.edge_edge, std::size_t{vertex.vertices} * edge.edges, [&](kernels::Quad* pairs) {
-      return kernels_->vertices_edges(vertices_, group(vertex.first_vertex, vertex.vertices, patch_boxes_[v]),
-                                      edges_, group(edge.first_edge, edge.edges, patch_boxes_[e]), pairs);
+  const auto vertices_edges = [&](const SurfacePatch& v, const Bounds& v_box, const Marks& of_v,
+                                  const SurfacePatch& e, const Bounds& e_box, const Marks& of_e) {
+    if (!is_loose_vertex(v) || !is_loose_edges(e)) return;
+    add(part.edge_edge, std::size_t{v.vertices} * e.edges, [&](kernels::Quad* pairs) {
+      return kernels_->vertices_edges(vertices_, group(v.first_vertex, v.vertices, v_box, of_v.vertices),
+                                      edges_, group(e.first_edge, e.edges, e_box, of_e.edges), pairs);
     });
   };
-  vertices_edges(a, b);
-  vertices_edges(b, a);
+  vertices_edges(p, p_box, of_a, q, q_box, of_b);
+  vertices_edges(q, q_box, of_b, p, p_box, of_a);
 }
 
 // Puts the pairs of all chunks one after the other, in order of chunks.
@@ -291,9 +322,9 @@ void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<Nea
 }
 
 std::size_t NearPairFinder::bytes() const {
-  std::size_t sum = bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, left_out_of_, moved_,
-                             is_moved_, moving_now_) +
-                    hash_.bytes();
+  std::size_t sum =
+      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, marks_, is_moving_, moving_now_) +
+      hash_.bytes();
   for (const Boxes* boxes : {&vertex_boxes_, &edge_boxes_, &triangle_boxes_})
     for (std::size_t axis = 0; axis < 3; ++axis) sum += bytes_of(boxes->lo[axis], boxes->hi[axis]);
   for (const Part& part : parts_)

@@ -62,9 +62,9 @@ class NearPairFinder {
             std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
   /// After a find: boxes of some particles are larger or elsewhere. Replaces `out` by all pairs, with nothing
-  /// but boxes as they are now, of the patches that name one of these (SurfaceElements::index_particles must
-  /// have been called). Pairs of theirs that were found before are found again. Costs little where few have
-  /// moved. Elements, matrix and masses must be those of the find.
+  /// but boxes as they are now, that have one of these (SurfaceElements::index_particles must have been
+  /// called). Pairs of theirs that were found before are found again. Costs little where few have moved.
+  /// Elements, matrix and masses must be those of the find.
   void find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
                   std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
@@ -103,6 +103,10 @@ class NearPairFinder {
     void set(std::size_t i, const Bounds& box);
     kernels::BoxColumns columns() const;
   };
+  /// Which items of a patch are looked for: all, or those that have a particle that moved.
+  struct Marks {
+    std::uint32_t vertices = 0, edges = 0, triangles = 0;
+  };
   enum class Moves : std::uint8_t { nothing, some, all };  ///< of a patch's vertices, edges and triangles
 
   void make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w, Threads& threads);
@@ -110,8 +114,11 @@ class NearPairFinder {
   template <class Function>
   void find_in_chunks(std::size_t count, std::size_t per_chunk, NearPairs& out, Threads& threads,
                       const Function& find_one);
+  void mark(std::span<const std::uint32_t> particles);
+  void unmark(std::span<const std::uint32_t> particles);
   void find_near(std::uint32_t patch, std::span<const Vec4f> position_w, Part& part) const;
-  void find_between(std::uint32_t a, std::uint32_t b, std::span<const Vec4f> position_w, Part& part) const;
+  void find_between(std::uint32_t a, const Marks& of_a, std::uint32_t b, const Marks& of_b,
+                    std::span<const Vec4f> position_w, Part& part) const;
   void join(Piece Chunk::*piece, List Part::*list, std::vector<NearPair>& out, std::size_t parts,
             Threads& threads);
 
@@ -129,9 +136,9 @@ class NearPairFinder {
   std::vector<Part> parts_;
   std::vector<Chunk> chunks_;
   std::vector<std::size_t> left_out_of_;  // each chunk
-  std::vector<std::uint32_t> moved_;      // patches whose boxes are not those in the hash
-  std::vector<std::uint8_t> is_moved_;    // of each patch
-  std::vector<std::uint32_t> moving_now_;
+  std::vector<Marks> marks_;  // of each patch, in find_moved
+  std::vector<std::uint8_t> is_moving_;    // of each particle
+  std::vector<std::uint32_t> moving_now_;  // patches that name a particle that moved
   std::size_t left_out_ = 0;
   Milliseconds milliseconds_;
 };

@@ -161,8 +161,8 @@ void SurfaceContacts::forget_contacts() {
   begin_.assign(1, 0);
 }
 
-void SurfaceContacts::keep_up(const ParticleView& particles, const Substep& substep, Threads& threads) {
-  const std::size_t renewed_from = pairs_.keep_up(particles, substep.h, threads);
+// Pairs from there on are new; 0: all.
+void SurfaceContacts::renew_colours_from(std::size_t renewed_from) {
   if (renewed_from == 0) return renew_colours();
   const std::size_t known = colour_.size();
   resize_with_room(colour_, pairs_.size());
@@ -206,7 +206,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   if (!pairs_.any()) return;
   limits_ = {1 / substep.h, 2 * step_.gravity * substep.h, step_.depenetration_speed * substep.h};
   pairs_.begin_substep(substep.h);
-  keep_up(particles, substep, threads);
+  renew_colours_from(pairs_.keep_up(particles, substep.h, threads));
   pairs_.measure(particles, threads);
   find(touches_, threads,
        [&](std::size_t chunk, std::vector<Touch>& found) { find_touching(chunk, particles, found); });
@@ -336,11 +336,14 @@ void SurfaceContacts::project(int colour, std::size_t begin, std::size_t end, co
 
 // --- nothing passes
 
-void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& particles,
+void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& particles, bool all,
                                    std::vector<Cut>& found) {
+  constexpr float nearly = 0.9f;  // of what is between them
+  if (!all && !pairs_.any_moved_by(nearly, pairs_.chunk(chunk))) return;
   std::uint32_t near[FeaturePairs::chunk_size];
-  const std::size_t count = pairs_.near(chunk, {0.9f, 0}, pairs_.points(particles), near);
+  const std::size_t count = pairs_.near(chunk, {nearly, 0}, pairs_.points(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
+    if (!all && !pairs_.was_moved(near[k])) continue;
     if (pairs_.known(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
     const float part = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
     if (part < 1) found.push_back({near[k], part});
@@ -351,7 +354,26 @@ void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& partic
 void SurfaceContacts::find_cuts(const ParticleView& particles, Threads& threads) {
   pairs_.measure(particles, threads);
   find(cuts_, threads,
-       [&](std::size_t chunk, std::vector<Cut>& found) { find_passing(chunk, particles, found); });
+       [&](std::size_t chunk, std::vector<Cut>& found) { find_passing(chunk, particles, true, found); });
+}
+
+// After a pass, which moves the particles of cuts and of rescues and no others: what it did not move passes
+// through nothing, as before.
+void SurfaceContacts::find_cuts_again(const ParticleView& particles, const Substep& substep,
+                                      Threads& threads) {
+  cut_particles_.clear();
+  for (const Cut& cut : cuts_)
+    for (const std::uint32_t i : pairs_.pair(cut.pair).particle) cut_particles_.push_back(i);
+  for (const std::uint32_t* const column : rescues_.columns().particle)
+    cut_particles_.insert(cut_particles_.end(), column, column + cut_pair_.size());
+  std::sort(cut_particles_.begin(), cut_particles_.end());
+  cut_particles_.erase(std::unique(cut_particles_.begin(), cut_particles_.end()), cut_particles_.end());
+  const std::size_t renewed_from = pairs_.keep_up(particles, substep.h, cut_particles_, threads);
+  renew_colours_from(renewed_from);
+  if (renewed_from == 0) return find_cuts(particles, threads);
+  pairs_.measure(particles, cut_particles_);
+  find(cuts_, threads,
+       [&](std::size_t chunk, std::vector<Cut>& found) { find_passing(chunk, particles, false, found); });
 }
 
 // What the solver left undone: contacts of the pairs that would still touch, one after the other. They keep
@@ -399,16 +421,16 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
   constexpr int pushes = 20, passes = 30;
   cut_pair_.clear(), cut_part_.clear();
   std::size_t count = 0;
-  for (int pass = 0;; ++pass) {
-    keep_up(particles, substep, threads);
-    find_cuts(particles, threads);
-    if (cuts_.empty() || pass == passes) break;
+  renew_colours_from(pairs_.keep_up(particles, substep.h, threads));
+  find_cuts(particles, threads);
+  for (int pass = 0; pass < passes && !cuts_.empty(); ++pass) {
     if (pass < pushes) {
       push_cuts(particles);
     } else {
       count += cuts_.size();
       shorten_ways(particles);
     }
+    find_cuts_again(particles, substep, threads);
   }
   pairs_.end_substep();
   return count;

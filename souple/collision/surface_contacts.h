@@ -86,15 +86,16 @@ class SurfaceContacts final : public Projector {
   };
 
   void forget_contacts();
-  void keep_up(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void renew_colours_from(std::size_t renewed_from);
   void renew_colours();
   void find_owners();
   bool is_owner(const NearPair& pair, unsigned on_border) const;
   template <class Function>
   void find(std::vector<Touch>& found, Threads& threads, const Function& of_range);
   void find_touching(std::size_t chunk, const ParticleView& particles, std::vector<Touch>& found);
-  void find_passing(std::size_t chunk, const ParticleView& particles, std::vector<Cut>& found);
+  void find_passing(std::size_t chunk, const ParticleView& particles, bool all, std::vector<Cut>& found);
   void find_cuts(const ParticleView& particles, Threads& threads);
+  void find_cuts_again(const ParticleView& particles, const Substep& substep, Threads& threads);
   bool is_contact(std::uint32_t pair, unsigned verdict, const ParticleView& particles, float& part) const;
   std::uint16_t colour_of(const NearPair& pair, const ParticleView& particles);
   void sort_touches(const ParticleView& particles);
@@ -135,7 +136,8 @@ class SurfaceContacts final : public Projector {
   std::vector<Cut> cuts_;
   std::vector<std::uint32_t> cut_pair_;
   std::vector<float> cut_part_;
-  ContactArrays rescues_;  // what the solver left undone
+  std::vector<std::uint32_t> cut_particles_;  // that a pass of keep_apart has moved
+  ContactArrays rescues_;                     // what the solver left undone
 };
 
 }  // namespace souple

@@ -55,6 +55,7 @@ struct Crowd {
   const std::uint32_t (*quads() const)[4] {
     return reinterpret_cast<const std::uint32_t(*)[4]>(pairs.data());
   }
+  kernels::FeatureRooms rooms() const { return {&start[0].x, &moved[0].y, 4, 0.001f, 0.1f}; }
   kernels::FeaturePoints points() {
     kernels::FeaturePoints result;
     result.moving = &moving[0].x;
@@ -70,10 +71,11 @@ struct Crowd {
 std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::size_t count, int kind) {
   Crowd crowd(plain, count);
   for (std::size_t k = 0; kind == 1 && k < count; k += 3) crowd.pairs[k][1] = crowd.pairs[k][0];
-  std::vector<float> result(2 * count);
+  std::vector<float> result(3 * count);
   const auto add = [&](const float* from, std::size_t n) { result.insert(result.end(), from, from + n); };
   kernels.distances[kind](crowd.points(), crowd.quads(), 0, count, result.data());
-  kernels.ways[kind](crowd.points(), crowd.quads(), 0, count, result.data() + count);
+  kernels.reaches[kind](crowd.points(), crowd.rooms(), 0.1f, crowd.quads(), 0, count, result.data() + count,
+                        result.data() + 2 * count);
 
   const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
   std::vector<std::uint32_t> found(count);
@@ -123,6 +125,27 @@ TEST(FeatureKernels, EveryInstructionSetGivesTheSameBits) {
               << simd_name(set) << (plain ? " plain " : " displacement ") << kind << " " << count;
         }
       }
+}
+
+// A vertex and a triangle that come towards each other: radii of the vertex and of the thickest corner, the
+// fastest corner's relative velocity, and the rooms of both.
+TEST(FeatureKernels, AReachIsThicknessAndWayAndRoom) {
+  const std::vector<Vec4f> velocity{{1, 0, 0, 0}, {1, 0, 0, 0}, {-2, 0, 0, 0}, {1, 4, 0, 0}};
+  const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, room{0.01f, 0.02f, 0.02f, 0.05f};
+  const std::uint32_t pair[1][4] = {{0, 1, 2, 3}};
+  kernels::FeaturePoints points;
+  points.moved = &velocity[0].x;
+  const kernels::FeatureRooms rooms{radius.data(), room.data(), 1, 1e-5f, 0.5f};
+  for (const InstructionSet set : all_sets()) {
+    const FeatureKernels& kernels = kernels::find_feature_kernels(set);
+    float thickness = 0, reach = 0;
+    kernels.reaches[0](points, rooms, 0.1f, pair, 0, 1, &thickness, &reach);
+    EXPECT_FLOAT_EQ(thickness, 0.4f);
+    EXPECT_FLOAT_EQ(reach, 1.5f * 0.4f + 0.1f * 4 + 0.06f);
+    kernels.reaches[1](points, rooms, 0.1f, pair, 0, 1, &thickness, &reach);
+    EXPECT_FLOAT_EQ(thickness, 0.2f + 0.3f);
+    EXPECT_FLOAT_EQ(reach, 1.5f * 0.5f + 0.1f * 4 + 0.07f);
+  }
 }
 
 /// The only pair of a crowd, 3 cm thick, without friction.

@@ -299,6 +299,37 @@ TEST(NearPairs, AWarmFindAllocatesNothing) {
   EXPECT_GT(pairs.edge_edge.size(), 100u);
 }
 
+// Some particles are elsewhere: their pairs, and no others, as brute force has them.
+TEST(NearPairs, WhatMovedIsFoundAgainAlone) {
+  for (const std::size_t stride : {1u, 7u, 90u}) {
+    SurfaceScene scene = mixture(17 + stride);
+    scene.elements.index_particles();
+    const auto pool = make_threads(Threading::pool, 2);
+    NearPairFinder finder;
+    NearPairs pairs;
+    finder.find(scene.elements, scene.boxes, scene.meets, scene.position_w, pairs, *pool);
+    Random random(stride);
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t i = 3; i < scene.boxes.size(); i += static_cast<std::uint32_t>(stride)) {
+      const Vec3f by(random.point(-0.2, 0.2));
+      scene.boxes[i] = {scene.boxes[i].lo + by, scene.boxes[i].hi + by};
+      moved.push_back(i);
+    }
+    finder.find_moved(moved, scene.boxes, scene.position_w, pairs, *pool);
+    NearPairs expected = brute_force(scene);
+    for (std::vector<NearPair>* list : {&expected.vertex_triangle, &expected.edge_edge})
+      std::erase_if(*list, [&](const NearPair& pair) {
+        return std::none_of(std::begin(pair.particle), std::end(pair.particle), [&](std::uint32_t i) {
+          return std::binary_search(moved.begin(), moved.end(), i);
+        });
+      });
+    EXPECT_GT(expected.edge_edge.size(), 10u);
+    EXPECT_EQ(in_one_form(pairs.vertex_triangle, as_vertex_triangle),
+              in_one_form(expected.vertex_triangle, as_vertex_triangle));
+    EXPECT_EQ(in_one_form(pairs.edge_edge, as_edge_edge), in_one_form(expected.edge_edge, as_edge_edge));
+  }
+}
+
 TEST(NearPairs, TooFewBoxesAreAnError) {
   SurfaceScene scene = mixture(16);
   NearPairFinder finder;

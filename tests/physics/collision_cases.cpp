@@ -128,6 +128,19 @@ DrapeAndFold drape_and_fold(int n, Support support) {
   return scene;
 }
 
+Heap sheet_on_edge(int n) {
+  constexpr double side = 2;
+  Heap heap{World(), {}};
+  ObjectOptions options;
+  options.self_collision = true;
+  options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
+  options.transform.translation = {0, 0.5 * side + 0.02, 0};
+  heap.cloth =
+      heap.world.add_cloth(grid(n, n, side), {.thickness = static_cast<float>(0.35 * side / n)}, options);
+  heap.world.add_collider(Plane{});
+  return heap;
+}
+
 // Wrung to a rope of radius r = sqrt(2 R thickness), the outer fibres are helices: for their length L to
 // hold, the rims have to come nearer by L - sqrt(L^2 - (2 pi turns r)^2).
 TwistedTube twisted_tube(int around, double turns, double seconds) {

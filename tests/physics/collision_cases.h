@@ -49,6 +49,13 @@ struct DrapeAndFold {
 };
 DrapeAndFold drape_and_fold(int n, Support support);
 
+/// A square cloth of 2 m, n x n vertices, that stands on its edge, leans a little and falls into folds.
+struct Heap {
+  World world;
+  ObjectId cloth;
+};
+Heap sheet_on_edge(int n);
+
 /// A tube of cloth whose rims are held; the upper one turns `turns` times and comes nearer.
 struct TwistedTube {
   World world;

@@ -52,6 +52,24 @@ TEST_P(LargeCloth, DrapedAndFoldedNothingPassesSlow) {
 INSTANTIATE_TEST_SUITE_P(Slow, LargeCloth, ::testing::ValuesIn(supports),
                          [](const auto& one) { return test::support_name(one.param); });
 
+// It fell from 2 m, and lies on the floor.
+void drop_and_look(int n, double seconds, int every) {
+  test::Heap heap = test::sheet_on_edge(n);
+  const Watched watched = test::run_untangled(heap.world, static_cast<int>(seconds * 60), every);
+  EXPECT_EQ(watched.crossings, 0u) << "frame " << watched.first_crossed;
+  EXPECT_TRUE(watched.ok);
+  EXPECT_LT(heap.world.centre_of_mass(heap.cloth).y, 0.2);
+  for (const Vec3f& x : heap.world.positions(heap.cloth)) EXPECT_GT(x.y, -1e-3f);
+}
+
+TEST(ClothCollisions, ASheetFallsInAHeapAndNeverPassesThroughItself) {
+  drop_and_look(40, 1.2, 1);
+}
+
+TEST(ClothCollisions, ALargeSheetFallsInAHeapAndNeverPassesThroughItselfSlow) {
+  drop_and_look(200, 1.2, 1);
+}
+
 void twist_and_look(int around, double turns, double seconds) {
   test::TwistedTube scene = test::twisted_tube(around, turns, seconds);
   const Watched watched = test::run_untangled(scene.world, static_cast<int>((seconds + 0.5) * 60));

@@ -197,14 +197,36 @@ template <class Set, bool edges>
   }
 }
 
+/// The larger of each feature's two or three, or of the vertex's one; both added up.
 template <class Set, bool edges>
-[[gnu::flatten]] void ways(const FeaturePoints& points, const std::uint32_t (*pairs)[4], std::size_t begin,
-                           std::size_t end, float* out) {
+SOUPLE_INLINE inline Numbers<Set> sum_of_largest(const float* column, std::size_t stride,
+                                                 const PairRecords<Set>& corners) {
+  using T = Numbers<Set>;
+  T of[4];
+  for (int k = 0; k < 4; ++k) {
+    float lanes[Set::lanes];
+    for (int lane = 0; lane < Set::lanes; ++lane)
+      lanes[lane] = column[corners.first_float[k][lane] / 4 * stride];
+    of[k] = max(T::load(lanes), T(0.f));
+  }
+  return edges ? max(of[0], of[1]) + max(of[2], of[3]) : of[0] + max(of[1], max(of[2], of[3]));
+}
+
+template <class Set, bool edges>
+[[gnu::flatten]] void reaches(const FeaturePoints& points, const FeatureRooms& rooms, float dt,
+                              const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
+                              float* thickness, float* reach) {
+  using T = Numbers<Set>;
   for (std::size_t i = begin; i < end; i += Set::lanes) {
     const Indices<Set> indices(i, end);
+    const PairRecords<Set> corners(pairs, indices.at);
     Vectors<Set> m[4];
-    moved_differences(points, PairRecords<Set>(pairs, indices.at), m);
-    store<Set>(relative_way<Set, edges>(m), out + i, indices.count);
+    moved_differences(points, corners, m);
+    const T thick = max(sum_of_largest<Set, edges>(rooms.radius, 1, corners), T(rooms.least_thickness));
+    const T room = sum_of_largest<Set, edges>(rooms.room, rooms.stride, corners);
+    store<Set>(thick, thickness + i, indices.count);
+    store<Set>(T(1 + rooms.early) * thick + relative_way<Set, edges>(m) * T(dt) + room, reach + i,
+               indices.count);
   }
 }
 
@@ -516,7 +538,7 @@ template <class Set>
 template <class Set>
 const FeatureKernels& feature_kernels() {
   static constexpr FeatureKernels kernels{{distances<Set, false>, distances<Set, true>},
-                                          {ways<Set, false>, ways<Set, true>},
+                                          {reaches<Set, false>, reaches<Set, true>},
                                           {near<Set, false>, near<Set, true>},
                                           {judge<Set, false>, judge<Set, true>},
                                           {describe<Set, false>, describe<Set, true>},

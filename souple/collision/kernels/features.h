@@ -14,7 +14,7 @@ struct FeaturePoints {
   float* moving = nullptr;          ///< plain form: the same as position
   float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
-  const float* moved = nullptr;     ///< moving - start; read by ways, near, judge and describe
+  const float* moved = nullptr;     ///< moving - start; read by reaches, near, judge and describe
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
@@ -22,6 +22,14 @@ struct FeatureColumns {
   const std::uint32_t (*particle)[4] = nullptr;
   const float* thickness = nullptr;  ///< m
   float* known = nullptr;            ///< at least so far apart when the substep began [m]
+};
+
+/// What particles keep between them, and how far they may leave their ways. [m]
+struct FeatureRooms {
+  const float* radius = nullptr;  ///< half the thickness of each particle
+  const float* room = nullptr;    ///< of particle i: room[i * stride]
+  std::size_t stride = 1;
+  float least_thickness = 0, early = 0;
 };
 
 /// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
@@ -76,9 +84,10 @@ struct FeatureKernels {
   /// How far they are apart now [m].
   void (*distances[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin,
                        std::size_t end, float* out);
-  /// How far a point of one may move relative to one of the other, from what corners moved [m].
-  void (*ways[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
-                  float* out);
+  /// What both are thick together, and from how far they can come within (1 + early) of that in `dt`, with
+  /// `moved` the velocities of particles [m].
+  void (*reaches[2])(const FeaturePoints&, const FeatureRooms&, float dt, const std::uint32_t (*pairs)[4],
+                     std::size_t begin, std::size_t end, float* thickness, float* reach);
   /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
   /// not pass over, as soon as their distance is known, go to `found`, ascending.
   Nearness (*near[2])(const FeaturePoints&, const FeatureColumns&, const NearRule&, float owed, float early,

@@ -17,17 +17,13 @@ struct Lanes {
   using Vector = typename Set::Vector;
   using Mask = typename Set::Mask;
   static Vector broadcast(float a) { return Set::broadcast(a); }
+  static Vector load(const float* a) { return Set::load(a); }
   static Mask at_most(const float* a, Vector b) { return Set::load(a) <= b; }
   static Mask at_least(const float* a, Vector b) { return Set::load(a) >= b; }
   static Mask equal(const std::uint32_t* a, std::uint32_t b) {
     Mask loaded;
     __builtin_memcpy(&loaded, a, sizeof loaded);
     return loaded == (Mask{} + static_cast<std::int32_t>(b));
-  }
-  static Mask has_none(const std::uint32_t* a, std::uint32_t b) {
-    Mask loaded;
-    __builtin_memcpy(&loaded, a, sizeof loaded);
-    return (loaded & (Mask{} + static_cast<std::int32_t>(b))) == Mask{};
   }
   static std::uint32_t bits(Mask mask) {
 #if defined(__x86_64__)
@@ -105,6 +101,15 @@ SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t 
   return bits & first_bits<Set>(group.count);
 }
 
+/// Items of the first group that may have a marked pair with one of the second.
+inline std::uint32_t may_have_marked(const BoxGroup& first, const BoxGroup& second) {
+  return second.marked != 0 ? ~0u : first.marked;
+}
+/// What item k of the first group may have in the second.
+inline std::uint32_t wanted_by(const BoxGroup& first, std::uint32_t k, const BoxGroup& second) {
+  return (first.marked >> k & 1) != 0 ? ~0u : second.marked;
+}
+
 /// What is near each item of a group: only items that have something near. One loop then goes over all pairs;
 /// a loop for each item would end as many times at a place that nobody foresees.
 template <class Set>
@@ -143,9 +148,11 @@ std::size_t vertices_items(const BoxColumns& vertices, const BoxGroup& v, const 
                            const BoxGroup& group, Quad* pairs) {
   constexpr int first = 4 - corners;
   Rows<Set> rows;
-  for (std::uint32_t near = items_in<Set>(vertices, v, group.box); near != 0; near &= near - 1) {
-    const std::uint32_t i = v.begin + static_cast<std::uint32_t>(__builtin_ctz(near));
-    rows.add(i, near_one<Set, 1, corners>(vertices, i, items, group));
+  for (std::uint32_t near = items_in<Set>(vertices, v, group.box) & may_have_marked(v, group); near != 0;
+       near &= near - 1) {
+    const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
+    rows.add(v.begin + k,
+             near_one<Set, 1, corners>(vertices, v.begin + k, items, group) & wanted_by(v, k, group));
   }
   Quad* next = pairs;
   rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
@@ -161,9 +168,10 @@ template <class Set>
 std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs) {
   Rows<Set> rows;
   const bool same = a.begin == b.begin;
-  for (std::uint32_t near = items_in<Set>(edges, a, b.box); near != 0; near &= near - 1) {
+  for (std::uint32_t near = items_in<Set>(edges, a, b.box) & may_have_marked(a, b); near != 0;
+       near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
-    const std::uint32_t hits = near_one<Set, 2, 2>(edges, a.begin + k, edges, b);
+    const std::uint32_t hits = near_one<Set, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
     rows.add(a.begin + k, same ? hits & ~first_bits<Set>(k + 1) : hits);
   }
   Quad* next = pairs;
@@ -178,16 +186,22 @@ std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGro
 }
 
 template <class Set>
-std::size_t overlapping(const BoxColumns& boxes, std::size_t begin, std::size_t count, const float (&box)[6],
-                        const std::uint32_t* keys, std::uint32_t mask, std::uint32_t* found) {
+std::size_t overlapping(const KeyedBox* boxes, std::size_t count, const float (&box)[6], std::uint32_t mask,
+                        std::uint32_t first, std::uint32_t* found) {
   using L = Lanes<Set>;
-  const SpreadBox<Set> spread(box);
+  constexpr std::uint32_t row = 8, corners = 0x77;  // not keys
+  const float limit[row] = {box[3], box[4], box[5], 0, -box[0], -box[1], -box[2], 0};
+  typename L::Vector limits[row / L::count];
+  for (std::uint32_t k = 0; k < row; k += L::count) limits[k / L::count] = L::load(limit + k);
   std::size_t n = 0;
-  for (std::size_t k = 0; k < count; k += L::count) {
-    std::uint32_t hits = L::bits(spread.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
-    if (count - k < L::count) hits &= first_bits<Set>(static_cast<std::uint32_t>(count - k));
-    for (; hits != 0; hits &= hits - 1)
-      found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(hits))];
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const numbers = boxes[i].lo;
+    std::uint32_t bits = 0;
+    for (std::uint32_t k = 0; k < row; k += L::count)
+      bits |= L::bits(L::at_most(numbers + k, limits[k / L::count])) << k;
+    const std::uint32_t key = boxes[i].key;
+    found[n] = key;
+    n += (bits & corners) == corners && (key & mask) == 0 && key >= first ? 1 : 0;
   }
   return n;
 }
