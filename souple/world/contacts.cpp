@@ -46,6 +46,7 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .groups = object.filter.groups,
       .meets = object.filter.mask,
       .immovable = object.kind == ObjectKind::obstacle,
+      .layer = object.layer,
       .rest = object.rest};
   for (std::uint32_t other = 0; other < world.objects.size(); ++other)
     if (other != index && !matrix.collide(index, other)) result.apart_from.push_back(other);
