@@ -281,13 +281,20 @@ float Untangling::find_way(Knot& knot, const ParticleView& particles, float fart
   return 0;
 }
 
-float Untangling::longest_edge(const Knot& knot, const ParticleView& particles) const {
+// A knot of two layers goes outward, and where that stalls by its contour, in turns: a fold of the lower one
+// that reaches through the upper one is pulled to both sides by its normals.
+void Untangling::take_turns(Knot& knot, const ParticleView& particles, double time, float most_speed) {
+  if (knot.known) ++knot.attempt;
+  knot.known = true;
   float longest = 0;
   for (std::size_t k = knot.first; k < knot.first + knot.count; ++k) {
     const auto& i = crossing(k).particle;
     longest = max(longest, length(particles.difference(i[1], i[0])));
   }
-  return longest;
+  const auto hurry = static_cast<float>(1 << std::min(knot.attempt / 2, most_doublings));
+  knot.speed = min(most_speed, max(least_speed, longest / time_to_part) * hurry);
+  knot.deadline = time + stall_time;
+  knot.fewest = knot.count;
 }
 
 void Untangling::choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed) {
@@ -298,10 +305,9 @@ void Untangling::choose_direction(Knot& knot, const ParticleView& particles, dou
   }
   knot.known = true;
   knot.direction = {};
-  const bool known_way = layers_.ordered(knot.a, knot.b);
-  const float size = known_way ? longest_edge(knot, particles) : length(knot.bounds.hi - knot.bounds.lo);
+  const float size = length(knot.bounds.hi - knot.bounds.lo);
   const float farthest = size * static_cast<float>(1 << std::min(knot.attempt, most_attempts));
-  const float way = knot.a != knot.b && !known_way ? find_way(knot, particles, farthest) : 0.0f;
+  const float way = knot.a != knot.b ? find_way(knot, particles, farthest) : 0.0f;
   const float distance = way > 0 ? way : size;
   knot.speed = min(most_speed, max(least_speed, distance / time_to_part));
   knot.deadline = time + patience * static_cast<double>(distance / knot.speed) + stall_time;
@@ -317,6 +323,7 @@ void Untangling::attend(Knot& knot, const ParticleView& particles, double time, 
     knot.deadline = time + stall_time;
   }
   if (knot.known && time <= knot.deadline) return;
+  if (layers_.ordered(knot.a, knot.b)) return take_turns(knot, particles, time, most_speed);
   if (knot.known && knot.doublings < most_doublings && knot.speed < most_speed) {
     ++knot.doublings;
     knot.speed = min(most_speed, 2 * knot.speed);
@@ -369,10 +376,11 @@ void Untangling::touch() {
 }
 
 void Untangling::pull_knot(const Knot& knot, const ParticleView& particles) {
-  const bool along = length_squared(knot.direction) > 0, layers = layers_.ordered(knot.a, knot.b);
+  const bool along = length_squared(knot.direction) > 0;
+  const bool outward = layers_.ordered(knot.a, knot.b) && knot.attempt % 2 == 0;
   for (std::size_t k = knot.first; k < knot.first + knot.count; ++k) {
     const TangledEdge& edge = crossing(k);
-    if (layers) {
+    if (outward) {
       const Vec3f n = layers_.outward(edge, particles, tangles_);
       if (length_squared(n) > 0) add({edge.particle, edge.c, n, knot.speed}, particles);
     } else if (along) {

@@ -97,7 +97,7 @@ class Untangling {
   void remember();
   void collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region);
   float find_way(Knot& knot, const ParticleView& particles, float farthest);
-  float longest_edge(const Knot& knot, const ParticleView& particles) const;
+  void take_turns(Knot& knot, const ParticleView& particles, double time, float most_speed);
   void choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed);
   void attend(Knot& knot, const ParticleView& particles, double time, float most_speed, int& searches);
   bool is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,

@@ -175,6 +175,7 @@ void report_tangles(WorldState& world) {
 void find_tangles(WorldState& world, const ContactStep& step) {
   world.untangling.begin_step(world.view(), step, may_be_tangled(world), *world.threads);
   world.look_for_tangles = false;
+  world.report.misplaced = world.untangling.misplaced().size();
   report_tangles(world);
 }
 
