@@ -119,8 +119,7 @@ Layers::Nearest Layers::nearest(const ParticleView& particles, const Tangles& ta
       const SurfaceElement& triangle = tangles.elements().triangles()[t];
       if (triangle.object != surface) continue;
       Vec3f corner[3];
-      for (std::size_t k = 0; k < 3; ++k)
-        corner[k] = particles.difference(triangle.particle[k], i) - shift;
+      for (std::size_t k = 0; k < 3; ++k) corner[k] = particles.difference(triangle.particle[k], i) - shift;
       float w[3];
       nearest_on_triangle(Vec3f{}, corner[0], corner[1], corner[2], w);
       const Vec3f away = -(corner[0] * w[0] + corner[1] * w[1] + corner[2] * w[2]);

@@ -29,10 +29,10 @@ struct Misplaced {
 ///   n . (x - y) >= 0,
 ///
 /// y the point of the surface nearest to x and n its normal there: of the triangle, the mean of two at an
-/// edge, weighted by angles at a vertex. Then the sign is right wherever the surface has an inside (Baerentzen
-/// and Aanaes 2005, "Signed distance computation using the angle weighted pseudonormal"), and in folds.
-/// Farther away than a twentieth of the lower surface's size nothing is wrong, nor beyond its border, unless
-/// the lower surface is closed: what is inside of that is wrong at any depth.
+/// edge, weighted by angles at a vertex. Then the sign is right wherever the surface has an inside
+/// (Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted pseudonormal"), and in
+/// folds. Farther away than a twentieth of the lower surface's size nothing is wrong, nor beyond its border,
+/// unless the lower surface is closed: what is inside of that is wrong at any depth.
 ///
 /// Two kinds of points are asked: vertices of the upper surface, and where its triangles are nearest to
 /// vertices of the lower one. Edges through triangles are left to Tangles; `outward` tells where they go.
@@ -100,10 +100,10 @@ class Layers {
   std::vector<std::uint8_t> at_border_;             // of particles
   std::vector<Bounds> boxes_;                       // of triangles
   SpatialHash hash_;
-  float cell_size_ = 1;                                  // m
-  std::vector<Misplaced> of_vertex_;                     // of the pair that is looked at
-  std::vector<std::uint8_t> is_misplaced_;               // of vertices, likewise
-  std::vector<std::uint8_t> may_pass_something_;         // of particles
+  float cell_size_ = 1;                                 // m
+  std::vector<Misplaced> of_vertex_;                    // of the pair that is looked at
+  std::vector<std::uint8_t> is_misplaced_;              // of vertices, likewise
+  std::vector<std::uint8_t> may_pass_something_;        // of particles
   std::vector<std::array<std::uint32_t, 2>> may_pass_;  // vertex and surface, sorted
   std::vector<Misplaced> found_;
 };

@@ -532,8 +532,8 @@ bool Untangling::exempts(const NearPair& pair, bool edges) const {
 
 std::size_t Untangling::bytes() const {
   return tangles_.bytes() + layers_.bytes() +
-         bytes_of(order_, pairs_, knots_, old_knots_, root_, last_of_, knot_of_,
-                                     old_knot_of_, touched_, inside_, edges_a_, edges_b_, hits_, pulls_);
+         bytes_of(order_, pairs_, knots_, old_knots_, root_, last_of_, knot_of_, old_knot_of_, touched_,
+                  inside_, edges_a_, edges_b_, hits_, pulls_);
 }
 
 }  // namespace souple

@@ -36,9 +36,9 @@ struct TangledPair {
 /// and likewise a vertex inside a closed surface and the point where the direction leaves it. Corrections are
 /// w_k c_k n: equal, opposite and in one line. So there is no depth that could make it violent.
 ///
-/// Two layers have no knots to look at from all sides: it is known where they belong (layers.h). Edges through
-/// triangles are pulled along the normal of the lower one, each by itself, and so are points of the upper one
-/// that are under it, whether anything is tangled or not.
+/// Two layers have no knots to look at from all sides: it is known where they belong (layers.h). Edges
+/// through triangles are pulled along the normal of the lower one, each by itself, and so are points of the
+/// upper one that are under it, whether anything is tangled or not.
 ///
 /// Until it is undone, contacts must not hold what belongs to it: `exempts`.
 class Untangling {
@@ -125,8 +125,8 @@ class Untangling {
   std::vector<Pull> pulls_;
   ObjectMatrix tangled_, watched_;  // watched: also those whose layers lie wrong
   std::size_t fewest_misplaced_ = 0;
-  double hurry_at_ = 0;  // by when there should be fewer of them [s]
-  int hurries_ = 0;      // doublings of the speed at which they are pulled
+  double hurry_at_ = 0;   // by when there should be fewer of them [s]
+  int hurries_ = 0;       // doublings of the speed at which they are pulled
   double last_time_ = 0;  // when the last step began [s]: earlier after a snapshot was restored
   int idle_ = 0;          // steps since a tangle that is held was looked at
 };

@@ -773,9 +773,10 @@ void add_self_collision_key(Table<T>& keys) {
 
 template <class T>
 void add_layer_key(Table<T>& keys) {
-  keys.template key<&T::layer>("layer", number<int>(within(0, 1000)),
-                               "which layer of cloth it is: of two that meet, the higher lies over the other, on "
-                               "the side where that one's triangles are counter-clockwise; 0: in no order");
+  keys.template key<&T::layer>(
+      "layer", number<int>(within(0, 1000)),
+      "which layer of cloth it is: of two that meet, the higher lies over the other, on "
+      "the side where that one's triangles are counter-clockwise; 0: in no order");
 }
 
 std::shared_ptr<Table<ClothDescription>> cloth_table() {

@@ -197,8 +197,9 @@ void require_layer(const Object& object, int layer) {
     throw Error(object.name + ": layer: " + std::to_string(layer) + " is not a whole number from 0 to " +
                 std::to_string(most));
   if (layer != 0 && object.surface.empty())
-    throw Error(object.name + ": layer: only an object with a surface of its own can be one (cloth, a soft body "
-                              "made of tets, an obstacle); leave it 0");
+    throw Error(object.name +
+                ": layer: only an object with a surface of its own can be one (cloth, a soft body "
+                "made of tets, an obstacle); leave it 0");
 }
 
 void require_movable(const Object& object, const char* what) {

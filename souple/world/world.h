@@ -56,10 +56,10 @@ struct ObjectOptions {
   std::vector<float> thickness_map{};  ///< per vertex, scales thickness; empty: 1
   /// Its surface touches itself: cloth folds over itself, a rope cannot pass through itself.
   bool self_collision = false;
-  /// Which layer of cloth its surface is, from 0 to 1000. Of two objects that meet, the one of the higher layer
-  /// lies over the other, on the side where the lower one's triangles are counter-clockwise, and comes out where
-  /// it is put wrong. 0: in no order with others. Of objects with a surface of their own: cloth, soft bodies
-  /// from tets, obstacles.
+  /// Which layer of cloth its surface is, from 0 to 1000. Of two objects that meet, the one of the higher
+  /// layer lies over the other, on the side where the lower one's triangles are counter-clockwise, and comes
+  /// out where it is put wrong. 0: in no order with others. Of objects with a surface of their own: cloth,
+  /// soft bodies from tets, obstacles.
   int layer = 0;
   /// Bit masks: which of 32 groups it belongs to, and which groups it wants to meet. Two things meet when
   /// a.collision_groups & b.collision_mask and b.collision_groups & a.collision_mask are both non-zero.
