@@ -1,10 +1,10 @@
 #include "souple/collision/layers.h"
 
 #include "souple/collision/nearest.h"
+#include "souple/math/scalar.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace souple {
@@ -25,6 +25,11 @@ Bounds widened(const Bounds& box, float by) {
 
 float size_of(const Bounds& box) {
   return length(box.hi - box.lo);
+}
+
+bool are_tied(std::uint32_t vertex, const SurfaceElement& triangle, const Tangles& tangles) {
+  return std::any_of(std::begin(triangle.particle), std::end(triangle.particle),
+                     [&](std::uint32_t i) { return tangles.are_tied(vertex, i); });
 }
 
 Vec3f area_normal(const ParticleView& particles, const SurfaceElement& t) {
@@ -81,7 +86,7 @@ void Layers::find_normals(const ParticleView& particles, const Tangles& tangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t i = t.particle[k], j = t.particle[(k + 1) % 3], l = t.particle[(k + 2) % 3];
       const Vec3f a = particles.difference(j, i), b = particles.difference(l, i);
-      vertex_normal_[i] += n * std::atan2(length(cross(a, b)), dot(a, b));
+      vertex_normal_[i] += n * atan2(length(cross(a, b)), dot(a, b));
       edge_normal_[t.edge[k]] += n;
       if (tangles.opposite(t.edge[k])[1] == none) at_border_[i] = at_border_[j] = 1;
     }
@@ -185,6 +190,7 @@ bool Layers::ask_upper(const Pair& pair, std::uint32_t i, const ParticleView& pa
   const Nearest on = nearest(particles, tangles, i, {}, pair.lower, reach, near);
   Vec3f normal;
   if (!is_under(on, particles, tangles, size, normal)) return false;
+  if (are_tied(i, tangles.elements().triangles()[on.triangle], tangles)) return false;
   const float depth = length(on.away);
   const auto& corner = tangles.elements().triangles()[on.triangle].particle;
   found = {i,
@@ -203,7 +209,8 @@ bool Layers::ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& pa
   const Vec3f x = particles.relative(i, {});
   if (!overlap(widened(surfaces_[pair.upper].bounds, reach), {x, x})) return false;
   const Nearest above = nearest(particles, tangles, i, {}, pair.upper, reach, near);
-  if (above.triangle == none) return false;
+  if (above.triangle == none || are_tied(i, tangles.elements().triangles()[above.triangle], tangles))
+    return false;
   const Nearest on = nearest(particles, tangles, i, -above.away, pair.lower, reach, near);
   Vec3f normal;
   if (!is_under(on, particles, tangles, size, normal)) return false;

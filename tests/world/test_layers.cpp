@@ -1,5 +1,6 @@
 // Layers of cloth: the higher one comes to lie outside, however it begins, and stays there.
 #include "souple/geometry/builders.h"
+#include "souple/scene/scene.h"
 #include "souple/world/world.h"
 #include "tests/collision/crossings.h"
 #include "tests/expect_error.h"
@@ -205,6 +206,36 @@ TEST(Layers, ASheetInsideOfABodyComesOut) {
   for (const Vec3f& x : world.positions(sheet)) nearest = std::min(nearest, length(x));
   EXPECT_GT(nearest, 0.19f);
   EXPECT_TRUE(world.contains(body));
+}
+
+// The upper sheet is sewn to the lower one along a line, where the two coincide.
+TEST(Layers, WhatIsSewnTogetherIsNotPulled) {
+  constexpr double angle = 0.2, half = 0.2;
+  World world({.gravity = {}});
+  const ObjectId lower = world.add_cloth(grid(10, 10, 2 * half), cotton, layer("lower", 1));
+  const Transform raised{.translation = {0, half * std::sin(angle), half * (std::cos(angle) - 1)},
+                         .rotation = Quatd::from_axis_angle({1, 0, 0}, -angle)};
+  const ObjectId upper = world.add_cloth(grid(10, 10, 2 * half), cotton, layer("upper", 2, raised));
+  std::vector<std::pair<VertexRef, VertexRef>> seam;
+  for (std::uint32_t i = 0; i < 10; ++i) seam.push_back({{lower, i}, {upper, i}});
+  world.connect(seam);
+  for (int frame = 0; frame < 20; ++frame) {
+    world.step(frame_time);
+    EXPECT_EQ(world.report().misplaced, 0u);
+  }
+  EXPECT_GT(mean_height(world, upper), mean_height(world, lower) + 0.02f);
+}
+
+// The shipped scene, by a checker of its own.
+TEST(Layers, ATorsoInAShirtAndACoatStaysDressedSlow) {
+  World world = build_world(load_scene(SOUPLE_SOURCE_DIR "/scenes/layers.json"));
+  EXPECT_GT(crossings(world), 300u);
+  for (int frame = 0; frame < 100; ++frame) {
+    world.step(frame_time);
+    if (frame >= 10 && frame % 10 == 0) {
+      EXPECT_EQ(crossings(world), 0u) << "frame " << frame;
+    }
+  }
 }
 
 // Two sheets in touch, the order of which is changed.
