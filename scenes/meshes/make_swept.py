@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the meshes of the shipped scenes that are swept along a circle or a curve, beside itself: glass.obj, tube.obj,
-knot_left.obj, knot_right.obj. Metres."""
+knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj. Metres."""
 import math
 import pathlib
 
@@ -51,6 +51,47 @@ def tube(radius, length, around):
     write("tube", "An open tube that stands in y = 0.", vertices, quads(along + 1, around, True))
 
 
+# Half widths of a torso by height, from the hips to the neck; it is less deep than wide.
+TORSO = [(0, 0.17), (0.1, 0.16), (0.2, 0.145), (0.32, 0.155), (0.42, 0.165), (0.48, 0.158), (0.52, 0.138), (0.55, 0.1),
+         (0.57, 0.06), (0.66, 0.052)]
+DEPTH = 0.7
+
+
+def outline(lowest, highest, rows):
+    """Points of the torso's outline at equal steps along it, each with the normal there; straight below the hips."""
+    points = ([(lowest, TORSO[0][1] + 0.15 * -lowest)] if lowest < 0 else []) + TORSO
+    dense = [[p + (q - p) * s / 50 for p, q in zip(a, b)] for a, b in zip(points, points[1:]) for s in range(50)]
+    dense = [p for p in dense if lowest <= p[0] <= highest]
+    ways = [0]
+    for p, q in zip(dense, dense[1:]):
+        ways.append(ways[-1] + math.dist(p, q))
+    rows_of = [min(range(len(ways)), key=lambda k: abs(ways[k] - ways[-1] * row / (rows - 1))) for row in range(rows)]
+    for k in rows_of:
+        (y0, r0), (y1, r1) = dense[max(k - 20, 0)], dense[min(k + 20, len(dense) - 1)]
+        size = math.hypot(y1 - y0, r1 - r0)
+        yield *dense[k], (r0 - r1) / size, (y1 - y0) / size
+
+
+def garment(name, about, lowest, highest, rows, segments, offset):
+    """The torso's outline all around, moved along its normal by offset(angle, part of the way down)."""
+    vertices = []
+    for row, (y, r, up, out) in enumerate(outline(lowest, highest, rows)):
+        for a in (2 * math.pi * s / segments for s in range(segments)):
+            d = offset(a, 1 - row / (rows - 1))
+            vertices.append(((r + d * out) * math.cos(a), y + d * up, (DEPTH * r + d * out) * math.sin(a)))
+    write(name, about, vertices, quads(rows, segments, True))
+
+
+def torso(segments=40, rows=28):
+    rings = [(r, y) for y, r, _, _ in outline(0, 0.66, rows)]
+    vertices = [(x, y, DEPTH * z) for r, h in rings for x, y, z in circle(r, h, segments)]
+    triangles, low, high = quads(rows, segments, True), len(vertices), len(vertices) + 1
+    for s in range(segments):
+        t = (s + 1) % segments
+        triangles += [(low, s, t), (high, (rows - 1) * segments + t, (rows - 1) * segments + s)]
+    write("torso", "A torso, closed.", vertices + [(0, 0, 0), (0, 0.66, 0)], triangles)
+
+
 def smooth(points, step):
     """Points at equal steps along the Catmull-Rom curve through `points`."""
     dense = []
@@ -85,3 +126,7 @@ if __name__ == "__main__":
     strip("knot_right", [(1.3, h, 0.14), (1, h, 0.14), (0.5, h, 0.14), (0.28, h, 0.15), (0.1, 0, 0.2), (-0.05, -h, 0.28),
                          (-0.15, -h, 0.36), (-0.3, -0.7 * h, 0.5), (-0.48, 0, 0.53), (-0.64, 0.8 * h, 0.46),
                          (-0.74, 1.1 * h, 0.32), (-0.78, 1.1 * h, 0)])
+    torso()
+    garment("shirt", "A shirt without sleeves, open below and at the neck.", -0.12, 0.56, 30, 48, lambda a, down: 0.012)
+    garment("coat", "A coat that is half sunk into the shirt.", 0.06, 0.548, 22, 44,
+            lambda a, down: 0.02 + min(4 * down, 1) * (0.009 * math.cos(3 * a + 1) - 0.007))

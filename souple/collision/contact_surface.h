@@ -22,6 +22,7 @@ struct ContactSurface {
   std::uint32_t groups = 1;      ///< two objects meet when a.groups & b.meets and b.groups & a.meets
   std::uint32_t meets = ~0u;     ///< are both non-zero
   bool immovable = false;        ///< an obstacle: nothing could move two of them apart
+  int layer = 0;  ///< the higher of two lies outside of the lower; 0: there is no order (layers.h)
   std::vector<std::uint32_t> apart_from{};  ///< surfaces that it never meets, ascending
   std::span<const Vec3d> rest{};            ///< of its particles: features near at rest may stay as near
 };

@@ -133,9 +133,7 @@ bool Tangles::is_excluded(const TangledEdge& pair) const {
   if (excluded_.empty()) return false;
   for (std::size_t a = 0; a < 2; ++a)
     for (std::size_t b = 2; b < 5; ++b)
-      if (std::binary_search(excluded_.begin(), excluded_.end(),
-                             std::array<std::uint32_t, 2>{pair.particle[a], pair.particle[b]}))
-        return true;
+      if (are_tied(pair.particle[a], pair.particle[b])) return true;
   return false;
 }
 

@@ -7,6 +7,7 @@
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -58,6 +59,10 @@ class Tangles {
   const std::array<std::uint32_t, 2>& opposite(std::size_t edge) const { return opposite_[edge]; }
   /// Whether there is anything that meets something.
   bool any_pair() const { return any_pair_; }
+  /// Whether two particles are an excluded pair.
+  bool are_tied(std::uint32_t i, std::uint32_t j) const {
+    return std::binary_search(excluded_.begin(), excluded_.end(), std::array<std::uint32_t, 2>{i, j});
+  }
   std::uint32_t surface_of(std::size_t particle) const { return surface_of_[particle]; }
 
   /// Looks from x_i + shift along a unit vector, to 1e-3, as far as the surface reaches. `side`, 1 or -1: to

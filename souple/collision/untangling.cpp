@@ -74,6 +74,7 @@ void Untangling::set_surfaces(std::span<const ContactSurface> surfaces) {
   *this = {};
   tangles_ = std::move(tangles);
   tangles_.set_surfaces(surfaces);
+  layers_.set_surfaces(surfaces);
   if (!tangles_.any_pair()) return;
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
@@ -81,7 +82,7 @@ void Untangling::set_surfaces(std::span<const ContactSurface> surfaces) {
   inside_.assign(end, none);
   last_of_.assign(end, none);
   old_knot_of_.assign(end, none);
-  tangled_ = ObjectMatrix(surfaces.size());
+  tangled_ = watched_ = ObjectMatrix(surfaces.size());
 }
 
 // --- knots
@@ -280,6 +281,22 @@ float Untangling::find_way(Knot& knot, const ParticleView& particles, float fart
   return 0;
 }
 
+// A knot of two layers goes outward, and where that stalls by its contour, in turns: a fold of the lower one
+// that reaches through the upper one is pulled to both sides by its normals.
+void Untangling::take_turns(Knot& knot, const ParticleView& particles, double time, float most_speed) {
+  if (knot.known) ++knot.attempt;
+  knot.known = true;
+  float longest = 0;
+  for (std::size_t k = knot.first; k < knot.first + knot.count; ++k) {
+    const auto& i = crossing(k).particle;
+    longest = max(longest, length(particles.difference(i[1], i[0])));
+  }
+  const auto hurry = static_cast<float>(1 << std::min(knot.attempt / 2, most_doublings));
+  knot.speed = min(most_speed, max(least_speed, longest / time_to_part) * hurry);
+  knot.deadline = time + stall_time;
+  knot.fewest = knot.count;
+}
+
 void Untangling::choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed) {
   if (knot.known) {
     ++knot.attempt;
@@ -306,6 +323,7 @@ void Untangling::attend(Knot& knot, const ParticleView& particles, double time, 
     knot.deadline = time + stall_time;
   }
   if (knot.known && time <= knot.deadline) return;
+  if (layers_.ordered(knot.a, knot.b)) return take_turns(knot, particles, time, most_speed);
   if (knot.known && knot.doublings < most_doublings && knot.speed < most_speed) {
     ++knot.doublings;
     knot.speed = min(most_speed, 2 * knot.speed);
@@ -359,9 +377,13 @@ void Untangling::touch() {
 
 void Untangling::pull_knot(const Knot& knot, const ParticleView& particles) {
   const bool along = length_squared(knot.direction) > 0;
+  const bool outward = layers_.ordered(knot.a, knot.b) && knot.attempt % 2 == 0;
   for (std::size_t k = knot.first; k < knot.first + knot.count; ++k) {
     const TangledEdge& edge = crossing(k);
-    if (along) {
+    if (outward) {
+      const Vec3f n = layers_.outward(edge, particles, tangles_);
+      if (length_squared(n) > 0) add({edge.particle, edge.c, n, knot.speed}, particles);
+    } else if (along) {
       const Vec3f n = edge.edge_surface == knot.a ? knot.direction : -knot.direction;
       add({edge.particle, edge.c, n, knot.speed}, particles);
     } else {
@@ -405,23 +427,58 @@ void Untangling::pull_inside(const Knot& knot, const ParticleView& particles, bo
   }
 }
 
+// Points of layers that lie wrong go outward, the deeper the faster, and all of them faster where they do not
+// get fewer.
+void Untangling::pull_layers(const ContactStep& step, const ParticleView& particles) {
+  const std::size_t count = layers_.found().size();
+  if (count == 0 || fewest_misplaced_ == 0) hurries_ = 0;
+  if (count < fewest_misplaced_ || fewest_misplaced_ == 0) {
+    fewest_misplaced_ = count;
+    hurry_at_ = step.time + stall_time;
+  } else if (step.time > hurry_at_) {
+    hurries_ = std::min(hurries_ + 1, most_doublings);
+    hurry_at_ = step.time + stall_time;
+  }
+  for (const Misplaced& point : layers_.found()) {
+    const auto& i = point.particle;
+    const float speed = max(least_speed, point.depth / time_to_part) * static_cast<float>(1 << hurries_);
+    add({{i[0], i[0], i[1], i[2], i[3]},
+         {point.c[0], 0, point.c[1], point.c[2], point.c[3]},
+         point.direction,
+         min(step.depenetration_speed, speed)},
+        particles);
+  }
+}
+
+// Between objects that are not tangled contacts see to it that they do not become so, nor do layers come to
+// lie wrong.
+void Untangling::find(const ParticleView& particles, bool look, Threads& threads) {
+  if (look) {
+    for (std::uint32_t a = 0; a < watched_.size(); ++a)
+      for (std::uint32_t b = 0; b < a; ++b) watched_.set(a, b, layers_.ordered(a, b));
+    tangles_.find(particles, threads);
+  } else {
+    tangles_.find(particles, watched_, threads);
+  }
+  layers_.find(particles, tangles_, watched_, threads);
+  count_pairs(particles);
+  watched_ = tangled_;
+  for (const Misplaced& point : layers_.found())
+    watched_.set(tangles_.surface_of(point.vertex), point.surface, true);
+}
+
 void Untangling::begin_step(const ParticleView& particles, const ContactStep& step, bool look,
                             Threads& threads) {
-  const bool was_tangled = !pairs_.empty();
-  if (!tangles_.any_pair() || (!look && !was_tangled)) return;
+  const bool was_tangled = !pairs_.empty(), was_wrong = !layers_.found().empty();
+  if (!tangles_.any_pair() || (!look && !was_tangled && !was_wrong)) return;
   if (!look && pulls_.empty() && ++idle_ < held_interval) return;
   if (step.time < last_time_) std::fill(old_knot_of_.begin(), old_knot_of_.end(), none);
   last_time_ = step.time;
   idle_ = 0;
   pulls_.clear();
   knots_.clear();
-  // Between objects that are not tangled contacts see to it that they do not become so.
-  if (look) {
-    tangles_.find(particles, threads);
-  } else {
-    tangles_.find(particles, tangled_, threads);
-  }
-  count_pairs(particles);
+  find(particles, look, threads);
+  pull_layers(step, particles);
   if (pairs_.empty()) {
     if (was_tangled) remember();
     return;
@@ -459,12 +516,14 @@ void Untangling::pull(const ParticleView& particles, const Substep& substep) con
 }
 
 bool Untangling::exempts(const NearPair& pair, bool edges) const {
-  if (pairs_.empty()) return false;
+  if (pairs_.empty() && layers_.found().empty()) return false;
   const std::size_t first = edges ? 2 : 1;
   for (std::size_t a = 0; a < first; ++a)
     for (std::size_t b = first; b < 4; ++b) {
       const std::uint32_t p = pair.particle[a], q = pair.particle[b];
       const std::uint32_t one = tangles_.surface_of(p), other = tangles_.surface_of(q);
+      if (layers_.may_pass(p, other) || layers_.may_pass(q, one)) return true;
+      if (pairs_.empty()) continue;
       if (inside_[p] == other || inside_[q] == one) return true;
       if (touched_[p] != 0 && touched_[q] != 0 && tangled_.at(one, other)) return true;
     }
@@ -472,8 +531,9 @@ bool Untangling::exempts(const NearPair& pair, bool edges) const {
 }
 
 std::size_t Untangling::bytes() const {
-  return tangles_.bytes() + bytes_of(order_, pairs_, knots_, old_knots_, root_, last_of_, knot_of_,
-                                     old_knot_of_, touched_, inside_, edges_a_, edges_b_, hits_, pulls_);
+  return tangles_.bytes() + layers_.bytes() +
+         bytes_of(order_, pairs_, knots_, old_knots_, root_, last_of_, knot_of_, old_knot_of_, touched_,
+                  inside_, edges_a_, edges_b_, hits_, pulls_);
 }
 
 }  // namespace souple

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/collision/contact.h"
+#include "souple/collision/layers.h"
 #include "souple/collision/tangles.h"
 
 #include <cstdint>
@@ -35,6 +36,10 @@ struct TangledPair {
 /// and likewise a vertex inside a closed surface and the point where the direction leaves it. Corrections are
 /// w_k c_k n: equal, opposite and in one line. So there is no depth that could make it violent.
 ///
+/// Two layers have no knots to look at from all sides: it is known where they belong (layers.h). Edges
+/// through triangles are pulled along the normal of the lower one, each by itself, and so are points of the
+/// upper one that are under it, whether anything is tangled or not.
+///
 /// Until it is undone, contacts must not hold what belongs to it: `exempts`.
 class Untangling {
  public:
@@ -42,7 +47,7 @@ class Untangling {
   void set_surfaces(std::span<const ContactSurface> surfaces);
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { tangles_.exclude(std::move(pairs)); }
 
-  /// Looks for tangles where the caller says so, and as long as there are some.
+  /// Looks for tangles and layers that lie wrong where the caller says so, and as long as there are some.
   void begin_step(const ParticleView& particles, const ContactStep& step, bool look, Threads& threads);
   /// After prediction, before contacts are refreshed.
   void pull(const ParticleView& particles, const Substep& substep) const;
@@ -51,6 +56,8 @@ class Untangling {
   bool exempts(const NearPair& pair, bool edges) const;
   /// What `begin_step` found, by surfaces.
   std::span<const TangledPair> pairs() const { return pairs_; }
+  /// Points of layers that lie wrong.
+  std::span<const Misplaced> misplaced() const { return layers_.found(); }
   std::size_t bytes() const;
 
  private:
@@ -90,6 +97,7 @@ class Untangling {
   void remember();
   void collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region);
   float find_way(Knot& knot, const ParticleView& particles, float farthest);
+  void take_turns(Knot& knot, const ParticleView& particles, double time, float most_speed);
   void choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed);
   void attend(Knot& knot, const ParticleView& particles, double time, float most_speed, int& searches);
   bool is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
@@ -99,9 +107,12 @@ class Untangling {
   void touch();
   void pull_knot(const Knot& knot, const ParticleView& particles);
   void pull_inside(const Knot& knot, const ParticleView& particles, bool turned, Threads& threads);
+  void pull_layers(const ContactStep& step, const ParticleView& particles);
+  void find(const ParticleView& particles, bool look, Threads& threads);
   void add(const Pull& pull, const ParticleView& particles);
 
   Tangles tangles_;
+  Layers layers_;
   std::vector<std::uint32_t> order_;  // of tangles_.edges(): by pair, then knot
   std::vector<TangledPair> pairs_;
   std::vector<Knot> knots_, old_knots_;
@@ -112,7 +123,10 @@ class Untangling {
   std::vector<std::uint32_t> edges_a_, edges_b_;         // near the knot whose direction is looked for
   std::vector<SurfaceHit> hits_;                         // of the vertices that are looked from
   std::vector<Pull> pulls_;
-  ObjectMatrix tangled_;
+  ObjectMatrix tangled_, watched_;  // watched: also those whose layers lie wrong
+  std::size_t fewest_misplaced_ = 0;
+  double hurry_at_ = 0;   // by when there should be fewer of them [s]
+  int hurries_ = 0;       // doublings of the speed at which they are pulled
   double last_time_ = 0;  // when the last step began [s]: earlier after a snapshot was restored
   int idle_ = 0;          // steps since a tangle that is held was looked at
 };

@@ -326,6 +326,7 @@ class Builder {
     options.velocity = object.velocity;
     options.angular_velocity = object.angular_velocity;
     options.self_collision = object.self_collision;
+    options.layer = object.layer;
     options.collision_groups = object.collision.groups;
     options.collision_mask = object.collision.mask;
     return options;

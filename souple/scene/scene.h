@@ -143,6 +143,7 @@ struct ObjectDescription {
   Vec3f angular_velocity{};             ///< rad/s
   std::optional<std::uint32_t> colour;  ///< 0xRRGGBB (sRGB), for those who show it
   bool self_collision = false;          ///< not of grains
+  int layer = 0;                        ///< not of ropes and grains
   CollisionFilter collision{};          ///< groups and mask
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;

@@ -105,6 +105,8 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
     world.tell(object.name,
                {std::to_string(left_out) + " elements are too thin to carry bending or a membrane"});
   object.self_collision = options.self_collision;
+  require_layer(object, options.layer);
+  object.layer = options.layer;
   object.filter = {options.collision_groups, options.collision_mask};
   shrink(object);
   object.id = {world.next_id++};
@@ -187,6 +189,17 @@ void scale_mass(WorldState& world, const Object& object, float factor) {
     world.particles.mass[i] *= factor;
     if (world.particles.position[i].w > 0) world.particles.position[i].w = 1 / world.particles.mass[i];
   }
+}
+
+void require_layer(const Object& object, int layer) {
+  constexpr int most = 1000;
+  if (layer < 0 || layer > most)
+    throw Error(object.name + ": layer: " + std::to_string(layer) + " is not a whole number from 0 to " +
+                std::to_string(most));
+  if (layer != 0 && object.surface.empty())
+    throw Error(object.name +
+                ": layer: only an object with a surface of its own can be one (cloth, a soft body "
+                "made of tets, an obstacle); leave it 0");
 }
 
 void require_movable(const Object& object, const char* what) {

@@ -40,6 +40,7 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .groups = object.filter.groups,
       .meets = object.filter.mask,
       .immovable = object.kind == ObjectKind::obstacle,
+      .layer = object.layer,
       .rest = object.rest};
   for (std::uint32_t other = 0; other < world.objects.size(); ++other)
     if (other != index && !matrix.collide(index, other)) result.apart_from.push_back(other);
@@ -168,6 +169,7 @@ void report_tangles(WorldState& world) {
 void find_tangles(WorldState& world, const ContactStep& step) {
   world.untangling.begin_step(world.view(), step, may_be_tangled(world), *world.threads);
   world.look_for_tangles = false;
+  world.report.misplaced = world.untangling.misplaced().size();
   report_tangles(world);
 }
 

@@ -45,6 +45,7 @@ struct StepReport {
   std::size_t asleep = 0;         ///< objects, at the end of the step
   std::size_t kept_apart = 0;     ///< times that two features were stopped before they passed each other
   std::size_t tangles = 0;        ///< edges that passed through triangles when the step began
+  std::size_t misplaced = 0;      ///< vertices on the wrong side of another layer then, or near such a place
   double deepest_contact = 0;     ///< m, penetration left at the end
   double largest_strain = 0;      ///< (l - l0) / l0 over distance constraints, extension only
   std::vector<KindReport> kinds;  ///< in the order they are solved

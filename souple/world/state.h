@@ -67,6 +67,7 @@ struct Object {
   std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
   bool self_collision = false;                             ///< its surface touches itself
+  int layer = 0;                                           ///< of cloth; 0: none
   CollisionFilter filter;                                  ///< which other things it meets
   float pressure = 0;                                      ///< Pa
   std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance

@@ -194,6 +194,19 @@ std::uint32_t World::collision_mask(ObjectId id) const {
   return impl_->state.object(id).filter.mask;
 }
 
+void World::set_layer(ObjectId id, int layer) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_layer");
+  Object& object = world.object(id);
+  require_layer(object, layer);
+  object.layer = layer;
+  world.dirty_tables = true;
+  wake_all(world);
+}
+int World::layer(ObjectId id) const {
+  return impl_->state.object(id).layer;
+}
+
 void World::set_motion(ObjectId id, ObstacleMotion motion) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_motion");

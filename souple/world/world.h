@@ -56,6 +56,11 @@ struct ObjectOptions {
   std::vector<float> thickness_map{};  ///< per vertex, scales thickness; empty: 1
   /// Its surface touches itself: cloth folds over itself, a rope cannot pass through itself.
   bool self_collision = false;
+  /// Which layer of cloth its surface is, from 0 to 1000. Of two objects that meet, the one of the higher
+  /// layer lies over the other, on the side where the lower one's triangles are counter-clockwise, and comes
+  /// out where it is put wrong. 0: in no order with others. Of objects with a surface of their own: cloth,
+  /// soft bodies from tets, obstacles.
+  int layer = 0;
   /// Bit masks: which of 32 groups it belongs to, and which groups it wants to meet. Two things meet when
   /// a.collision_groups & b.collision_mask and b.collision_groups & a.collision_mask are both non-zero.
   std::uint32_t collision_groups = 1;
@@ -184,6 +189,9 @@ class World {
   void set_collision_groups(ObjectId object, std::uint32_t groups, std::uint32_t mask = ~0u);
   std::uint32_t collision_groups(ObjectId object) const;
   std::uint32_t collision_mask(ObjectId object) const;
+  /// As in ObjectOptions. What lies wrong then comes out from the next step on.
+  void set_layer(ObjectId object, int layer);
+  int layer(ObjectId object) const;
   /// Of an obstacle. It is at once where the new motion says, without the velocity of the jump.
   void set_motion(ObjectId object, ObstacleMotion motion);
   const ObstacleMotion& motion(ObjectId object) const;

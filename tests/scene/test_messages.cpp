@@ -114,6 +114,8 @@ std::vector<Mistake> mistakes() {
       {"group out of range",
        cloth(R"(, "collision_groups": [0, 32])"),
        {"objects[0].collision_groups[1]", "31", "32"}},
+      {"layer below none", cloth(R"(, "layer": -1)"), {"objects[0].layer", "0", "-1"}},
+      {"half a layer", cloth(R"(, "layer": 1.5)"), {"objects[0].layer", "whole number", "1.5"}},
       {"mask as a number",
        cloth(R"(, "collision_mask": 3)"),
        {"objects[0].collision_mask", "list of group numbers", "\"all\""}},

@@ -16,7 +16,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
       {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 80, "rows": 48, "size": 2.0, "diagonals": "one_way"}},
        "transform": {"translate": [0, 2, 0], "rotate": [90, 0, 0], "scale": 1.5}, "velocity": [1, 2, 3],
        "angular_velocity": [4, 5, 6], "collision_groups": [0, 31], "collision_mask": [], "colour": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
-       "tethers": {"slack": 0.1},
+       "tethers": {"slack": 0.1}, "layer": 2,
        "material": {"preset": "silk", "areal_density": 0.08, "stretch": "membrane", "bending": "dihedral"},
        "pins": [{"in_box": [[-1.01, 1, -1], [-0.99, 3, 1]]}, {"nearest": [1, 2, 3], "about": [0, 1, 0], "loop": true,
                  "keyframes": [{"time": 0}, {"time": 1, "translate": [1, 0, 0], "rotate": [0, 90, 0]}]}],
@@ -28,7 +28,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
        "material": {"preset": "nylon", "radius": 0.006}},
       {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 2, 3], "spacing": 0.3, "jitter": 0.5}},
       {"name": "wheel", "kind": "obstacle", "mesh": {"torus": {"major_radius": 0.5, "minor_radius": 0.2}}, "colour": "#102030",
-       "transform": {"scale": 2}, "material": {"thickness": 0.01, "friction": 0.7, "restitution": 0.25}, "loop": true, "collision_groups": [2],
+       "transform": {"scale": 2}, "material": {"thickness": 0.01, "friction": 0.7, "restitution": 0.25}, "loop": true, "collision_groups": [2], "layer": 1,
        "keyframes": [{"time": 0}, {"time": 2, "translate": [0, 1, 0], "rotate": [0, 90, 0]}]},
       {"name": "duck", "kind": "obstacle", "mesh": {"file": "meshes/duck.obj", "scale": 0.01},
        "sequence": {"file": "meshes/duck.obj", "frame_rate": 24, "start_time": 0.5, "loop": true}}
@@ -125,6 +125,9 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(flag.collision.groups, 0x80000001u);
   EXPECT_EQ(flag.collision.mask, 0u);
   EXPECT_EQ(bar.collision.mask, ~0u) << "all, if not given";
+  EXPECT_EQ(flag.layer, 2);
+  EXPECT_EQ(bar.layer, 0) << "none, if not given";
+  EXPECT_EQ(wheel.layer, 1);
   EXPECT_EQ(wheel.collision.groups, 4u);
   EXPECT_EQ(scene.colliders[0].collision.groups, 8u);
   EXPECT_EQ(scene.colliders[0].collision.mask, 19u);

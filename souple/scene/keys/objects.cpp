@@ -70,6 +70,14 @@ void add_self_collision_key(Table<T>& keys) {
   keys.template key<&T::self_collision>("self_collision", boolean(), "its surface touches itself");
 }
 
+template <class T>
+void add_layer_key(Table<T>& keys) {
+  keys.template key<&T::layer>(
+      "layer", number<int>(within(0, 1000)),
+      "which layer of cloth it is: of two that meet, the higher lies over the other, on "
+      "the side where that one's triangles are counter-clockwise; 0: in no order");
+}
+
 std::shared_ptr<Table<ClothDescription>> cloth_table() {
   using T = ClothDescription;
   auto keys = object_table<T>("cloth", "A thin sheet: cloth, paper, skin.");
@@ -77,6 +85,7 @@ std::shared_ptr<Table<ClothDescription>> cloth_table() {
       .key<&T::material>("material", cloth_material_codec(), "what it is made of");
   add_object_keys(*keys);
   add_self_collision_key(*keys);
+  add_layer_key(*keys);
   keys->key<&T::maps>("maps", maps_codec(), "what differs from vertex to vertex")
       .key<&T::tethers>("tethers", maybe(tethers_codec()), "limits how far it hangs from its pins")
       .key<&T::pressure>("pressure", maybe(number<float>(signed_range(1e9))),
@@ -105,6 +114,7 @@ std::shared_ptr<Table<SoftBodyDescription>> soft_body_table() {
       .key<&T::material>("material", soft_body_material_codec(), "what it is made of");
   add_object_keys(*keys);
   add_self_collision_key(*keys);
+  add_layer_key(*keys);
   keys->key<&T::maps>("maps", maps_codec(), "what differs from vertex to vertex");
   return keys;
 }
@@ -185,6 +195,7 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
       .needs("loop", "keyframes")
       .check([](const T& obstacle, const Place& place) { check_times(obstacle.keyframes, place); });
   add_collision_keys(*keys);
+  add_layer_key(*keys);
   return keys;
 }
 

@@ -1,0 +1,289 @@
+#include "souple/collision/layers.h"
+
+#include "souple/collision/nearest.h"
+#include "souple/math/scalar.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace souple {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr Bounds nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+constexpr std::uint32_t none = SurfaceElement::no_edge;
+constexpr float reach_part = 0.05f;    // of the lower surface's size
+constexpr float nowhere_part = 1e-6f;  // of it: nearer than that there is no line between the two
+constexpr float border_cosine = 0.7f;  // at a border: what is farther from the normal is beside, not under
+constexpr std::size_t vertex_grain = 64;
+
+Bounds widened(const Bounds& box, float by) {
+  const Vec3f all{by, by, by};
+  return {box.lo - all, box.hi + all};
+}
+
+float size_of(const Bounds& box) {
+  return length(box.hi - box.lo);
+}
+
+bool are_tied(std::uint32_t vertex, const SurfaceElement& triangle, const Tangles& tangles) {
+  return std::any_of(std::begin(triangle.particle), std::end(triangle.particle),
+                     [&](std::uint32_t i) { return tangles.are_tied(vertex, i); });
+}
+
+Vec3f area_normal(const ParticleView& particles, const SurfaceElement& t) {
+  return cross(particles.difference(t.particle[1], t.particle[0]),
+               particles.difference(t.particle[2], t.particle[0]));
+}
+
+}  // namespace
+
+void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
+  *this = {};
+  for (std::uint32_t a = 0; a < surfaces.size(); ++a)
+    for (std::uint32_t b = 0; b < surfaces.size(); ++b) {
+      const ContactSurface &lower = surfaces[a], &upper = surfaces[b];
+      if (lower.layer != 0 && upper.layer != 0 && lower.layer < upper.layer && !lower.triangles.empty() &&
+          meet(surfaces, a, b))
+        pairs_.push_back({a, b});
+    }
+  if (pairs_.empty()) return;
+  ordered_ = ObjectMatrix(surfaces.size());
+  for (const Pair& pair : pairs_) ordered_.set(pair.lower, pair.upper, true);
+  std::uint32_t end = 0;
+  for (const ContactSurface& surface : surfaces) {
+    surfaces_.push_back({surface.begin, surface.end, surface.layer});
+    end = std::max(end, surface.end);
+  }
+  may_pass_something_.assign(end, 0);
+}
+
+// --- the surfaces as they are now
+
+void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& of) {
+  for (Surface& surface : surfaces_) surface.asked = false;
+  for (const Pair& pair : pairs_)
+    if (of.at(pair.lower, pair.upper)) surfaces_[pair.lower].asked = surfaces_[pair.upper].asked = true;
+  for (Surface& surface : surfaces_) {
+    surface.bounds = nothing;
+    for (std::uint32_t i = surface.begin; surface.asked && i < surface.end; ++i) {
+      const Vec3f x = particles.relative(i, {});
+      surface.bounds = united(surface.bounds, {x, x});
+    }
+  }
+}
+
+// Sums over triangles: of unit normals at edges, of these times the angle at vertices. Not made unit.
+void Layers::find_normals(const ParticleView& particles, const Tangles& tangles) {
+  const SurfaceElements& elements = tangles.elements();
+  vertex_normal_.assign(may_pass_something_.size(), {});
+  at_border_.assign(may_pass_something_.size(), 0);
+  edge_normal_.assign(elements.edges().size(), {});
+  for (const SurfaceElement& t : elements.triangles()) {
+    if (!surfaces_[t.object].asked) continue;
+    const Vec3f n = normalized(area_normal(particles, t));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t i = t.particle[k], j = t.particle[(k + 1) % 3], l = t.particle[(k + 2) % 3];
+      const Vec3f a = particles.difference(j, i), b = particles.difference(l, i);
+      vertex_normal_[i] += n * atan2(length(cross(a, b)), dot(a, b));
+      edge_normal_[t.edge[k]] += n;
+      if (tangles.opposite(t.edge[k])[1] == none) at_border_[i] = at_border_[j] = 1;
+    }
+  }
+}
+
+void Layers::build_hash(const ParticleView& particles, const Tangles& tangles, Threads& threads) {
+  const std::span<const SurfaceElement> triangles = tangles.elements().triangles();
+  resize_with_room(boxes_, triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    boxes_[t] = nothing;
+    for (const std::uint32_t i : triangles[t].particle) {
+      if (!surfaces_[triangles[t].object].asked) continue;
+      const Vec3f x = particles.relative(i, {});
+      boxes_[t] = united(boxes_[t], {x, x});
+    }
+  }
+  cell_size_ = SpatialHash::choose_cell_size(boxes_);
+  hash_.build(boxes_, cell_size_, threads);
+}
+
+// --- which side
+
+// Nearest to x_i + shift, within reach: first close by, then farther and farther away.
+Layers::Nearest Layers::nearest(const ParticleView& particles, const Tangles& tangles, std::uint32_t i,
+                                const Vec3f& shift, std::uint32_t surface, float reach,
+                                std::vector<std::uint32_t>& near) const {
+  Nearest best;
+  const Vec3f x = particles.relative(i, {}) + shift;
+  float squared = infinity;
+  for (float radius = min(0.5f * cell_size_, reach);; radius = min(2 * radius, reach)) {
+    near.clear();
+    hash_.find(widened({x, x}, radius), near);
+    for (const std::uint32_t t : near) {
+      const SurfaceElement& triangle = tangles.elements().triangles()[t];
+      if (triangle.object != surface) continue;
+      Vec3f corner[3];
+      for (std::size_t k = 0; k < 3; ++k) corner[k] = particles.difference(triangle.particle[k], i) - shift;
+      float w[3];
+      nearest_on_triangle(Vec3f{}, corner[0], corner[1], corner[2], w);
+      const Vec3f away = -(corner[0] * w[0] + corner[1] * w[1] + corner[2] * w[2]);
+      const float now = length_squared(away);
+      if (!(now < squared)) continue;
+      squared = now;
+      best = {t, {w[0], w[1], w[2]}, away};
+    }
+    if (squared <= radius * radius || radius >= reach) break;
+  }
+  return squared <= reach * reach ? best : Nearest{};
+}
+
+// Weights that are zero say where on the triangle the point lies.
+Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles, const Tangles& tangles,
+                        bool& border) const {
+  const SurfaceElement& t = tangles.elements().triangles()[nearest.triangle];
+  std::size_t zeros = 0, zero = 0, other = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (nearest.weight[k] > 0) {
+      other = k;
+    } else {
+      ++zeros, zero = k;
+    }
+  }
+  border = false;
+  if (zeros == 0) return normalized(area_normal(particles, t));
+  if (zeros == 1) {
+    const std::uint32_t edge = t.edge[(zero + 1) % 3];
+    border = tangles.opposite(edge)[1] == none;
+    return normalized(edge_normal_[edge]);
+  }
+  border = at_border_[t.particle[other]] != 0;
+  return normalized(vertex_normal_[t.particle[other]]);
+}
+
+// What lies in the surface counts as under it: its contact would have no side.
+bool Layers::is_under(const Nearest& nearest, const ParticleView& particles, const Tangles& tangles,
+                      float size, Vec3f& normal) const {
+  if (nearest.triangle == none) return false;
+  bool border = false;
+  normal = normal_at(nearest, particles, tangles, border);
+  if (!(length_squared(normal) > 0)) return false;
+  const float height = dot(normal, nearest.away), distance = length(nearest.away);
+  if (distance <= nowhere_part * size) return true;
+  return border ? height < -border_cosine * distance : height < 0;
+}
+
+float Layers::reach_of(const Pair& pair) const {
+  return reach_part * size_of(surfaces_[pair.lower].bounds);
+}
+
+// --- what lies wrong
+
+bool Layers::ask_upper(const Pair& pair, std::uint32_t i, const ParticleView& particles,
+                       const Tangles& tangles, std::vector<std::uint32_t>& near, Misplaced& found) const {
+  const Bounds& bounds = surfaces_[pair.lower].bounds;
+  const float size = size_of(bounds);
+  const Vec3f x = particles.relative(i, {});
+  const bool may_be_inside = tangles.is_closed(pair.lower) && overlap(bounds, {x, x});
+  const float reach = may_be_inside ? size : reach_of(pair);
+  if (!overlap(widened(bounds, reach), {x, x})) return false;
+  const Nearest on = nearest(particles, tangles, i, {}, pair.lower, reach, near);
+  Vec3f normal;
+  if (!is_under(on, particles, tangles, size, normal)) return false;
+  if (are_tied(i, tangles.elements().triangles()[on.triangle], tangles)) return false;
+  const float depth = length(on.away);
+  const auto& corner = tangles.elements().triangles()[on.triangle].particle;
+  found = {i,
+           pair.lower,
+           {i, corner[0], corner[1], corner[2]},
+           {1, -on.weight[0], -on.weight[1], -on.weight[2]},
+           depth > nowhere_part * size ? -on.away / depth : normal,
+           depth};
+  return true;
+}
+
+// Asks the point of the upper surface that is nearest to vertex i of the lower one.
+bool Layers::ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& particles,
+                       const Tangles& tangles, std::vector<std::uint32_t>& near, Misplaced& found) const {
+  const float size = size_of(surfaces_[pair.lower].bounds), reach = reach_of(pair);
+  const Vec3f x = particles.relative(i, {});
+  if (!overlap(widened(surfaces_[pair.upper].bounds, reach), {x, x})) return false;
+  const Nearest above = nearest(particles, tangles, i, {}, pair.upper, reach, near);
+  if (above.triangle == none || are_tied(i, tangles.elements().triangles()[above.triangle], tangles))
+    return false;
+  const Nearest on = nearest(particles, tangles, i, -above.away, pair.lower, reach, near);
+  Vec3f normal;
+  if (!is_under(on, particles, tangles, size, normal)) return false;
+  const float depth = length(above.away);
+  const Vec3f direction = depth > nowhere_part * size ? above.away / depth : normal;
+  if (!(dot(direction, normal) > 0)) return false;  // the surface is folded between the two
+  const auto& corner = tangles.elements().triangles()[above.triangle].particle;
+  found = {i,
+           pair.upper,
+           {i, corner[0], corner[1], corner[2]},
+           {-1, above.weight[0], above.weight[1], above.weight[2]},
+           direction,
+           depth};
+  return true;
+}
+
+void Layers::find_pair(const Pair& pair, const ParticleView& particles, const Tangles& tangles,
+                       Threads& threads) {
+  const SurfaceElements& elements = tangles.elements();
+  of_vertex_.resize(elements.vertices().size());
+  is_misplaced_.assign(of_vertex_.size(), 0);
+  threads.for_each(of_vertex_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
+    std::vector<std::uint32_t> near;
+    for (; v < end; ++v) {
+      const std::uint32_t i = elements.vertices()[v], owner = elements.vertex_objects()[v];
+      const bool wrong =
+          (owner == pair.upper && ask_upper(pair, i, particles, tangles, near, of_vertex_[v])) ||
+          (owner == pair.lower && ask_lower(pair, i, particles, tangles, near, of_vertex_[v]));
+      is_misplaced_[v] = wrong ? 1 : 0;
+    }
+  });
+  for (std::size_t v = 0; v < of_vertex_.size(); ++v)
+    if (is_misplaced_[v] != 0) found_.push_back(of_vertex_[v]);
+}
+
+void Layers::find(const ParticleView& particles, const Tangles& tangles, const ObjectMatrix& of,
+                  Threads& threads) {
+  for (const Misplaced& misplaced : found_) may_pass_something_[misplaced.vertex] = 0;
+  found_.clear();
+  may_pass_.clear();
+  if (!any()) return;
+  find_bounds(particles, of);
+  if (std::none_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.asked; })) return;
+  find_normals(particles, tangles);
+  build_hash(particles, tangles, threads);
+  for (const Pair& pair : pairs_) {
+    if (!of.at(pair.lower, pair.upper)) continue;
+    if (overlap(widened(surfaces_[pair.lower].bounds, reach_of(pair)), surfaces_[pair.upper].bounds))
+      find_pair(pair, particles, tangles, threads);
+  }
+  for (const Misplaced& misplaced : found_) {
+    may_pass_something_[misplaced.vertex] = 1;
+    may_pass_.push_back({misplaced.vertex, misplaced.surface});
+  }
+  std::sort(may_pass_.begin(), may_pass_.end());
+}
+
+bool Layers::may_pass(std::uint32_t vertex, std::uint32_t surface) const {
+  return !may_pass_.empty() && may_pass_something_[vertex] != 0 &&
+         std::binary_search(may_pass_.begin(), may_pass_.end(),
+                            std::array<std::uint32_t, 2>{vertex, surface});
+}
+
+Vec3f Layers::outward(const TangledEdge& crossing, const ParticleView& particles,
+                      const Tangles& tangles) const {
+  if (surfaces_[crossing.surface].layer < surfaces_[crossing.edge_surface].layer)
+    return normalized(area_normal(particles, tangles.elements().triangles()[crossing.triangle]));
+  return -normalized(edge_normal_[crossing.edge]);
+}
+
+std::size_t Layers::bytes() const {
+  return hash_.bytes() + bytes_of(surfaces_, pairs_, vertex_normal_, edge_normal_, at_border_, boxes_,
+                                  of_vertex_, is_misplaced_, may_pass_something_, may_pass_, found_);
+}
+
+}  // namespace souple

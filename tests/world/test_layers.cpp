@@ -1,0 +1,290 @@
+// Layers of cloth: the higher one comes to lie outside, however it begins, and stays there.
+#include "souple/geometry/builders.h"
+#include "souple/scene/scene.h"
+#include "souple/world/world.h"
+#include "tests/collision/crossings.h"
+#include "tests/expect_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+constexpr double frame_time = 1.0 / 60;
+
+std::size_t crossings(const World& world) {
+  test::Tangle tangle;
+  for (const ObjectId id : world.objects()) tangle.add(world.positions(id), world.mesh(id).triangles);
+  return tangle.crossings();
+}
+
+// An open tube around Y, counter-clockwise from outside.
+TriangleMesh tube(int around, int rows, double radius, double height) {
+  TriangleMesh mesh;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2 * pi * (i + 0.5 * j) / around;
+      mesh.positions.push_back(
+          {radius * std::cos(angle), height * (double(j) / (rows - 1) - 0.5), radius * std::sin(angle)});
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * around + i % around); };
+  for (int j = 0; j + 1 < rows; ++j)
+    for (int i = 0; i < around; ++i) {
+      mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
+      mesh.triangles.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
+    }
+  return mesh;
+}
+
+struct Story {
+  std::size_t at_first = 0, at_last = 0;  // edges through triangles; at_last: in any of the last frames
+  float top_speed = 0;                    // m/s
+};
+
+Story tell(World& world, int frames) {
+  constexpr int last_frames = 10;
+  Story story;
+  story.at_first = crossings(world);
+  for (int frame = 0; frame < frames; ++frame) {
+    const StepReport& report = world.step(frame_time);
+    EXPECT_TRUE(report.ok()) << report.message;
+    for (const ObjectId id : world.objects())
+      for (const Vec3f& v : world.velocities(id)) story.top_speed = std::max(story.top_speed, length(v));
+    if (frame >= frames - last_frames) story.at_last = std::max(story.at_last, crossings(world));
+  }
+  return story;
+}
+
+// By how much every vertex of one tube is farther from the axis than the other one there; the least of all.
+// Angles and heights are looked up in the inner one's triangles by a ray from the axis.
+float least_clearance(const World& world, ObjectId inner, ObjectId outer) {
+  const auto x = world.positions(inner);
+  float least = 1;
+  for (const Vec3f& p : world.positions(outer)) {
+    const Vec3d from{0, static_cast<double>(p.y), 0}, way = Vec3d(p) - from;
+    for (const Triangle& t : world.triangles(inner)) {
+      const Vec3d a(x[t[0]]), ab = Vec3d(x[t[1]]) - a, ac = Vec3d(x[t[2]]) - a, n = cross(ab, ac);
+      const double speed = dot(way, n);
+      if (!(std::abs(speed) > 1e-12)) continue;
+      const double s = dot(a - from, n) / speed;
+      const Vec3d hit = from + way * s - a;
+      const double u = dot(cross(hit, ac), n) / dot(n, n), v = dot(cross(ab, hit), n) / dot(n, n);
+      if (s <= 0 || u < 0 || v < 0 || u + v > 1) continue;
+      least = std::min(least, static_cast<float>((1 - s) * length(way)));
+    }
+  }
+  return least;
+}
+
+const ClothMaterial cotton{.areal_density = 0.2f, .thickness = 0.006f, .damping = 2};
+
+ObjectOptions layer(const char* name, int number, const Transform& placed = {}) {
+  ObjectOptions options{.name = name, .transform = placed};
+  options.self_collision = true;
+  options.layer = number;
+  return options;
+}
+
+TriangleMesh turned(TriangleMesh mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+struct Dressed {
+  World world;
+  ObjectId shirt{}, coat{};
+  float clearance() const { return least_clearance(world, shirt, coat); }
+};
+
+// A column and two tubes around it.
+Dressed dressed(double shirt_radius, int shirt_layer, const TriangleMesh& coat, const Transform& coat_placed,
+                int coat_layer, int threads = 1) {
+  Dressed d{World({.gravity = {}, .threads = threads})};
+  d.world.add_obstacle(tube(20, 8, 0.11, 0.7), {.thickness = 0.004f});
+  d.shirt = d.world.add_cloth(tube(30, 14, shirt_radius, 0.5), cotton, layer("shirt", shirt_layer));
+  d.coat = d.world.add_cloth(coat, cotton, layer("coat", coat_layer, coat_placed));
+  return d;
+}
+
+void expect_right(const Story& story) {
+  EXPECT_EQ(story.at_last, 0u);
+  EXPECT_LT(story.top_speed, 3);
+}
+
+TEST(Layers, ACoatThatBeginsInsideOfTheShirtComesOut) {
+  for (const bool inside_out : {false, true}) {
+    const TriangleMesh coat = tube(26, 12, 0.155, 0.4);
+    Dressed d = dressed(0.165, 1, inside_out ? turned(coat) : coat, {.translation = {0, 0.01, 0}}, 2);
+    EXPECT_LT(d.clearance(), -0.008f);
+    const Story story = tell(d.world, 90);
+    EXPECT_EQ(story.at_first, 0u);
+    expect_right(story);
+    EXPECT_GT(d.clearance(), 0.004f);
+    EXPECT_EQ(d.world.report().misplaced, 0u);
+  }
+}
+
+TEST(Layers, NothingIsPushedFromOutside) {
+  World world({.gravity = {}});
+  const ObjectId shirt = world.add_cloth(tube(24, 10, 0.165, 0.4), cotton, layer("shirt", 1));
+  const ObjectId coat =
+      world.add_cloth(tube(22, 8, 0.16, 0.3), cotton, layer("coat", 2, {.translation = {0.01, 0.02, 0}}));
+  const auto mass = [&] { return world.total_mass(shirt) + world.total_mass(coat); };
+  const auto centre = [&] {
+    return (world.centre_of_mass(shirt) * world.total_mass(shirt) +
+            world.centre_of_mass(coat) * world.total_mass(coat)) /
+           mass();
+  };
+  const Vec3d before = centre();
+  world.step(frame_time);
+  EXPECT_GT(world.report().misplaced, 100u);
+  expect_right(tell(world, 60));
+  EXPECT_GT(least_clearance(world, shirt, coat), 0.004f);
+  EXPECT_LT(length(world.momentum(shirt) + world.momentum(coat)), 1e-5 * mass());
+  EXPECT_LT(length(centre() - before), 1e-5);
+}
+
+TEST(Layers, WithoutThemItStaysInside) {
+  for (const int of_both : {0, 3}) {
+    Dressed d = dressed(0.165, of_both, tube(26, 12, 0.155, 0.4), {.translation = {0, 0.01, 0}}, of_both);
+    tell(d.world, 60);
+    EXPECT_LT(d.clearance(), -0.004f);
+  }
+}
+
+TEST(Layers, TheLowerOneThatBeginsOutsideGoesIn) {
+  Dressed d = dressed(0.165, 7, tube(26, 12, 0.175, 0.4), {.translation = {0, 0.01, 0}}, 2);
+  expect_right(tell(d.world, 90));
+  EXPECT_GT(least_clearance(d.world, d.coat, d.shirt), 0.004f);
+}
+
+TEST(Layers, ACoatHalfSunkIntoTheShirtComesOut) {
+  Dressed d = dressed(0.165, 1, tube(26, 12, 0.167, 0.4), {.translation = {0.012, 0.01, 0.007}}, 2);
+  const Story story = tell(d.world, 90);
+  EXPECT_GT(story.at_first, 50u);
+  expect_right(story);
+  EXPECT_GT(d.clearance(), 0.004f);
+}
+
+float least_height(const World& world, ObjectId id) {
+  float least = 1;
+  for (const Vec3f& x : world.positions(id)) least = std::min(least, x.y);
+  return least;
+}
+float mean_height(const World& world, ObjectId id) {
+  return static_cast<float>(world.centre_of_mass(id).y);
+}
+
+// Of three sheets in the wrong order, two of which lie in one plane.
+TEST(Layers, SheetsOnATableAreSorted) {
+  World world;
+  world.add_collider(Plane{});
+  const auto at = [](double y, double x) { return Transform{.translation = {x, y, 0.5 * x}}; };
+  const ObjectId third = world.add_cloth(grid(12, 12, 0.5), cotton, layer("third", 3, at(0.01, 0)));
+  const ObjectId second = world.add_cloth(grid(12, 12, 0.5), cotton, layer("second", 2, at(0.03, 0.02)));
+  const ObjectId first = world.add_cloth(grid(12, 12, 0.5), cotton, layer("first", 1, at(0.03, 0.02)));
+  const Story story = tell(world, 120);
+  expect_right(story);
+  EXPECT_GT(mean_height(world, second), mean_height(world, first) + 0.004f);
+  EXPECT_GT(mean_height(world, third), mean_height(world, second) + 0.004f);
+  EXPECT_GT(least_height(world, first), -1e-3f);
+}
+
+// A sheet that begins deep inside of a closed body.
+TEST(Layers, ASheetInsideOfABodyComesOut) {
+  World world({.gravity = {}});
+  const ObjectId body =
+      world.add_obstacle(sphere(3, 0.2), {.thickness = 0.004f}, {}, {.name = "body", .layer = 1});
+  const ObjectId sheet =
+      world.add_cloth(grid(14, 14, 0.3), cotton, layer("sheet", 2, {.translation = {0.01, 0.05, 0.02}}));
+  const Story story = tell(world, 150);
+  expect_right(story);
+  float nearest = 1;
+  for (const Vec3f& x : world.positions(sheet)) nearest = std::min(nearest, length(x));
+  EXPECT_GT(nearest, 0.19f);
+  EXPECT_TRUE(world.contains(body));
+}
+
+// The upper sheet is sewn to the lower one along a line, where the two coincide.
+TEST(Layers, WhatIsSewnTogetherIsNotPulled) {
+  constexpr double angle = 0.2, half = 0.2;
+  World world({.gravity = {}});
+  const ObjectId lower = world.add_cloth(grid(10, 10, 2 * half), cotton, layer("lower", 1));
+  const Transform raised{.translation = {0, half * std::sin(angle), half * (std::cos(angle) - 1)},
+                         .rotation = Quatd::from_axis_angle({1, 0, 0}, -angle)};
+  const ObjectId upper = world.add_cloth(grid(10, 10, 2 * half), cotton, layer("upper", 2, raised));
+  std::vector<std::pair<VertexRef, VertexRef>> seam;
+  for (std::uint32_t i = 0; i < 10; ++i) seam.push_back({{lower, i}, {upper, i}});
+  world.connect(seam);
+  for (int frame = 0; frame < 20; ++frame) {
+    world.step(frame_time);
+    EXPECT_EQ(world.report().misplaced, 0u);
+  }
+  EXPECT_GT(mean_height(world, upper), mean_height(world, lower) + 0.02f);
+}
+
+// The shipped scene, by a checker of its own.
+TEST(Layers, ATorsoInAShirtAndACoatStaysDressedSlow) {
+  World world = build_world(load_scene(SOUPLE_SOURCE_DIR "/scenes/layers.json"));
+  EXPECT_GT(crossings(world), 300u);
+  for (int frame = 0; frame < 100; ++frame) {
+    world.step(frame_time);
+    if (frame >= 10 && frame % 10 == 0) {
+      EXPECT_EQ(crossings(world), 0u) << "frame " << frame;
+    }
+  }
+}
+
+// Two sheets in touch, the order of which is changed.
+TEST(Layers, TheOrderMayBeGivenLater) {
+  World world({.gravity = {}});
+  const ObjectId one = world.add_cloth(grid(10, 10, 0.4), cotton, layer("one", 0));
+  const ObjectId other =
+      world.add_cloth(grid(9, 9, 0.36), cotton, layer("other", 0, {.translation = {0.01, 0.007, 0.02}}));
+  const auto above = [&] { return mean_height(world, other) - mean_height(world, one); };
+  world.step(frame_time);
+  EXPECT_GT(above(), 0.004f);
+  world.set_layer(one, 2);
+  world.set_layer(other, 1);
+  EXPECT_EQ(world.layer(one), 2);
+  expect_right(tell(world, 60));
+  EXPECT_LT(above(), -0.004f);
+}
+
+TEST(Layers, ResultsDoNotDependOnThreads) {
+  std::vector<std::uint64_t> alone;
+  for (const int threads : {1, 2, 8}) {
+    Dressed d =
+        dressed(0.165, 1, tube(26, 12, 0.167, 0.4), {.translation = {0.012, 0.01, 0.007}}, 2, threads);
+    std::vector<std::uint64_t> hashes;
+    for (int frame = 0; frame < 6; ++frame) {
+      d.world.step(frame_time);
+      hashes.push_back(d.world.hash());
+    }
+    if (threads == 1) alone = hashes;
+    EXPECT_EQ(hashes, alone) << threads << " threads";
+  }
+}
+
+TEST(Layers, WhatIsNoLayerIsRefused) {
+  World world;
+  const ObjectId sheet = world.add_cloth(grid(3, 3, 1), {}, layer("sheet", 1000));
+  const ObjectId grains = world.add_grains(std::vector<Vec3d>{{0, 1, 0}}, {}, {.name = "sand"});
+  expect_error([&] { world.add_cloth(grid(3, 3, 1), {}, layer("veil", -1)); },
+               {"veil", "layer", "-1", "from 0 to 1000"});
+  expect_error([&] { world.set_layer(sheet, 1001); }, {"sheet", "layer", "1001", "from 0 to 1000"});
+  expect_error([&] { world.set_layer(grains, 1); }, {"sand", "layer", "surface of its own"});
+  expect_error(
+      [&] {
+        world.add_soft_body(box({1, 1, 1}), {}, {.cells = 10}, layer("jelly", 1));
+      },
+      {"jelly", "layer", "surface of its own"});
+  EXPECT_EQ(world.layer(sheet), 1000);
+  EXPECT_EQ(world.objects().size(), 2u);
+}
+
+}  // namespace
+}  // namespace souple
