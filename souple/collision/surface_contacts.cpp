@@ -176,8 +176,8 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 // --- what touches
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                 std::span<const float> radius, const SurfaceMatrix& matrix,
-                                 const ContactStep& step, Threads& threads) {
+                                 std::span<const float> radius, std::span<float> pressed,
+                                 const SurfaceMatrix& matrix, const ContactStep& step, Threads& threads) {
   forget_contacts();
   pairs_.clear();
   if (!pairs_.any()) return;
@@ -185,7 +185,8 @@ void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const 
     throw Error("SurfaceContacts: the surface matrix is smaller than surfaces x surfaces; build it anew");
   matrix_ = &matrix;
   step_ = step;
-  pairs_.begin_step(particles, velocity, radius, step, threads);
+  pressed_ = pressed;
+  pairs_.begin_step(particles, velocity, radius, pressed, step, threads);
   renew_colours();
 }
 
@@ -252,7 +253,7 @@ void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& parti
   std::uint32_t near[FeaturePairs::chunk_size];
   float verdict[FeaturePairs::chunk_size];
   const kernels::FeaturePoints points = pairs_.points(particles);
-  const std::size_t count = pairs_.near(chunk, {1, 1 + early}, points, near);
+  const std::size_t count = pairs_.near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, points, near);
   if (count == 0) return;
   packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](points, pairs_.columns(), early, near, 0, count, verdict);
   for (std::size_t k = 0; k < count; ++k) {
@@ -372,7 +373,7 @@ void SurfaceContacts::project(int colour, std::size_t begin, std::size_t end, co
 void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& particles,
                                    std::vector<Cut>& found) {
   std::uint32_t near[FeaturePairs::chunk_size];
-  const std::size_t count = pairs_.near(chunk, {0.9f, 0}, pairs_.points(particles), near);
+  const std::size_t count = pairs_.near(chunk, {0.9f, 0, 0}, pairs_.points(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
     if (pairs_.known(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
     const float part = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
@@ -425,6 +426,18 @@ void SurfaceContacts::shorten_ways(const ParticleView& particles) {
       particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * left_of_way_[i]);
 }
 
+// At most a part of the thickness: what is thrown into a wall has no use for more.
+void SurfaceContacts::remember_pushes() {
+  constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
+  for (float& pressed : pressed_) pressed = pressed > negligible ? kept * pressed : 0;
+  for (std::size_t c = 0; c < size(); ++c) {
+    if (!(columns_.pushed[c] > negligible)) continue;
+    const float pushed = min(columns_.pushed[c], part_of_thickness * columns_.thickness[c]);
+    for (const std::uint32_t* particle : columns_.particle)
+      pressed_[particle[c]] = max(pressed_[particle[c]], pushed);
+  }
+}
+
 // First pushes, which keep momentum; what they do not settle is stopped.
 std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
                                         Threads& threads) {
@@ -444,6 +457,7 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
     }
   }
   pairs_.end_substep();
+  remember_pushes();
   return count;
 }
 

@@ -28,6 +28,11 @@ namespace souple {
 /// over one of them, that one alone counts: the normal from the side would brake what slides across. Edges
 /// whose nearest point is an end are left to that vertex and the triangles, unless one of them is a rope's.
 ///
+/// A contact has to be there before the solver brings the two too near, or it comes and goes from one substep
+/// to the next: what lies still would tremble. Where bodies are stiff or heavy, the solver first moves them
+/// into each other by much more than they move in a substep, and contacts push them back. So contacts near
+/// a particle that was pushed begin as much earlier as it was pushed, in this and in some substeps after.
+///
 /// After the solver, `keep_apart` looks along the way of everything once more. Pairs that would pass through
 /// each other all the same are pushed some more; where that does not settle it either (something is squeezed
 /// between walls), ways are shortened: what was not tangled never becomes so.
@@ -40,10 +45,11 @@ class SurfaceContacts final : public Projector {
   /// Whose tangles may pass; none: all are held. It must live as long as this is used.
   void set_untangling(const Untangling* untangling) { pairs_.set_untangling(untangling); }
 
-  /// `surfaces` and `radius` as for ParticleContacts; both must live until the step ends.
+  /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
+  /// [m], which this keeps up to date. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, const SurfaceMatrix& matrix, const ContactStep& step,
-                  Threads& threads);
+                  std::span<const float> radius, std::span<float> pressed, const SurfaceMatrix& matrix,
+                  const ContactStep& step, Threads& threads);
   /// After prediction: the contacts of this substep.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
   /// After the solver, before velocities are taken. Returns how often a way was shortened.
@@ -106,6 +112,7 @@ class SurfaceContacts final : public Projector {
   void describe_touches(const ParticleView& particles, Threads& threads);
   void push_cuts(const ParticleView& particles);
   void shorten_ways(const ParticleView& particles);
+  void remember_pushes();
 
   FeaturePairs pairs_;
   /// A side of a triangle, by one of its ends.
@@ -117,6 +124,7 @@ class SurfaceContacts final : public Projector {
   std::vector<Side> sides_;
   std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // the first triangle that has it
 
+  std::span<float> pressed_;
   const SurfaceMatrix* matrix_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};

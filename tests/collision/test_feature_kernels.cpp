@@ -30,7 +30,7 @@ Vec4f record(const Vec3d& x, float w) {
 struct Crowd {
   std::vector<Vec4f> position, moving, start, moved, velocity;
   std::vector<std::array<std::uint32_t, 4>> pairs;
-  std::vector<float> thickness, known;
+  std::vector<float> thickness, known, pressed;
   bool plain;
 
   explicit Crowd(bool is_plain, std::size_t count) : plain(is_plain) {
@@ -45,6 +45,7 @@ struct Crowd {
       moved.push_back({});
       moved[i].set_xyz(moving[i].xyz() - start[i].xyz());
       velocity.push_back(record(random.point(-1, 1), 0));
+      pressed.push_back(i % 3 == 0 ? float(random.uniform(0, 0.01)) : 0.0f);
     }
     for (std::uint32_t k = 0; k < count; ++k) {
       pairs.push_back({4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3});
@@ -62,6 +63,7 @@ struct Crowd {
     result.corrected = result.moving;
     result.start = &start[0].x;
     result.moved = &moved[0].x;
+    result.pressed = pressed.data();
     return result;
   }
 };
@@ -77,7 +79,7 @@ std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::si
   const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
   std::vector<std::uint32_t> found(count);
   const kernels::Nearness nearness =
-      kernels.near[kind](crowd.points(), columns, {1, 1.1f}, 0.001f, 0.1f, 0, count, found.data());
+      kernels.near[kind](crowd.points(), columns, {1, 1.1f, 0.002f}, 0.001f, 0.1f, 0, count, found.data());
   found.resize(nearness.found);
   add(&nearness.least_known, 1), add(&nearness.least_slack, 1);
   add(crowd.known.data(), count);

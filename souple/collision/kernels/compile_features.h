@@ -232,7 +232,7 @@ template <class Set, bool edges>
     const T way = relative_way<Set, edges>(m);
     T known = load<Set>(pairs.known + i, indices.count) - T(owed);
     const T thickness = load<Set>(pairs.thickness + i, indices.count);
-    const T thick = T(rule.thickness_part) * thickness;
+    const T thick = T(rule.thickness_part) * thickness + T(rule.pressed);
     const auto is_near = way >= T(rule.known_part) * known - thick;
     if (any_lane(is_near)) {
       Vectors<Set> x[4];
@@ -270,6 +270,19 @@ SOUPLE_INLINE inline Numbers<Set> effective_inverse_mass(const FeaturePoints& po
   return sum;
 }
 
+/// The most of the four.
+template <class Set>
+SOUPLE_INLINE inline Numbers<Set> most_pressed(const FeaturePoints& points, const PairRecords<Set>& corners) {
+  Numbers<Set> most(0.f);
+  for (int k = 0; k < 4; ++k) {
+    float lanes[Set::lanes];
+    for (int lane = 0; lane < Set::lanes; ++lane)
+      lanes[lane] = points.pressed[corners.first_float[k][lane] / 4];
+    most = max(most, Numbers<Set>::load(lanes));
+  }
+  return most;
+}
+
 template <class Set, bool edges>
 [[gnu::flatten]] void judge(const FeaturePoints& points, const FeatureColumns& pairs, float early,
                             const std::uint32_t* found, std::size_t begin, std::size_t end, float* verdict) {
@@ -284,7 +297,7 @@ template <class Set, bool edges>
     differences(points, corners, x);
     nearest_points<Set, edges>(x, c);
     const T size = length(weighted(x, c));
-    const T near = T(1 + early) * gather<Set>(pairs.thickness, indices.at);
+    const T near = T(1 + early) * gather<Set>(pairs.thickness, indices.at) + most_pressed(points, corners);
     const auto moves = effective_inverse_mass(points, corners, c) > zero;
     T sum = flag(size <= near && size > zero && moves, Verdict::touches);
     Vectors<Set> m[4];

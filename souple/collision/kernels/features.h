@@ -15,6 +15,8 @@ struct FeaturePoints {
   float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
   const float* moved = nullptr;     ///< moving - start; read by ways, near, judge and describe
+  const float* pressed =
+      nullptr;  ///< of each particle, how much earlier its contacts begin [m]; read by judge
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
@@ -25,9 +27,10 @@ struct FeatureColumns {
 };
 
 /// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
-/// known_part known - thickness_part thickness.
+/// known_part known - thickness_part thickness - pressed.
 struct NearRule {
   float known_part, thickness_part;
+  float pressed;  ///< the most of all their particles, m
 };
 
 /// Of some pairs, after one look at them.
@@ -39,8 +42,9 @@ struct Nearness {
 
 /// What judge() says of a pair.
 struct Verdict {
-  static constexpr unsigned touches = 1;  ///< it will be as near as (1 + early) thickness, and can move
-  static constexpr unsigned fast = 2;     ///< it may pass through itself on the way
+  /// It will be as near as (1 + early) thickness + the most that its particles are pressed, and can move.
+  static constexpr unsigned touches = 1;
+  static constexpr unsigned fast = 2;  ///< it may pass through itself on the way
   /// The nearest point of the triangle has no weight on corner k: it lies on a side or in another corner. For
   /// edges only `on_border << 0`: the nearest point of one of them is its end.
   static constexpr unsigned on_border = 4;
