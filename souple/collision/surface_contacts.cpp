@@ -426,15 +426,17 @@ void SurfaceContacts::shorten_ways(const ParticleView& particles) {
       particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * left_of_way_[i]);
 }
 
-// At most a part of the thickness: what is thrown into a wall has no use for more.
+// What a contact pushed beyond what motion asked for, and beyond what comes early anyway. At most a part of
+// the thickness.
 void SurfaceContacts::remember_pushes() {
   constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
   for (float& pressed : pressed_) pressed = pressed > negligible ? kept * pressed : 0;
   for (std::size_t c = 0; c < size(); ++c) {
-    if (!(columns_.pushed[c] > negligible)) continue;
-    const float pushed = min(columns_.pushed[c], part_of_thickness * columns_.thickness[c]);
+    const float beyond = columns_.pushed[c] - max(0.0f, columns_.approach[c]) - early * columns_.thickness[c];
+    if (!(beyond > negligible)) continue;
+    const float pressed = min(beyond, part_of_thickness * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
-      pressed_[particle[c]] = max(pressed_[particle[c]], pushed);
+      pressed_[particle[c]] = max(pressed_[particle[c]], pressed);
   }
 }
 
