@@ -426,14 +426,14 @@ void SurfaceContacts::shorten_ways(const ParticleView& particles) {
       particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * left_of_way_[i]);
 }
 
-// What a contact pushed beyond what motion asked for, and beyond what comes early anyway. At most a part of
-// the thickness.
+// What a contact pushed beyond what motion asked for, where that is more than what comes early anyway. At
+// most a part of the thickness.
 void SurfaceContacts::remember_pushes() {
   constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
   for (float& pressed : pressed_) pressed = pressed > negligible ? kept * pressed : 0;
   for (std::size_t c = 0; c < size(); ++c) {
-    const float beyond = columns_.pushed[c] - max(0.0f, columns_.approach[c]) - early * columns_.thickness[c];
-    if (!(beyond > negligible)) continue;
+    const float beyond = columns_.pushed[c] - max(0.0f, columns_.approach[c]);
+    if (!(beyond > early * columns_.thickness[c])) continue;
     const float pressed = min(beyond, part_of_thickness * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
       pressed_[particle[c]] = max(pressed_[particle[c]], pressed);
