@@ -56,8 +56,9 @@ struct Rebound {
 };
 
 /// The relative velocity u along n becomes e times the speed of approach where that was above `slowest`, else
-/// 0; never by taking out more than the contact put in. Friction follows what that adds or takes. `approach`:
-/// of the predicted motion [m/s].
+/// 0; never by taking out more than the contact put in. Friction follows what that adds or takes: where
+/// several contacts hold one thing, each pushes more than its share and it is the sum of what is left that
+/// carries the weight. `approach`: of the predicted motion [m/s].
 template <class T>
 Rebound<T> rebound(const Pressed<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach, T slowest,
                    T restitution, T static_friction, T kinetic_friction, T inverse_h) {
@@ -66,8 +67,7 @@ Rebound<T> rebound(const Pressed<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T
   const T bounced = max(target - u_n, -pushed);
   const Vec3<T> held_back = sums.rubbed * inverse_h;
   const Vec3<T> wanted = held_back - (u - n * u_n);
-  const Vec3<T> rubbed =
-      within_friction(wanted, static_friction, kinetic_friction, pushed + max(bounced, zero));
+  const Vec3<T> rubbed = within_friction(wanted, static_friction, kinetic_friction, pushed + bounced);
   return {n * bounced + (rubbed - held_back), bounced};
 }
 

@@ -68,7 +68,9 @@ kernels::FeaturePoints points_of(const ParticleView& particles, std::span<const 
 }  // namespace
 
 kernels::FeaturePoints FeaturePairs::points(const ParticleView& particles) const {
-  return points_of(particles, moved_);
+  kernels::FeaturePoints result = points_of(particles, moved_);
+  result.pressed = pressed_.data();
+  return result;
 }
 
 kernels::FeatureColumns FeaturePairs::columns() {
@@ -139,8 +141,10 @@ void FeaturePairs::clear() {
 }
 
 void FeaturePairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                              std::span<const float> radius, const ContactStep& step, Threads& threads) {
+                              std::span<const float> radius, std::span<const float> pressed,
+                              const ContactStep& step, Threads& threads) {
   radius_ = radius;
+  pressed_ = pressed;
   step_ = step;
   left_ = step.dt;
   find(particles, velocity, threads);
@@ -237,7 +241,7 @@ void FeaturePairs::expect_all(const ParticleView& particles, std::span<const Vec
 void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
                           float room) {
   const Vec3f own = v - frame_[surface_of_[i]], own_x = x - shift_[surface_of_[i]];
-  const float reach = max(radius_[i], least_thickness) * (1 + early);
+  const float reach = max(radius_[i], least_thickness) * (1 + early) + pressed_[i];
   const float fall = 0.5f * step_.gravity * dt * dt, own_length = dt * length(own);
   Way& way = way_of_[i];
   way = {x - v * since, own_x - own * since, room + 2 * fall + surprise * dt * length(v),
@@ -378,7 +382,8 @@ void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
   float apart[batch_size], thickness[batch_size], reach[batch_size];
-  const kernels::FeaturePoints points = points_of(particles, expected_velocity_);
+  kernels::FeaturePoints points = points_of(particles, expected_velocity_);
+  points.pressed = pressed_.data();
   const kernels::FeatureRooms rooms{radius_.data(), crossing ? &way_of_[0].room : &way_of_[0].own_room,
                                     sizeof(Way) / sizeof(float), least_thickness, early};
   kernels.reaches[kind](points, rooms, dt, &pairs[0].particle, 0, pairs.size(), thickness, reach);
@@ -517,6 +522,7 @@ void FeaturePairs::watch_new_chunks(std::size_t first, Threads& threads) {
 void FeaturePairs::measure(const ParticleView& particles, Threads& threads) {
   const std::size_t n = surface_of_.size(), blocks = (n + block_size - 1) / block_size;
   moved_.resize(n), block_moved_.resize(blocks), own_block_moved_.resize(blocks);
+  block_pressed_.resize(blocks);
   mean_moved_.assign(surfaces_.size(), {});
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     Vec3d sum;
@@ -528,8 +534,9 @@ void FeaturePairs::measure(const ParticleView& particles, Threads& threads) {
   }
   threads.for_each(blocks, particle_grain / block_size, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b) {
-      float farthest = 0, own_farthest = 0;
+      float farthest = 0, own_farthest = 0, pressed = 0;
       for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
+        pressed = max(pressed, pressed_[i]);
         const Vec3f moved = particles.moved(i);
         moved_[i].set_xyz(moved);
         farthest = max(farthest, length_squared(moved));
@@ -537,13 +544,23 @@ void FeaturePairs::measure(const ParticleView& particles, Threads& threads) {
           own_farthest = max(own_farthest, length_squared(moved - mean_moved_[surface_of_[i]]));
       }
       block_moved_[b] = sqrt(farthest), own_block_moved_[b] = sqrt(own_farthest);
+      block_pressed_[b] = pressed;
     }
   });
   was_moved_.assign(n, 0);
   moved_alone_.clear();
-  farthest_moved_ = farthest_own_moved_ = 0;
+  farthest_moved_ = farthest_own_moved_ = most_pressed_ = 0;
   for (const float farthest : block_moved_) farthest_moved_ = max(farthest_moved_, farthest);
   for (const float farthest : own_block_moved_) farthest_own_moved_ = max(farthest_own_moved_, farthest);
+  for (const float pressed : block_pressed_) most_pressed_ = max(most_pressed_, pressed);
+}
+
+float FeaturePairs::pressed(std::size_t index) const {
+  const Chunk& chunk = chunks_[index];
+  if (most_pressed_ <= 0 || chunk.blocks == too_many) return most_pressed_;
+  float most = 0;
+  for (std::uint32_t k = 0; k < chunk.blocks; ++k) most = max(most, block_pressed_[blocks_[index][k]]);
+  return most;
 }
 
 void FeaturePairs::measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
@@ -574,8 +591,8 @@ float FeaturePairs::way_of(const NearPair& pair, bool edges) const {
 bool FeaturePairs::any_moved_by(float part, const Chunk& chunk) const {
   constexpr float rounding = 1e-6f;
   for (std::size_t pair = chunk.begin; pair < chunk.end; ++pair)
-    if (was_moved(pair) && way_of(particle_[pair], chunk.edges) * (1 + rounding) >=
-                               part * (known_[pair] - chunk.owed))
+    if (was_moved(pair) &&
+        way_of(particle_[pair], chunk.edges) * (1 + rounding) >= part * (known_[pair] - chunk.owed))
       return true;
   return false;
 }
@@ -596,7 +613,7 @@ std::size_t FeaturePairs::near(std::size_t index, const kernels::NearRule& rule,
   Chunk& chunk = chunks_[index];
   const float far = rule.thickness_part > 0 ? chunk.least_slack - chunk.owed
                                             : rule.known_part * (chunk.least_known - chunk.owed);
-  if (farthest_way(chunk) < far) return 0;
+  if (farthest_way(chunk) + rule.pressed < far) return 0;
   const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
   const kernels::Nearness nearness = kernels.near[chunk.edges ? 1 : 0](points, columns(), rule, chunk.owed,
                                                                        early, chunk.begin, chunk.end, found);

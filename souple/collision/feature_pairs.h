@@ -32,18 +32,19 @@ class FeaturePairs {
   /// Whose tangles are left out; none: nothing is. It must live as long as this is used.
   void set_untangling(const Untangling* untangling) { untangling_ = untangling; }
 
-  /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. Both spans must live
-  /// until the step ends.
+  /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i, pressed[i]: how much
+  /// farther it has to be apart to be passed over [m]. All spans must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, const ContactStep& step, Threads& threads);
+                  std::span<const float> radius, std::span<const float> pressed, const ContactStep& step,
+                  Threads& threads);
   /// The next substep of `h` begins.
   void begin_substep(float h) { left_ -= h, covered_ -= h, elapsed_ += h; }
   /// Finds pairs again where particles have left their ways within the substep of `h`. Returns from where on
   /// pairs are new: size() where none are, 0 where all are.
   std::size_t keep_up(const ParticleView& particles, float h, Threads& threads);
   /// The same when only `particles_moved` were moved since the last.
-  std::size_t keep_up(const ParticleView& particles, float h,
-                      std::span<const std::uint32_t> particles_moved, Threads& threads);
+  std::size_t keep_up(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
+                      Threads& threads);
   void clear();
 
   /// Whether there are surfaces that may meet at all.
@@ -72,6 +73,8 @@ class FeaturePairs {
   }
   /// Whether a chunk has such a pair that goes `part` of what its features are apart, or may do so.
   bool any_moved_by(float part, const Chunk& chunk) const;
+  /// The most that particles of a chunk are pressed, as when it was measured last. [m]
+  float pressed(std::size_t chunk) const;
   /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
   std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::FeaturePoints& points,
                    std::uint32_t* found);
@@ -153,7 +156,7 @@ class FeaturePairs {
   ObjectMatrix own_matrix_, crossing_matrix_;
   bool any_ = false;
 
-  std::span<const float> radius_;
+  std::span<const float> radius_, pressed_;
   ContactStep step_;
   float left_ = 0;                 // of the step, behind this substep [s]
   float covered_ = 0;              // the same of what boxes were swept for
@@ -192,6 +195,8 @@ class FeaturePairs {
   std::vector<std::uint8_t> was_moved_;               // particles that were measured by themselves
   std::vector<std::uint32_t> moved_alone_;            // which those are
   float farthest_moved_ = 0, farthest_own_moved_ = 0;
+  std::vector<float> block_pressed_;  // the most of each block [m]
+  float most_pressed_ = 0;
 };
 
 inline constexpr std::uint32_t no_surface = ~0u;

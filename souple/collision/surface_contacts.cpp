@@ -71,13 +71,21 @@ bool has_normal(const NearPair& pair, const Motion& motion, float part, bool edg
   return inverse_mass > 0 && length(at[1] * c[1] + at[2] * c[2] + at[3] * c[3]) > 0;
 }
 
+// Whether a way from q to k begins towards the origin: by more than rounding can tell, or what is just above
+// a side would be over neither triangle.
+bool is_over(const Vec3f& q, const Vec3f& k) {
+  constexpr float sine = 1e-4f;
+  const float along = -dot(q, k - q);
+  return along > 0 && along * along > sine * sine * length_squared(q) * length_squared(k - q);
+}
+
 }  // namespace
 
 void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   forget_contacts();
   pairs_.set_surfaces(std::move(surfaces));
   if (!pairs_.any()) return;
-  find_owners();
+  find_sides();
   // Colours and what the solver leaves undone come and go.
   used_.reserve(3 * pairs_.particle_count());
   begin_.reserve(512), next_place_.reserve(512);
@@ -87,16 +95,14 @@ void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
 
 // --- what is there more than once
 
-void SurfaceContacts::find_owners() {
+void SurfaceContacts::find_sides() {
   const std::size_t n = pairs_.particle_count();
   owner_of_vertex_.assign(n, {no_vertex, no_vertex, no_vertex});
-  edge_owner_begin_.assign(n + 1, 0);
-  edge_owners_.clear();
-  struct Side {
-    std::uint32_t smaller;
-    EdgeOwner owner;
+  struct OfVertex {
+    std::uint32_t vertex;
+    Side side;
   };
-  std::vector<Side> sides;
+  std::vector<OfVertex> found;
   for (std::size_t a = 0; a < pairs_.surface_count(); ++a) {
     const ContactSurface& surface = pairs_.surface(a);
     for (std::array<std::uint32_t, 3> t : surface.triangles) {
@@ -104,47 +110,74 @@ void SurfaceContacts::find_owners() {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t i = t[k], j = t[(k + 1) % 3], third = t[(k + 2) % 3];
         if (owner_of_vertex_[i][0] == no_vertex) owner_of_vertex_[i] = t;
-        sides.push_back({std::min(i, j), {std::max(i, j), third}});
+        found.push_back({i, {j, third}});
+        found.push_back({j, {i, third}});
       }
     }
   }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.smaller != b.smaller ? a.smaller < b.smaller : a.owner.other < b.owner.other;
+  std::stable_sort(found.begin(), found.end(), [](const OfVertex& a, const OfVertex& b) {
+    return a.vertex != b.vertex ? a.vertex < b.vertex : a.side.other < b.side.other;
   });
-  const Side* last = nullptr;
-  for (const Side& side : sides) {
-    if (last && last->smaller == side.smaller && last->owner.other == side.owner.other) continue;
-    edge_owners_.push_back(side.owner);
-    ++edge_owner_begin_[side.smaller + 1];
-    last = &side;
+  sides_.clear();
+  side_begin_.assign(n + 1, 0);
+  for (const OfVertex& one : found) {
+    sides_.push_back(one.side);
+    ++side_begin_[one.vertex + 1];
   }
-  for (std::size_t i = 0; i < n; ++i) edge_owner_begin_[i + 1] += edge_owner_begin_[i];
+  for (std::size_t i = 0; i < n; ++i) side_begin_[i + 1] += side_begin_[i];
 }
 
 // Whether the triangle of a pair is the one that stands for the side or the corner where its nearest point
 // lies: bit k of on_border says that corner k has no weight.
-bool SurfaceContacts::is_owner(const NearPair& pair, unsigned on_border) const {
-  const std::uint32_t corner[3] = {pair.particle[1], pair.particle[2], pair.particle[3]};
+bool SurfaceContacts::is_owner(const NearPair& pair, unsigned on_border,
+                               const ParticleView& particles) const {
   if (on_border == 0) return true;
-  if (std::has_single_bit(on_border)) {
-    const auto k = static_cast<std::size_t>(std::countr_zero(on_border));
-    const std::uint32_t i = corner[(k + 1) % 3], j = corner[(k + 2) % 3];
-    const std::uint32_t smaller = std::min(i, j), larger = std::max(i, j);
-    for (std::uint32_t e = edge_owner_begin_[smaller]; e < edge_owner_begin_[smaller + 1]; ++e)
-      if (edge_owners_[e].other == larger) return edge_owners_[e].third == corner[k];
-    return true;
-  }
+  if (std::has_single_bit(on_border))
+    return is_owner_of_side(pair, static_cast<std::size_t>(std::countr_zero(on_border)), particles);
   const auto k = static_cast<std::size_t>(std::countr_zero(~on_border & 7u)) % 3;
-  const auto& owner = owner_of_vertex_[corner[k]];
-  return std::all_of(owner.begin(), owner.end(),
-                     [&](std::uint32_t i) { return i == corner[0] || i == corner[1] || i == corner[2]; });
+  return is_owner_of_corner(pair, k, particles);
+}
+
+// The side across from a corner. Of all triangles that have it none may reach below the vertex x: with q the
+// nearest point of the side and k the corner across, (x - q) . (k - q) <= 0.
+bool SurfaceContacts::is_owner_of_side(const NearPair& pair, std::size_t corner,
+                                       const ParticleView& particles) const {
+  const std::uint32_t x = pair.particle[0], k = pair.particle[1 + corner];
+  const std::uint32_t i = pair.particle[1 + (corner + 1) % 3], j = pair.particle[1 + (corner + 2) % 3];
+  const Vec3f to_i = particles.difference(i, x), to_j = particles.difference(j, x);
+  const float s = nearest_on_edge(Vec3f{}, to_i, to_j);
+  const Vec3f to_q = to_i * (1 - s) + to_j * s;
+  bool first = true;
+  for (std::uint32_t n = side_begin_[i]; n < side_begin_[i + 1]; ++n) {
+    if (sides_[n].other != j) continue;
+    const std::uint32_t third = sides_[n].third;
+    if (first && third != k) return false;
+    first = false;
+    if (third != k && third != x && is_over(to_q, particles.difference(third, x))) return false;
+  }
+  return true;
+}
+
+// The same of all sides that meet in a corner.
+bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corner,
+                                         const ParticleView& particles) const {
+  const auto& i = pair.particle;
+  const std::uint32_t x = i[0], q = i[1 + corner];
+  for (const std::uint32_t k : owner_of_vertex_[q])
+    if (k != i[1] && k != i[2] && k != i[3]) return false;
+  const Vec3f to_q = particles.difference(q, x);
+  for (std::uint32_t n = side_begin_[q]; n < side_begin_[q + 1]; ++n) {
+    const std::uint32_t other = sides_[n].other;
+    if (other != x && is_over(to_q, particles.difference(other, x))) return false;
+  }
+  return true;
 }
 
 // --- what touches
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                 std::span<const float> radius, const SurfaceMatrix& matrix,
-                                 const ContactStep& step, Threads& threads) {
+                                 std::span<const float> radius, std::span<float> pressed,
+                                 const SurfaceMatrix& matrix, const ContactStep& step, Threads& threads) {
   forget_contacts();
   pairs_.clear();
   if (!pairs_.any()) return;
@@ -152,7 +185,8 @@ void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const 
     throw Error("SurfaceContacts: the surface matrix is smaller than surfaces x surfaces; build it anew");
   matrix_ = &matrix;
   step_ = step;
-  pairs_.begin_step(particles, velocity, radius, step, threads);
+  pressed_ = pressed;
+  pairs_.begin_step(particles, velocity, radius, pressed, step, threads);
   renew_colours();
 }
 
@@ -219,7 +253,7 @@ void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& parti
   std::uint32_t near[FeaturePairs::chunk_size];
   float verdict[FeaturePairs::chunk_size];
   const kernels::FeaturePoints points = pairs_.points(particles);
-  const std::size_t count = pairs_.near(chunk, {1, 1 + early}, points, near);
+  const std::size_t count = pairs_.near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, points, near);
   if (count == 0) return;
   packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](points, pairs_.columns(), early, near, 0, count, verdict);
   for (std::size_t k = 0; k < count; ++k) {
@@ -241,7 +275,7 @@ bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned verdict, const Par
   }
   if ((verdict & Verdict::touches) == 0) return false;
   const unsigned on_border = verdict / Verdict::on_border;
-  if (!edges) return is_owner(particle, on_border);
+  if (!edges) return is_owner(particle, on_border, particles);
   const auto is_rope = [&](std::uint32_t i) {
     return pairs_.surface(pairs_.surface_of(i)).triangles.empty();
   };
@@ -341,7 +375,7 @@ void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& partic
   constexpr float nearly = 0.9f;  // of what is between them
   if (!all && !pairs_.any_moved_by(nearly, pairs_.chunk(chunk))) return;
   std::uint32_t near[FeaturePairs::chunk_size];
-  const std::size_t count = pairs_.near(chunk, {nearly, 0}, pairs_.points(particles), near);
+  const std::size_t count = pairs_.near(chunk, {nearly, 0, 0}, pairs_.points(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
     if (!all && !pairs_.was_moved(near[k])) continue;
     if (pairs_.known(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
@@ -414,6 +448,20 @@ void SurfaceContacts::shorten_ways(const ParticleView& particles) {
       particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * left_of_way_[i]);
 }
 
+// What a contact pushed beyond what motion asked for, where that is more than what comes early anyway. At
+// most a part of the thickness.
+void SurfaceContacts::remember_pushes() {
+  constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
+  for (float& pressed : pressed_) pressed = pressed > negligible ? kept * pressed : 0;
+  for (std::size_t c = 0; c < size(); ++c) {
+    const float beyond = columns_.pushed[c] - max(0.0f, columns_.approach[c]);
+    if (!(beyond > early * columns_.thickness[c])) continue;
+    const float pressed = min(beyond, part_of_thickness * columns_.thickness[c]);
+    for (const std::uint32_t* particle : columns_.particle)
+      pressed_[particle[c]] = max(pressed_[particle[c]], pressed);
+  }
+}
+
 // First pushes, which keep momentum; what they do not settle is stopped.
 std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
                                         Threads& threads) {
@@ -433,6 +481,7 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
     find_cuts_again(particles, substep, threads);
   }
   pairs_.end_substep();
+  remember_pushes();
   return count;
 }
 
@@ -515,8 +564,8 @@ void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
 }
 
 std::size_t SurfaceContacts::bytes() const {
-  std::size_t sum = bytes_of(owner_of_vertex_, edge_owner_begin_, edge_owners_, touches_, colour_, used_,
-                             pair_, part_, left_of_way_);
+  std::size_t sum =
+      bytes_of(owner_of_vertex_, side_begin_, sides_, touches_, colour_, used_, pair_, part_, left_of_way_);
   for (const Found& found : found_) sum += bytes_of(found.touches);
   return sum + pairs_.bytes() + contacts_.bytes() + rescues_.bytes();
 }

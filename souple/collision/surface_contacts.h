@@ -24,9 +24,15 @@ namespace souple {
 /// (continuous.h). So n always points to the side that the features came from. Corrections w_k c_k n keep
 /// momentum. Friction, restitution and the slow release of an old overlap are those of ParticleContacts.
 ///
-/// A vertex that is nearest to a side or a corner of a triangle touches all triangles around it: one contact
-/// is made of them, with the first that the mesh has there. Edges whose nearest point is an end are left to
-/// that vertex and the triangles, unless one of them is a rope's.
+/// A vertex that is nearest to a side or a corner of a triangle, and over none of the triangles around it,
+/// touches all of these: one contact is made of them, with the first that the mesh has there. Where it is
+/// over one of them, that one alone counts: the normal from the side would brake what slides across. Edges
+/// whose nearest point is an end are left to that vertex and the triangles, unless one of them is a rope's.
+///
+/// A contact has to be there before the solver brings the two too near, or it comes and goes from one substep
+/// to the next: what lies still would tremble. Where bodies are stiff or heavy, the solver first moves them
+/// into each other by much more than they move in a substep, and contacts push them back. So contacts near
+/// a particle that was pushed begin as much earlier as it was pushed, in this and in some substeps after.
 ///
 /// After the solver, `keep_apart` looks along the way of everything once more. Pairs that would pass through
 /// each other all the same are pushed some more; where that does not settle it either (something is squeezed
@@ -40,10 +46,11 @@ class SurfaceContacts final : public Projector {
   /// Whose tangles may pass; none: all are held. It must live as long as this is used.
   void set_untangling(const Untangling* untangling) { pairs_.set_untangling(untangling); }
 
-  /// `surfaces` and `radius` as for ParticleContacts; both must live until the step ends.
+  /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
+  /// [m], which this keeps up to date. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, const SurfaceMatrix& matrix, const ContactStep& step,
-                  Threads& threads);
+                  std::span<const float> radius, std::span<float> pressed, const SurfaceMatrix& matrix,
+                  const ContactStep& step, Threads& threads);
   /// After prediction: the contacts of this substep.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
   /// After the solver, before velocities are taken. Returns how often a way was shortened.
@@ -88,8 +95,10 @@ class SurfaceContacts final : public Projector {
   void forget_contacts();
   void renew_colours_from(std::size_t renewed_from);
   void renew_colours();
-  void find_owners();
-  bool is_owner(const NearPair& pair, unsigned on_border) const;
+  void find_sides();
+  bool is_owner(const NearPair& pair, unsigned on_border, const ParticleView& particles) const;
+  bool is_owner_of_side(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
+  bool is_owner_of_corner(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
   template <class Function>
   void find(std::vector<Touch>& found, Threads& threads, const Function& of_range);
   void find_touching(std::size_t chunk, const ParticleView& particles, std::vector<Touch>& found);
@@ -105,17 +114,19 @@ class SurfaceContacts final : public Projector {
   void describe_touches(const ParticleView& particles, Threads& threads);
   void push_cuts(const ParticleView& particles);
   void shorten_ways(const ParticleView& particles);
+  void remember_pushes();
 
   FeaturePairs pairs_;
-  /// Of each vertex the first triangle that has it; of each edge, by its smaller vertex, the third corner of
-  /// the first triangle that has it.
-  struct EdgeOwner {
-    std::uint32_t other, third;
+  /// A side of a triangle, by one of its ends.
+  struct Side {
+    std::uint32_t other, third;  ///< its other end, and the corner across
   };
-  std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;
-  std::vector<std::uint32_t> edge_owner_begin_;
-  std::vector<EdgeOwner> edge_owners_;
+  /// Those of vertex i begin at side_begin_[i], by their other ends and then in the order of triangles.
+  std::vector<std::uint32_t> side_begin_;
+  std::vector<Side> sides_;
+  std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // the first triangle that has it
 
+  std::span<float> pressed_;
   const SurfaceMatrix* matrix_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};

@@ -31,6 +31,7 @@ struct Particles {
   std::vector<Vec4f> velocity;  ///< m/s
   std::vector<float> mass;      ///< kg, kept for pinned particles too
   std::vector<float> radius;    ///< half thickness for contacts [m]
+  std::vector<float> pressed;   ///< how far contacts of surfaces pushed it of late [m]
 
   std::size_t size() const { return position.size(); }
 
@@ -51,7 +52,7 @@ struct Particles {
  private:
   template <class Function>
   void for_each_array(const Function& f) {
-    f(position), f(offset), f(start), f(velocity), f(mass), f(radius);
+    f(position), f(offset), f(start), f(velocity), f(mass), f(radius), f(pressed);
   }
 };
 

@@ -4,14 +4,14 @@
 #include <cstring>
 
 // A snapshot is: magic, shape (a hash of what the objects are), time, steps, number of frictional contacts,
-// then position (with inverse masses), offset and velocity of every particle, what contacts between particles
-// remember of friction, how long each object has been at rest and with whom it sleeps, then a checksum of all
-// before it.
+// then position (with inverse masses), offset and velocity of every particle, how far contacts pushed it of
+// late, what contacts between particles remember of friction, how long each object has been at rest and with
+// whom it sleeps, then a checksum of all before it.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x32304e53504c5553u;  // "SULPSN02"
+constexpr std::uint64_t magic = 0x33304e53504c5553u;  // "SULPSN03"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -50,8 +50,8 @@ struct Rest {
 };
 
 std::size_t size_for(const WorldState& world, std::size_t contacts) {
-  return sizeof(Header) + 3 * world.particles.size() * sizeof(Vec4f) + contacts * sizeof(FrictionMemory) +
-         world.objects.size() * sizeof(Rest) + sizeof(std::uint64_t);
+  return sizeof(Header) + world.particles.size() * (3 * sizeof(Vec4f) + sizeof(float)) +
+         contacts * sizeof(FrictionMemory) + world.objects.size() * sizeof(Rest) + sizeof(std::uint64_t);
 }
 
 /// Checks everything that can be checked before the world is touched.
@@ -85,6 +85,7 @@ Snapshot World::snapshot() const {
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
   put(out, particles.velocity.data(), particles.size());
+  put(out, particles.pressed.data(), particles.size());
   put(out, memory.data(), memory.size());
   for (const auto& object : world.objects) {
     const Rest rest{object->still_time, object->island};
@@ -106,6 +107,7 @@ void World::restore(const Snapshot& snapshot) {
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());
+  get(in, particles.pressed.data(), particles.size());
   std::vector<FrictionMemory> memory(header.contacts);
   get(in, memory.data(), memory.size());
   world.particle_contacts.set_memory(memory);

@@ -30,7 +30,7 @@ Vec4f record(const Vec3d& x, float w) {
 struct Crowd {
   std::vector<Vec4f> position, moving, start, moved, velocity;
   std::vector<std::array<std::uint32_t, 4>> pairs;
-  std::vector<float> thickness, known;
+  std::vector<float> thickness, known, pressed;
   bool plain;
 
   explicit Crowd(bool is_plain, std::size_t count) : plain(is_plain) {
@@ -45,6 +45,7 @@ struct Crowd {
       moved.push_back({});
       moved[i].set_xyz(moving[i].xyz() - start[i].xyz());
       velocity.push_back(record(random.point(-1, 1), 0));
+      pressed.push_back(i % 3 == 0 ? float(random.uniform(0, 0.01)) : 0.0f);
     }
     for (std::uint32_t k = 0; k < count; ++k) {
       pairs.push_back({4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3});
@@ -63,6 +64,7 @@ struct Crowd {
     result.corrected = result.moving;
     result.start = &start[0].x;
     result.moved = &moved[0].x;
+    result.pressed = pressed.data();
     return result;
   }
 };
@@ -80,7 +82,7 @@ std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::si
   const kernels::FeatureColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
   std::vector<std::uint32_t> found(count);
   const kernels::Nearness nearness =
-      kernels.near[kind](crowd.points(), columns, {1, 1.1f}, 0.001f, 0.1f, 0, count, found.data());
+      kernels.near[kind](crowd.points(), columns, {1, 1.1f, 0.002f}, 0.001f, 0.1f, 0, count, found.data());
   found.resize(nearness.found);
   add(&nearness.least_known, 1), add(&nearness.least_slack, 1);
   add(crowd.known.data(), count);
@@ -131,20 +133,22 @@ TEST(FeatureKernels, EveryInstructionSetGivesTheSameBits) {
 // fastest corner's relative velocity, and the rooms of both.
 TEST(FeatureKernels, AReachIsThicknessAndWayAndRoom) {
   const std::vector<Vec4f> velocity{{1, 0, 0, 0}, {1, 0, 0, 0}, {-2, 0, 0, 0}, {1, 4, 0, 0}};
-  const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, room{0.01f, 0.02f, 0.02f, 0.05f};
+  const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, room{0.01f, 0.02f, 0.02f, 0.05f},
+      pressed{0, 0.003f, 0, 0.001f};
   const std::uint32_t pair[1][4] = {{0, 1, 2, 3}};
   kernels::FeaturePoints points;
   points.moved = &velocity[0].x;
+  points.pressed = pressed.data();
   const kernels::FeatureRooms rooms{radius.data(), room.data(), 1, 1e-5f, 0.5f};
   for (const InstructionSet set : all_sets()) {
     const FeatureKernels& kernels = kernels::find_feature_kernels(set);
     float thickness = 0, reach = 0;
     kernels.reaches[0](points, rooms, 0.1f, pair, 0, 1, &thickness, &reach);
     EXPECT_FLOAT_EQ(thickness, 0.4f);
-    EXPECT_FLOAT_EQ(reach, 1.5f * 0.4f + 0.1f * 4 + 0.06f);
+    EXPECT_FLOAT_EQ(reach, 1.5f * 0.4f + 0.003f + 0.1f * 4 + 0.06f);
     kernels.reaches[1](points, rooms, 0.1f, pair, 0, 1, &thickness, &reach);
     EXPECT_FLOAT_EQ(thickness, 0.2f + 0.3f);
-    EXPECT_FLOAT_EQ(reach, 1.5f * 0.5f + 0.1f * 4 + 0.07f);
+    EXPECT_FLOAT_EQ(reach, 1.5f * 0.5f + 0.003f + 0.1f * 4 + 0.07f);
   }
 }
 

@@ -78,7 +78,8 @@ TEST(PatchKernels, EveryInstructionSetFindsTheSame) {
       keep(kernels->vertices_triangles(a.columns(), p, b.columns(), q, pairs));
       keep(kernels->vertices_edges(a.columns(), p, b.columns(), q, pairs));
       std::vector<std::uint32_t> some(p.count);
-      const std::size_t n = kernels->overlapping(keyed.data() + p.begin, p.count, q.box, 3, 1000, some.data());
+      const std::size_t n =
+          kernels->overlapping(keyed.data() + p.begin, p.count, q.box, 3, 1000, some.data());
       for (std::size_t i = 0; i < n; ++i) list.push_back({some[i], 0, 0, 0});
     }
     for (const auto& list : found) ASSERT_EQ(list, found[0]);

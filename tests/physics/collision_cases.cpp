@@ -264,14 +264,11 @@ TriangleMesh glass_mesh(double radius, double height, double wall, int segments)
   return lathe(profile, segments);
 }
 
-Glass balls_in_glass(int count) {
+Glass balls_in_glass(int count, const Settings& settings) {
   constexpr double ball = 0.05, spacing = 0.115, wall = 0.03;
   const int per_layer = count >= 30 ? 7 : 3;
-  Glass scene{World({.substeps = 20, .iterations = 2, .mode = Mode::xpbd}),
-              tet_ball(1, 2, ball),
-              {},
-              per_layer == 7 ? 0.21 : 0.15,
-              per_layer == 7 ? 0.9 : 0.4};
+  Glass scene{
+      World(settings), tet_ball(1, 2, ball), {}, per_layer == 7 ? 0.21 : 0.15, per_layer == 7 ? 0.9 : 0.4};
   World& world = scene.world;
   world.add_obstacle(glass_mesh(scene.radius, scene.height, wall, 36),
                      {.thickness = 0.004f, .friction = 0.3f});

@@ -83,7 +83,8 @@ struct Glass {
   std::vector<ObjectId> balls;
   double radius, height;  ///< of the space inside [m]
 };
-Glass balls_in_glass(int count);
+Glass balls_in_glass(int count,
+                     const Settings& settings = {.substeps = 20, .iterations = 2, .mode = Mode::xpbd});
 
 /// The part of the bodies' volume that lies inside another one too, by sample points in every tet. `bodies`
 /// have the tets of `mesh`.

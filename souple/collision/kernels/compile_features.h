@@ -212,6 +212,19 @@ SOUPLE_INLINE inline Numbers<Set> sum_of_largest(const float* column, std::size_
   return edges ? max(of[0], of[1]) + max(of[2], of[3]) : of[0] + max(of[1], max(of[2], of[3]));
 }
 
+/// The most of the four.
+template <class Set>
+SOUPLE_INLINE inline Numbers<Set> most_pressed(const FeaturePoints& points, const PairRecords<Set>& corners) {
+  Numbers<Set> most(0.f);
+  for (int k = 0; k < 4; ++k) {
+    float lanes[Set::lanes];
+    for (int lane = 0; lane < Set::lanes; ++lane)
+      lanes[lane] = points.pressed[corners.first_float[k][lane] / 4];
+    most = max(most, Numbers<Set>::load(lanes));
+  }
+  return most;
+}
+
 template <class Set, bool edges>
 [[gnu::flatten]] void reaches(const FeaturePoints& points, const FeatureRooms& rooms, float dt,
                               const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
@@ -225,8 +238,8 @@ template <class Set, bool edges>
     const T thick = max(sum_of_largest<Set, edges>(rooms.radius, 1, corners), T(rooms.least_thickness));
     const T room = sum_of_largest<Set, edges>(rooms.room, rooms.stride, corners);
     store<Set>(thick, thickness + i, indices.count);
-    store<Set>(T(1 + rooms.early) * thick + relative_way<Set, edges>(m) * T(dt) + room, reach + i,
-               indices.count);
+    const T near = T(1 + rooms.early) * thick + most_pressed(points, corners);
+    store<Set>(near + relative_way<Set, edges>(m) * T(dt) + room, reach + i, indices.count);
   }
 }
 
@@ -254,7 +267,7 @@ template <class Set, bool edges>
     const T way = relative_way<Set, edges>(m);
     T known = load<Set>(pairs.known + i, indices.count) - T(owed);
     const T thickness = load<Set>(pairs.thickness + i, indices.count);
-    const T thick = T(rule.thickness_part) * thickness;
+    const T thick = T(rule.thickness_part) * thickness + T(rule.pressed);
     const auto is_near = way >= T(rule.known_part) * known - thick;
     if (any_lane(is_near)) {
       Vectors<Set> x[4];
@@ -306,7 +319,7 @@ template <class Set, bool edges>
     differences(points, corners, x);
     nearest_points<Set, edges>(x, c);
     const T size = length(weighted(x, c));
-    const T near = T(1 + early) * gather<Set>(pairs.thickness, indices.at);
+    const T near = T(1 + early) * gather<Set>(pairs.thickness, indices.at) + most_pressed(points, corners);
     const auto moves = effective_inverse_mass(points, corners, c) > zero;
     T sum = flag(size <= near && size > zero && moves, Verdict::touches);
     Vectors<Set> m[4];

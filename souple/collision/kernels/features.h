@@ -15,6 +15,8 @@ struct FeaturePoints {
   float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
   const float* moved = nullptr;     ///< moving - start; read by reaches, near, judge and describe
+  const float* pressed =
+      nullptr;  ///< how much earlier contacts of a particle begin [m]; read by reaches and judge
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
@@ -33,9 +35,10 @@ struct FeatureRooms {
 };
 
 /// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
-/// known_part known - thickness_part thickness.
+/// known_part known - thickness_part thickness - pressed.
 struct NearRule {
   float known_part, thickness_part;
+  float pressed;  ///< the most of all their particles, m
 };
 
 /// Of some pairs, after one look at them.
@@ -47,8 +50,9 @@ struct Nearness {
 
 /// What judge() says of a pair.
 struct Verdict {
-  static constexpr unsigned touches = 1;  ///< it will be as near as (1 + early) thickness, and can move
-  static constexpr unsigned fast = 2;     ///< it may pass through itself on the way
+  /// It will be as near as (1 + early) thickness + the most that its particles are pressed, and can move.
+  static constexpr unsigned touches = 1;
+  static constexpr unsigned fast = 2;  ///< it may pass through itself on the way
   /// The nearest point of the triangle has no weight on corner k: it lies on a side or in another corner. For
   /// edges only `on_border << 0`: the nearest point of one of them is its end.
   static constexpr unsigned on_border = 4;
@@ -84,8 +88,8 @@ struct FeatureKernels {
   /// How far they are apart now [m].
   void (*distances[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin,
                        std::size_t end, float* out);
-  /// What both are thick together, and from how far they can come within (1 + early) of that in `dt`, with
-  /// `moved` the velocities of particles [m].
+  /// What both are thick together, and from how far they can come within (1 + early) of that, and what the
+  /// most pressed of them adds, in `dt`, with `moved` the velocities of particles [m].
   void (*reaches[2])(const FeaturePoints&, const FeatureRooms&, float dt, const std::uint32_t (*pairs)[4],
                      std::size_t begin, std::size_t end, float* thickness, float* reach);
   /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
