@@ -183,7 +183,9 @@ void SpatialHash::sort_by_parts(Threads& threads) {
   });
   entry_count_ = sum_up_parts();
   resize_with_room(keyed_, entry_count_);
-  resize_with_room(entries_, entry_count_);
+  resize_with_room(entries_, entry_count_ + kernels::BoxGroup::most_items);
+  for (auto* columns : {&lo_, &hi_})
+    for (auto& column : *columns) resize_with_room(column, entry_count_ + kernels::BoxGroup::most_items);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       std::array<std::uint32_t, most_parts> next{};
@@ -223,14 +225,20 @@ void SpatialHash::sort_part(std::size_t part) {
   }
   for (std::size_t e = begin; e < end; ++e) {
     const std::uint32_t place = end_[keyed_[e].bucket + 1]++;
-    const auto& [lo, hi] = boxes_[keyed_[e].entry >> 3];
-    entries_[place] = {{lo.x, lo.y, lo.z}, keyed_[e].entry, {-hi.x, -hi.y, -hi.z}, 0};
+    entries_[place] = keyed_[e].entry;
+    const Bounds& box = boxes_[keyed_[e].entry >> 3];
+    for (int axis = 0; axis < 3; ++axis) {
+      lo_[static_cast<std::size_t>(axis)][place] = box.lo[axis];
+      hi_[static_cast<std::size_t>(axis)][place] = box.hi[axis];
+    }
   }
 }
 
 // Those of a grid, from box `first` on; not one whose cells are smaller than the box asked for.
 void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t first,
                           std::vector<std::uint32_t>& found) const {
+  const kernels::BoxColumns columns{
+      {lo_[0].data(), lo_[1].data(), lo_[2].data()}, {hi_[0].data(), hi_[1].data(), hi_[2].data()}, {}};
   const float corners[] = {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
   const Cells cells = cells_of(box, grid);
   for (std::uint32_t which = 0; which < 8; ++which) {
@@ -238,13 +246,18 @@ void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t fir
     const std::uint32_t bucket = bucket_of(grid, cells, which);
     const std::size_t begin = end_[bucket], size = end_[bucket + 1] - begin;
     if (size == 0) continue;
-    const std::size_t count = found.size();
+    std::size_t count = found.size();
     found.resize(count + size);
     // Along an axis along which both came from the cell before, what they share does not begin in this cell.
-    const std::size_t hits = kernels_->overlapping(entries_.data() + begin, size, corners, which, first << 3,
-                                                   found.data() + count);
-    for (std::size_t hit = count; hit < count + hits; ++hit) found[hit] >>= 3;
-    found.resize(count + hits);
+    const std::size_t hits =
+        kernels_->overlapping(columns, begin, size, corners, entries_.data(), which, found.data() + count);
+    const std::size_t end = count + hits;
+    for (std::size_t hit = count; hit < end; ++hit) {
+      const std::uint32_t b = found[hit] >> 3;
+      found[count] = b;
+      count += b >= first ? 1 : 0;
+    }
+    found.resize(count);
   }
 }
 
@@ -300,7 +313,7 @@ void SpatialHash::find_in_finer(const Bounds& box, int index, std::vector<std::u
       for (std::int32_t i = lo[0]; i <= hi[0]; ++i) {
         const std::uint32_t bucket = bucket_of(grid, i, j, k);
         for (std::uint32_t e = end_[bucket]; e < end_[bucket + 1]; ++e) {
-          const std::uint32_t b = entries_[e].key >> 3;
+          const std::uint32_t b = entries_[e] >> 3;
           const Cells other = cells_of(boxes_[b], grid);
           const bool first_here = std::max(lo[0], other.lo[0]) == i && std::max(lo[1], other.lo[1]) == j &&
                                   std::max(lo[2], other.lo[2]) == k;
@@ -318,7 +331,8 @@ bool SpatialHash::larger_than_some(const Bounds& box) const {
 }
 
 std::size_t SpatialHash::bytes() const {
-  return bytes_of(grid_, boxes_in_, place_, keyed_, end_, entries_);
+  return bytes_of(grid_, boxes_in_, place_, keyed_, end_, entries_, lo_[0], lo_[1], lo_[2], hi_[0], hi_[1],
+                  hi_[2]);
 }
 
 }  // namespace souple

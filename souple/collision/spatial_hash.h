@@ -141,7 +141,8 @@ class SpatialHash {
   std::vector<std::uint32_t> place_;                                 // [part][chunk] in keyed_
   std::vector<Keyed> keyed_;                                         // by part, then box
   std::vector<std::uint32_t> end_;                                   // bucket b: end_[b] to end_[b + 1]
-  std::vector<kernels::KeyedBox> entries_;                           // key: 8 box + which of its cells
+  std::array<std::vector<float>, 3> lo_, hi_;                        // of each entry's box
+  std::vector<std::uint32_t> entries_;                               // 8 box + which of its cells
 };
 
 }  // namespace souple

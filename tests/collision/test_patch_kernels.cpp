@@ -44,7 +44,6 @@ std::vector<const PatchKernels*> all_kernels() {
 
 BoxGroup random_group(std::uint32_t most, test::Random& random) {
   BoxGroup group{std::uint32_t(random.uniform(0, 100)), std::uint32_t(random.uniform(0, most + 1)), {}};
-  group.marked = random.uniform(0, 1) < 0.5 ? ~0u : std::uint32_t(random.uniform(0, 4e9));
   for (std::size_t k = 0; k < 3; ++k) {
     group.box[k] = float(random.uniform(0, 0.6));
     group.box[3 + k] = group.box[k] + float(random.uniform(0, 0.8));
@@ -56,12 +55,6 @@ BoxGroup random_group(std::uint32_t most, test::Random& random) {
 TEST(PatchKernels, EveryInstructionSetFindsTheSame) {
   test::Random random(1);
   const Items a(200, random), b(200, random);
-  std::vector<kernels::KeyedBox> keyed;
-  for (std::size_t i = 0; i < b.lo[0].size(); ++i)
-    keyed.push_back({{b.lo[0][i], b.lo[1][i], b.lo[2][i]},
-                     std::uint32_t(i * 2654435769u),
-                     {-b.hi[0][i], -b.hi[1][i], -b.hi[2][i]},
-                     0});
   std::vector<std::array<std::uint32_t, 4>> room(std::size_t{BoxGroup::most_items} * BoxGroup::most_items);
   auto* const pairs = reinterpret_cast<kernels::Quad*>(room.data());
   std::size_t sum = 0;
@@ -77,9 +70,10 @@ TEST(PatchKernels, EveryInstructionSetFindsTheSame) {
       keep(kernels->edges_edges(a.columns(), p, q, pairs));
       keep(kernels->vertices_triangles(a.columns(), p, b.columns(), q, pairs));
       keep(kernels->vertices_edges(a.columns(), p, b.columns(), q, pairs));
-      std::vector<std::uint32_t> some(p.count);
+      std::vector<std::uint32_t> keys(300), some(300);
+      for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = std::uint32_t(i * 2654435769u);
       const std::size_t n =
-          kernels->overlapping(keyed.data() + p.begin, p.count, q.box, 3, 1000, some.data());
+          kernels->overlapping(b.columns(), p.begin, p.count, q.box, keys.data(), 3, some.data());
       for (std::size_t i = 0; i < n; ++i) list.push_back({some[i], 0, 0, 0});
     }
     for (const auto& list : found) ASSERT_EQ(list, found[0]);

@@ -17,13 +17,17 @@ struct Lanes {
   using Vector = typename Set::Vector;
   using Mask = typename Set::Mask;
   static Vector broadcast(float a) { return Set::broadcast(a); }
-  static Vector load(const float* a) { return Set::load(a); }
   static Mask at_most(const float* a, Vector b) { return Set::load(a) <= b; }
   static Mask at_least(const float* a, Vector b) { return Set::load(a) >= b; }
   static Mask equal(const std::uint32_t* a, std::uint32_t b) {
     Mask loaded;
     __builtin_memcpy(&loaded, a, sizeof loaded);
     return loaded == (Mask{} + static_cast<std::int32_t>(b));
+  }
+  static Mask has_none(const std::uint32_t* a, std::uint32_t b) {
+    Mask loaded;
+    __builtin_memcpy(&loaded, a, sizeof loaded);
+    return (loaded & (Mask{} + static_cast<std::int32_t>(b))) == Mask{};
   }
   static std::uint32_t bits(Mask mask) {
 #if defined(__x86_64__)
@@ -186,22 +190,16 @@ std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGro
 }
 
 template <class Set>
-std::size_t overlapping(const KeyedBox* boxes, std::size_t count, const float (&box)[6], std::uint32_t mask,
-                        std::uint32_t first, std::uint32_t* found) {
+std::size_t overlapping(const BoxColumns& boxes, std::size_t begin, std::size_t count, const float (&box)[6],
+                        const std::uint32_t* keys, std::uint32_t mask, std::uint32_t* found) {
   using L = Lanes<Set>;
-  constexpr std::uint32_t row = 8, corners = 0x77;  // not keys
-  const float limit[row] = {box[3], box[4], box[5], 0, -box[0], -box[1], -box[2], 0};
-  typename L::Vector limits[row / L::count];
-  for (std::uint32_t k = 0; k < row; k += L::count) limits[k / L::count] = L::load(limit + k);
+  const SpreadBox<Set> spread(box);
   std::size_t n = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float* const numbers = boxes[i].lo;
-    std::uint32_t bits = 0;
-    for (std::uint32_t k = 0; k < row; k += L::count)
-      bits |= L::bits(L::at_most(numbers + k, limits[k / L::count])) << k;
-    const std::uint32_t key = boxes[i].key;
-    found[n] = key;
-    n += (bits & corners) == corners && (key & mask) == 0 && key >= first ? 1 : 0;
+  for (std::size_t k = 0; k < count; k += L::count) {
+    std::uint32_t hits = L::bits(spread.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
+    if (count - k < L::count) hits &= first_bits<Set>(static_cast<std::uint32_t>(count - k));
+    for (; hits != 0; hits &= hits - 1)
+      found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(hits))];
   }
   return n;
 }

@@ -23,15 +23,6 @@ struct BoxGroup {
   std::uint32_t marked = ~0u;  ///< bit k: item k. Pairs of which neither is marked are left out.
 };
 
-/// A box and what it stands for, in one row: it overlaps another where all of lo and minus_hi are at most the
-/// other's hi and minus lo.
-struct alignas(32) KeyedBox {
-  float lo[3];
-  std::uint32_t key;
-  float minus_hi[3];
-  std::uint32_t unused;
-};
-
 /// Four particles: a vertex and a triangle's, or two edges'. A vertex stands as an edge from it to itself.
 using Quad = std::uint32_t[4];
 
@@ -45,10 +36,11 @@ struct PatchKernels {
                                 const BoxGroup& e, Quad* pairs);
   /// Edges of two groups; those of one group where a and b begin alike, each pair once.
   std::size_t (*edges_edges)(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs);
-  /// Of `count` boxes those that overlap `box` and whose key has none of the bits of `mask` and is no less
-  /// than `first`: their keys, in order, written to `found`. Returns how many; room for all is needed.
-  std::size_t (*overlapping)(const KeyedBox* boxes, std::size_t count, const float (&box)[6],
-                             std::uint32_t mask, std::uint32_t first, std::uint32_t* found);
+  /// Which of `count` items from `begin` on overlap a box: their places in `keys`' order, keys[i] & mask == 0
+  /// provided, written to `found`. Returns how many; room for all is needed.
+  std::size_t (*overlapping)(const BoxColumns& boxes, std::size_t begin, std::size_t count,
+                             const float (&box)[6], const std::uint32_t* keys, std::uint32_t mask,
+                             std::uint32_t* found);
 };
 
 /// One lane, for processors without registers of ours and to compare with.
