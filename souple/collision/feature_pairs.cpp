@@ -113,7 +113,7 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   }
   own_.index_particles();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
-  left_particles_.reserve(end);
+  left_particles_.reserve(end), moved_alone_.reserve(end);
   chunks_.reserve(64);
 }
 
