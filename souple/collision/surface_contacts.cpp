@@ -90,7 +90,7 @@ void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   used_.reserve(3 * pairs_.particle_count());
   begin_.reserve(512), next_place_.reserve(512);
   cut_pair_.reserve(256), cut_part_.reserve(256), cuts_.reserve(256);
-  cut_particles_.reserve(8 * 256);
+  cut_particles_.reserve(2048);
   rescues_.resize(256);
 }
 
