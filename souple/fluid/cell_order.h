@@ -1,0 +1,81 @@
+#pragma once
+
+#include "souple/solver/threads.h"
+#include "souple/state/particles.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Particles in the order of the cells of a grid they lie in: by z, then y, then x, then as they were given.
+/// So cells that follow one another along x lie in a row in memory, and what is within one cell's size of a
+/// particle lies in nine such rows. Only cells that hold something are kept: a particle that flew far away
+/// costs no more than one that did not.
+///
+/// Sorted by a stable radix sort, eleven bits or less a pass, by the bits that the grid's extent asks for:
+/// the same order for any number of threads.
+class CellOrder {
+ public:
+  struct Cell {
+    std::uint32_t begin;  ///< its first place; it ends where the next begins
+    std::int32_t x;
+  };
+  /// Cells of equal y and z, by x.
+  struct Row {
+    std::uint32_t begin;  ///< its first cell; it ends where the next begins
+    std::int32_t y, z;
+  };
+
+  /// Replaces what was there. `cell_size` > 0 [m]. Positions that are not finite go to the first cell.
+  /// Allocates nothing when warm.
+  void build(std::span<const Vec4f> positions, float cell_size, Threads& threads);
+
+  std::size_t size() const { return order_.size(); }
+  /// Of each place, the particle that was given.
+  std::span<const std::uint32_t> order() const { return order_; }
+  /// x, y or z by place; readable for 16 floats beyond the last.
+  const float* component(int axis) const { return component_[static_cast<std::size_t>(axis)].data(); }
+
+  /// Each followed by one that says where the last ends.
+  std::span<const Cell> cells() const { return cells_; }
+  std::span<const Row> rows() const { return rows_; }
+  std::size_t cell_count() const { return cells_.size() - 1; }
+  std::size_t row_count() const { return rows_.size() - 1; }
+  std::size_t bytes() const;
+
+ private:
+  /// A key and the particle it is of: in one number where the key has no more than 32 bits.
+  struct WideItem {
+    std::uint64_t key;
+    std::uint32_t particle;
+  };
+  using NarrowItem = std::uint64_t;
+
+  void find_grid(std::span<const Vec4f> positions, float cell_size, Threads& threads);
+  std::uint64_t key_of(const Vec4f& position) const;
+  template <class Item>
+  void sort(std::span<const Vec4f> positions, std::array<std::vector<Item>, 2>& items, Threads& threads);
+  template <class Item>
+  void sort_pass(const std::vector<Item>& from, std::vector<Item>& to, int shift, int bits, Threads& threads);
+  template <class Item>
+  void place(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads);
+  template <class Item>
+  void find_cells(const std::vector<Item>& sorted, Threads& threads);
+
+  double corner_[3] = {}, inverse_ = 1;  // m, 1/m
+  int bits_[3] = {};                     // of a cell's coordinate along each axis
+  std::array<std::vector<NarrowItem>, 2> narrow_;
+  std::array<std::vector<WideItem>, 2> wide_;
+  std::vector<std::array<float, 6>> chunk_bounds_;
+  std::vector<std::uint32_t> histogram_;                   // [chunk][digit]
+  std::vector<std::array<std::uint32_t, 2>> chunk_first_;  // cell and row that begin in it or later
+  std::vector<std::uint32_t> order_;
+  std::array<std::vector<float>, 3> component_;
+  std::vector<Cell> cells_{{0, 0}};
+  std::vector<Row> rows_{{0, 0, 0}};
+};
+
+}  // namespace souple

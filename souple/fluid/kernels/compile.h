@@ -1,0 +1,106 @@
+#pragma once
+
+#include "souple/fluid/kernels/neighbour_kernels.h"
+#include "souple/math/simd/instruction_sets.h"
+
+#include <array>
+#include <cstring>
+
+// Included by the translation units that are compiled for one instruction set, and by nothing else; every
+// template here carries the set's tag.
+
+namespace souple::kernels {
+
+/// For each set of lanes, bit l for lane l, their numbers in order; and how many they are.
+template <class Set, class Number>
+struct LaneTable {
+  std::array<std::array<Number, Set::lanes>, 1u << Set::lanes> lanes{};
+  std::array<std::uint8_t, 1u << Set::lanes> count{};
+  constexpr LaneTable() {
+    for (unsigned bits = 0; bits < lanes.size(); ++bits)
+      for (unsigned l = 0; l < Set::lanes; ++l)
+        if ((bits >> l & 1) != 0) lanes[bits][count[bits]++] = static_cast<Number>(l);
+  }
+};
+
+/// Which lanes are set, as bits, and the writing of their numbers.
+template <class Set>
+struct Hits {
+  using Mask = typename Set::Mask;
+
+  static std::uint32_t bits(Mask mask) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+    if constexpr (Set::lanes == 16) return _mm512_movepi32_mask((__m512i)mask);
+#endif
+#if defined(__AVX2__)
+    if constexpr (Set::lanes == 8) return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
+#endif
+#if defined(__x86_64__)
+    if constexpr (Set::lanes == 4) return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)mask));
+#elif defined(__aarch64__)
+    return vaddvq_u32((uint32x4_t)mask & uint32x4_t{1, 2, 4, 8});
+#endif
+  }
+
+  /// first + l for each lane l of `bits`; writes a whole register. Returns how many.
+  static std::uint32_t append(std::uint32_t first, std::uint32_t bits, std::uint32_t* found) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+    if constexpr (Set::lanes == 16) {
+      const __m512i numbers =
+          _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
+                           _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+      _mm512_storeu_si512(found, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), numbers));
+      return static_cast<std::uint32_t>(__builtin_popcount(bits));
+    } else
+#endif
+#if defined(__AVX2__)
+        if constexpr (Set::lanes == 8) {
+      static constexpr LaneTable<Set, std::uint8_t> table;
+      const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(table.lanes[bits].data()));
+      const __m256i numbers =
+          _mm256_add_epi32(_mm256_cvtepu8_epi32(bytes), _mm256_set1_epi32(static_cast<int>(first)));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(found), numbers);
+      return table.count[bits];
+    } else
+#endif
+    {
+      static constexpr LaneTable<Set, std::int32_t> table;
+      Mask numbers;
+      std::memcpy(&numbers, table.lanes[bits].data(), sizeof numbers);
+      numbers += static_cast<std::int32_t>(first);
+      std::memcpy(found, &numbers, sizeof numbers);
+      return table.count[bits];
+    }
+  }
+};
+
+template <class Set>
+std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const PlaceRange* ranges,
+                         std::size_t range_count, float radius_squared, std::uint32_t* found) {
+  using Vector = typename Set::Vector;
+  const float *x = points.component[0], *y = points.component[1], *z = points.component[2];
+  const Vector xi = Set::broadcast(x[i]), yi = Set::broadcast(y[i]), zi = Set::broadcast(z[i]);
+  const Vector r2 = Set::broadcast(radius_squared);
+  std::uint32_t* out = found;
+  for (std::size_t r = 0; r < range_count; ++r) {
+    for (std::uint32_t k = ranges[r].begin; k < ranges[r].end; k += Set::lanes) {
+      const Vector dx = Set::load(x + k) - xi, dy = Set::load(y + k) - yi, dz = Set::load(z + k) - zi;
+      const Vector d2 = dx * dx + dy * dy + dz * dz;
+      std::uint32_t bits = Hits<Set>::bits(d2 < r2);
+      const std::uint32_t left = ranges[r].end - k;
+      bits &= left < Set::lanes ? (1u << left) - 1 : ~0u;
+      const std::uint32_t self = i - k;
+      bits &= ~(self < Set::lanes ? 1u << self : 0u);
+      out += Hits<Set>::append(k, bits, out);
+    }
+  }
+  return static_cast<std::uint32_t>(out - found);
+}
+
+template <class Set>
+const NeighbourKernels& neighbour_kernels() {
+  static constexpr NeighbourKernels kernels{near_point<Set>};
+  return kernels;
+}
+
+}  // namespace souple::kernels

@@ -1,0 +1,5 @@
+#if defined(__aarch64__)
+#include "souple/fluid/kernels/compile.h"
+
+template const souple::kernels::NeighbourKernels& souple::kernels::neighbour_kernels<souple::simd::Neon>();
+#endif
