@@ -8,4 +8,10 @@ const NeighbourKernels& find_neighbour_kernels(InstructionSet set) {
   return packed ? *packed : neighbour_kernels<OneLane>();
 }
 
+const DensityKernels& find_density_kernels(InstructionSet set) {
+  const DensityKernels* const packed = souple::detail::find_for(
+      set, []<class Set>(std::type_identity<Set>) { return &density_kernels<Set>(); });
+  return packed ? *packed : density_kernels<PlainLanes>();
+}
+
 }  // namespace souple::kernels

@@ -1,11 +1,14 @@
 #pragma once
 
+#include "souple/fluid/kernels/density_kernels.h"
 #include "souple/fluid/kernels/neighbour_kernels.h"
 #include "souple/solver/instruction_set.h"
 
 namespace souple::kernels {
 
-/// Those of an instruction set; scalar code where there are none. Results are the same.
+// Those of an instruction set; scalar code where there are none. Results are the same.
+
 const NeighbourKernels& find_neighbour_kernels(InstructionSet set);
+const DensityKernels& find_density_kernels(InstructionSet set);
 
 }  // namespace souple::kernels

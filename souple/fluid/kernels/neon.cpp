@@ -1,5 +1,9 @@
 #if defined(__aarch64__)
-#include "souple/fluid/kernels/compile.h"
+
+#include "souple/fluid/kernels/compile_density.h"
+#include "souple/fluid/kernels/compile_neighbours.h"
 
 template const souple::kernels::NeighbourKernels& souple::kernels::neighbour_kernels<souple::simd::Neon>();
+template const souple::kernels::DensityKernels& souple::kernels::density_kernels<souple::simd::Neon>();
+
 #endif

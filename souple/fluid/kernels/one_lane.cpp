@@ -1,4 +1,4 @@
-#include "souple/fluid/kernels/compile.h"
+#include "souple/fluid/kernels/compile_neighbours.h"
 
 namespace souple::kernels {
 

@@ -1,0 +1,144 @@
+#pragma once
+
+#include "souple/fluid/kernels/density_kernels.h"
+#include "souple/math/simd/instruction_sets.h"
+
+#include <cstring>
+
+// Included by the translation units that are compiled for one instruction set, and by nothing else; every
+// template here carries the set's tag.
+
+#define SOUPLE_INLINE __attribute__((always_inline))
+
+namespace souple::kernels {
+
+typedef float FourLanes __attribute__((vector_size(16)));  // NOLINT(modernize-use-using)
+
+/// Sixteen partial sums, in as many registers as they take.
+template <class Set>
+struct Sixteen {
+  static constexpr int registers = 16 / Set::lanes;
+  typename Set::Vector sum[registers];
+
+  SOUPLE_INLINE Sixteen() {
+    for (int r = 0; r < registers; ++r) sum[r] = Set::broadcast(0);
+  }
+  /// (k, k + 4, k + 8, k + 12) added for k = 0 to 3, pairs that are eight apart first.
+  SOUPLE_INLINE FourLanes four() const {
+    FourLanes part[4];
+    std::memcpy(part, sum, sizeof part);
+    return (part[0] + part[2]) + (part[1] + part[3]);
+  }
+};
+
+/// The four lanes of each added, (0 + 2) + (1 + 3).
+SOUPLE_INLINE inline FourLanes add_lanes(FourLanes a, FourLanes b, FourLanes c, FourLanes d) {
+  const FourLanes ab0 = {a[0] + a[2], a[1] + a[3], b[0] + b[2], b[1] + b[3]};
+  const FourLanes cd0 = {c[0] + c[2], c[1] + c[3], d[0] + d[2], d[1] + d[3]};
+  return FourLanes{ab0[0] + ab0[1], ab0[2] + ab0[3], cd0[0] + cd0[1], cd0[2] + cd0[3]};
+}
+
+/// The x, y, z and w of `lanes` records whose places times four stand at `list`.
+template <class Set>
+struct Gathered {
+  typename Set::Vector x, y, z, w;
+
+  SOUPLE_INLINE Gathered(const float* base, const std::uint32_t* list) {
+    const auto r0 = Set::load_records(base, list), r1 = Set::load_records(base, list + 1),
+               r2 = Set::load_records(base, list + 2), r3 = Set::load_records(base, list + 3);
+    const auto low0 = Set::unpack_low(r0, r1), low1 = Set::unpack_low(r2, r3);
+    const auto high0 = Set::unpack_high(r0, r1), high1 = Set::unpack_high(r2, r3);
+    x = Set::pair_low(low0, low1), y = Set::pair_high(low0, low1);
+    z = Set::pair_low(high0, high1), w = Set::pair_high(high0, high1);
+  }
+};
+
+/// A particle against `lanes` of its neighbours.
+template <class Set>
+struct Near {
+  using Vector = typename Set::Vector;
+  Vector dx, dy, dz, r2, slope;  // slope: grad W = slope d
+
+  SOUPLE_INLINE Near(const Gathered<Set>& other, Vector x, Vector y, Vector z, Vector h, Vector spiky) {
+    dx = x - other.x, dy = y - other.y, dz = z - other.z;
+    r2 = dx * dx + dy * dy + dz * dz;
+    const Vector r = Set::sqrt(Set::max(r2, Set::broadcast(1e-30f)));
+    const Vector s = Set::max(h - r, Set::broadcast(0));
+    slope = spiky * (s * s) / r;
+  }
+};
+
+template <class Set>
+DensitySums density_sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
+                         const SmoothingFactors& factors) {
+  const float* base = &records->x;
+  const auto x = Set::broadcast(at.x), y = Set::broadcast(at.y), z = Set::broadcast(at.z);
+  const auto h = Set::broadcast(factors.h), h2 = Set::broadcast(factors.h * factors.h);
+  const auto spiky = Set::broadcast(factors.spiky), zero = Set::broadcast(0);
+  Sixteen<Set> density, squared, gx, gy, gz;
+  for (std::size_t k = 0; k < count; k += 16) {
+    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
+      const Gathered<Set> other(base, list + k + static_cast<std::size_t>(r * Set::lanes));
+      const Near<Set> near(other, x, y, z, h, spiky);
+      const auto t = Set::max(h2 - near.r2, zero);
+      density.sum[r] += t * t * t;
+      squared.sum[r] += other.w * (near.slope * near.slope * near.r2);
+      gx.sum[r] += near.slope * near.dx;
+      gy.sum[r] += near.slope * near.dy;
+      gz.sum[r] += near.slope * near.dz;
+    }
+  }
+  const FourLanes four = add_lanes(density.four(), gx.four(), gy.four(), gz.four());
+  const FourLanes q = squared.four();
+  return {factors.poly6 * four[0], (q[0] + q[2]) + (q[1] + q[3]), {four[1], four[2], four[3]}};
+}
+
+template <class Set>
+float density_rate(const Vec4f* records, const Vec4f* motion, const Vec4f& at, const Vec4f& u,
+                   const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+  const float *base = &records->x, *motion_base = &motion->x;
+  const auto x = Set::broadcast(at.x), y = Set::broadcast(at.y), z = Set::broadcast(at.z);
+  const auto ux = Set::broadcast(u.x), uy = Set::broadcast(u.y), uz = Set::broadcast(u.z);
+  const auto h = Set::broadcast(factors.h), spiky = Set::broadcast(factors.spiky);
+  Sixteen<Set> rate;
+  for (std::size_t k = 0; k < count; k += 16) {
+    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
+      const std::uint32_t* places = list + k + static_cast<std::size_t>(r * Set::lanes);
+      const Near<Set> near(Gathered<Set>(base, places), x, y, z, h, spiky);
+      const Gathered<Set> other(motion_base, places);
+      rate.sum[r] +=
+          near.slope * ((ux - other.x) * near.dx + (uy - other.y) * near.dy + (uz - other.z) * near.dz);
+    }
+  }
+  const FourLanes four = rate.four();
+  return (four[0] + four[2]) + (four[1] + four[3]);
+}
+
+template <class Set>
+Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
+                   const SmoothingFactors& factors) {
+  const float* base = &records->x;
+  const auto x = Set::broadcast(at.x), y = Set::broadcast(at.y), z = Set::broadcast(at.z);
+  const auto q = Set::broadcast(at.w), h = Set::broadcast(factors.h), spiky = Set::broadcast(factors.spiky);
+  Sixteen<Set> px, py, pz;
+  for (std::size_t k = 0; k < count; k += 16) {
+    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
+      const Gathered<Set> other(base, list + k + static_cast<std::size_t>(r * Set::lanes));
+      const Near<Set> near(other, x, y, z, h, spiky);
+      const auto pull = (q + other.w) * near.slope;
+      px.sum[r] += pull * near.dx;
+      py.sum[r] += pull * near.dy;
+      pz.sum[r] += pull * near.dz;
+    }
+  }
+  const FourLanes four = add_lanes(px.four(), py.four(), pz.four(), FourLanes{});
+  return {four[0], four[1], four[2]};
+}
+
+template <class Set>
+const DensityKernels& density_kernels() {
+  static constexpr DensityKernels kernels{density_sums<Set>, density_rate<Set>, density_push<Set>};
+  return kernels;
+}
+
+}  // namespace souple::kernels
