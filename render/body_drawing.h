@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/checker.h"
-#include "render/creased_surface.h"
+#include "souple/geometry/creased_surface.h"
 #include "render/display.h"
 #include "render/tube.h"
 #include "render/vertex_colours.h"

@@ -1,7 +1,7 @@
 #include "render/display.h"
 
 #include "render/body_drawing.h"
-#include "render/collider_mesh.h"
+#include "souple/collision/collider_mesh.h"
 #include "render/constraint_lines.h"
 #include "render/legend.h"
 #include "render/looks.h"

@@ -32,6 +32,13 @@ struct ObjectInfo {
   bool from_scene = false;         ///< rather than from a mesh of the host
 };
 
+/// What a scene's collider (plane, sphere, box, ...) looks like.
+struct ColliderShape {
+  std::string name;
+  std::vector<float> positions, normals;  ///< x, y, z of each vertex, in the collider's own frame [m]
+  std::vector<std::uint32_t> indices;     ///< three a triangle, counter-clockwise from outside
+};
+
 /// How a mesh of the host becomes an object.
 struct MeshOptions {
   std::string name;                  ///< unique; empty: the kind, then kind2, ...
@@ -130,6 +137,11 @@ class Session {
              Normals normals = Normals::welded);
   /// Three vertex indices a triangle.
   std::vector<std::uint32_t> triangles(Handle object) const;
+  /// The scene's colliders, for once: they are rigid, and change only when a scene is opened. A plane is a
+  /// square of 2 `extent` [m] about the point nearest to the world's origin.
+  std::vector<ColliderShape> colliders(double extent = 10) const;
+  /// Where each of them is now, in the same order: 4 x 4, column-major, from its own frame to the world.
+  std::vector<std::array<float, 16>> collider_transforms() const;
 
   // --- the mouse; rays are in the world's coordinates [m]
   /// Takes hold of a render vertex, to be dragged along the plane through it across the view (DragPlane).

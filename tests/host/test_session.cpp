@@ -418,6 +418,33 @@ TEST(Session, GrainsAreDrawnAsBallsWithTheirRadius) {
   EXPECT_TRUE(grains);
 }
 
+/// Also those that move.
+TEST(Session, CollidersAreDrawnWhereTheyAre) {
+  Player host;
+  host.session.open_scene(scenes + "everything_together.json");
+  World world = build_world(load_scene(scenes + "everything_together.json"));
+  const std::vector<ColliderShape> shapes = host.session.colliders(3);
+  ASSERT_EQ(shapes.size(), world.colliders().size());
+  ASSERT_FALSE(shapes.empty());
+  for (int i = 0; i < 10; ++i) world.step(dt);
+  host.play(10);
+  const auto matrices = host.session.collider_transforms();
+  ASSERT_EQ(matrices.size(), shapes.size());
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const ColliderId id = world.colliders()[i];
+    const ColliderShape& shape = shapes[i];
+    EXPECT_EQ(shape.name, world.collider_options(id).name);
+    ASSERT_EQ(shape.positions.size(), shape.normals.size());
+    ASSERT_FALSE(shape.indices.empty());
+    const Placement placement = Placement::of(matrices[i].data());
+    for (std::size_t v = 0; v < shape.positions.size(); v += 3) {
+      const Vec3d local(shape.positions[v], shape.positions[v + 1], shape.positions[v + 2]);
+      EXPECT_LT(length(placement.to_world(local) - world.collider_pose(id).point(local)), 1e-5);
+    }
+  }
+  expect_error([&] { host.session.colliders(0); }, {"extent"});
+}
+
 TEST(Session, WhatCannotBeDoneIsOneSentenceAndChangesNothing) {
   Corners sheet(grid(5, 5, 1.0));
   Player host;
