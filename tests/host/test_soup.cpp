@@ -117,7 +117,7 @@ TEST(SoupWeld, BuffersMayBeInterleaved) {
   weld.write(particles.data(), {}, {interleaved.data(), interleaved.data() + 3, 8});
   for (std::size_t v = 0; v < 12; ++v) {
     EXPECT_NEAR(std::abs(interleaved[8 * v + 4]), 1, 1e-6);  // the strip lies in XZ
-    for (const std::size_t k : {0, 1, 2, 6, 7}) EXPECT_EQ(interleaved[8 * v + k], before[8 * v + k]);
+    for (const std::size_t k : {0u, 1u, 2u, 6u, 7u}) EXPECT_EQ(interleaved[8 * v + k], before[8 * v + k]);
   }
 }
 
