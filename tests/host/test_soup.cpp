@@ -18,6 +18,7 @@ const TriangleMesh strip = grid(3, 2, 1.0);
 
 std::vector<Vec3f> floats(const std::vector<Vec3d>& positions) {
   std::vector<Vec3f> result;
+  result.reserve(positions.size());
   for (const Vec3d& x : positions) result.emplace_back(x);
   return result;
 }
@@ -104,7 +105,7 @@ TEST(SoupWeld, NormalsAreOfTheSurfaceOrOfTheRenderVertices) {
 
 TEST(SoupWeld, BuffersMayBeInterleaved) {
   const Corners corners(strip);
-  std::vector<float> interleaved(12 * 8, -7);
+  std::vector<float> interleaved(96, -7);
   for (std::size_t v = 0; v < 12; ++v)
     for (std::size_t k = 0; k < 3; ++k) interleaved[8 * v + k] = corners.positions[3 * v + k];
   const std::vector<float> before = interleaved;
