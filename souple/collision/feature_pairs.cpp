@@ -334,6 +334,7 @@ std::size_t FeaturePairs::find_again(const ParticleView& particles, float h, boo
   const ParticleView before = take_back(particles, h);
   if (all) {
     find_all_again(before, h, threads);
+    find_shift(particles);
     return 0;
   }
   const std::size_t first = size();
@@ -364,11 +365,13 @@ void FeaturePairs::find_all_again(const ParticleView& before, float h, Threads& 
 void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads& threads) {
   constexpr float foresight = 3;  // substeps
   const float dt = max(min(covered_ + h, foresight * h), h);
+  shift_now_ = shift_;
   find_shift(before);
   for (const std::uint32_t i : left_particles_) {
     expect(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt, 0.5f * max(radius_[i], 0.0f));
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
+  shift_.swap(shift_now_);
   own_finder_.find_moved(left_particles_, own_boxes_, before.position, own_pairs_, threads);
   crossing_finder_.find_moved(left_particles_, boxes_, before.position, crossing_pairs_, threads);
   add_found(before, dt, threads);

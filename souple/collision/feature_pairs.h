@@ -162,7 +162,8 @@ class FeaturePairs {
   float covered_ = 0;              // the same of what boxes were swept for
   std::vector<Vec3f> frame_;       // mean velocity of each surface when pairs were found [m/s]
   std::vector<Vec3d> middle_;      // of some of its particles, then [m]
-  std::vector<Vec3f> shift_;       // of the same since then [m]
+  std::vector<Vec3f> shift_;       // of the same since then, as ways are compared with it [m]
+  std::vector<Vec3f> shift_now_;   // the same, while particles are where the substep began
   std::vector<Bounds> boxes_;      // of particles, swept in the world
   std::vector<Bounds> own_boxes_;  // and relative to the frame of their surface
   /// Where a particle is expected t after pairs were found: within room of from + v t in the world, and of
