@@ -103,6 +103,7 @@ class Session {
   Handle add_soft_body(const Soup& soup, const MeshOptions& options = {});
   /// What others touch and nothing moves. Its preset is none.
   Handle add_obstacle(const Soup& soup, const MeshOptions& options = {});
+  /// Takes an object out, at any time; what holds it lets go. A reset does not bring it back.
   void remove(Handle object);
   bool contains(Handle object) const;
   ObjectInfo object(Handle object) const;
@@ -117,14 +118,15 @@ class Session {
   // --- time
   /// A frame of the host: its animation time and the frame's length [s]. Applies what was posted, then does
   /// nothing, a step or a reset as Clock says, and returns what it did. Does not throw: what fails is told by
-  /// `take_messages`, and a step that fails or a reset that cannot be done pauses.
+  /// `take_messages`, and a step or a reset that cannot be done pauses and leaves the world as it was.
   Tick advance(double host_time, double frame_dt);
   /// While paused, the host's time makes no steps. A new session plays.
   void set_playing(bool playing);
   bool playing() const;
   /// The next `advance` makes a step whether or not the host's time goes on, and pauses.
   void request_step();
-  /// Back to the start with all objects, materials, pins and settings as they are now.
+  /// Back to the start with all objects, materials, pins and settings as they are now, and meshes of the host
+  /// where it has them now.
   void reset();
   /// The host's time stands here [s]; see Clock::start_at.
   void start_at(double host_time);
@@ -136,7 +138,7 @@ class Session {
 
   // --- what is drawn
   /// The object's vertices into buffers of `vertex_count` vertices, in the coordinates of the host's mesh;
-  /// those of a scene's object in the world's. Ropes and grains have no normals.
+  /// those of a scene's object in the world's, with welded normals. Ropes and grains have no normals.
   void write(Handle object, const VertexBuffers& buffers, std::size_t vertex_count,
              Normals normals = Normals::welded);
   /// Three vertex indices a triangle.
@@ -150,8 +152,8 @@ class Session {
   std::vector<std::array<float, 16>> collider_transforms() const;
 
   // --- the mouse; rays are in the world's coordinates [m]
-  /// Takes hold of a render vertex, to be dragged along the plane through it across the view (DragPlane).
-  /// False when it is pinned or of an obstacle.
+  /// Takes hold of a render vertex, to be dragged along the plane through it across the view (DragPlane), and
+  /// lets go of what was held before. False when it is pinned or of an obstacle: nothing is held then.
   bool grab_vertex(Handle object, std::uint32_t vertex, const Ray& ray, const Vec3f& facing = {});
   /// The same where the ray meets the plane of a triangle.
   bool grab_triangle(Handle object, std::uint32_t triangle, const Ray& ray, const Vec3f& facing = {});
@@ -184,7 +186,8 @@ class Session {
   /// Waits for the next `advance`, which applies what was posted in order. `name` says in messages what
   /// failed, such as "pin": its object may be gone by then.
   void post(std::string name, std::function<void(Session&)> action);
-  /// What went wrong or is worth knowing since the last call, one sentence each; the latest 100.
+  /// What went wrong or is worth knowing since the last call, one sentence each; the latest 100. A step's
+  /// warning comes once, and stands in `statistics` for as long as it lasts.
   std::vector<std::string> take_messages();
   Statistics statistics() const;
 

@@ -5,6 +5,7 @@
 #include "souple/geometry/measures.h"
 #include "souple/geometry/weld.h"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -53,6 +54,9 @@ SoupWeld::SoupWeld(const Soup& soup, double tolerance, const std::string& name) 
   mesh.triangles = read_triangles(soup, name);
   mesh.positions = read_positions(soup, name);
   check_indices(mesh, name.c_str());
+  if (!(tolerance >= 0) || !std::isfinite(tolerance))
+    throw Error(name + ": the weld tolerance is " + std::to_string(tolerance) +
+                ", expected a finite length >= 0");
   Weld weld = weld_vertices(mesh.positions, tolerance);
   positions_ = gather<Vec3d>(weld, mesh.positions);
   particle_of_ = std::move(weld.to_welded);

@@ -43,11 +43,11 @@ ObjectId add_to(World& world, const Item& item) {
   return world.add_obstacle(mesh, std::get<ObstacleMaterial>(item.material), {}, options);
 }
 
-void pin_in(World& world, ObjectId id, std::uint32_t vertex, bool pinned) {
-  if (pinned)
-    world.pin(id, vertices({vertex}));
+void pin_in(World& world, ObjectId id, const Pin& pin) {
+  if (pin.pinned)
+    world.pin(id, vertices({pin.vertex}));
   else
-    world.unpin(id, vertices({vertex}));
+    world.unpin(id, vertices({pin.vertex}));
 }
 
 /// The scene's own object of that name takes the material from now on.
@@ -93,7 +93,10 @@ Contents::Contents(Tell tell) : tell_(std::move(tell)) {
 }
 
 void Contents::listen() {
-  world_.set_log([this](LogLevel, std::string_view text) { tell_(std::string(text)); });
+  // What a step complains of is in its report, and would come in each step.
+  world_.set_log([this](LogLevel level, std::string_view text) {
+    if (level == LogLevel::info) tell_(std::string(text));
+  });
 }
 
 Item* Contents::find(Handle handle) const {
@@ -185,7 +188,7 @@ void Contents::rebuild() {
   std::vector<ObjectId> ids;
   for (const auto& item : items_) {
     const ObjectId id = item->mesh ? add_to(world, *item) : world.find_object(item->name);
-    for (const auto& [vertex, pinned] : item->pins) pin_in(world, id, vertex, pinned);
+    for (const Pin& pin : item->pins) pin_in(world, id, pin);
     ids.push_back(id);
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -215,8 +218,14 @@ void Contents::set_material(Handle handle, const AnyMaterial& material) {
 
 void Contents::set_pinned(Handle handle, std::uint32_t vertex, bool pinned) {
   Item& held = item(handle);
-  pin_in(world_, held.id, vertex, pinned);
-  held.pins[vertex] = pinned;
+  if (held.kind == Kind::obstacle)
+    throw Error(held.name + ": it is an obstacle, which nothing moves but the host; it needs no pins");
+  const Pin said{vertex, pinned};
+  pin_in(world_, held.id, said);
+  std::vector<Pin>& pins = held.pins;
+  pins.erase(std::remove_if(pins.begin(), pins.end(), [&](const Pin& pin) { return pin.vertex == vertex; }),
+             pins.end());
+  pins.push_back(said);
 }
 
 void Contents::set_transform(Handle handle, const float* transform) {
@@ -242,9 +251,9 @@ void Contents::begin_step(double dt) {
     if (item->mesh && item->mesh->drive) item->mesh->drive->begin_step(world_.time(), dt);
 }
 
-void Contents::end_step() {
+void Contents::end_step(bool made) {
   for (const auto& item : items_)
-    if (item->mesh && item->mesh->drive) item->mesh->drive->end_step();
+    if (item->mesh && item->mesh->drive) item->mesh->drive->end_step(made);
 }
 
 }  // namespace souple::host

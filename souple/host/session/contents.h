@@ -20,13 +20,19 @@ struct HostMesh {
   std::shared_ptr<Drive> drive{};  ///< of an obstacle that was moved
 };
 
+/// What the user said last of a vertex of the world's object.
+struct Pin {
+  std::uint32_t vertex = 0;
+  bool pinned = true;
+};
+
 /// An object of a session, and how to make it again.
 struct Item {
   Handle handle = 0;
   std::string name;
   Kind kind = Kind::cloth;
   AnyMaterial material{};
-  std::map<std::uint32_t, bool> pins{};   ///< per vertex of the world: what the user said last
+  std::vector<Pin> pins{};  ///< in the order the user said them, each vertex once: some share particles
   std::optional<HostMesh> mesh{};         ///< without it the object is one of the scene's
   std::optional<std::uint32_t> colour{};  ///< 0xRRGGBB (sRGB), of the scene
   ObjectId id{};                          ///< in the world of now
@@ -65,7 +71,7 @@ class Contents {
   void set_transform(Handle handle, const float* transform);
   /// Obstacles that the host moved go there during the step between.
   void begin_step(double dt);
-  void end_step();
+  void end_step(bool made);
 
  private:
   Item* find(Handle handle) const;

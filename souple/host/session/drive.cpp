@@ -49,8 +49,8 @@ void Drive::begin_step(double time, double dt) {
   span = dt;
 }
 
-void Drive::end_step() {
-  from = to;
+void Drive::end_step(bool made) {
+  if (made) from = to;
   span = 0;
 }
 

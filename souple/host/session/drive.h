@@ -15,7 +15,8 @@ struct Drive {
 
   Transform at(double time) const;
   void begin_step(double time, double dt);
-  void end_step();
+  /// A step that was not made leaves it at `from`.
+  void end_step(bool made);
 };
 
 /// What leads a mesh from one placement to another. Throws Error, beginning with `name`, unless that is a

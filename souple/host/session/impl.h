@@ -16,10 +16,13 @@ Statistics statistics_of(const World& world, std::uint64_t steps);
 struct Session::Impl {
   explicit Impl(const ClockOptions& options) : clock(options) {}
 
-  void step(double dt);
+  Handle add(Kind kind, const Soup& soup, const MeshOptions& options);
+  /// False when the world could not do it: then it has said why, and is paused.
+  bool step(double dt);
   /// The world was made anew: what held on to the old one lets go.
   void begin_again();
   void tell(std::string message);
+  void tell_lines(const std::string& lines);  ///< each as a message of its own
   void take_statistics();
   bool take_hold(const Item& item, std::uint32_t vertex, const Vec3f& point, const Ray& ray,
                  const Vec3f& facing);
@@ -33,6 +36,7 @@ struct Session::Impl {
   std::optional<DragPlane> plane;
   bool playing = true, step_requested = false;
   std::uint64_t steps = 0;
+  std::uint32_t flags_before = 0;    // of the last step: a warning is told once, not in each step that has it
   std::uint64_t version_before = 0;  // of the worlds that are gone
 
   mutable std::mutex mutex;  // of the two below

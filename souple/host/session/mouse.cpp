@@ -76,9 +76,10 @@ bool Session::grab_triangle(Handle object, std::uint32_t triangle, const Ray& ra
 
 bool Session::grab(const Ray& ray, const Vec3f& facing) {
   const Hit hit = impl_->contents.world().ray_cast(ray.origin, ray.direction);
-  if (!hit.found || hit.is_collider) return false;
-  const Item* item = impl_->contents.find(hit.object);
-  return item != nullptr && impl_->take_hold(*item, hit.vertex, hit.point, ray, facing);
+  const Item* item = hit.found && !hit.is_collider ? impl_->contents.find(hit.object) : nullptr;
+  if (item != nullptr) return impl_->take_hold(*item, hit.vertex, hit.point, ray, facing);
+  release();
+  return false;
 }
 
 void Session::drag(const Ray& ray) {

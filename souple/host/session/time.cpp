@@ -1,5 +1,6 @@
 #include "souple/host/session/impl.h"
 
+#include <sstream>
 #include <utility>
 
 // The session's time: frames of the host, steps, resets.
@@ -13,6 +14,11 @@ void Session::Impl::tell(std::string message) {
   if (messages.size() > most) messages.pop_front();
 }
 
+void Session::Impl::tell_lines(const std::string& lines) {
+  std::istringstream rest(lines);
+  for (std::string line; std::getline(rest, line);) tell(line);
+}
+
 void Session::Impl::take_statistics() {
   Statistics now = statistics_of(contents.world(), steps);
   const std::lock_guard<std::mutex> lock(mutex);
@@ -23,18 +29,23 @@ void Session::Impl::begin_again() {
   hand.reset();
   plane.reset();
   steps = 0;
+  flags_before = 0;
   step_requested = false;
   take_statistics();
 }
 
-void Session::Impl::step(double dt) {
+bool Session::Impl::step(double dt) {
+  const double before = contents.world().time();
   contents.begin_step(dt);
   const StepReport& report = contents.world().step(dt);
-  contents.end_step();
-  ++steps;
-  if (report.ok()) return;
-  playing = false;
-  tell(report.message);
+  const bool made = contents.world().time() > before;  // else the world is as it was before the step
+  contents.end_step(made);
+  if (made) ++steps;
+  playing = playing && made;
+  if (!made || (report.flags & ~flags_before) != 0) tell_lines(report.message);
+  flags_before = report.flags;
+  take_statistics();
+  return made;
 }
 
 Tick Session::advance(double host_time, double frame_dt) {
@@ -49,9 +60,7 @@ Tick Session::advance(double host_time, double frame_dt) {
     const bool asked = std::exchange(s.step_requested, false);
     if (!asked && !(tick == Tick::step && s.playing)) return Tick::nothing;
     if (asked) s.playing = false;
-    s.step(s.clock.dt());
-    s.take_statistics();
-    return Tick::step;
+    return s.step(s.clock.dt()) ? Tick::step : Tick::nothing;
   } catch (const std::exception& error) {
     s.playing = false;
     s.tell(error.what());
