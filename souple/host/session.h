@@ -162,7 +162,7 @@ class Session {
   void drag(const Ray& ray);  ///< does nothing unless something is held
   void release();
   bool grabbing() const;
-  Vec3f grabbed_point() const;  ///< where it is now [m]
+  Vec3f grabbed_point() const;  ///< where it is now [m]; (0, 0, 0) when nothing is held
   Vec3f drag_target() const;    ///< and where the mouse wants it [m]
 
   // --- knobs

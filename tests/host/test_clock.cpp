@@ -40,9 +40,11 @@ TEST(HostClock, TheFirstFrameStepsThoughNothingPlays) {
   EXPECT_EQ(clock.frame(0, frame), Tick::step);
   EXPECT_EQ(clock.frame(0, frame), Tick::nothing);
   clock.forget();
-  EXPECT_EQ(clock.frame(7, frame), Tick::step);
+  EXPECT_EQ(clock.frame(0, frame), Tick::step);
   clock.start_at(7);
   EXPECT_EQ(clock.frame(7, frame), Tick::nothing);
+  clock.start_at(3);
+  EXPECT_EQ(clock.frame(4, frame), Tick::step);
 }
 
 TEST(HostClock, TimeThatGoesBackIsAReset) {

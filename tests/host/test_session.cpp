@@ -34,6 +34,7 @@ TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   MeshOptions options;
   options.transform = above;
   options.preset = "silk";
+  options.self_collision = true;
   const Handle cloth = host.session.add_cloth(sheet.soup(), options);
   MeshOptions soft;
   soft.lattice_tets = 300;
@@ -44,7 +45,7 @@ TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   World world;
   TriangleMesh placed = SoupWeld(sheet.soup()).mesh();
   for (Vec3d& x : placed.positions) x += Vec3d(0.125, 1, 0);
-  const ObjectId pure = world.add_cloth(placed, material::silk);
+  const ObjectId pure = world.add_cloth(placed, material::silk, {.self_collision = true});
   const ObjectId pure_body = world.add_soft_body(SoupWeld(ball.soup()).mesh(), {}, {.cells = 300});
   world.add_obstacle(SoupWeld(post.soup()).mesh());
   for (int i = 0; i < 40; ++i) ASSERT_TRUE(world.step(dt).ok());
@@ -88,9 +89,10 @@ TEST(Session, PlayPauseStepAndResetMakeExactlyTheirSteps) {
   EXPECT_EQ(s.advance(host.now += dt, dt), Tick::step);  // one, not two
   EXPECT_FALSE(s.playing());
   EXPECT_EQ(s.steps(), 7u);
-  const std::uint64_t seven = s.hash();
+  const std::uint64_t seven = s.hash(), version = s.version();
 
   EXPECT_EQ(s.advance(host.now = 0, dt), Tick::reset);
+  EXPECT_GT(s.version(), version);
   EXPECT_EQ(s.steps(), 0u);
   EXPECT_EQ(s.time(), 0);
   EXPECT_EQ(s.hash(), start);
@@ -101,6 +103,14 @@ TEST(Session, PlayPauseStepAndResetMakeExactlyTheirSteps) {
   s.reset();
   EXPECT_EQ(s.hash(), start);
   EXPECT_EQ(s.statistics().steps, 0u);
+}
+
+TEST(Session, MayBeginInTheMiddleOfTheHostsTime) {
+  Session s;
+  s.start_at(5);
+  EXPECT_EQ(s.advance(5, dt), Tick::nothing);
+  EXPECT_EQ(s.advance(5 + dt, dt), Tick::step);
+  expect_error([&] { s.start_at(static_cast<double>(nan)); }, {"not finite"});
 }
 
 TEST(Session, AResetKeepsWhatTheUserChanged) {
@@ -247,6 +257,17 @@ TEST(Session, OnlyTheLatestMessagesAreKept) {
   ASSERT_EQ(messages.size(), 100u);
   EXPECT_EQ(messages.front(), "remove: there is no object 51");
   EXPECT_EQ(messages.back(), "remove: there is no object 150");
+}
+
+TEST(Session, WhatWasMendedInAMeshIsTold) {
+  Corners sheet(grid(3, 3, 1.0));
+  const std::vector<std::uint32_t> first(sheet.indices.begin(), sheet.indices.begin() + 3);
+  sheet.indices.insert(sheet.indices.end(), first.begin(), first.end());  // a triangle twice
+  Session s;
+  s.add_cloth(sheet.soup());
+  const std::vector<std::string> messages = s.take_messages();
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_EQ(messages[0].rfind("cloth: ", 0), 0u) << messages[0];
 }
 
 /// A sheet of rubber that hangs on a corner: too long in every step, and it is said once.

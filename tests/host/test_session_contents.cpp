@@ -89,6 +89,7 @@ TEST(Session, RemovingWhatIsHeldLetsGoAndRemovingAnotherDoesNot) {
   EXPECT_LT(length(s.grabbed_point() - goal), 0.05f);
   s.remove(held);
   EXPECT_FALSE(s.grabbing());
+  EXPECT_EQ(s.drag_target(), Vec3f());
   s.drag({eye, start - eye});
   s.release();
   host.play(2);

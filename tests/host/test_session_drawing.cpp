@@ -33,6 +33,17 @@ TEST(Session, AnObstacleThatTheHostMovesCarriesWhatLiesOnIt) {
   s.reset();
   host.play(30);
   EXPECT_LT(drawn(s, cloth)[1] + 0.12f, 0.2f);
+  moved[13] = -0.3f;
+  s.set_transform(table, moved);
+  s.reset();
+  host.play(60);
+  for (std::size_t v = 0; v < sheet.count(); ++v) EXPECT_NEAR(drawn(s, cloth)[3 * v + 1] + 0.12f, -0.2, 0.02);
+  for (int i = 1; i <= 30; ++i) {  // and goes on from there
+    moved[13] += 0.01f;
+    s.set_transform(table, moved);
+    host.play(1);
+  }
+  for (std::size_t v = 0; v < sheet.count(); ++v) EXPECT_NEAR(drawn(s, cloth)[3 * v + 1] + 0.12f, 0.1, 0.02);
   moved[0] = 2;
   expect_error([&] { s.set_transform(table, moved); }, {"obstacle", "scaled"});
 }
@@ -55,6 +66,44 @@ TEST(Session, AMeshThatTheHostMovesIsDrawnWhereItsParticlesAre) {
   s.reset();  // begins where the host has it
   const std::vector<float> y = drawn(s, cloth);
   for (std::size_t v = 0; v < sheet.count(); ++v) EXPECT_LT(length(vertex(y, v) - sheet.at(v)), 1e-6f);
+}
+
+/// The host's own triangles, also where the world would have others; of a scene's objects those of its mesh.
+TEST(Session, TrianglesAreOverTheVerticesThatAreWritten) {
+  const Corners sheet(grid(5, 5, 1.0));
+  Session s;
+  s.open_scene(scenes + "everything_together.json");
+  EXPECT_EQ(s.triangles(s.add_cloth(sheet.soup())), sheet.indices);
+  for (const ObjectInfo& info : s.objects()) {
+    const std::vector<std::uint32_t> triangles = s.triangles(info.handle);
+    EXPECT_EQ(triangles.size(), 3 * info.triangle_count) << info.name;
+    EXPECT_EQ(triangles.empty(), info.kind == Kind::rope || info.kind == Kind::grains) << info.name;
+    for (const std::uint32_t v : triangles) ASSERT_LT(v, info.vertex_count) << info.name;
+  }
+}
+
+TEST(Session, ObjectsOfASceneAreWrittenIntoInterleavedBuffersToo) {
+  Player host;
+  Session& s = host.session;
+  s.open_scene(scenes + "flag.json");
+  host.play(2);
+  const ObjectInfo flag = s.objects()[0];
+  const std::vector<float> positions = drawn(s, flag.handle);
+  std::vector<float> buffer(8 * flag.vertex_count, -7);
+  s.write(flag.handle, {buffer.data(), buffer.data() + 3, 8}, flag.vertex_count);
+  for (std::size_t v = 0; v < flag.vertex_count; ++v) {
+    const float* at = &buffer[8 * v];
+    EXPECT_EQ(Vec3f(at[0], at[1], at[2]), vertex(positions, v));
+    EXPECT_NEAR(length(Vec3f(at[3], at[4], at[5])), 1, 1e-5);
+    EXPECT_EQ(at[6], -7);
+    EXPECT_EQ(at[7], -7);
+  }
+  expect_error(
+      [&] {
+        s.write(flag.handle, {buffer.data(), nullptr, 2}, flag.vertex_count);
+      },
+      {"flag", "stride"});
+  expect_error([&] { s.write(flag.handle, {buffer.data(), nullptr}, 1); }, {"flag", "1", "792"});
 }
 
 TEST(Session, GrainsAreDrawnAsBallsWithTheirRadius) {

@@ -46,6 +46,29 @@ TEST(Session, ParametersAreThoseOfTheMaterial) {
   EXPECT_EQ(s.substeps(), 10);
 }
 
+TEST(Session, SettingsAreThoseThatWereSet) {
+  Session s;
+  s.set_substeps(7);
+  s.set_iterations(3);
+  s.set_gravity(1, -2, 3);
+  for (const std::string& mode : Session::modes()) {
+    s.set_mode(mode);
+    EXPECT_EQ(s.mode(), mode);
+  }
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_EQ(s.substeps(), 7);
+    EXPECT_EQ(s.iterations(), 3);
+    EXPECT_EQ(s.gravity(), (std::array<float, 3>{1, -2, 3}));
+    EXPECT_EQ(s.mode(), Session::modes().back());
+    s.reset();
+  }
+  expect_error([&] { s.set_gravity(nan, 0, 0); }, {"gravity"});
+  expect_error([&] { s.set_iterations(0); }, {"iterations"});
+  EXPECT_EQ(s.gravity()[0], 1);
+  s.clear();
+  EXPECT_EQ(s.substeps(), 10);
+}
+
 TEST(Session, StatisticsAreOfTheLastStep) {
   Player host;
   host.session.open_scene(scenes + "sand_pile.json");

@@ -29,6 +29,7 @@ TEST(Session, AVertexIsDraggedAlongThePlaneAcrossTheView) {
   ASSERT_TRUE(s.grab_vertex(cloth, v, {eye, goal - eye}));
   s.reset();
   EXPECT_FALSE(s.grabbing());
+  EXPECT_EQ(s.drag_target(), Vec3f());
   s.drag({eye, goal - eye});
   host.play(1);
 }
@@ -48,6 +49,21 @@ TEST(Session, ATriangleIsTakenWhereTheRayMeetsIt) {
   expect_error([&] { s.grab_vertex(cloth, 96, {eye, centre - eye}); }, {"cloth", "vertex 96", "96"});
   expect_error([&] { s.grab_vertex(cloth, 0, {eye, {}}); }, {"direction"});
   expect_error([&] { s.grab_vertex(cloth, 0, {eye, {nan, 0, 0}}); }, {"not finite"});
+}
+
+/// Its nearest vertex is what is held: nothing, where that one is pinned.
+TEST(Session, ATriangleIsHeldAtItsNearestVertex) {
+  const Corners sheet(grid(5, 5, 1.0));
+  const Vec3f centre = (sheet.at(9) + sheet.at(10) + sheet.at(11)) / 3.0f;
+  for (const std::uint32_t pinned : {9u, 10u, 11u}) {
+    Session s;
+    const Handle cloth = s.add_cloth(sheet.soup());
+    s.set_pinned(cloth, pinned, true);
+    for (const std::uint32_t near : {9u, 10u, 11u}) {
+      const Vec3f point = centre * 0.2f + sheet.at(near) * 0.8f;
+      EXPECT_EQ(s.grab_triangle(cloth, 3, {point + Vec3f(0, 2, 0), {0, -1, 0}}), near != pinned);
+    }
+  }
 }
 
 TEST(Session, AHostThatCannotPickGrabsByARay) {

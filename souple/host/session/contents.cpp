@@ -136,9 +136,9 @@ void Contents::clear() {
 }
 
 void Contents::replace(SceneDescription scene, bool has_scene) {
-  World world = has_scene
-                    ? build_world(scene, [this](LogLevel, std::string_view t) { tell_(std::string(t)); })
-                    : World();
+  std::vector<std::string> sentences;  // of a scene that fails, none is told
+  const SceneLog log = [&](LogLevel, std::string_view text) { sentences.emplace_back(text); };
+  World world = has_scene ? build_world(scene, log) : World();
   std::vector<std::unique_ptr<Item>> items;
   Handle last = last_;
   for (const ObjectId id : world.objects())
@@ -151,6 +151,7 @@ void Contents::replace(SceneDescription scene, bool has_scene) {
   removed_.clear();
   world_ = std::move(world);
   listen();
+  for (std::string& sentence : sentences) tell_(std::move(sentence));
 }
 
 Handle Contents::add(Kind kind, const Soup& soup, const MeshOptions& options) {
