@@ -3,7 +3,6 @@
 #include "tests/expect_error.h"
 #include "tests/host/player.h"
 
-#include <atomic>
 #include <fstream>
 #include <thread>
 
@@ -283,38 +282,6 @@ TEST(Session, AWarningThatLastsIsOneMessage) {
   const std::vector<std::string> messages = s.take_messages();
   ASSERT_EQ(messages.size(), 1u);
   EXPECT_EQ(messages[0], s.statistics().warnings);
-}
-
-/// For the thread sanitizer above all.
-TEST(Session, AnotherThreadPostsAndLooksWhileFramesAreMade) {
-  const Corners sheet(grid(5, 5, 1.0));
-  Player host;
-  const Handle cloth = host.session.add_cloth(sheet.soup());
-  std::atomic<bool> done = false;
-  std::size_t refused = 0;
-  std::uint64_t steps = 0;
-  std::thread user([&] {
-    for (int i = 0; i < 300; ++i) {
-      host.session.post("pin", [cloth, i](Session& s) { s.set_pinned(cloth, 0, i % 2 == 0); });
-      host.session.post("pin", [](Session& s) { s.set_pinned(77, 0, true); });
-      refused += host.session.take_messages().size();
-      const std::uint64_t now = host.session.statistics().steps;
-      EXPECT_GE(now, steps);
-      steps = now;
-      std::this_thread::yield();
-    }
-    done = true;
-  });
-  while (!done) {
-    host.play(1);
-    std::this_thread::yield();
-  }
-  user.join();
-  host.play(1);
-  refused += host.session.take_messages().size();
-  EXPECT_GT(refused, 0u);
-  EXPECT_LE(refused, 300u);
-  EXPECT_EQ(host.session.statistics().steps, host.session.steps());
 }
 
 TEST(Session, EverythingAboutAnObjectThatIsGoneIsSaidInWords) {

@@ -35,10 +35,10 @@ void Session::Impl::begin_again() {
 }
 
 bool Session::Impl::step(double dt) {
-  const double before = contents.world().time();
   contents.begin_step(dt);
   const StepReport& report = contents.world().step(dt);
-  const bool made = contents.world().time() > before;  // else the world is as it was before the step
+  // Else the world is as it was before: a bad step is taken back, one that could not begin has no substeps.
+  const bool made = report.ok() && report.substeps > 0;
   contents.end_step(made);
   if (made) ++steps;
   playing = playing && made;
