@@ -23,9 +23,10 @@ void AttribArrayDisplayable::setDirty(const std::string& name) {
 }
 
 void AttribArrayDisplayable::observe(Core::Utils::AttribManager& attribs) {
-  m_dataDirty.assign(static_cast<std::size_t>(attribs.getNumAttribs()), true);
+  m_dataDirty.resize(static_cast<std::size_t>(attribs.getNumAttribs()));
   uint buffer = 0;
   attribs.for_each_attrib([&](Core::Utils::AttribBase* attrib) {
+    m_dataDirty[buffer] = true;
     m_handleToBuffer[attrib->getName()] = buffer++;
     observe(*attrib);
   });
