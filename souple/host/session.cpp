@@ -75,6 +75,8 @@ ObjectInfo Session::object(Handle handle) const {
   info.triangle_count = item.mesh ? item.mesh->weld.triangle_count() : world.triangles(item.id).size();
   info.radius = world.particle_radius(item.id);
   info.from_scene = !item.mesh;
+  info.has_colour = item.colour.has_value();
+  info.colour = channels_of(item.colour);
   return info;
 }
 
@@ -143,6 +145,15 @@ std::vector<std::uint32_t> Session::triangles(Handle object) const {
     add(item.mesh->weld.render_triangles());
   else
     add(impl_->contents.world().triangles(item.id));
+  return indices;
+}
+
+std::vector<std::uint32_t> Session::segments(Handle object) const {
+  const Item& item = impl_->contents.item(object);
+  std::vector<std::uint32_t> indices;
+  if (item.kind != Kind::rope) return indices;
+  const std::size_t count = impl_->contents.world().positions(item.id).size();
+  for (std::uint32_t v = 0; v + 1 < count; ++v) indices.insert(indices.end(), {v, v + 1});
   return indices;
 }
 

@@ -30,6 +30,8 @@ struct ObjectInfo {
   std::size_t triangle_count = 0;  ///< 0 of ropes and grains
   float radius = 0;                ///< of ropes and grains; half the thickness of the others [m]
   bool from_scene = false;         ///< rather than from a mesh of the host
+  bool has_colour = false;         ///< the scene file gives one
+  std::array<float, 3> colour{};   ///< R, G, B in [0, 1], sRGB as in scene files, not linear light
 };
 
 /// What a scene's collider (plane, sphere, box, ...) looks like.
@@ -37,6 +39,8 @@ struct ColliderShape {
   std::string name;
   std::vector<float> positions, normals;  ///< x, y, z of each vertex, in the collider's own frame [m]
   std::vector<std::uint32_t> indices;     ///< three a triangle, counter-clockwise from outside
+  bool has_colour = false;                ///< the scene file gives one
+  std::array<float, 3> colour{};          ///< as of ObjectInfo
 };
 
 /// How a mesh of the host becomes an object.
@@ -137,6 +141,8 @@ class Session {
              Normals normals = Normals::welded);
   /// Three vertex indices a triangle.
   std::vector<std::uint32_t> triangles(Handle object) const;
+  /// Two vertex indices a segment of a rope, from its begin to its end; empty for others.
+  std::vector<std::uint32_t> segments(Handle object) const;
   /// The scene's colliders, for once: they are rigid, and change only when a scene is opened. A plane is a
   /// square of 2 `extent` [m] about the point nearest to the world's origin.
   std::vector<ColliderShape> colliders(double extent = 10) const;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <thread>
 
@@ -37,6 +38,10 @@ std::vector<float> drawn(Session& session, Handle object) {
   std::vector<float> positions(3 * session.object(object).vertex_count);
   session.write(object, {positions.data(), nullptr}, positions.size() / 3);
   return positions;
+}
+
+Vec3f vertex(const std::vector<float>& positions, std::size_t v) {
+  return {positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]};
 }
 
 bool same_bits(const std::vector<float>& a, std::span<const Vec3f> b) {
@@ -86,7 +91,7 @@ TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   const std::vector<float> x = drawn(host.session, cloth);
   for (std::size_t v = 0; v < sheet.count(); ++v) {
     const Vec3f& p = world.positions(pure)[weld.particle_of()[v]];
-    EXPECT_EQ(Vec3f(x[3 * v], x[3 * v + 1], x[3 * v + 2]), Vec3f(Vec3d(p) - Vec3d(0.125, 1, 0)));
+    EXPECT_EQ(vertex(x, v), Vec3f(Vec3d(p) - Vec3d(0.125, 1, 0)));
   }
   const SoupWeld ball_weld(ball.soup());
   const std::vector<float> y = drawn(host.session, body);
@@ -225,6 +230,7 @@ TEST(Session, EverythingAboutAnObjectThatIsGoneIsSaidInWords) {
                                            s.write(cloth, {buffer.data(), nullptr}, sheet.count());
                                          },
                                          [&] { s.triangles(cloth); },
+                                         [&] { s.segments(cloth); },
                                          [&] { s.grab_vertex(cloth, 0, ray); },
                                          [&] { s.grab_triangle(cloth, 0, ray); },
                                          [&] { s.set_transform(cloth, nullptr); },
@@ -240,6 +246,149 @@ TEST(Session, EverythingAboutAnObjectThatIsGoneIsSaidInWords) {
   expect_error([&] { s.object(again); }, {"no longer there"});
   s.clear();
   EXPECT_TRUE(s.objects().empty());
+}
+
+// --- what goes, and what fails to come
+
+/// Wherever it goes, what is left moves on, and a reset brings back nothing that was removed.
+TEST(Session, ObjectsAreRemovedDuringPlay) {
+  const Corners sheet(grid(7, 7, 1.0)), ball(sphere(1, 0.2)), block(box({1, 1, 1}, {1, 1, 1}));
+  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.8f, 0, 1};
+  Player host;
+  Session& s = host.session;
+  s.open_scene(scenes + "flag.json");
+  const Handle flag = s.objects()[0].handle;
+  const Handle table = s.add_obstacle(block.soup());
+  MeshOptions options;
+  options.transform = above;
+  const Handle pinned = s.add_cloth(sheet.soup(), options);
+  options.lattice_tets = 100;
+  const Handle soft = s.add_soft_body(ball.soup(), options);
+  s.set_pinned(pinned, 0, true);
+  s.set_pinned(soft, 0, true);
+  host.play(5);
+  std::size_t left = 4;
+  for (const Handle gone : {pinned, flag, table, soft}) {
+    const std::uint64_t version = s.version();
+    s.remove(gone);
+    EXPECT_GT(s.version(), version);
+    EXPECT_FALSE(s.contains(gone));
+    EXPECT_EQ(s.objects().size(), --left);
+    host.play(3);
+    s.reset();
+    EXPECT_EQ(s.objects().size(), left);
+    EXPECT_EQ(s.statistics().objects, left);
+    host.play(3);
+    EXPECT_TRUE(s.playing());
+    for (const ObjectInfo& info : s.objects())
+      for (const float x : drawn(s, info.handle)) ASSERT_TRUE(std::isfinite(x)) << info.name;
+  }
+  EXPECT_TRUE(s.take_messages().empty());
+  const Handle again = s.add_cloth(sheet.soup(), options);  // into a world without objects
+  host.play(3);
+  EXPECT_LT(drawn(s, again)[1], 0);
+}
+
+/// An object that comes after one is removed is as if that one had never been.
+TEST(Session, AResetAfterARemovalIsTheWorldWithoutIt) {
+  const Corners sheet(grid(7, 7, 1.0));
+  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.8f, 0, 1};
+  MeshOptions options;
+  options.transform = above;
+  options.name = "kept";
+  Player with, without;
+  const Handle gone = with.session.add_cloth(sheet.soup());
+  with.session.set_pinned(with.session.add_cloth(sheet.soup(), options), 0, true);
+  without.session.set_pinned(without.session.add_cloth(sheet.soup(), options), 0, true);
+  with.play(5);
+  with.session.remove(gone);
+  with.session.reset();
+  with.play(20);
+  without.play(20);
+  EXPECT_EQ(with.session.hash(), without.session.hash());
+}
+
+TEST(Session, RemovingWhatIsHeldLetsGoAndRemovingAnotherDoesNot) {
+  const Corners sheet(grid(7, 7, 1.0));
+  const float aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1};
+  Player host;
+  Session& s = host.session;
+  s.set_gravity(0, 0, 0);
+  const Handle other = s.add_cloth(sheet.soup());
+  MeshOptions options;
+  options.transform = aside;
+  const Handle held = s.add_cloth(sheet.soup(), options);
+  const Vec3f start = sheet.at(0) + Vec3f(3, 0, 0), goal = start + Vec3f(0, 0.3f, 0),
+              eye = start + Vec3f(0, 0, 4);
+  ASSERT_TRUE(s.grab_vertex(held, 0, {eye, start - eye}));
+  s.drag({eye, goal - eye});
+  host.play(2);
+  s.remove(other);
+  EXPECT_TRUE(s.grabbing());
+  host.play(120);
+  EXPECT_LT(length(s.grabbed_point() - goal), 0.05f);
+  s.remove(held);
+  EXPECT_FALSE(s.grabbing());
+  s.drag({eye, start - eye});
+  s.release();
+  host.play(2);
+  s.reset();
+  EXPECT_TRUE(s.objects().empty());
+  host.play(2);
+}
+
+/// Writes a scene of one cloth; `mesh` and `end` are where the tests break it.
+std::string written_scene(const std::string& name, const std::string& mesh, const std::string& end) {
+  std::string file = testing::TempDir() + name;
+  std::ofstream(file) << R"({"souple": 1, "objects": [{"kind": "cloth", "mesh": )" << mesh << "}]" << end;
+  return file;
+}
+
+TEST(Session, ASceneThatFailsToOpenLeavesTheSessionAsItWas) {
+  const std::string whole = R"({"grid": {"columns": 4, "rows": 4, "size": 1}})";
+  std::ofstream(testing::TempDir() + "host_broken.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  const struct {
+    std::string file;
+    std::initializer_list<std::string> words;
+  } failures[] = {
+      {"no/such_scene.json", {"no/such_scene.json"}},
+      {testing::TempDir(), {"folder"}},
+      {written_scene("host_text.json", whole, ""), {"host_text.json"}},
+      {written_scene("host_key.json", whole, R"(, "substps": 3})"), {"substps", "substeps"}},
+      {written_scene("host_mesh.json", R"({"file": "no_such_mesh.obj"})", "}"), {"no_such_mesh.obj"}},
+      {written_scene("host_obj.json", R"({"file": "host_broken.obj"})", "}"), {"host_broken.obj"}},
+      {written_scene("host_pin.json", whole + R"(, "pins": [{"vertices": [99]}])", "}"), {"pins[0]", "99"}}};
+  const Corners sheet(grid(7, 7, 1.0));
+  Player host, undisturbed;
+  for (Player* player : {&host, &undisturbed}) {
+    player->session.open_scene(scenes + "flag.json");
+    player->session.set_pinned(player->session.add_cloth(sheet.soup()), 0, true);
+    player->session.set_substeps(4);
+    player->play(3);
+  }
+  Session& s = host.session;
+  const std::vector<ObjectInfo> before = s.objects();
+  const Vec3f corner = sheet.at(9);
+  ASSERT_TRUE(s.grab_vertex(before[1].handle, 9, {corner + Vec3f(0, 1, 0), {0, -1, 0}}));
+  for (const auto& [file, words] : failures) {
+    SCOPED_TRACE(file);
+    const std::uint64_t hash = s.hash(), version = s.version();
+    expect_error([&, &file = file] { s.open_scene(file); }, words);
+    EXPECT_EQ(s.hash(), hash);
+    EXPECT_EQ(s.version(), version);
+    EXPECT_EQ(s.steps(), 3u);
+    EXPECT_TRUE(s.playing());
+    EXPECT_TRUE(s.grabbing());
+    EXPECT_EQ(s.substeps(), 4);
+    ASSERT_EQ(s.objects().size(), before.size());
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(s.objects()[i].handle, before[i].handle);
+    EXPECT_EQ(s.colliders().size(), 2u);
+  }
+  s.release();
+  for (Player* player : {&host, &undisturbed}) player->play(5);
+  EXPECT_EQ(s.hash(), undisturbed.session.hash());
+  for (Player* player : {&host, &undisturbed}) player->session.reset(), player->play(5);
+  EXPECT_EQ(s.hash(), undisturbed.session.hash());
 }
 
 // --- the mouse
@@ -260,7 +409,7 @@ TEST(Session, AVertexIsDraggedAlongThePlaneAcrossTheView) {
   EXPECT_LT(length(s.drag_target() - goal), 1e-5f);
   host.play(120);
   const std::vector<float> x = drawn(s, cloth);
-  EXPECT_LT(length(Vec3f(x[3 * v], x[3 * v + 1], x[3 * v + 2]) - goal), 0.05f);
+  EXPECT_LT(length(vertex(x, v) - goal), 0.05f);
   s.release();
   EXPECT_FALSE(s.grabbing());
   ASSERT_TRUE(s.grab_vertex(cloth, v, {eye, goal - eye}));
@@ -416,6 +565,57 @@ TEST(Session, GrainsAreDrawnAsBallsWithTheirRadius) {
     for (const float x : drawn(host.session, info.handle)) EXPECT_TRUE(std::isfinite(x));
   }
   EXPECT_TRUE(grains);
+}
+
+/// As the file has them: "#b8324a" is 0xb8 of red.
+TEST(Session, ColoursAreThoseOfTheSceneFile) {
+  Player host;
+  Session& s = host.session;
+  s.open_scene(scenes + "everything_together.json");
+  const std::array<float, 3> crimson{184 / 255.0f, 50 / 255.0f, 74 / 255.0f};
+  const std::array<float, 3> wood{169 / 255.0f, 133 / 255.0f, 95 / 255.0f};
+  std::size_t coloured = 0;
+  for (const ObjectInfo& info : s.objects()) {
+    EXPECT_EQ(info.has_colour, info.kind == Kind::cloth || info.kind == Kind::soft_body) << info.name;
+    if (info.name == "flag") {
+      EXPECT_EQ(info.colour, crimson);
+      ++coloured;
+    }
+  }
+  for (const ColliderShape& shape : s.colliders()) {
+    EXPECT_EQ(shape.has_colour, shape.name == "table") << shape.name;
+    if (shape.name == "table") {
+      EXPECT_EQ(shape.colour, wood);
+      ++coloured;
+    }
+  }
+  EXPECT_EQ(coloured, 2u);
+  EXPECT_FALSE(s.object(s.add_cloth(Corners(grid(3, 3, 1.0)).soup())).has_colour);
+}
+
+TEST(Session, SegmentsLeadAlongARopeFromEndToEnd) {
+  Player host;
+  Session& s = host.session;
+  s.open_scene(scenes + "rope_bridge.json");
+  host.play(5);
+  std::size_t ropes = 0;
+  for (const ObjectInfo& info : s.objects()) {
+    const std::vector<std::uint32_t> segments = s.segments(info.handle);
+    if (info.kind != Kind::rope) {
+      EXPECT_TRUE(segments.empty()) << info.name;
+      continue;
+    }
+    ++ropes;
+    EXPECT_EQ(info.vertex_count, 41u);
+    ASSERT_EQ(segments.size(), 2 * 40u);
+    const std::vector<float> x = drawn(s, info.handle);
+    for (std::size_t i = 0; i < 40; ++i) {
+      EXPECT_EQ(segments[2 * i], i);
+      ASSERT_EQ(segments[2 * i + 1], i + 1);
+      EXPECT_NEAR(length(vertex(x, i + 1) - vertex(x, i)), 0.102, 0.01);
+    }
+  }
+  EXPECT_EQ(ropes, 2u);
 }
 
 /// Also those that move.

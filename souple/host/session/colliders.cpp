@@ -31,9 +31,15 @@ std::vector<ColliderShape> Session::colliders(double extent) const {
     const Transform pose = world.collider_pose(id);
     const Vec3d origin = rotate(conjugate(pose.rotation), -pose.translation);
     const ColliderMesh mesh = collider_mesh(world.shape(id), origin, extent);
-    ColliderShape shape{world.collider_options(id).name, flat(mesh.positions), flat(mesh.normals), {}};
+    ColliderShape shape;
+    shape.name = world.collider_options(id).name;
+    shape.positions = flat(mesh.positions);
+    shape.normals = flat(mesh.normals);
     for (const Triangle& triangle : mesh.triangles)
       shape.indices.insert(shape.indices.end(), triangle.begin(), triangle.end());
+    const std::optional<std::uint32_t> colour = impl_->contents.collider_colour(shape.name);
+    shape.has_colour = colour.has_value();
+    shape.colour = channels_of(colour);
     shapes.push_back(std::move(shape));
   }
   return shapes;

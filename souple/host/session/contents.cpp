@@ -68,17 +68,25 @@ void keep_in(SceneDescription& scene, const std::string& name, const AnyMaterial
   }
 }
 
-Item item_of_scene(Handle handle, const World& world, ObjectId id) {
+Item item_of_scene(Handle handle, const World& world, ObjectId id, const SceneDescription& scene) {
   Item item;
   item.handle = handle;
   item.name = world.name(id);
   item.kind = kind_of_object(world.kind(id));
   item.material = material_of(world, id);
   item.id = id;
+  for (const AnyObjectDescription& any : scene.objects)
+    if (common(any).name == item.name) item.colour = common(any).colour;
   return item;
 }
 
 }  // namespace
+
+std::array<float, 3> channels_of(const std::optional<std::uint32_t>& colour) {
+  if (!colour) return {};
+  const auto channel = [&](int shift) { return static_cast<float>((*colour >> shift) & 0xffu) / 255; };
+  return {channel(16), channel(8), channel(0)};
+}
 
 Contents::Contents(Tell tell) : tell_(std::move(tell)) {
   listen();
@@ -98,6 +106,12 @@ Item* Contents::find(ObjectId id) const {
   for (const auto& item : items_)
     if (item->id == id) return item.get();
   return nullptr;
+}
+
+std::optional<std::uint32_t> Contents::collider_colour(const std::string& name) const {
+  for (const ColliderDescription& collider : scene_.colliders)
+    if (collider.name == name) return collider.colour;
+  return std::nullopt;
 }
 
 Item& Contents::item(Handle handle) const {
@@ -125,7 +139,7 @@ void Contents::replace(SceneDescription scene, bool has_scene) {
   std::vector<std::unique_ptr<Item>> items;
   Handle last = last_;
   for (const ObjectId id : world.objects())
-    items.push_back(std::make_unique<Item>(item_of_scene(++last, world, id)));
+    items.push_back(std::make_unique<Item>(item_of_scene(++last, world, id, scene)));
   for (const auto& item : items_) gone_[item->handle] = item->name;
   items_ = std::move(items);
   last_ = last;

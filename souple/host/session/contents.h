@@ -26,10 +26,14 @@ struct Item {
   std::string name;
   Kind kind = Kind::cloth;
   AnyMaterial material{};
-  std::map<std::uint32_t, bool> pins{};  ///< per vertex of the world: what the user said last
-  std::optional<HostMesh> mesh{};        ///< without it the object is one of the scene's
-  ObjectId id{};                         ///< in the world of now
+  std::map<std::uint32_t, bool> pins{};   ///< per vertex of the world: what the user said last
+  std::optional<HostMesh> mesh{};         ///< without it the object is one of the scene's
+  std::optional<std::uint32_t> colour{};  ///< 0xRRGGBB (sRGB), of the scene
+  ObjectId id{};                          ///< in the world of now
 };
+
+/// 0xRRGGBB as numbers in [0, 1], in the same encoding; zeros for none.
+std::array<float, 3> channels_of(const std::optional<std::uint32_t>& colour);
 
 /// The world of a session, and what it is made from, so that it can be made again from the start.
 class Contents {
@@ -45,6 +49,8 @@ class Contents {
   Item& item(Handle handle) const;
   bool contains(Handle handle) const { return find(handle) != nullptr; }
   Item* find(ObjectId id) const;
+  /// 0xRRGGBB (sRGB) as the scene file gives it, or nothing.
+  std::optional<std::uint32_t> collider_colour(const std::string& name) const;
 
   void open(const std::string& file);
   void clear();
