@@ -2,9 +2,8 @@
 
 #include "plugins/radium/render_mesh.h"
 
-#include <souple/host/drawable.h>
-
 #include <array>
+#include <souple/host/drawable.h>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,9 +20,10 @@ struct Body {
   host::Drawable drawable;
   RenderMesh mesh;
   bool from_scene = false;
-  std::array<float, 16> transform{};                 ///< the mesh's, as the world last heard of it
-  std::vector<float> first_positions, first_normals;  ///< how the mesh lay when Radium loaded it
-  Ra::Engine::Scene::Component* mark = nullptr;       ///< in Radium's tree; nullptr once it was deleted there
+  std::array<float, 16> transform{};             ///< the mesh's, as the world last heard of it
+  std::vector<float> first_positions{};          ///< how the mesh lay when it became an object
+  std::vector<float> first_normals{};            ///< the same
+  Ra::Engine::Scene::Component* mark = nullptr;  ///< in Radium's tree; nullptr once it was deleted there
 
   host::Handle object() const { return drawable.object(); }
 };

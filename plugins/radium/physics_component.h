@@ -2,12 +2,12 @@
 
 #include <Engine/Scene/Component.hpp>
 #include <souple/host/session.h>
-
 #include <string>
 
 namespace souple::radium {
 
-/// Says in Radium's tree that something of this entity is an object of the world. Deleting it there ends that.
+/// Says in Radium's tree that something of this entity is an object of the world. Deleting it there ends
+/// that.
 class PhysicsComponent : public Ra::Engine::Scene::Component {
  public:
   PhysicsComponent(const std::string& name, Ra::Engine::Scene::Entity* entity, host::Handle object)

@@ -9,11 +9,10 @@
 #include <Engine/Scene/Entity.hpp>
 #include <Engine/Scene/EntityManager.hpp>
 #include <Engine/Scene/SystemDisplay.hpp>
-#include <souple/error.h>
-
 #include <algorithm>
 #include <exception>
 #include <memory>
+#include <souple/error.h>
 #include <utility>
 
 namespace souple::radium {
@@ -109,9 +108,15 @@ host::Handle PhysicsSystem::add(Index render_object, host::Kind kind, host::Mesh
   const host::Soup soup{positions.data(), mesh.vertex_count(), triangles.data(), triangles.size() / 3};
   host::Handle object = 0;
   switch (kind) {
-    case host::Kind::cloth: object = session_.add_cloth(soup, options); break;
-    case host::Kind::soft_body: object = session_.add_soft_body(soup, options); break;
-    case host::Kind::obstacle: object = session_.add_obstacle(soup, options); break;
+    case host::Kind::cloth:
+      object = session_.add_cloth(soup, options);
+      break;
+    case host::Kind::soft_body:
+      object = session_.add_soft_body(soup, options);
+      break;
+    case host::Kind::obstacle:
+      object = session_.add_obstacle(soup, options);
+      break;
     case host::Kind::rope:
     case host::Kind::grains:
       throw Error(options.name + ": a mesh becomes a cloth, a soft body or an obstacle");
@@ -239,7 +244,8 @@ void PhysicsSystem::generateTasks(Ra::Core::TaskQueue* tasks, const Ra::Engine::
   const double time = frame.m_animationTime, dt = frame.m_dt;
   // The first frame of a Radium goes on in time though nobody pressed play.
   if (std::exchange(first_frame_, false)) session_.start_at(time);
-  tasks->registerTask(std::make_unique<Ra::Core::FunctionTask>([this, time, dt] { run(time, dt); }, system_name));
+  tasks->registerTask(
+      std::make_unique<Ra::Core::FunctionTask>([this, time, dt] { run(time, dt); }, system_name));
 }
 
 void PhysicsSystem::run(double time, double dt) {
@@ -271,7 +277,8 @@ bool PhysicsSystem::grab(const PickedVertex& picked, const Ra::Core::Ray& ray,
   const bool is_corner = picked.triangle >= 0 && picked.corner >= 0 && picked.corner < 3;
   if (body == bodies_.end() || !is_corner) return false;
   const auto& triangles = body->drawable.triangles();
-  const std::size_t at = 3 * static_cast<std::size_t>(picked.triangle) + static_cast<std::size_t>(picked.corner);
+  const std::size_t at =
+      3 * static_cast<std::size_t>(picked.triangle) + static_cast<std::size_t>(picked.corner);
   if (at >= triangles.size()) return false;
   const std::uint32_t vertex = body->drawable.vertex_of(triangles[at]);
   return session_.grab_vertex(body->object(), vertex, ray_of(ray), vec3(facing));

@@ -6,9 +6,8 @@
 #include <Core/Utils/Index.hpp>
 #include <Engine/FrameInfo.hpp>
 #include <Engine/Scene/System.hpp>
-#include <souple/host/session.h>
-
 #include <cstdint>
+#include <souple/host/session.h>
 #include <string>
 #include <vector>
 

@@ -7,7 +7,6 @@
 #include <Engine/Rendering/RenderObjectManager.hpp>
 #include <Engine/Scene/Component.hpp>
 #include <Engine/Scene/Entity.hpp>
-
 #include <cstring>
 #include <utility>
 
@@ -21,7 +20,7 @@ using Ra::Engine::Data::AttribArrayDisplayable;
 using Ra::Engine::Rendering::RenderObject;
 using Ra::Engine::Rendering::RenderObjectType;
 
-static_assert(sizeof(Ra::Scalar) == sizeof(float), "Souple asks for a Radium whose Scalar is float");
+static_assert(sizeof(Scalar) == sizeof(float), "Souple asks for a Radium whose Scalar is float");
 static_assert(sizeof(Vector3) == 3 * sizeof(float), "vertices are x, y, z without a gap");
 
 AttribArrayDisplayable* displayed(const std::shared_ptr<RenderObject>& object) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Core/Utils/Index.hpp>
-
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -23,8 +22,8 @@ class Entity;
 
 namespace souple::radium {
 
-/// What Radium shows of one of its meshes (triangles, quads, polygons or points), as plain numbers. It does not
-/// keep the mesh alive; all functions but `alive` and `index` ask for one that is.
+/// What Radium shows of one of its meshes (triangles, quads, polygons or points), as plain numbers. It does
+/// not keep the mesh alive; all functions but `alive` and `index` ask for one that is.
 class RenderMesh {
  public:
   RenderMesh() = default;

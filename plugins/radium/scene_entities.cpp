@@ -11,7 +11,6 @@
 #include <Engine/Scene/EntityManager.hpp>
 #include <Engine/Scene/GeometryComponent.hpp>
 #include <Engine/Scene/System.hpp>
-
 #include <cmath>
 #include <utility>
 
@@ -68,11 +67,16 @@ RenderMesh finish(Ra::Engine::RadiumEngine& engine, Ra::Engine::Scene::Component
 
 std::array<float, 3> colour_of(host::Kind kind) {
   switch (kind) {
-    case host::Kind::cloth: return {0.80f, 0.36f, 0.30f};
-    case host::Kind::soft_body: return {0.42f, 0.66f, 0.44f};
-    case host::Kind::rope: return {0.76f, 0.62f, 0.40f};
-    case host::Kind::grains: return {0.85f, 0.72f, 0.45f};
-    case host::Kind::obstacle: break;
+    case host::Kind::cloth:
+      return {0.80f, 0.36f, 0.30f};
+    case host::Kind::soft_body:
+      return {0.42f, 0.66f, 0.44f};
+    case host::Kind::rope:
+      return {0.76f, 0.62f, 0.40f};
+    case host::Kind::grains:
+      return {0.85f, 0.72f, 0.45f};
+    case host::Kind::obstacle:
+      break;
   }
   return {0.62f, 0.64f, 0.68f};
 }
