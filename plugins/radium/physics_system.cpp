@@ -29,8 +29,9 @@ host::Ray ray_of(const Ra::Core::Ray& ray) {
   return {vec3(ray.origin()), vec3(ray.direction())};
 }
 
+// Radium gives the number of what was deleted to what comes next.
 bool shows(const RenderMesh& mesh, Index render_object) {
-  return mesh.index().getValue() == render_object.getValue();
+  return mesh.index().getValue() == render_object.getValue() && mesh.alive();
 }
 
 }  // namespace
@@ -218,6 +219,7 @@ void PhysicsSystem::pause() {
 
 void PhysicsSystem::step() {
   session_.set_playing(true);
+  engine_.play(false);
   engine_.step();
   playing_ = false;
   first_frame_ = false;
