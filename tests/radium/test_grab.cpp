@@ -27,8 +27,8 @@ TEST_F(Radium, APickedVertexOfASoupIsDraggedAndLetGo) {
   EXPECT_LT((vector(session().grabbed_point()) - vertex).norm(), 1e-6f);
   system->drag(above(goal));
   frames(120);
-  EXPECT_LT((world_vertex(index, 17) - goal).norm(), 0.05f);
-  EXPECT_LT((vector(session().grabbed_point()) - world_vertex(index, 17)).norm(), 1e-6f);
+  EXPECT_LT((vector(session().grabbed_point()) - goal).norm(), 0.05f);
+  EXPECT_LT((world_vertex(index, 17) - goal).norm(), 0.15f);  // a hand holds those around it as well
   system->release();
   EXPECT_FALSE(session().grabbing());
   system->drag(above(vertex));

@@ -31,11 +31,11 @@ TEST_F(Radium, ATriangleSoupBecomesAClothAndMovesInRadium) {
   const Handle cloth = system->add(index, Kind::cloth);
   EXPECT_EQ(session().object(cloth).name, "sheet mesh");
   EXPECT_EQ(session().object(cloth).vertex_count, 96u);
-  EXPECT_EQ(session().statistics().particles, 25u);  // welded
   EXPECT_EQ(system->object_of(index), cloth);
   session().set_pinned(cloth, 0, true);
   system->play();
   frames(40);
+  EXPECT_EQ(session().statistics().particles, 25u);  // welded
   const std::vector<float> after = mesh(index).positions();
   EXPECT_EQ(after[1], before[1]);
   EXPECT_LT(after[after.size() - 5], -0.3f);
@@ -59,7 +59,7 @@ TEST_F(Radium, MeshesAreWhatTheSessionSays) {
   EXPECT_EQ(mesh(index).positions(), drawn(session(), cloth));
   EXPECT_EQ(mesh(index).normals(), drawn(session(), cloth, true));
   EXPECT_EQ(mesh(soft).positions(), drawn(session(), body));
-  EXPECT_LT(world_vertex(soft, 0).y(), -0.4f);  // 20 frames of free fall and the box's half height
+  EXPECT_NEAR(world_vertex(soft, 0).y(), 0.2f - 0.5f * 9.81f / 9, 0.02f);  // a third of a second
 }
 
 /// A mesh that is turned and scaled by its entity moves as one that lies there to begin with.
@@ -68,14 +68,21 @@ TEST_F(Radium, TransformsAreRespected) {
   turned.rotate(Ra::Core::AngleAxis(0.7f, Vector3(1, 2, 2).normalized())).scale(Vector3(1, 0.5f, 2));
   Triangles there = sheet(4, 1);
   for (Vector3& x : there.vertices) x = turned * x;
-  const Index by_entity = show("turned", sheet(4, 1), turned), lying = show("lying", there);
-  for (const Index& index : {by_entity, lying})
+  const auto after_half_a_second = [&](Index index) {
     session().set_pinned(system->add(index, Kind::cloth), 0, true);
-  system->play();
-  frames(30);
-  for (std::size_t v = 0; v < there.vertices.size(); ++v)
-    EXPECT_LT((world_vertex(by_entity, v) - world_vertex(lying, v)).norm(), 1e-4f) << v;
-  EXPECT_LT(world_vertex(lying, 95).y(), there.vertices[95].y() - 0.3f);
+    system->reset();
+    system->play();
+    frames(30);
+    std::vector<Vector3> vertices;
+    for (std::size_t v = 0; v < there.vertices.size(); ++v) vertices.push_back(world_vertex(index, v));
+    system->clear();
+    return vertices;
+  };
+  const std::vector<Vector3> by_entity = after_half_a_second(show("turned", sheet(4, 1), turned)),
+                             lying = after_half_a_second(show("lying", there));
+  for (std::size_t v = 0; v < lying.size(); ++v) EXPECT_LT((by_entity[v] - lying[v]).norm(), 1e-4f) << v;
+  EXPECT_LT(lying[95].y(), there.vertices[95].y() - 0.3f);
+  EXPECT_EQ(words(), "");
 }
 
 TEST_F(Radium, AMovedObstacleCarriesWhatLiesOnIt) {
