@@ -18,4 +18,10 @@ PureRun run_scene(const std::string& file, int frames, double dt) {
   return run;
 }
 
+View view_of_scene(const std::string& file) {
+  const CameraDescription camera = load_scene(file).camera;
+  const Vec3f from(camera.from), to(camera.to);
+  return {{from.x, from.y, from.z}, {to.x, to.y, to.z}, static_cast<float>(camera.fov)};
+}
+
 }  // namespace souple::radium

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -13,7 +14,15 @@ struct PureRun {
   std::map<std::string, std::vector<float>> positions;  ///< x, y, z of each vertex of each object [m]
 };
 
-/// Loads a scene file and steps its world, with nothing of the host layer and nothing of Radium. Throws Error.
+/// Loads a scene file and steps its world, with nothing of the host layer and nothing of Radium. Throws
+/// Error.
 PureRun run_scene(const std::string& file, int frames, double dt);
+
+/// From where a scene wants to be seen.
+struct View {
+  std::array<float, 3> from{}, to{};  ///< m
+  float angle = 0;                    ///< vertical [degrees]
+};
+View view_of_scene(const std::string& file);
 
 }  // namespace souple::radium
