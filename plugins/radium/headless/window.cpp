@@ -42,6 +42,15 @@ Vector3 vector(const std::array<float, 3>& values) {
   return {values[0], values[1], values[2]};
 }
 
+/// A camera's: it looks along -Z, and above it is up.
+Ra::Core::Transform frame_of(const Vector3& from, const Vector3& way) {
+  const Vector3 back = -way.normalized(), right = Vector3::UnitY().cross(back).normalized();
+  Ra::Core::Transform frame = Ra::Core::Transform::Identity();
+  frame.linear() << right, back.cross(right), back;
+  frame.translation() = from;
+  return frame;
+}
+
 }  // namespace
 
 std::unique_ptr<Ra::Headless::OpenGLContext> make_context() {
@@ -85,8 +94,7 @@ void Window::look(const View& view) {
   camera_->setFOV(2 * std::atan(aspect * half));  // Radium's is the horizontal one
   camera_->setZNear(0.01f * way.norm());
   camera_->setZFar(100 * way.norm());
-  camera_->setPosition(from);
-  camera_->setDirection(way.normalized());
+  camera_->setFrame(frame_of(from, way));
 
   auto* cameras = dynamic_cast<Ra::Engine::Scene::CameraManager*>(engine().getSystem("DefaultCameraManager"));
   cameras->addCamera(component);
