@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <souple/error.h>
 #include <utility>
 
@@ -32,6 +33,16 @@ host::Ray ray_of(const Ra::Core::Ray& ray) {
 // Radium gives the number of what was deleted to what comes next.
 bool shows(const RenderMesh& mesh, Index render_object) {
   return mesh.index().getValue() == render_object.getValue() && mesh.alive();
+}
+
+std::optional<std::uint32_t> drawn_vertex(const host::Drawable& drawable, const PickedVertex& picked) {
+  const int corners = drawable.balls() ? 1 : 3;
+  if (picked.triangle < 0 || picked.corner < 0 || picked.corner >= corners) return std::nullopt;
+  const auto at = static_cast<std::size_t>(picked.triangle) * static_cast<std::size_t>(corners) +
+                  static_cast<std::size_t>(picked.corner);
+  if (drawable.balls())
+    return at < drawable.vertex_count() ? std::optional(static_cast<std::uint32_t>(at)) : std::nullopt;
+  return at < drawable.triangles().size() ? std::optional(drawable.triangles()[at]) : std::nullopt;
 }
 
 }  // namespace
@@ -276,13 +287,10 @@ void PhysicsSystem::draw() {
 bool PhysicsSystem::grab(const PickedVertex& picked, const Ra::Core::Ray& ray,
                          const Ra::Core::Vector3& facing) {
   const auto body = find(object_of(picked.render_object));
-  const bool is_corner = picked.triangle >= 0 && picked.corner >= 0 && picked.corner < 3;
-  if (body == bodies_.end() || !is_corner) return false;
-  const auto& triangles = body->drawable.triangles();
-  const std::size_t at =
-      3 * static_cast<std::size_t>(picked.triangle) + static_cast<std::size_t>(picked.corner);
-  if (at >= triangles.size()) return false;
-  const std::uint32_t vertex = body->drawable.vertex_of(triangles[at]);
+  if (body == bodies_.end()) return false;
+  const std::optional<std::uint32_t> drawn = drawn_vertex(body->drawable, picked);
+  if (!drawn) return false;
+  const std::uint32_t vertex = body->drawable.vertex_of(*drawn);
   return session_.grab_vertex(body->object(), vertex, ray_of(ray), vec3(facing));
 }
 

@@ -28,8 +28,8 @@ struct LoadedMesh {
 /// A vertex as Radium's picking names it.
 struct PickedVertex {
   Ra::Core::Utils::Index render_object;
-  int triangle = -1;
-  int corner = -1;  ///< of the triangle: 0, 1 or 2
+  int triangle = -1;  ///< of splats: the vertex
+  int corner = -1;    ///< of the triangle: 0, 1 or 2; of splats 0
 };
 
 /// One world in Radium, stepped by one task a frame: Souple's threads work inside it.

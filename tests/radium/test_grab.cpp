@@ -88,6 +88,23 @@ TEST_F(Radium, APickedVertexOfEitherSideOfAScenesClothIsTheCloths) {
   }
 }
 
+TEST_F(Radium, APickedSplatIsAGrainOrTheNearestVertexOfARope) {
+  system->open_scene(scenes + "everything_together.json");
+  const auto shown = [&](const char* name) {
+    return engine->getEntityManager()->getEntity(name)->getComponents().front()->getRenderObjects().front();
+  };
+  const Index sand = shown("sand"), rope = shown("line");
+  const Vector3 grain = world_vertex(sand, 17);
+  ASSERT_TRUE(system->grab({sand, 17, 0}, above(grain), down));
+  EXPECT_EQ(vector(session().grabbed_point()), grain);
+  EXPECT_FALSE(system->grab({sand, 343, 0}, above(grain), down));
+  EXPECT_FALSE(system->grab({sand, 17, 1}, above(grain), down));
+  const int last = static_cast<int>(mesh(rope).vertex_count()) - 1;
+  const Vector3 ball = world_vertex(rope, static_cast<std::size_t>(last));
+  ASSERT_TRUE(system->grab({rope, last, 0}, above(ball), down));
+  EXPECT_LT((vector(session().grabbed_point()) - ball).norm(), 0.5f * 1.23f / 30);  // half a segment
+}
+
 TEST_F(Radium, ARayTakesWhateverItMeetsFirst) {
   const Index low = show("low", sheet(4, 1));
   Transform up = Transform::Identity();
