@@ -57,6 +57,7 @@ Options parse(int count, char** arguments) {
 }
 
 int run(const Options& options) {
+  const View view = view_of_scene(options.scene);
   auto context = make_context();
   if (!context) {
     std::cout << "no OpenGL 4.1: there is neither an EGL device nor a display\n";
@@ -65,7 +66,7 @@ int run(const Options& options) {
   Window window(std::move(context), 960, 640);
   PhysicsSystem* system = PhysicsSystem::add_to(window.engine());
   system->open_scene(options.scene);
-  window.look(view_of_scene(options.scene));
+  window.look(view);
   window.prepare();
 
   Checks checks;

@@ -20,22 +20,25 @@ class Sight {
   /// As all lies now.
   Sight(Window& window, PhysicsSystem& system);
 
-  /// About `count` of them, here and there on objects that have triangles; of each, the pixel is nearer to it
-  /// than to the other corners of its triangle.
+  /// About `count` of them, here and there. Of a triangle's, the pixel is nearer to it than to the other
+  /// corners; of a splat's, it is in the middle.
   std::vector<VisibleVertex> visible_vertices(std::size_t count) const;
 
  private:
-  struct Triangle {
-    PickedVertex first_corner;
+  struct Target {  // a triangle, or a ball about the first corner
+    PickedVertex vertex;
     std::array<Ra::Core::Vector3, 3> corners;
-    float thickness;  // of an object; less than 0 of what cannot be grabbed
+    float ball_radius;  // m; 0 of a triangle
+    float thickness;    // of an object; less than 0 of what cannot be grabbed
+    bool faces_us;      // by its normals: Radium picks nothing else
   };
-  void add(const RenderMesh& mesh, float thickness);
+  void add(const RenderMesh& mesh, const host::ObjectInfo* object);
+  static float distance_along(const Ra::Core::Ray& ray, const Target& target);
   /// nullptr when the ray meets nothing.
-  const Triangle* first_met(const Ra::Core::Ray& ray) const;
+  const Target* first_met(const Ra::Core::Ray& ray) const;
 
   Window& window_;
-  std::vector<Triangle> triangles_;
+  std::vector<Target> targets_;
 };
 
 }  // namespace souple::radium

@@ -126,6 +126,11 @@ Vector2 Window::pixel_of(const Vector3& point) const {
   return camera_->projectToScreen(point).head<2>();
 }
 
+bool Window::shows(const Vector2& pixel) const {
+  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < static_cast<float>(width_) &&
+         pixel.y() < static_cast<float>(height_);
+}
+
 Ra::Core::Ray Window::ray_through(const Vector2& pixel) const {
   return camera_->getRayFromScreen(pixel);
 }

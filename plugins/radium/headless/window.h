@@ -52,6 +52,7 @@ class Window {
 
   // --- a pixel is counted from the top left
   Ra::Core::Vector2 pixel_of(const Ra::Core::Vector3& point) const;
+  bool shows(const Ra::Core::Vector2& pixel) const;
   Ra::Core::Ray ray_through(const Ra::Core::Vector2& pixel) const;
   Ra::Core::Vector3 facing() const;
   /// What is drawn there; its render object is invalid where nothing is.
