@@ -10,12 +10,12 @@ namespace souple::host {
 
 /// An object of a session as a simple renderer draws it: triangles with a normal per vertex, or balls. For
 /// renderers that show triangles from one side only, a cloth can have two sides, each half its thickness from
-/// the middle; the balls of a rope are close enough to look like one.
+/// the middle, with a rim that closes it; the balls of a rope are close enough to look like one.
 class Drawable {
  public:
   enum class Sides {
     one,  ///< the object's own vertices and triangles
-    two   ///< of a scene's cloth, in m; the others stay as they are
+    two   ///< of a scene's cloth: those, the other side's, the rim's; the others stay as they are
   };
   /// Throws Error when the session has no such object.
   Drawable(Session& session, Handle object, Sides sides = Sides::one);
@@ -39,9 +39,14 @@ class Drawable {
     std::uint32_t a, b;
     float t;
   };
+  struct Border {  // an edge of the rim; seen from the first side, the cloth lies to the left of a to b
+    std::uint32_t a, b;
+  };
   void add_other_side();
+  void add_rim();
   void place_balls(Session& session);
   void draw_sides();
+  void draw_rim();
   void draw_balls();
 
   Handle object_;
@@ -49,6 +54,7 @@ class Drawable {
   std::size_t object_vertices_;
   bool two_sided_ = false;
   std::vector<std::uint32_t> triangles_;
+  std::vector<Border> borders_;
   std::vector<Ball> balls_;
   std::vector<float> positions_, normals_;  // of the object
   std::vector<float> drawn_positions_, drawn_normals_;

@@ -70,10 +70,10 @@ TEST_F(Radium, APickedVertexOfEitherSideOfAScenesClothIsTheCloths) {
   auto* entity = engine->getEntityManager()->getEntity("tablecloth");
   const Index index = entity->getComponents().front()->getRenderObjects().front();
   const std::vector<std::uint32_t> own = session().triangles(cloth), drawn = mesh(index).triangles();
-  ASSERT_EQ(drawn.size(), 2 * own.size());
+  ASSERT_GT(drawn.size(), 2 * own.size());
   std::vector<float> x(3 * session().object(cloth).vertex_count);
   session().write(cloth, {x.data()}, x.size() / 3);
-  const int last = static_cast<int>(drawn.size() / 3) - 1;
+  const int last = static_cast<int>(2 * own.size() / 3) - 1;  // of the sides; then comes the rim
   for (const int triangle : {0, 700, last / 2, last / 2 + 1, last - 700, last}) {
     for (const int corner : {0, 1, 2}) {
       const std::size_t at = drawn[static_cast<std::size_t>(3 * triangle + corner)];

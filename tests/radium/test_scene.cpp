@@ -33,7 +33,7 @@ TEST_F(Scene, ItsObjectsAndCollidersAreEntities) {
   EXPECT_TRUE(system->loaded_meshes().empty());  // none is to be added again
   EXPECT_EQ(mesh(shown("sand")).triangle_count(), 0u);
   EXPECT_EQ(mesh(shown("sand")).vertex_count(), 343u);
-  EXPECT_EQ(mesh(shown("flag")).vertex_count(), 2u * 24 * 16);
+  EXPECT_EQ(mesh(shown("flag")).vertex_count(), 2u * 24 * 16 + 4 * 2 * (23 + 15));  // two sides, a rim
   EXPECT_NE(system->object_of(shown("duck")), 0u);
   EXPECT_EQ(system->object_of(shown("table")), 0u);
   EXPECT_NEAR(bounding_box(shown("table")).max().y(), 0.6f, 1e-5f);
@@ -68,7 +68,7 @@ TEST_F(Scene, AfterAHundredFramesItIsWhereAPureRunIs) {
     const std::vector<float> shown_now = mesh(shown(info.name)).positions();
     if (info.kind == host::Kind::cloth) {
       const std::size_t count = expected.size();
-      ASSERT_EQ(shown_now.size(), 2 * count);
+      ASSERT_GT(shown_now.size(), 2 * count);
       for (std::size_t i = 0; i < count; ++i)
         EXPECT_NEAR((shown_now[i] + shown_now[count + i]) / 2, expected[i], 1e-6f) << info.name;
     } else {
