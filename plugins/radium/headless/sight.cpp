@@ -31,6 +31,18 @@ float distance_to_triangle(const std::array<Vector3, 3>& x, const Ray& ray) {
   return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : none;
 }
 
+/// The corner that weighs most where the ray meets the triangle; -1 when another weighs nearly as much.
+int nearest_corner(const std::array<Vector3, 3>& x, const Ray& ray) {
+  const Vector3 point = ray.pointAt(distance_to_triangle(x, ray));
+  std::array<float, 3> weights{};
+  for (std::size_t k = 0; k < 3; ++k)
+    weights[k] = (x[(k + 1) % 3] - point).cross(x[(k + 2) % 3] - point).norm();
+  const auto largest = std::max_element(weights.begin(), weights.end());
+  for (auto other = weights.begin(); other != weights.end(); ++other)
+    if (other != largest && *largest < 1.2f * *other) return -1;
+  return static_cast<int>(largest - weights.begin());
+}
+
 float distance_to_ball(const Vector3& centre, float radius, const Ray& ray) {
   // Radium picks the square about a splat.
   const float t = (centre - ray.origin()).dot(ray.direction());
@@ -100,16 +112,19 @@ std::vector<VisibleVertex> Sight::visible_vertices(std::size_t count) const {
   for (std::size_t t = 0; t < targets_.size() && found.size() < count; t += stride) {
     const Target& target = targets_[t];
     if (target.thickness < 0 || !target.faces_us) continue;
-    const std::size_t corner = target.ball_radius > 0 ? 0 : t % 3;
-    const Vector3 &own = target.corners[corner], &next = target.corners[(corner + 1) % 3],
-                  &last = target.corners[(corner + 2) % 3];
+    const std::size_t some = target.ball_radius > 0 ? 0 : t % 3;
+    const Vector3 beside =
+        0.2f * (target.corners[0] + target.corners[1] + target.corners[2]) + 0.4f * target.corners[some];
     // The middle of the pixel: OpenGL looks there.
-    const Ra::Core::Vector2 at = window_.pixel_of(0.6f * own + 0.2f * next + 0.2f * last);
+    const Ra::Core::Vector2 at = window_.pixel_of(beside);
     const Ra::Core::Vector2 pixel(std::floor(at.x()) + 0.5f, std::floor(at.y()) + 0.5f);
-    if (!window_.shows(pixel) || first_met(window_.ray_through(pixel)) != &target) continue;
+    const Ray ray = window_.ray_through(pixel);
+    if (!window_.shows(pixel) || first_met(ray) != &target) continue;
+    const int corner = target.ball_radius > 0 ? 0 : nearest_corner(target.corners, ray);
+    if (corner < 0) continue;
     PickedVertex vertex = target.vertex;
-    vertex.corner = static_cast<int>(corner);
-    found.push_back({pixel, vertex, own, target.thickness});
+    vertex.corner = corner;
+    found.push_back({pixel, vertex, target.corners[static_cast<std::size_t>(corner)], target.thickness});
     t += targets_.size() / (2 * count);
   }
   return found;
