@@ -1,7 +1,9 @@
-# Stands in for Radium's own package: find_package(Radium) with Radium_DIR set to this folder.
+# Stands in for Radium's own package: find_package(Radium) with Radium_DIR set to this folder, or included as it is.
 include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 
+set(Radium_FOUND TRUE)
+set(Radium_STUB TRUE)
 foreach(component IN LISTS Radium_FIND_COMPONENTS)
   if(component MATCHES "^(Core|Engine)$")
     set(Radium_${component}_FOUND TRUE)
@@ -13,13 +15,16 @@ foreach(component IN LISTS Radium_FIND_COMPONENTS)
 endforeach()
 
 if(NOT TARGET radium_stub)
-  file(GLOB radium_stub_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/source/*.cpp)
+  set(names attribs components displayables entities geometry materials radium_engine render_objects task_queue)
+  list(TRANSFORM names REPLACE "(.+)" "${CMAKE_CURRENT_LIST_DIR}/source/\\1.cpp" OUTPUT_VARIABLE radium_stub_sources)
   add_library(radium_stub STATIC ${radium_stub_sources})
-  target_include_directories(radium_stub PUBLIC ${CMAKE_CURRENT_LIST_DIR}/include)
+  # Radium's own headers are C++17 and fail as C++20: ours are built as theirs.
+  set_target_properties(radium_stub PROPERTIES CXX_STANDARD 17 POSITION_INDEPENDENT_CODE ON)
   target_compile_features(radium_stub PUBLIC cxx_std_17)
+  target_include_directories(radium_stub PUBLIC ${CMAKE_CURRENT_LIST_DIR}/include)
   target_link_libraries(radium_stub PUBLIC Eigen3::Eigen PRIVATE $<TARGET_NAME_IF_EXISTS:souple_flags>)
-  set_target_properties(radium_stub PROPERTIES POSITION_INDEPENDENT_CODE ON)
   add_library(Radium::Core ALIAS radium_stub)
   add_library(Radium::Engine ALIAS radium_stub)
+  unset(names)
+  unset(radium_stub_sources)
 endif()
-set(Radium_STUB TRUE)

@@ -35,7 +35,7 @@ AttribArrayGeometry& AttribArrayGeometry::operator=(const AttribArrayGeometry& o
   return *this;
 }
 
-AttribArrayGeometry& AttribArrayGeometry::operator=(AttribArrayGeometry&& other) {
+AttribArrayGeometry& AttribArrayGeometry::operator=(AttribArrayGeometry&& other) noexcept {
   if (this == &other) return *this;
   m_vertexAttribs = std::move(other.m_vertexAttribs);
   m_verticesHandle = std::move(other.m_verticesHandle);

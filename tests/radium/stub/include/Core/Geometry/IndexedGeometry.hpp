@@ -32,7 +32,7 @@ class IndexedGeometry : public AttribArrayGeometry, public Utils::ObservableVoid
     notify();
     return *this;
   }
-  IndexedGeometry& operator=(IndexedGeometry&& other) {
+  IndexedGeometry& operator=(IndexedGeometry&& other) noexcept {
     AttribArrayGeometry::operator=(std::move(other));
     m_indices = std::move(other.m_indices);
     notify();

@@ -29,7 +29,7 @@ class AttribArrayGeometry : public AbstractGeometry {
   explicit AttribArrayGeometry(const AttribArrayGeometry& other);
   explicit AttribArrayGeometry(AttribArrayGeometry&& other) noexcept;
   AttribArrayGeometry& operator=(const AttribArrayGeometry& other);
-  AttribArrayGeometry& operator=(AttribArrayGeometry&& other);
+  AttribArrayGeometry& operator=(AttribArrayGeometry&& other) noexcept;
   ~AttribArrayGeometry() override = default;
 
   void clear() override;
