@@ -1,6 +1,7 @@
 #include "plugins/radium/scene_entities.h"
 
 #include <Core/Asset/BlinnPhongMaterialData.hpp>
+#include <Core/Geometry/StandardAttribNames.hpp>
 #include <Core/Geometry/TriangleMesh.hpp>
 #include <Core/Utils/Color.hpp>
 #include <Engine/Data/BlinnPhongMaterial.hpp>
@@ -81,6 +82,19 @@ std::array<float, 3> colour_of(host::Kind kind) {
   return {0.62f, 0.64f, 0.68f};
 }
 
+// Splats of one colour would be a blot: each grain is a little lighter or darker than the next.
+void tint(Ra::Core::Geometry::PointCloud& grains, const std::array<float, 3>& srgb) {
+  Ra::Core::VectorArray<Ra::Core::Vector4> colours;
+  colours.reserve(grains.vertices().size());
+  for (std::uint32_t i = 0; i < grains.vertices().size(); ++i) {
+    const std::uint32_t mixed = (i * 2654435761u) >> 24;
+    const float light = 0.6f + 0.5f * static_cast<float>(mixed) / 255;
+    colours.emplace_back(light * linear(srgb[0]), light * linear(srgb[1]), light * linear(srgb[2]), 1.0f);
+  }
+  grains.addAttrib<Ra::Core::Vector4>(
+      Ra::Core::Geometry::getAttribName(Ra::Core::Geometry::MeshAttrib::VERTEX_COLOR), colours);
+}
+
 }  // namespace
 
 RenderMesh show_object(Ra::Engine::RadiumEngine& engine, const host::ObjectInfo& info,
@@ -93,6 +107,7 @@ RenderMesh show_object(Ra::Engine::RadiumEngine& engine, const host::ObjectInfo&
   }
   Ra::Core::Geometry::PointCloud points;
   points.setVertices(vectors(drawable.positions()));
+  if (info.kind == host::Kind::grains) tint(points, colour);
   auto* component = new PointCloudComponent(info.name + " splats", entity, std::move(points));
   // Radium calls it a diameter, and draws it as a radius.
   component->setSplatSize(drawable.radius());

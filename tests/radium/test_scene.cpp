@@ -2,10 +2,13 @@
 #include "tests/expect_error.h"
 #include "tests/radium/radium.h"
 
+#include <Core/Geometry/StandardAttribNames.hpp>
 #include <Engine/Data/BlinnPhongMaterial.hpp>
+#include <Engine/Data/Mesh.hpp>
 #include <Engine/Rendering/RenderObject.hpp>
 #include <Engine/Rendering/RenderObjectManager.hpp>
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <souple/host/drawable.h>
 
@@ -46,6 +49,23 @@ TEST_F(Scene, ItsColoursAreLinearLight) {
   ASSERT_NE(material, nullptr);
   const float linear[] = {0.888f, 0.539f, 0.0296f};  // of #f2c230
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(material->m_kd[i], linear[i], 0.001f);
+}
+
+/// Splats are discs without shading: of one colour they would be a blot.
+TEST_F(Scene, NeighbouringGrainsDifferInColour) {
+  system->open_scene(scenes + "sand_pile.json");
+  const auto object = engine->getRenderObjectManager()->getRenderObject(shown("sand"));
+  auto* displayed = dynamic_cast<Ra::Engine::Data::AttribArrayDisplayable*>(object->getMesh().get());
+  const auto name = Ra::Core::Geometry::getAttribName(Ra::Core::Geometry::MeshAttrib::VERTEX_COLOR);
+  const auto& geometry = displayed->getAttribArrayGeometry();
+  const auto& colours = geometry.getAttrib(geometry.getAttribHandle<Ra::Core::Vector4>(name)).data();
+  ASSERT_EQ(colours.size(), 1331u);
+  int other = 0;
+  for (std::size_t i = 1; i < colours.size(); ++i)
+    other += std::abs(colours[i].x() - colours[i - 1].x()) > 0.02f ? 1 : 0;
+  EXPECT_GT(other, 1000);
+  const auto* material = dynamic_cast<Ra::Engine::Data::BlinnPhongMaterial*>(object->getMaterial().get());
+  EXPECT_TRUE(material->m_perVertexColor);
 }
 
 /// What the issue asks for: bit for bit what the library alone makes of it.

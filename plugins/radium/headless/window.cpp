@@ -7,7 +7,9 @@
 #include <Engine/Rendering/ForwardRenderer.hpp>
 #include <Engine/Scene/CameraComponent.hpp>
 #include <Engine/Scene/CameraManager.hpp>
+#include <Engine/Scene/DirLight.hpp>
 #include <Engine/Scene/EntityManager.hpp>
+#include <Engine/Scene/SystemDisplay.hpp>
 #include <Headless/CLIViewer.hpp>
 #include <Headless/OpenGLContext/EglOpenGLContext.hpp>
 #include <Headless/OpenGLContext/GlfwOpenGLContext.hpp>
@@ -49,6 +51,14 @@ Ra::Core::Transform frame_of(const Vector3& from, const Vector3& way) {
   frame.linear() << right, back.cross(right), back;
   frame.translation() = from;
   return frame;
+}
+
+void add_light(Renderer& renderer, const char* name, const Vector3& direction, float strength) {
+  auto* light = new Ra::Engine::Scene::DirectionalLight(Ra::Engine::Scene::SystemEntity::getInstance(),
+                                                        name);  // the entity's
+  light->setColor(Ra::Core::Utils::Color::Grey(strength));
+  light->setDirection(direction.normalized());
+  renderer.addLight(light);
 }
 
 }  // namespace
@@ -104,6 +114,11 @@ void Window::look(const View& view) {
 }
 
 void Window::prepare() {
+  // The viewer's own light comes from the eye alone: a floor that is seen edge-on would be black.
+  if (!renderer_->hasLight()) {
+    add_light(*renderer_, "light from above", facing() - Vector3(0.6f, 1.2f, 0), 1.6f);
+    add_light(*renderer_, "light from the eye", facing(), 0.8f);
+  }
   viewer_->compileScene();
 }
 
