@@ -271,17 +271,22 @@ void PhysicsSystem::draw() {
 
 // --- the mouse
 
-bool PhysicsSystem::grab(const PickedVertex& picked, const Ra::Core::Ray& ray,
-                         const Ra::Core::Vector3& facing) {
+template <class Action>
+bool PhysicsSystem::with_vertex(const PickedVertex& picked, Action action) {
   const auto body = find(object_of(picked.render_object));
   const bool is_corner = picked.triangle >= 0 && picked.corner >= 0 && picked.corner < 3;
   if (body == bodies_.end() || !is_corner) return false;
   const auto& triangles = body->drawable.triangles();
   const std::size_t at =
       3 * static_cast<std::size_t>(picked.triangle) + static_cast<std::size_t>(picked.corner);
-  if (at >= triangles.size()) return false;
-  const std::uint32_t vertex = body->drawable.vertex_of(triangles[at]);
-  return session_.grab_vertex(body->object(), vertex, ray_of(ray), vec3(facing));
+  return at < triangles.size() && action(body->object(), body->drawable.vertex_of(triangles[at]));
+}
+
+bool PhysicsSystem::grab(const PickedVertex& picked, const Ra::Core::Ray& ray,
+                         const Ra::Core::Vector3& facing) {
+  return with_vertex(picked, [&](host::Handle object, std::uint32_t vertex) {
+    return session_.grab_vertex(object, vertex, ray_of(ray), vec3(facing));
+  });
 }
 
 bool PhysicsSystem::grab(const Ra::Core::Ray& ray, const Ra::Core::Vector3& facing) {
@@ -294,6 +299,13 @@ void PhysicsSystem::drag(const Ra::Core::Ray& ray) {
 
 void PhysicsSystem::release() {
   session_.release();
+}
+
+bool PhysicsSystem::set_pinned(const PickedVertex& picked, bool pinned) {
+  return with_vertex(picked, [&](host::Handle object, std::uint32_t vertex) {
+    session_.set_pinned(object, vertex, pinned);
+    return true;
+  });
 }
 
 }  // namespace souple::radium

@@ -77,6 +77,8 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   bool grab(const Ra::Core::Ray& ray, const Ra::Core::Vector3& facing);
   void drag(const Ra::Core::Ray& ray);
   void release();
+  /// Holds a vertex where it is, or lets it go. False when what was picked is none of an object.
+  bool set_pinned(const PickedVertex& picked, bool pinned);
 
  protected:
   void unregisterComponent(const Ra::Engine::Scene::Entity* entity,
@@ -92,6 +94,9 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   void run(double time, double dt);
   void begin_here();
   std::vector<Body>::iterator find(host::Handle object);
+  /// Calls `action` with the object and its vertex; false when there is none.
+  template <class Action>
+  bool with_vertex(const PickedVertex& picked, Action action);
 
   Ra::Engine::RadiumEngine& engine_;
   host::Session session_;
