@@ -36,9 +36,12 @@ QString text_of(const host::Parameter& p, double value) {
 }  // namespace
 
 MaterialBox::MaterialBox(host::Session& session, std::function<void(const std::string&)> say)
-    : session_(session), say_(std::move(say)), presets_(new QComboBox) {
+    : session_(session), say_(std::move(say)), title_(new QLabel), presets_(new QComboBox) {
   auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(4, 4, 4, 4);
+  layout->addWidget(title_);
   layout->addWidget(presets_);
+  layout->addStretch(1);
   connect(presets_, QOverload<int>::of(&QComboBox::activated), this, [this](int chosen) {
     if (chosen > 0) set_preset(presets_->itemText(chosen));
   });
@@ -47,7 +50,8 @@ MaterialBox::MaterialBox(host::Session& session, std::function<void(const std::s
 
 void MaterialBox::show_object(host::Handle object) {
   object_ = session_.contains(object) ? object : 0;
-  setTitle(object_ == 0 ? tr("Material") : tr("Material of %1").arg(session_.object(object_).name.c_str()));
+  title_->setText(object_ == 0 ? tr("Select an object of the world.")
+                               : QString::fromStdString(session_.object(object_).name));
   show_presets();
   show_sliders();
 }
@@ -55,10 +59,10 @@ void MaterialBox::show_object(host::Handle object) {
 void MaterialBox::show_presets() {
   const QSignalBlocker quiet(presets_);
   presets_->clear();
-  presets_->addItem(object_ == 0 ? tr("select an object of the world") : tr("take a preset..."));
+  presets_->addItem(tr("Take a preset..."));
   if (object_ != 0)
     for (const std::string& name : session_.presets(object_)) presets_->addItem(QString::fromStdString(name));
-  presets_->setEnabled(presets_->count() > 1);
+  presets_->setVisible(presets_->count() > 1);
 }
 
 void MaterialBox::show_sliders() {
@@ -69,7 +73,7 @@ void MaterialBox::show_sliders() {
   grid->setColumnStretch(1, 1);
   if (object_ != 0)
     for (const host::Parameter& parameter : session_.parameters(object_)) add_slider(*grid, parameter);
-  layout()->addWidget(sliders_);
+  static_cast<QVBoxLayout*>(layout())->insertWidget(2, sliders_);
 }
 
 void MaterialBox::add_slider(QGridLayout& grid, const host::Parameter& parameter) {

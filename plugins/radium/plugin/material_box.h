@@ -1,17 +1,18 @@
 #pragma once
 
-#include <QGroupBox>
+#include <QWidget>
 #include <functional>
 #include <souple/host/session.h>
 #include <string>
 
 class QComboBox;
 class QGridLayout;
+class QLabel;
 
 namespace souple::radium {
 
 /// The material of one object: a preset, and a slider for each number.
-class MaterialBox : public QGroupBox {
+class MaterialBox : public QWidget {
  public:
   MaterialBox(host::Session& session, std::function<void(const std::string&)> say);
 
@@ -28,6 +29,7 @@ class MaterialBox : public QGroupBox {
   host::Session& session_;
   std::function<void(const std::string&)> say_;
   host::Handle object_ = 0;
+  QLabel* title_;
   QComboBox* presets_;
   QWidget* sliders_ = nullptr;
 };

@@ -30,8 +30,8 @@ Vector2 device_pixels(Viewer& viewer, const QPoint& at) {
 
 }  // namespace
 
-Mouse::Mouse(Viewer& viewer, PhysicsSystem& system, Answers answers)
-    : viewer_(viewer), system_(system), answers_(std::move(answers)) {
+Mouse::Mouse(Viewer& viewer, PhysicsSystem& system, const BackSides& back_sides, Answers answers)
+    : viewer_(viewer), system_(system), back_sides_(back_sides), answers_(std::move(answers)) {
   connect(&viewer, &Viewer::onMousePress, this, [this](QMouseEvent* event) { press(*event); });
   connect(&viewer, &Viewer::onMouseMove, this, [this](QMouseEvent* event) { move(*event); });
   connect(&viewer, &Viewer::onMouseRelease, this, [this](QMouseEvent* event) { release(*event); });
@@ -57,7 +57,8 @@ std::optional<Mouse::Seen> Mouse::pick(const QPoint& at) {
   (void)edge;
   const Vector2 pixel = device_pixels(viewer_, at);
   const Vector3 point = camera.unProjectFromScreen(Vector3(pixel.x(), pixel.y(), result.getDepth()));
-  return Seen{{result.getRoIdx(), triangle, corner}, (point - camera.getPosition()).norm()};
+  return Seen{back_sides_.front_of({result.getRoIdx(), triangle, corner}),
+              (point - camera.getPosition()).norm()};
 }
 
 void Mouse::press(const QMouseEvent& event) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "plugins/radium/physics_system.h"
+#include "plugins/radium/plugin/back_sides.h"
 
 #include <QObject>
 #include <functional>
@@ -24,7 +24,7 @@ class Mouse : public QObject {
     std::function<void(const std::string&)> say;
     std::function<void()> update;  ///< another picture is wanted
   };
-  Mouse(Ra::Gui::Viewer& viewer, PhysicsSystem& system, Answers answers);
+  Mouse(Ra::Gui::Viewer& viewer, PhysicsSystem& system, const BackSides& back_sides, Answers answers);
 
  private:
   struct Seen {
@@ -41,6 +41,7 @@ class Mouse : public QObject {
 
   Ra::Gui::Viewer& viewer_;
   PhysicsSystem& system_;
+  const BackSides& back_sides_;
   Answers answers_;
 };
 

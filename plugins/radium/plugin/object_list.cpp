@@ -14,7 +14,7 @@ namespace souple::radium {
 
 namespace {
 
-constexpr int visible_rows = 6;
+constexpr int visible_rows = 4;
 
 QString words_of(host::Kind kind) {
   return kind == host::Kind::obstacle ? QObject::tr("collider") : QString(host::kind_name(kind));
@@ -22,8 +22,9 @@ QString words_of(host::Kind kind) {
 
 }  // namespace
 
-ObjectList::ObjectList(PhysicsSystem& system, Answers answers)
+ObjectList::ObjectList(PhysicsSystem& system, BackSides& back_sides, Answers answers)
     : system_(system),
+      back_sides_(back_sides),
       answers_(std::move(answers)),
       table_(new QTreeWidget),
       remover_(new QPushButton(tr("Remove"))),
@@ -33,15 +34,16 @@ ObjectList::ObjectList(PhysicsSystem& system, Answers answers)
   table_->header()->setStretchLastSection(false);
   table_->header()->setSectionResizeMode(0, QHeaderView::Stretch);
   for (int column : {1, 2}) table_->header()->setSectionResizeMode(column, QHeaderView::ResizeToContents);
-  table_->setFixedHeight((visible_rows + 2) * fontMetrics().lineSpacing());
+  table_->setMinimumHeight(visible_rows * fontMetrics().lineSpacing());
   connect(table_, &QTreeWidget::currentItemChanged, this, [this] {
     enable_buttons();
     answers_.selected();
   });
 
   auto* layout = new QVBoxLayout(this);
-  layout->setContentsMargins(0, 0, 0, 0);
-  layout->addWidget(table_);
+  layout->setContentsMargins(0, 4, 0, 0);
+  layout->setSpacing(4);
+  layout->addWidget(table_, 1);
   add_buttons();
   layout->addWidget(self_collision_);
   enable_buttons();
@@ -72,12 +74,10 @@ std::vector<ObjectList::Row> ObjectList::rows() const {
   std::vector<Row> rows;
   for (const host::ObjectInfo& info : session.objects())
     if (info.from_scene)
-      rows.push_back({{},
-                      info.handle,
-                      QString::fromStdString(info.name),
-                      words_of(info.kind),
-                      info.triangle_count});
+      rows.push_back(
+          {{}, info.handle, QString::fromStdString(info.name), words_of(info.kind), info.triangle_count});
   for (const LoadedMesh& mesh : system_.loaded_meshes()) {
+    if (back_sides_.contains(mesh.render_object)) continue;
     const QString kind = mesh.object == 0 ? tr("mesh") : words_of(session.object(mesh.object).kind);
     rows.push_back(
         {mesh.render_object, mesh.object, QString::fromStdString(mesh.name), kind, mesh.triangle_count});
@@ -133,8 +133,10 @@ void ObjectList::make(host::Kind kind) {
 }
 
 void ObjectList::remove() {
+  if (object() == 0) return;
+  answers_.about_to_remove();
   try {
-    if (object() != 0) system_.remove(object());
+    system_.remove(object());
   } catch (const std::exception& error) {
     answers_.say(error.what());
   }

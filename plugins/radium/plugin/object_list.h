@@ -1,6 +1,6 @@
 #pragma once
 
-#include "plugins/radium/physics_system.h"
+#include "plugins/radium/plugin/back_sides.h"
 
 #include <QString>
 #include <QWidget>
@@ -18,10 +18,11 @@ class ObjectList : public QWidget {
  public:
   struct Answers {
     std::function<void()> selected;  ///< another row is
-    std::function<void()> changed;   ///< something came into the world or left it
+    std::function<void()> about_to_remove;
+    std::function<void()> changed;  ///< something came into the world or left it
     std::function<void(const std::string&)> say;
   };
-  ObjectList(PhysicsSystem& system, Answers answers);
+  ObjectList(PhysicsSystem& system, BackSides& back_sides, Answers answers);
 
   /// Looks again at what there is; keeps the selection.
   void refresh();
@@ -44,6 +45,7 @@ class ObjectList : public QWidget {
   void enable_buttons();
 
   PhysicsSystem& system_;
+  BackSides& back_sides_;
   Answers answers_;
   std::vector<Row> rows_;
   QTreeWidget* table_;

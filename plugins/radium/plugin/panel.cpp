@@ -7,7 +7,6 @@
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QFormLayout>
-#include <QGroupBox>
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QPlainTextEdit>
@@ -15,6 +14,7 @@
 #include <QScrollArea>
 #include <QSignalBlocker>
 #include <QSpinBox>
+#include <QTabWidget>
 #include <QVBoxLayout>
 #include <exception>
 
@@ -40,28 +40,48 @@ QSpinBox* counter(int most) {
   return made;
 }
 
+QScrollArea* scrolled(QWidget* page) {
+  auto* area = new QScrollArea;
+  area->setWidget(page);
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  return area;
+}
+
+QLabel* words() {
+  auto* made = new QLabel;
+  made->setWordWrap(true);
+  made->setMargin(4);
+  made->setAlignment(Qt::AlignTop);
+  made->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  return made;
+}
+
 }  // namespace
 
-Panel::Panel(PhysicsSystem& system, Playback& playback)
-    : system_(system), playback_(playback), state_(new QLabel), log_(new QPlainTextEdit) {
+Panel::Panel(PhysicsSystem& system, BackSides& back_sides, Playback& playback)
+    : system_(system),
+      back_sides_(back_sides),
+      playback_(playback),
+      state_(new QLabel),
+      statistics_(words()),
+      last_message_(words()),
+      log_(new QPlainTextEdit) {
   log_->setReadOnly(true);
   log_->setMaximumBlockCount(log_lines);
-  log_->setFixedHeight(5 * fontMetrics().lineSpacing());
   log_->setPlaceholderText(tr("What goes wrong is said here."));
+  last_message_->hide();
+  add_objects_and_material();
 
-  auto* scroll = new QScrollArea;
-  scroll->setWidget(contents());
-  scroll->setWidgetResizable(true);
-  scroll->setFrameShape(QFrame::NoFrame);
-  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-
+  // The Sandbox leaves its tabs little height: what is always in sight is two rows.
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 4, 4, 4);
+  layout->setSpacing(4);
   layout->addLayout(scene_buttons());
   layout->addLayout(time_buttons());
-  layout->addWidget(state_);
-  layout->addWidget(scroll, 1);
-  layout->addWidget(log_);
+  layout->addWidget(tabs(), 1);
+  layout->addWidget(last_message_);
 
   show_settings();
   connect(&timer_, &QTimer::timeout, this, [this] { look_again(); });
@@ -74,6 +94,7 @@ QLayout* Panel::scene_buttons() {
                         [this] { ask_for_scene(); }));
   row->addWidget(button(tr("Clear"), tr("Empties the world; Radium's meshes lie again as they were loaded"),
                         [this] { clear(); }));
+  row->addWidget(state_, 1);
   return row;
 }
 
@@ -89,28 +110,30 @@ QLayout* Panel::time_buttons() {
   return row;
 }
 
-QWidget* Panel::contents() {
+void Panel::add_objects_and_material() {
   ObjectList::Answers answers;
   answers.selected = [this] { material_->show_object(objects_->object()); };
+  answers.about_to_remove = [this] { playback_.host().deselect(); };
   answers.changed = [this] { world_changed(); };
   answers.say = [this](const std::string& message) { say(message); };
   material_ = new MaterialBox(system_.session(), answers.say);
-  objects_ = new ObjectList(system_, answers);
+  objects_ = new ObjectList(system_, back_sides_, answers);
+}
 
-  auto* all = new QWidget;
-  auto* layout = new QVBoxLayout(all);
-  layout->setContentsMargins(0, 0, 0, 0);
-  layout->addWidget(objects_);
-  layout->addWidget(material_);
-  layout->addWidget(solver_box());
-  layout->addWidget(statistics_box());
-  layout->addStretch();
+QWidget* Panel::tabs() {
+  auto* all = new QTabWidget;
+  all->setDocumentMode(true);
+  all->addTab(objects_, tr("Objects"));
+  all->addTab(scrolled(material_), tr("Material"));
+  all->addTab(scrolled(solver_form()), tr("Solver"));
+  all->addTab(scrolled(statistics_), tr("Statistics"));
+  all->addTab(log_, tr("Log"));
   return all;
 }
 
-QWidget* Panel::solver_box() {
-  auto* box = new QGroupBox(tr("Solver"));
-  auto* form = new QFormLayout(box);
+QWidget* Panel::solver_form() {
+  auto* page = new QWidget;
+  auto* form = new QFormLayout(page);
   substeps_ = counter(200);
   iterations_ = counter(200);
   mode_ = new QComboBox;
@@ -128,17 +151,7 @@ QWidget* Panel::solver_box() {
     session.set_mode(mode_->currentText().toStdString());
     material_->show_object(objects_->object());  // a mode has parameters of its own
   });
-  return box;
-}
-
-QWidget* Panel::statistics_box() {
-  auto* box = new QGroupBox(tr("Statistics"));
-  auto* layout = new QVBoxLayout(box);
-  statistics_ = new QLabel;
-  statistics_->setWordWrap(true);
-  statistics_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-  layout->addWidget(statistics_);
-  return box;
+  return page;
 }
 
 void Panel::ask_for_scene() {
@@ -149,6 +162,7 @@ void Panel::ask_for_scene() {
 
 void Panel::open_scene(const QString& file) {
   last_folder_ = QFileInfo(file).absolutePath();
+  playback_.host().deselect();
   try {
     system_.open_scene(file.toStdString());
   } catch (const std::exception& error) {
@@ -156,21 +170,25 @@ void Panel::open_scene(const QString& file) {
     return;
   }
   playback_.pause();
-  playback_.show_new();
+  playback_.host().prepare_new();
+  playback_.host().look_at_world();
   show_settings();
   world_changed();
+  say("opened " + file.toStdString());
 }
 
 void Panel::clear() {
   playback_.pause();
+  playback_.host().deselect();
   system_.clear();
   show_settings();
   world_changed();
 }
 
 void Panel::world_changed() {
+  if (back_sides_.match_cloths()) playback_.host().prepare_new();
   objects_->refresh();
-  playback_.update();
+  playback_.host().update();
 }
 
 void Panel::show_settings() {
@@ -187,12 +205,16 @@ void Panel::select(host::Handle object) {
 
 void Panel::say(const std::string& message) {
   log_->appendPlainText(QString::fromStdString(message));
+  last_message_->setText(QString::fromStdString(message));
+  last_message_->show();
 }
 
 void Panel::look_again() {
   playback_.check();
-  for (const std::string& message : system_.take_messages()) say(message);
-  if (playback_.take_scene_change()) objects_->refresh();
+  const std::vector<std::string> messages = system_.take_messages();
+  for (const std::string& message : messages) say(message);
+  // A message may be that an object was deleted in Radium.
+  if (playback_.take_scene_change() || !messages.empty()) world_changed();
   show_time();
 }
 

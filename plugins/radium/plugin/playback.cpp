@@ -45,21 +45,21 @@ void Playback::play() {
 void Playback::pause() {
   system_.pause();
   set_playing(false);
-  update();
+  requests_.update();
 }
 
 void Playback::step() {
   system_.pause();
   set_playing(false);
   system_.step();
-  update();
+  requests_.update();
 }
 
 void Playback::reset() {
   system_.pause();
   set_playing(false);
   system_.reset();
-  update();
+  requests_.update();
 }
 
 void Playback::check() {

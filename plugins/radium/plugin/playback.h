@@ -11,7 +11,10 @@ namespace souple::radium {
 struct HostRequests {
   std::function<void(bool)> continuous_update;  ///< the program counts: each true wants one false
   std::function<void()> update;                 ///< one frame, soon
-  std::function<void()> show_new;               ///< prepares what Radium has not drawn yet, and looks at it
+  std::function<void()> prepare_new;            ///< Radium draws nothing that was not prepared
+  std::function<void()> look_at_world;          ///< the camera, once
+  /// Before something is removed: Radium 1.5 can wait for itself when what is selected goes away.
+  std::function<void()> deselect;
 };
 
 /// What the frames of a Radium told since they were last asked.
@@ -37,8 +40,7 @@ class Playback {
   /// True once after something to draw came or went in Radium.
   bool take_scene_change();
 
-  void update() const { requests_.update(); }
-  void show_new() const { requests_.show_new(); }
+  const HostRequests& host() const { return requests_; }
 
  private:
   void set_playing(bool playing);

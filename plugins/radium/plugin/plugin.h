@@ -38,9 +38,11 @@ class Plugin : public QObject, public Ra::Plugins::RadiumPluginInterface {
   void askForUpdate();
 
  private:
+  HostRequests requests(const Ra::Plugins::Context& context);
   Mouse::Answers answers();
 
   PhysicsSystem* system_ = nullptr;  // the engine's; nullptr: another plugin has brought it
+  BackSides* back_sides_ = nullptr;  // the same
   std::unique_ptr<Playback> playback_;
   std::unique_ptr<Mouse> mouse_;
   QPointer<Panel> panel_;  // the window's
