@@ -234,7 +234,16 @@ bool PhysicsSystem::playing() const {
   return playing_ && session_.playing();
 }
 
+void PhysicsSystem::mend_time_window() {
+  // Radium 1.5 takes the window of each file it loads; of one without animation it begins at the largest
+  // float, and after Radium's reset no time would go by there.
+  if (engine_.getStartTime() < engine_.getEndTime() || engine_.getEndTime() < 0) return;
+  engine_.setStartTime(0);
+  engine_.setEndTime(-1);
+}
+
 void PhysicsSystem::generateTasks(Ra::Core::TaskQueue* tasks, const Ra::Engine::FrameInfo& frame) {
+  mend_time_window();
   try {
     forget_deleted();
     follow_transforms();

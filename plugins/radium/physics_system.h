@@ -93,6 +93,7 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   void draw();
   void run(double time, double dt);
   void begin_here();
+  void mend_time_window();
   std::vector<Body>::iterator find(host::Handle object);
   /// Calls `action` with the object and its vertex; false when there is none.
   template <class Action>
