@@ -93,7 +93,8 @@ void BackSides::remove_stale() {
 
 void BackSides::add(const LoadedMesh& cloth) {
   const RenderMesh front(engine_, cloth.render_object);
-  const float gap = system_.session().object(cloth.object).radius / scale_of(front);
+  constexpr float least = 0.002f;  // m; nearer ones are the same to a depth buffer that begins at 1 cm
+  const float gap = std::max(least, system_.session().object(cloth.object).radius) / scale_of(front);
   pairs_.push_back({cloth.object, front, show_back(engine_, front), gap});
   follow(pairs_.back());
 }

@@ -17,7 +17,8 @@ namespace {
 constexpr int visible_rows = 4;
 
 QString words_of(host::Kind kind) {
-  return kind == host::Kind::obstacle ? QObject::tr("collider") : QString(host::kind_name(kind));
+  if (kind == host::Kind::obstacle) return QObject::tr("collider");
+  return QString(host::kind_name(kind)).replace('_', ' ');
 }
 
 }  // namespace

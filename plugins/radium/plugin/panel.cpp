@@ -204,8 +204,10 @@ void Panel::select(host::Handle object) {
 }
 
 void Panel::say(const std::string& message) {
-  log_->appendPlainText(QString::fromStdString(message));
-  last_message_->setText(QString::fromStdString(message));
+  const QString line = QString::fromStdString(message);
+  if (last_message_->text() == line) return;  // a step may say the same many times
+  log_->appendPlainText(line);
+  last_message_->setText(line);
   last_message_->show();
 }
 
