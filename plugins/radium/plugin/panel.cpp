@@ -232,7 +232,7 @@ void Panel::show_time() {
   }
   const double time = system_.session().time();
   if (!wall_.isValid()) {
-    state_->setText(tr("playing"));
+    state_->setText(playback_.radium_plays() ? tr("Radium plays") : tr("playing"));
   } else {
     if (wall_.elapsed() < measure_every) return;
     const double speed = 1000 * (time - time_then_) / static_cast<double>(wall_.elapsed());

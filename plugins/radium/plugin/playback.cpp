@@ -19,7 +19,8 @@ void watch_frames(Ra::Engine::RadiumEngine& engine, const std::shared_ptr<FrameW
   signals.getRenderObjectDestroyedNotifier().attach(changed);
   signals.getEndFrameNotifier().attach([watch, &engine] {
     const float time = engine.getTime();
-    watch->time_stands = time == watch->time;
+    watch->frames_in_motion = time == watch->time ? 0 : watch->frames_in_motion + 1;
+    if (watch->frames_in_motion > 0) watch->last_motion = std::chrono::steady_clock::now();
     watch->time = time;
   });
 }
@@ -38,32 +39,38 @@ void Playback::set_playing(bool playing) {
 
 void Playback::play() {
   system_.play();
-  watch_->time_stands = false;
+  watch_->frames_in_motion = 1;
   set_playing(true);
 }
 
 void Playback::pause() {
   system_.pause();
   set_playing(false);
+  watch_->frames_in_motion = 0;
   requests_.update();
 }
 
 void Playback::step() {
-  system_.pause();
-  set_playing(false);
+  pause();
   system_.step();
   requests_.update();
 }
 
 void Playback::reset() {
-  system_.pause();
-  set_playing(false);
+  pause();
   system_.reset();
   requests_.update();
 }
 
 void Playback::check() {
-  if (playing_ && (!system_.playing() || watch_->time_stands)) pause();
+  if (playing_ && (!system_.playing() || watch_->frames_in_motion == 0)) pause();
+}
+
+bool Playback::radium_plays() const {
+  using namespace std::chrono_literals;
+  // One frame in motion may be a step; and when nobody asks for frames, none says that time stands.
+  return !playing_ && watch_->frames_in_motion > 1 &&
+         std::chrono::steady_clock::now() - watch_->last_motion < 500ms;
 }
 
 bool Playback::take_scene_change() {

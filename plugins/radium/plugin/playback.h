@@ -2,6 +2,7 @@
 
 #include "plugins/radium/physics_system.h"
 
+#include <chrono>
 #include <functional>
 #include <memory>
 
@@ -20,7 +21,8 @@ struct HostRequests {
 /// What the frames of a Radium told since they were last asked.
 struct FrameWatch {
   float time = 0;             ///< of the engine at the last frame's end [s]
-  bool time_stands = false;   ///< no time went by in that frame
+  int frames_in_motion = 0;   ///< in a row, the last one included; 0: no time went by in it
+  std::chrono::steady_clock::time_point last_motion{};
   bool scene_changed = true;  ///< something to draw came or went
 };
 
@@ -34,7 +36,9 @@ class Playback {
   void pause();
   void step();
   void reset();
-  bool playing() const { return playing_; }
+  bool playing() const { return playing_ || radium_plays(); }
+  /// By a button of Radium's.
+  bool radium_plays() const;
   /// Pauses when a step failed, or when somebody else stopped the engine's clock.
   void check();
   /// True once after something to draw came or went in Radium.
