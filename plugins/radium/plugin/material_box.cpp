@@ -30,7 +30,9 @@ int step_at(const host::Parameter& p, double value) {
 }
 
 QString text_of(const host::Parameter& p, double value) {
-  return QString::number(value, 'g', 3) + " " + QString::fromStdString(p.unit);
+  const bool is_round = std::fabs(value) >= 999.5 && std::fabs(value) < 1e6;  // 4000 rather than 4e+03
+  const QString number = is_round ? QString::number(value, 'f', 0) : QString::number(value, 'g', 3);
+  return number + " " + QString::fromStdString(p.unit);
 }
 
 }  // namespace
