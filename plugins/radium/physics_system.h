@@ -77,6 +77,8 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   bool grab(const Ra::Core::Ray& ray, const Ra::Core::Vector3& facing);
   void drag(const Ra::Core::Ray& ray);
   void release();
+  /// Holds a vertex where it is, or lets it go. False when what was picked is none of an object.
+  bool set_pinned(const PickedVertex& picked, bool pinned);
 
  protected:
   void unregisterComponent(const Ra::Engine::Scene::Entity* entity,
@@ -91,7 +93,11 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   void draw();
   void run(double time, double dt);
   void begin_here();
+  void mend_time_window();
   std::vector<Body>::iterator find(host::Handle object);
+  /// Calls `action` with the object and its vertex; false when there is none.
+  template <class Action>
+  bool with_vertex(const PickedVertex& picked, Action action);
 
   Ra::Engine::RadiumEngine& engine_;
   host::Session session_;
