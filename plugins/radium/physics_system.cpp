@@ -31,7 +31,7 @@ host::Ray ray_of(const Ra::Core::Ray& ray) {
 }
 
 // Radium gives the number of what was deleted to what comes next.
-bool shows(const RenderMesh& mesh, Index render_object) {
+bool shows(const RenderMesh& mesh, const Index& render_object) {
   return mesh.index().getValue() == render_object.getValue() && mesh.alive();
 }
 
@@ -146,7 +146,7 @@ void PhysicsSystem::remove(host::Handle object) {
   bodies_.erase(body);
 }
 
-host::Handle PhysicsSystem::object_of(Index render_object) const {
+host::Handle PhysicsSystem::object_of(const Index& render_object) const {
   const auto body = std::find_if(bodies_.begin(), bodies_.end(),
                                  [&](const Body& b) { return shows(b.mesh, render_object); });
   return body == bodies_.end() ? 0 : body->object();

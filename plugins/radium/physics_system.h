@@ -61,7 +61,7 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   host::Handle add(Ra::Core::Utils::Index render_object, host::Kind kind, host::MeshOptions options = {});
   void remove(host::Handle object);
   /// 0 when what is shown is no object.
-  host::Handle object_of(Ra::Core::Utils::Index render_object) const;
+  host::Handle object_of(const Ra::Core::Utils::Index& render_object) const;
 
   // --- time: the engine's, so that its own buttons do the same
   void play();

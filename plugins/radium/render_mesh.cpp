@@ -29,7 +29,7 @@ AttribArrayDisplayable* displayed(const std::shared_ptr<RenderObject>& object) {
 
 std::vector<float> numbers(const Vector3Array& vectors) {
   std::vector<float> values(3 * vectors.size());
-  if (!values.empty()) std::memcpy(values.data(), vectors.data(), values.size() * sizeof(float));
+  if (!values.empty()) std::memcpy(values.data(), vectors.data()->data(), values.size() * sizeof(float));
   return values;
 }
 
@@ -57,7 +57,7 @@ void cut_polygon(const Corners& corners, std::vector<std::uint32_t>& triangles) 
 
 }  // namespace
 
-RenderMesh::RenderMesh(Ra::Engine::RadiumEngine& engine, Ra::Core::Utils::Index render_object)
+RenderMesh::RenderMesh(Ra::Engine::RadiumEngine& engine, const Ra::Core::Utils::Index& render_object)
     : engine_(&engine), index_(render_object) {
   auto* objects = engine.getRenderObjectManager();
   if (objects == nullptr || index_.isInvalid() || !objects->exists(index_)) return;

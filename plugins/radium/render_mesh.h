@@ -28,7 +28,7 @@ class RenderMesh {
  public:
   RenderMesh() = default;
   /// Not alive unless this render object is shown as a mesh.
-  RenderMesh(Ra::Engine::RadiumEngine& engine, Ra::Core::Utils::Index render_object);
+  RenderMesh(Ra::Engine::RadiumEngine& engine, const Ra::Core::Utils::Index& render_object);
 
   /// Whether Radium still has it, with as many vertices as at first.
   bool alive() const;

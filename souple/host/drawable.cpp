@@ -49,7 +49,8 @@ void Drawable::add_other_side() {
   const std::size_t count = triangles_.size();
   const auto offset = static_cast<std::uint32_t>(object_vertices_);
   for (std::size_t t = 0; t < count; t += 3)
-    for (const std::size_t corner : {0, 2, 1}) triangles_.push_back(triangles_[t + corner] + offset);
+    for (const std::size_t corner : {std::size_t{0}, std::size_t{2}, std::size_t{1}})
+      triangles_.push_back(triangles_[t + corner] + offset);
 }
 
 void Drawable::add_rim() {

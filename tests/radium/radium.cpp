@@ -146,17 +146,17 @@ std::string Radium::words() const {
   return all;
 }
 
-Vector3 Radium::world_vertex(Index index, std::size_t vertex) const {
+Vector3 Radium::world_vertex(const Index& index, std::size_t vertex) const {
   const std::vector<float> x = mesh(index).positions();
   const auto object = engine->getRenderObjectManager()->getRenderObject(index);
   return object->getTransform() * Vector3(x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2]);
 }
 
-Ra::Core::Aabb Radium::bounding_box(Index index) const {
+Ra::Core::Aabb Radium::bounding_box(const Index& index) const {
   return engine->getRenderObjectManager()->getRenderObject(index)->computeAabb();
 }
 
-Ra::Engine::Scene::Component& Radium::component(Index index) const {
+Ra::Engine::Scene::Component& Radium::component(const Index& index) const {
   return *engine->getRenderObjectManager()->getRenderObject(index)->getComponent();
 }
 

@@ -63,11 +63,11 @@ class Radium : public testing::Test {
   /// What the system has to say, in one line.
   std::string words() const;
   /// The mesh as Radium has it.
-  RenderMesh mesh(Index index) const { return {*engine, index}; }
+  RenderMesh mesh(const Index& index) const { return {*engine, index}; }
   /// The vertex in the world's coordinates [m].
-  Vector3 world_vertex(Index index, std::size_t vertex) const;
-  Ra::Core::Aabb bounding_box(Index index) const;
-  Ra::Engine::Scene::Component& component(Index index) const;
+  Vector3 world_vertex(const Index& index, std::size_t vertex) const;
+  Ra::Core::Aabb bounding_box(const Index& index) const;
+  Ra::Engine::Scene::Component& component(const Index& index) const;
 
   Ra::Engine::RadiumEngine* engine = nullptr;
   PhysicsSystem* system = nullptr;

@@ -11,26 +11,26 @@ using host::Kind;
 /// What a user can delete of a mesh in Radium's tree.
 struct Deletion {
   const char* name;
-  std::function<void(Ra::Engine::RadiumEngine&, RenderMesh, Ra::Engine::Scene::Component&)> run;
+  std::function<void(Ra::Engine::RadiumEngine&, const RenderMesh&, Ra::Engine::Scene::Component&)> run;
 };
 
 const Deletion deletions[] = {
     {"RenderObject",
-     [](auto&, RenderMesh mesh, auto& component) { component.removeRenderObject(mesh.index()); }},
-    {"Component",
-     [](auto&, RenderMesh mesh, auto& component) { mesh.entity().removeComponent(component.getName()); }},
+     [](auto&, const RenderMesh& mesh, auto& component) { component.removeRenderObject(mesh.index()); }},
+    {"Component", [](auto&, const RenderMesh& mesh,
+                     auto& component) { mesh.entity().removeComponent(component.getName()); }},
     {"Mark",
-     [](auto&, RenderMesh mesh, auto&) {
+     [](auto&, const RenderMesh& mesh, auto&) {
        Entity& entity = mesh.entity();
        entity.removeComponent(entity.getComponents().back()->getName());
      }},
-    {"Entity",
-     [](auto& engine, RenderMesh mesh, auto&) { engine.getEntityManager()->removeEntity(&mesh.entity()); }},
+    {"Entity", [](auto& engine, const RenderMesh& mesh,
+                  auto&) { engine.getEntityManager()->removeEntity(&mesh.entity()); }},
 };
 
 class DeletedInRadium : public Radium, public testing::WithParamInterface<Deletion> {
  protected:
-  void remove_in_radium(Index index) { GetParam().run(*engine, mesh(index), component(index)); }
+  void remove_in_radium(const Index& index) { GetParam().run(*engine, mesh(index), component(index)); }
 };
 
 TEST_P(DeletedInRadium, ALoadedMeshLeavesTheWorldInWords) {

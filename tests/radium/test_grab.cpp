@@ -50,7 +50,7 @@ TEST_F(Radium, APickedVertexOfAQuadAndOfAPolygonIsThatOfItsTriangle) {
   const std::vector<Vector3> ring = {{0, 0, 0}, {0, 0, 2}, {1, 0, 3}, {2, 0, 2}, {2, 0, 0}};
   const Index quad = show_quads("quad", ring, {{0, 1, 3, 4}, {1, 2, 3, 3}}),
               five = show_polygons("five", ring, {{0, 1, 2, 3, 4}});
-  const auto picked = [&](Index index, int triangle, int corner) {
+  const auto picked = [&](const Index& index, int triangle, int corner) {
     EXPECT_TRUE(system->grab({index, triangle, corner}, above({1, 0, 1}), down));
     return vector(session().grabbed_point());
   };

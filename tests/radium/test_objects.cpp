@@ -68,7 +68,7 @@ TEST_F(Radium, TransformsAreRespected) {
   turned.rotate(Ra::Core::AngleAxis(0.7f, Vector3(1, 2, 2).normalized())).scale(Vector3(1, 0.5f, 2));
   Triangles there = sheet(4, 1);
   for (Vector3& x : there.vertices) x = turned * x;
-  const auto after_half_a_second = [&](Index index) {
+  const auto after_half_a_second = [&](const Index& index) {
     session().set_pinned(system->add(index, Kind::cloth), 0, true);
     system->reset();
     system->play();

@@ -62,6 +62,17 @@ TEST_F(Time, PlayPauseStepAndResetMakeExactlyTheirSteps) {
   EXPECT_EQ(words(), "");
 }
 
+TEST_F(Time, AResetWhilePlayingStops) {
+  first_frame();
+  system->play();
+  frames(3);
+  system->reset();
+  frames(3);
+  EXPECT_EQ(steps(), 0u);
+  EXPECT_EQ(engine->getTime(), 0);
+  EXPECT_FALSE(system->playing());
+}
+
 TEST_F(Time, PlayingFromTheFirstFrameOnCountsIt) {
   system->play();
   frames(5);

@@ -82,11 +82,7 @@ int run(const Options& options) {
   return checks.failed() == 0 ? success : wrong;
 }
 
-}  // namespace
-}  // namespace souple::radium
-
-int main(int count, char** arguments) {
-  using namespace souple::radium;
+int run_program(int count, char** arguments) {
   try {
     const Options options = parse(count, arguments);
     if (!options.help) return run(options);
@@ -96,4 +92,11 @@ int main(int count, char** arguments) {
     std::cerr << error.what() << "\n";
     return bad_use;
   }
+}
+
+}  // namespace
+}  // namespace souple::radium
+
+int main(int count, char** arguments) {
+  return souple::radium::run_program(count, arguments);
 }
