@@ -89,7 +89,7 @@ void PhysicsSystem::clear() {
 }
 
 std::vector<LoadedMesh> PhysicsSystem::loaded_meshes() const {
-  const auto of_scene = [&](Index index) {
+  const auto of_scene = [&](const Index& index) {
     return std::any_of(bodies_.begin(), bodies_.end(),
                        [&](const Body& b) { return b.from_scene && shows(b.mesh, index); }) ||
            std::any_of(colliders_.begin(), colliders_.end(),
@@ -108,7 +108,7 @@ std::vector<LoadedMesh> PhysicsSystem::loaded_meshes() const {
   return meshes;
 }
 
-host::Handle PhysicsSystem::add(Index render_object, host::Kind kind, host::MeshOptions options) {
+host::Handle PhysicsSystem::add(const Index& render_object, host::Kind kind, host::MeshOptions options) {
   RenderMesh mesh(engine_, render_object);
   if (!mesh.alive()) throw Error("what should become an object is not a mesh that Radium shows");
   if (options.name.empty()) options.name = mesh.name();
