@@ -58,7 +58,8 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   void clear();
   /// Radium's meshes, without those that show a scene's objects.
   std::vector<LoadedMesh> loaded_meshes() const;
-  host::Handle add(const Ra::Core::Utils::Index& render_object, host::Kind kind, host::MeshOptions options = {});
+  host::Handle add(const Ra::Core::Utils::Index& render_object, host::Kind kind,
+                   host::MeshOptions options = {});
   void remove(host::Handle object);
   /// 0 when what is shown is no object.
   host::Handle object_of(Ra::Core::Utils::Index render_object) const;

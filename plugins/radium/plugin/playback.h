@@ -20,8 +20,8 @@ struct HostRequests {
 
 /// What the frames of a Radium told since they were last asked.
 struct FrameWatch {
-  float time = 0;             ///< of the engine at the last frame's end [s]
-  int frames_in_motion = 0;   ///< in a row, the last one included; 0: no time went by in it
+  float time = 0;            ///< of the engine at the last frame's end [s]
+  int frames_in_motion = 0;  ///< in a row, the last one included; 0: no time went by in it
   std::chrono::steady_clock::time_point last_motion{};
   bool scene_changed = true;  ///< something to draw came or went
 };
