@@ -93,7 +93,7 @@ QLayout* Panel::scene_buttons() {
   row->addWidget(button(tr("Open scene..."), tr("A Souple scene (JSON) in the place of all that is there"),
                         [this] { ask_for_scene(); }));
   row->addWidget(button(tr("Clear"), tr("Empties the world; Radium's meshes lie again as they were loaded"),
-                        [this] { clear(); }));
+                        [this] { attempt([this] { clear(); }); }));
   row->addWidget(state_, 1);
   return row;
 }
@@ -106,7 +106,7 @@ QLayout* Panel::time_buttons() {
   row->addWidget(pause_);
   row->addWidget(button(tr("Step"), tr("One step, then pause"), [this] { playback_.step(); }));
   row->addWidget(button(tr("Reset"), tr("Back to the start, with the materials and settings as they are now"),
-                        [this] { playback_.reset(); }));
+                        [this] { attempt([this] { playback_.reset(); }); }));
   return row;
 }
 
@@ -144,14 +144,22 @@ QWidget* Panel::solver_form() {
 
   auto& session = system_.session();
   connect(substeps_, QOverload<int>::of(&QSpinBox::valueChanged), this,
-          [&session](int substeps) { session.set_substeps(substeps); });
+          [this, &session](int substeps) { attempt([&] { session.set_substeps(substeps); }); });
   connect(iterations_, QOverload<int>::of(&QSpinBox::valueChanged), this,
-          [&session](int iterations) { session.set_iterations(iterations); });
+          [this, &session](int iterations) { attempt([&] { session.set_iterations(iterations); }); });
   connect(mode_, QOverload<int>::of(&QComboBox::activated), this, [this, &session] {
-    session.set_mode(mode_->currentText().toStdString());
+    attempt([&] { session.set_mode(mode_->currentText().toStdString()); });
     material_->show_object(objects_->object());  // a mode has parameters of its own
   });
   return page;
+}
+
+void Panel::attempt(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    say(error.what());
+  }
 }
 
 void Panel::ask_for_scene() {

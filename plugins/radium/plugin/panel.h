@@ -6,6 +6,7 @@
 #include <QElapsedTimer>
 #include <QTimer>
 #include <QWidget>
+#include <functional>
 #include <string>
 
 class QComboBox;
@@ -34,6 +35,8 @@ class Panel : public QWidget {
   QWidget* tabs();
   QWidget* solver_form();
   void add_objects_and_material();
+  /// Says what went wrong; an error must not reach Qt.
+  void attempt(const std::function<void()>& action);
   void ask_for_scene();
   void open_scene(const QString& file);
   void clear();
