@@ -10,8 +10,10 @@ namespace souple::host {
 
 namespace {
 
-constexpr std::size_t border_vertices =
-    4;  // of an edge of the rim: a and b of either side, with its own normal
+// Of an edge of the rim: a and b of either side, with its own normal.
+constexpr std::size_t border_vertices = 4;
+// From the middle of a cloth to a side, at least: closer ones show through each other in a large scene. [m]
+constexpr float least_distance = 0.001f;
 
 Vec3f at(const std::vector<float>& values, std::size_t v) {
   return {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
@@ -92,7 +94,7 @@ void Drawable::update(Session& session) {
 
 void Drawable::draw_sides() {
   const std::size_t count = positions_.size();
-  const float distance = two_sided_ ? radius_ : 0;
+  const float distance = two_sided_ ? std::max(radius_, least_distance) : 0;
   for (std::size_t i = 0; i < count; ++i) {
     drawn_positions_[i] = positions_[i] + distance * normals_[i];
     drawn_normals_[i] = normals_[i];

@@ -9,8 +9,9 @@
 namespace souple::host {
 
 /// An object of a session as a simple renderer draws it: triangles with a normal per vertex, or balls. For
-/// renderers that show triangles from one side only, a cloth can have two sides, each half its thickness from
-/// the middle, with a rim that closes it; the balls of a rope are close enough to look like one.
+/// renderers that show triangles from one side only, a cloth can have two sides, each half its thickness and
+/// at least 1 mm from the middle, with a rim that closes it; the balls of a rope are close enough to look
+/// like one.
 class Drawable {
  public:
   enum class Sides {

@@ -25,6 +25,7 @@ Statistics statistics_of(const World& world, std::uint64_t steps) {
 }
 
 std::string Statistics::text() const {
+  if (steps == 0) return fmt::format("{} objects, no step yet", objects);
   std::string lines = fmt::format("step {}, {:.3f} s\n{} objects, {} particles, {} constraints\n", steps,
                                   time, objects, particles, constraints);
   lines += fmt::format("{} contacts, {} objects asleep\n", contacts, asleep);
