@@ -89,7 +89,7 @@ void PhysicsSystem::clear() {
 }
 
 std::vector<LoadedMesh> PhysicsSystem::loaded_meshes() const {
-  const auto of_scene = [&](Index index) {
+  const auto of_scene = [&](const Index& index) {
     return std::any_of(bodies_.begin(), bodies_.end(),
                        [&](const Body& b) { return b.from_scene && shows(b.mesh, index); }) ||
            std::any_of(colliders_.begin(), colliders_.end(),
@@ -108,7 +108,7 @@ std::vector<LoadedMesh> PhysicsSystem::loaded_meshes() const {
   return meshes;
 }
 
-host::Handle PhysicsSystem::add(Index render_object, host::Kind kind, host::MeshOptions options) {
+host::Handle PhysicsSystem::add(const Index& render_object, host::Kind kind, host::MeshOptions options) {
   RenderMesh mesh(engine_, render_object);
   if (!mesh.alive()) throw Error("what should become an object is not a mesh that Radium shows");
   if (options.name.empty()) options.name = mesh.name();
@@ -247,7 +247,16 @@ bool PhysicsSystem::playing() const {
   return playing_ && session_.playing();
 }
 
+void PhysicsSystem::mend_time_window() {
+  // Radium 1.5 takes the window of each file it loads; of one without animation it begins at the largest
+  // float, and after Radium's reset no time would go by there.
+  if (engine_.getStartTime() < engine_.getEndTime() || engine_.getEndTime() < 0) return;
+  engine_.setStartTime(0);
+  engine_.setEndTime(-1);
+}
+
 void PhysicsSystem::generateTasks(Ra::Core::TaskQueue* tasks, const Ra::Engine::FrameInfo& frame) {
+  mend_time_window();
   try {
     forget_deleted();
     follow_transforms();
@@ -284,14 +293,19 @@ void PhysicsSystem::draw() {
 
 // --- the mouse
 
-bool PhysicsSystem::grab(const PickedVertex& picked, const Ra::Core::Ray& ray,
-                         const Ra::Core::Vector3& facing) {
+template <class Action>
+bool PhysicsSystem::with_vertex(const PickedVertex& picked, Action action) {
   const auto body = find(object_of(picked.render_object));
   if (body == bodies_.end()) return false;
   const std::optional<std::uint32_t> drawn = drawn_vertex(body->drawable, picked);
-  if (!drawn) return false;
-  const std::uint32_t vertex = body->drawable.vertex_of(*drawn);
-  return session_.grab_vertex(body->object(), vertex, ray_of(ray), vec3(facing));
+  return drawn && action(body->object(), body->drawable.vertex_of(*drawn));
+}
+
+bool PhysicsSystem::grab(const PickedVertex& picked, const Ra::Core::Ray& ray,
+                         const Ra::Core::Vector3& facing) {
+  return with_vertex(picked, [&](host::Handle object, std::uint32_t vertex) {
+    return session_.grab_vertex(object, vertex, ray_of(ray), vec3(facing));
+  });
 }
 
 bool PhysicsSystem::grab(const Ra::Core::Ray& ray, const Ra::Core::Vector3& facing) {
@@ -304,6 +318,13 @@ void PhysicsSystem::drag(const Ra::Core::Ray& ray) {
 
 void PhysicsSystem::release() {
   session_.release();
+}
+
+bool PhysicsSystem::set_pinned(const PickedVertex& picked, bool pinned) {
+  return with_vertex(picked, [&](host::Handle object, std::uint32_t vertex) {
+    session_.set_pinned(object, vertex, pinned);
+    return true;
+  });
 }
 
 }  // namespace souple::radium

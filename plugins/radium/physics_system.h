@@ -58,7 +58,8 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   void clear();
   /// Radium's meshes, without those that show a scene's objects.
   std::vector<LoadedMesh> loaded_meshes() const;
-  host::Handle add(Ra::Core::Utils::Index render_object, host::Kind kind, host::MeshOptions options = {});
+  host::Handle add(const Ra::Core::Utils::Index& render_object, host::Kind kind,
+                   host::MeshOptions options = {});
   void remove(host::Handle object);
   /// 0 when what is shown is no object.
   host::Handle object_of(const Ra::Core::Utils::Index& render_object) const;
@@ -77,6 +78,8 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   bool grab(const Ra::Core::Ray& ray, const Ra::Core::Vector3& facing);
   void drag(const Ra::Core::Ray& ray);
   void release();
+  /// Holds a vertex where it is, or lets it go. False when what was picked is none of an object.
+  bool set_pinned(const PickedVertex& picked, bool pinned);
 
  protected:
   void unregisterComponent(const Ra::Engine::Scene::Entity* entity,
@@ -91,7 +94,11 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   void draw();
   void run(double time, double dt);
   void begin_here();
+  void mend_time_window();
   std::vector<Body>::iterator find(host::Handle object);
+  /// Calls `action` with the object and its vertex; false when there is none.
+  template <class Action>
+  bool with_vertex(const PickedVertex& picked, Action action);
 
   Ra::Engine::RadiumEngine& engine_;
   host::Session session_;
