@@ -105,6 +105,21 @@ TEST_F(Radium, APickedSplatIsAGrainOrTheNearestVertexOfARope) {
   EXPECT_LT((vector(session().grabbed_point()) - ball).norm(), 0.5f * 1.23f / 30);  // half a segment
 }
 
+TEST_F(Radium, APickedVertexIsPinnedAndLetGo) {
+  const Index index = show("sheet", sheet(3, 1));
+  system->add(index, Kind::cloth);
+  EXPECT_FALSE(system->set_pinned({index, 18, 0}, true));
+  ASSERT_TRUE(system->set_pinned({index, 5, 2}, true));
+  system->play();
+  frames(20);
+  EXPECT_EQ(world_vertex(index, 17).y(), 0);
+  EXPECT_LT(world_vertex(index, 0).y(), -0.1f);
+  EXPECT_FALSE(system->grab({index, 5, 2}, above(world_vertex(index, 17)), down));
+  ASSERT_TRUE(system->set_pinned({index, 5, 2}, false));
+  frames(20);
+  EXPECT_LT(world_vertex(index, 17).y(), -0.1f);
+}
+
 TEST_F(Radium, ARayTakesWhateverItMeetsFirst) {
   const Index low = show("low", sheet(4, 1));
   Transform up = Transform::Identity();

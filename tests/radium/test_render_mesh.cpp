@@ -63,10 +63,12 @@ TEST_F(Radium, WrittenVerticesTakeTheBoundingBoxAlong) {
   EXPECT_FLOAT_EQ(bounding_box(index).max().y(), 9);
 }
 
-TEST_F(Radium, AMeshWithOtherVerticesIsNoLongerTheSame) {
+TEST_F(Radium, AMeshThatWasDeletedIsNotAlive) {
   const Index index = show("sheet", sheet(1, 2));
   const RenderMesh read = mesh(index);
   EXPECT_TRUE(read.alive());
+  const auto held =
+      engine->getRenderObjectManager()->getRenderObject(index);  // as a renderer's last frame does
   component(index).removeRenderObject(index);
   EXPECT_FALSE(read.alive());
   EXPECT_FALSE(mesh(index).alive());
@@ -74,6 +76,26 @@ TEST_F(Radium, AMeshWithOtherVerticesIsNoLongerTheSame) {
   const Index other = show("other", sheet(1, 2));
   EXPECT_EQ(other.getValue(), index.getValue());  // Radium uses numbers again
   EXPECT_FALSE(read.alive());
+}
+
+TEST_F(Radium, AMeshWithOtherVerticesIsNoLongerTheSame) {
+  const Index index = show("sheet", sheet(1, 2));
+  const RenderMesh read = mesh(index);
+  RenderMesh written = mesh(index);
+  written.set_vertices(std::vector<float>(9, 0.5f), {});
+  EXPECT_FALSE(read.alive());
+}
+
+TEST_F(Radium, AnObjectWhoseMeshWasReplacedLeavesTheWorld) {
+  const Index index = show("sheet", sheet(1, 2));
+  const host::Handle cloth = system->add(index, host::Kind::cloth);
+  system->play();
+  frames(2);
+  mesh(index).set_vertices(std::vector<float>(9, 0.5f), {});
+  frames(2);
+  EXPECT_FALSE(session().contains(cloth));
+  EXPECT_NE(words().find("sheet mesh"), std::string::npos);
+  EXPECT_EQ(mesh(index).vertex_count(), 3u);
 }
 
 }  // namespace

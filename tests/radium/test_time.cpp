@@ -128,6 +128,19 @@ TEST_F(Time, ItHasNoEnd) {
   EXPECT_NEAR(session().time(), 100 * frame_time, 1e-5);
 }
 
+/// Radium takes the window of each file that it loads; one without animation has none that time goes by in.
+TEST_F(Time, AWindowWithoutLengthStopsNothing) {
+  first_frame();
+  engine->setStartTime(3e38f);
+  engine->setEndTime(0);
+  frames(1);
+  engine->resetTime();
+  frames(1);
+  system->play();
+  frames(10);
+  EXPECT_EQ(steps(), 10u);
+}
+
 TEST_F(Time, AStepIsAsLongAsRadiumsConstantStep) {
   engine->setConstantTimeStep(0.01f, true);
   first_frame();

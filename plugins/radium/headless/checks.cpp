@@ -12,6 +12,11 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
+std::string name_of(const Ra::Core::Vector2& pixel) {
+  return "pixel " + std::to_string(static_cast<int>(pixel.x())) + ", " +
+         std::to_string(static_cast<int>(pixel.y()));
+}
+
 std::string name_of(const PickedVertex& vertex) {
   return "render object " + std::to_string(vertex.render_object.getValue()) + ", triangle " +
          std::to_string(vertex.triangle) + ", corner " + std::to_string(vertex.corner);
@@ -83,8 +88,7 @@ void check_picking(Show& show, Checks& checks) {
   for (const VisibleVertex& visible : sight.visible_vertices(5)) {
     ++tried;
     const PickedVertex picked = show.window.pick(visible.pixel);
-    checks.equal("picked at " + std::to_string(visible.pixel.x()) + ", " + std::to_string(visible.pixel.y()),
-                 name_of(picked), name_of(visible.vertex));
+    checks.equal("picked at " + name_of(visible.pixel), name_of(picked), name_of(visible.vertex));
     const Ra::Core::Ray ray = show.window.ray_through(visible.pixel);
     // Of a pinned vertex nothing is held.
     if (!show.system.grab(picked, ray, show.window.facing())) continue;
