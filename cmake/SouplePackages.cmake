@@ -84,8 +84,10 @@ function(souple_report_parts)
       string(APPEND lines "  ${package} (${purpose})\n")
       string(APPEND packages " ${debian}")
     endforeach()
-    message(FATAL_ERROR "Souple needs packages that CMake does not find:\n${lines}"
-                        "On Debian or Ubuntu:\n  apt install${packages}\n"
-                        "or script/bootstrap, which installs all that is missing.")
+    if(packages MATCHES "[^ ]")
+      string(CONCAT advice "On Debian or Ubuntu:\n  apt install${packages}\n"
+                           "or script/bootstrap, which installs all that is missing.")
+    endif()
+    message(FATAL_ERROR "Souple needs packages that CMake does not find:\n${lines}${advice}")
   endif()
 endfunction()
