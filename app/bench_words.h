@@ -13,9 +13,6 @@
 
 namespace souple::app {
 
-inline constexpr std::pair<const char*, Mode> mode_names[] = {
-    {"small_steps", Mode::small_steps}, {"xpbd", Mode::xpbd}, {"pbd", Mode::pbd}};
-
 inline constexpr std::pair<const char*, Form> form_names[] = {{"displacement", Form::displacement},
                                                               {"plain", Form::plain}};
 

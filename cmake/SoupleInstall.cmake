@@ -2,7 +2,7 @@ include(CMakePackageConfigHelpers)
 
 set(SOUPLE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/souple)
 
-install(TARGETS souple EXPORT souple-targets
+install(TARGETS souple souple_host EXPORT souple-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

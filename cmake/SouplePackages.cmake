@@ -1,7 +1,7 @@
 # What Souple needs and what it can use. Three functions:
 #
 #   souple_require(package debian purpose)                  found, or configuring ends with the line that installs it
-#   souple_part(OPTION default description package debian)  an option that is AUTO, ON or OFF
+#   souple_part(OPTION default description package debian)  an option that is AUTO, ON or OFF; debian may be -
 #   souple_report_parts()                                   the table, and the error when something is missing
 #
 # A part's option is kept in the cache as AUTO, ON or OFF; below this file the variable of the same name is plainly
@@ -82,10 +82,14 @@ function(souple_report_parts)
       list(GET row 1 debian)
       list(GET row 2 purpose)
       string(APPEND lines "  ${package} (${purpose})\n")
-      string(APPEND packages " ${debian}")
+      if(NOT debian STREQUAL "-")
+        string(APPEND packages " ${debian}")
+      endif()
     endforeach()
-    message(FATAL_ERROR "Souple needs packages that CMake does not find:\n${lines}"
-                        "On Debian or Ubuntu:\n  apt install${packages}\n"
-                        "or script/bootstrap, which installs all that is missing.")
+    if(packages)
+      string(CONCAT advice "On Debian or Ubuntu:\n  apt install${packages}\n"
+                           "or script/bootstrap, which installs all that is missing.")
+    endif()
+    message(FATAL_ERROR "Souple needs packages that CMake does not find:\n${lines}${advice}")
   endif()
 endfunction()

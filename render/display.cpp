@@ -1,11 +1,11 @@
 #include "render/display.h"
 
 #include "render/body_drawing.h"
-#include "render/collider_mesh.h"
 #include "render/constraint_lines.h"
 #include "render/legend.h"
 #include "render/looks.h"
 #include "render/rope_strain.h"
+#include "souple/collision/collider_mesh.h"
 #include "souple/error.h"
 #include "souple/math/fnv1a.h"
 

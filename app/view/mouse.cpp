@@ -18,11 +18,10 @@ ImVec2 in_area(const ImVec2& at, const ViewArea& area) {
   return {at.x * area.scale - static_cast<float>(area.x), at.y * area.scale - static_cast<float>(area.y)};
 }
 
-/// Where the ray under the mouse meets the plane at this depth, parallel to the picture.
-Vec3f at_depth(const render::Camera& camera, const ViewArea& area, const ImVec2& mouse, float depth) {
+host::Ray ray_under(const render::Camera& camera, const ViewArea& area, const ImVec2& mouse) {
   const ImVec2 at = in_area(mouse, area);
   const render::Ray ray = camera.ray(at.x, at.y, area.width, area.height);
-  return ray.origin + ray.direction * (depth / dot(ray.direction, camera.forward()));
+  return {ray.origin, ray.direction};
 }
 
 }  // namespace
@@ -32,11 +31,16 @@ Mouse::~Mouse() = default;
 
 void Mouse::forget() {
   grab_.reset();
+  plane_.reset();
   drag_ = Drag::none;
 }
 
 Vec3f Mouse::grabbed_at() const {
-  return grab_ ? grab_->point() : pulled_to_;
+  return grab_ ? grab_->point() : pulled_to();
+}
+
+Vec3f Mouse::pulled_to() const {
+  return plane_ ? plane_->point() : Vec3f{};
 }
 
 void Mouse::update(render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick) {
@@ -67,8 +71,7 @@ void Mouse::press(const render::Camera& camera, Simulation* simulation, const Vi
   }
   grab_ = std::make_unique<Grab>(simulation->world(), found->object, found->vertex, found->point);
   if (!grab_->holds()) return grab_.reset();  // of what is pinned
-  depth_ = dot(found->point - camera.from, camera.forward());
-  pulled_to_ = found->point;
+  plane_.emplace(found->point, ray_under(camera, area, mouse), camera.forward());
   drag_ = Drag::grab;
 }
 
@@ -83,8 +86,7 @@ void Mouse::drag(render::Camera& camera, const ViewArea& area) {
     case Drag::pan:
       return camera.pan(dx * area.scale, dy * area.scale, area.height);
     case Drag::grab:
-      pulled_to_ = at_depth(camera, area, io.MousePos, depth_);
-      grab_->move_to(pulled_to_);
+      grab_->move_to(plane_->drag(ray_under(camera, area, io.MousePos)));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "app/view/session.h"
 #include "render/camera.h"
+#include "souple/host/drag_plane.h"
 
 #include <cstdint>
 #include <functional>
@@ -48,8 +49,8 @@ class Mouse {
   void forget();
 
   bool grabbing() const { return grab_ != nullptr; }
-  Vec3f grabbed_at() const;                       ///< where the grabbed point is now [m]
-  Vec3f pulled_to() const { return pulled_to_; }  ///< where the mouse wants it [m]
+  Vec3f grabbed_at() const;  ///< where the grabbed point is now [m]
+  Vec3f pulled_to() const;   ///< where the mouse wants it [m]
 
  private:
   enum class Drag { none, grab, orbit, pan };
@@ -59,8 +60,7 @@ class Mouse {
 
   Drag drag_ = Drag::none;
   std::unique_ptr<Grab> grab_;
-  Vec3f pulled_to_{};
-  float depth_ = 0;  // of the grabbed point when it was taken [m]
+  std::optional<host::DragPlane> plane_;
 };
 
 }  // namespace souple::viewer

@@ -1,4 +1,5 @@
-# Installs BUILD into a fresh prefix below WORK, moves that prefix, builds examples/hello against it and runs it.
+# Installs BUILD into a fresh prefix below WORK, moves that prefix, builds examples/hello and examples/embed against it
+# and runs them.
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT RESULT_VARIABLE result)
   if(NOT result EQUAL 0)
@@ -36,3 +37,10 @@ foreach(file run.json cloth.obj cloth.pc2)
     message(FATAL_ERROR "hello left no out/${file}")
   endif()
 endforeach()
+
+# Compiled as C++17, against the headers of souple/host alone.
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/examples/embed -B ${WORK}/build_embed
+    -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=Release -D CMAKE_PREFIX_PATH=${WORK}/prefix
+    -D WANTED_VERSION=${VERSION})
+run(${CMAKE_COMMAND} --build ${WORK}/build_embed)
+run(${WORK}/build_embed/embed)

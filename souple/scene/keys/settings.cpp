@@ -34,8 +34,7 @@ void add_setting_keys(Table<SceneDescription>& keys) {
       .key<&S::settings, &Settings::iterations>("iterations", number<int>(within(1, 10000)),
                                                 "of the solver in each substep")
       .key<&S::settings, &Settings::mode>(
-          "mode",
-          enumeration<Mode>({{"small_steps", Mode::small_steps}, {"xpbd", Mode::xpbd}, {"pbd", Mode::pbd}}),
+          "mode", enumeration<Mode>({std::begin(mode_names), std::end(mode_names)}),
           "how constraints are enforced: compliance and many substeps, compliance with stored multipliers, "
           "or "
           "the stiffness in [0, 1] of classic PBD")

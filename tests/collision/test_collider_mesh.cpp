@@ -1,4 +1,4 @@
-#include "render/collider_mesh.h"
+#include "souple/collision/collider_mesh.h"
 
 #include <cmath>
 #include <string>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::render {
+namespace souple {
 namespace {
 
 const std::vector<Shape> shapes{
@@ -67,4 +67,4 @@ TEST(ColliderMesh, APlaneIsASquareAroundWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace souple::render
+}  // namespace souple

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace souple::render {
+namespace souple {
 
 /// A surface whose sharp edges stay sharp to the eye: vertices on them are doubled, one for each of the
 /// smooth parts that meet there, each with a normal of its own.
@@ -35,4 +35,4 @@ class CreasedSurface {
   std::vector<Vec3f> positions_, normals_;
 };
 
-}  // namespace souple::render
+}  // namespace souple

@@ -1,14 +1,14 @@
-#include "render/collider_mesh.h"
+#include "souple/collision/collider_mesh.h"
 
-#include "render/creased_surface.h"
 #include "souple/geometry/builders.h"
+#include "souple/geometry/creased_surface.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
-namespace souple::render {
+namespace souple {
 namespace {
 
 /// Which of the box's six sides a normal belongs to.
@@ -117,4 +117,4 @@ ColliderMesh collider_mesh(const Shape& shape, const Vec3d& centre, double exten
   return std::visit(MeshOf{centre, extent}, shape);
 }
 
-}  // namespace souple::render
+}  // namespace souple

@@ -1,11 +1,11 @@
-#include "render/creased_surface.h"
+#include "souple/geometry/creased_surface.h"
 
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/measures.h"
 
 #include <algorithm>
 
-namespace souple::render {
+namespace souple {
 namespace {
 
 constexpr double cosine_of_crease = 0.5;  // 60 degrees
@@ -82,4 +82,4 @@ void CreasedSurface::update(std::span<const Vec3f> positions) {
   vertex_normals<float>(positions_, triangles_, normals_);
 }
 
-}  // namespace souple::render
+}  // namespace souple

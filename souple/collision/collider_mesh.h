@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace souple::render {
+namespace souple {
 
 /// What a collider looks like, in its own frame: smooth where the shape is, sharp at the edges of boxes and
 /// cylinders.
@@ -18,4 +18,4 @@ struct ColliderMesh {
 /// The mesh of a shape. A plane becomes a square of 2 `extent` [m] around the point nearest to `centre`.
 ColliderMesh collider_mesh(const Shape& shape, const Vec3d& centre, double extent);
 
-}  // namespace souple::render
+}  // namespace souple

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "plugins/radium/plugin/back_sides.h"
+
+#include <QObject>
+#include <functional>
+#include <optional>
+
+class QMouseEvent;
+class QPoint;
+
+namespace Ra::Gui {
+class Viewer;
+}
+
+namespace souple::radium {
+
+/// The right button in Radium's view: drags what is in the world. With Shift it pins the vertex under it,
+/// with Ctrl it lets that vertex go.
+class Mouse : public QObject {
+ public:
+  struct Answers {
+    std::function<void(host::Handle)> picked;  ///< an object was under the mouse
+    std::function<void(const std::string&)> say;
+    std::function<void()> update;  ///< another picture is wanted
+  };
+  Mouse(Ra::Gui::Viewer& viewer, PhysicsSystem& system, const BackSides& back_sides, Answers answers);
+
+ private:
+  struct Seen {
+    PickedVertex vertex;
+    float distance = 0;  ///< from the eye [m]
+  };
+  void press(const QMouseEvent& event);
+  void move(const QMouseEvent& event);
+  void release(const QMouseEvent& event);
+  std::optional<Seen> pick(const QPoint& at);
+  Ra::Core::Ray ray(const QPoint& at);
+  bool grab(const std::optional<Seen>& seen, const QPoint& at);
+  void set_pinned(const std::optional<Seen>& seen, bool pinned);
+
+  Ra::Gui::Viewer& viewer_;
+  PhysicsSystem& system_;
+  const BackSides& back_sides_;
+  Answers answers_;
+};
+
+}  // namespace souple::radium

@@ -1,0 +1,122 @@
+#include "souple/host/session.h"
+
+#include "souple/host/session/impl.h"
+
+#include <utility>
+
+namespace souple::host {
+
+const char* kind_name(Kind kind) {
+  switch (kind) {
+    case Kind::cloth:
+      return "cloth";
+    case Kind::soft_body:
+      return "soft_body";
+    case Kind::rope:
+      return "rope";
+    case Kind::grains:
+      return "grains";
+    case Kind::obstacle:
+      return "obstacle";
+  }
+  return "?";
+}
+
+Session::Session(const ClockOptions& clock) : impl_(std::make_unique<Impl>(clock)) {}
+Session::~Session() = default;
+
+// --- what is in it
+// ---------------------------------------------------------------------------------------------------
+
+void Session::open_scene(const std::string& file) {
+  const std::uint64_t version_now = version();
+  impl_->contents.open(file);
+  impl_->version_before = version_now + 1;
+  impl_->begin_again();
+}
+
+void Session::clear() {
+  const std::uint64_t version_now = version();
+  impl_->contents.clear();
+  impl_->version_before = version_now + 1;
+  impl_->begin_again();
+}
+
+Handle Session::Impl::add(Kind kind, const Soup& soup, const MeshOptions& options) {
+  const Handle added = contents.add(kind, soup, options);
+  take_statistics();
+  return added;
+}
+
+Handle Session::add_cloth(const Soup& soup, const MeshOptions& options) {
+  return impl_->add(Kind::cloth, soup, options);
+}
+Handle Session::add_soft_body(const Soup& soup, const MeshOptions& options) {
+  return impl_->add(Kind::soft_body, soup, options);
+}
+Handle Session::add_obstacle(const Soup& soup, const MeshOptions& options) {
+  return impl_->add(Kind::obstacle, soup, options);
+}
+
+void Session::remove(Handle object) {
+  impl_->contents.remove(object);
+  if (!grabbing()) release();
+  impl_->take_statistics();
+}
+
+bool Session::contains(Handle object) const {
+  return impl_->contents.contains(object);
+}
+
+ObjectInfo Session::object(Handle handle) const {
+  const Item& item = impl_->contents.item(handle);
+  const World& world = impl_->contents.world();
+  ObjectInfo info;
+  info.handle = handle;
+  info.name = item.name;
+  info.kind = item.kind;
+  info.vertex_count = item.mesh ? item.mesh->weld.vertex_count() : world.positions(item.id).size();
+  info.triangle_count = item.mesh ? item.mesh->weld.triangle_count() : world.triangles(item.id).size();
+  info.radius = world.particle_radius(item.id);
+  info.from_scene = !item.mesh;
+  info.has_colour = item.colour.has_value();
+  info.colour = channels_of(item.colour);
+  return info;
+}
+
+std::vector<ObjectInfo> Session::objects() const {
+  std::vector<ObjectInfo> infos;
+  for (const auto& item : impl_->contents.items()) infos.push_back(object(item->handle));
+  return infos;
+}
+
+void Session::set_transform(Handle object, const float* transform) {
+  impl_->contents.set_transform(object, transform);
+  ++impl_->version_before;
+}
+
+void Session::set_pinned(Handle object, std::uint32_t vertex, bool pinned) {
+  const Item& item = impl_->contents.item(object);
+  impl_->contents.set_pinned(object, Impl::world_vertex(item, impl_->contents.world(), vertex), pinned);
+}
+
+// --- from any thread
+// -------------------------------------------------------------------------------------------------
+
+void Session::post(std::string name, std::function<void(Session&)> action) {
+  impl_->actions.post(std::move(name), std::move(action));
+}
+
+std::vector<std::string> Session::take_messages() {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  std::vector<std::string> taken(impl_->messages.begin(), impl_->messages.end());
+  impl_->messages.clear();
+  return taken;
+}
+
+Statistics Session::statistics() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  return impl_->statistics;
+}
+
+}  // namespace souple::host

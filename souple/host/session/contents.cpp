@@ -1,0 +1,260 @@
+#include "souple/host/session/contents.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace souple::host {
+
+namespace {
+
+Kind kind_of_object(ObjectKind kind) {
+  switch (kind) {
+    case ObjectKind::cloth:
+      return Kind::cloth;
+    case ObjectKind::soft_body:
+      return Kind::soft_body;
+    case ObjectKind::rope:
+      return Kind::rope;
+    case ObjectKind::grains:
+      return Kind::grains;
+    case ObjectKind::obstacle:
+      break;
+  }
+  return Kind::obstacle;
+}
+
+ObjectId add_to(World& world, const Item& item) {
+  const HostMesh& host = *item.mesh;
+  const TriangleMesh mesh = host.weld.mesh(host.placement);
+  ObjectOptions options;
+  options.name = item.name;
+  options.self_collision = host.self_collision;
+  switch (item.kind) {
+    case Kind::cloth:
+      return world.add_cloth(mesh, std::get<ClothMaterial>(item.material), options);
+    case Kind::soft_body:
+      return world.add_soft_body(mesh, std::get<SoftBodyMaterial>(item.material),
+                                 {.cells = host.lattice_tets}, options);
+    case Kind::rope:
+    case Kind::grains:
+    case Kind::obstacle:
+      break;
+  }
+  return world.add_obstacle(mesh, std::get<ObstacleMaterial>(item.material), {}, options);
+}
+
+void pin_in(World& world, ObjectId id, const Pin& pin) {
+  if (pin.pinned)
+    world.pin(id, vertices({pin.vertex}));
+  else
+    world.unpin(id, vertices({pin.vertex}));
+}
+
+/// The scene's own object of that name takes the material from now on.
+void keep_in(SceneDescription& scene, const std::string& name, const AnyMaterial& material) {
+  for (AnyObjectDescription& any : scene.objects) {
+    if (common(any).name != name) continue;
+    const auto take = [&](auto& description) {
+      using Own = decltype(description.material);
+      std::visit(
+          [&](const auto& changed) {
+            using Changed = std::decay_t<decltype(changed)>;
+            if constexpr (std::is_base_of_v<Changed, Own>)
+              static_cast<Changed&>(description.material) = changed;
+          },
+          material);
+    };
+    std::visit(take, any);
+  }
+}
+
+Item item_of_scene(Handle handle, const World& world, ObjectId id, const SceneDescription& scene) {
+  Item item;
+  item.handle = handle;
+  item.name = world.name(id);
+  item.kind = kind_of_object(world.kind(id));
+  item.material = material_of(world, id);
+  item.id = id;
+  for (const AnyObjectDescription& any : scene.objects)
+    if (common(any).name == item.name) item.colour = common(any).colour;
+  return item;
+}
+
+}  // namespace
+
+std::array<float, 3> channels_of(const std::optional<std::uint32_t>& colour) {
+  if (!colour) return {};
+  const auto channel = [&](int shift) { return static_cast<float>((*colour >> shift) & 0xffu) / 255; };
+  return {channel(16), channel(8), channel(0)};
+}
+
+Contents::Contents(Tell tell) : tell_(std::move(tell)) {
+  listen();
+}
+
+void Contents::listen() {
+  // What a step complains of is in its report, and would come in each step.
+  world_.set_log([this](LogLevel level, std::string_view text) {
+    if (level == LogLevel::info) tell_(std::string(text));
+  });
+}
+
+Item* Contents::find(Handle handle) const {
+  for (const auto& item : items_)
+    if (item->handle == handle) return item.get();
+  return nullptr;
+}
+
+Item* Contents::find(ObjectId id) const {
+  for (const auto& item : items_)
+    if (item->id == id) return item.get();
+  return nullptr;
+}
+
+std::optional<std::uint32_t> Contents::collider_colour(const std::string& name) const {
+  for (const ColliderDescription& collider : scene_.colliders)
+    if (collider.name == name) return collider.colour;
+  return std::nullopt;
+}
+
+Item& Contents::item(Handle handle) const {
+  if (Item* found = find(handle)) return *found;
+  const auto gone = gone_.find(handle);
+  if (gone == gone_.end()) throw Error("there is no object " + std::to_string(handle));
+  throw Error("\"" + gone->second + "\" (object " + std::to_string(handle) + ") is no longer there");
+}
+
+// --- what is in it
+// ---------------------------------------------------------------------------------------------------
+
+void Contents::open(const std::string& file) {
+  replace(load_scene(file), true);
+}
+
+void Contents::clear() {
+  replace({}, false);
+}
+
+void Contents::replace(SceneDescription scene, bool has_scene) {
+  std::vector<std::string> sentences;  // of a scene that fails, none is told
+  const SceneLog log = [&](LogLevel, std::string_view text) { sentences.emplace_back(text); };
+  World world = has_scene ? build_world(scene, log) : World();
+  std::vector<std::unique_ptr<Item>> items;
+  Handle last = last_;
+  for (const ObjectId id : world.objects())
+    items.push_back(std::make_unique<Item>(item_of_scene(++last, world, id, scene)));
+  for (const auto& item : items_) gone_[item->handle] = item->name;
+  items_ = std::move(items);
+  last_ = last;
+  scene_ = std::move(scene);
+  has_scene_ = has_scene;
+  removed_.clear();
+  world_ = std::move(world);
+  listen();
+  for (std::string& sentence : sentences) tell_(std::move(sentence));
+}
+
+Handle Contents::add(Kind kind, const Soup& soup, const MeshOptions& options) {
+  const std::string name = options.name.empty() ? kind_name(kind) : options.name;
+  if (kind == Kind::soft_body && options.lattice_tets == 0) throw Error(name + ": lattice_tets is 0");
+  const Placement placement = Placement::of(options.transform, (name + ": transform").c_str());
+  auto item = std::make_unique<Item>();
+  item->name = options.name;
+  item->kind = kind;
+  item->material = make_material(kind, options.preset);
+  item->mesh = HostMesh{SoupWeld(soup, options.weld_tolerance, name), placement, placement};
+  item->mesh->self_collision = kind == Kind::cloth && options.self_collision;
+  item->mesh->lattice_tets = options.lattice_tets;
+  if (kind == Kind::obstacle)
+    for (const Vec3d& x : item->mesh->weld.mesh().positions) item->mesh->rest.emplace_back(x);
+  item->id = add_to(world_, *item);
+  item->name = world_.name(item->id);
+  item->handle = ++last_;
+  items_.push_back(std::move(item));
+  return last_;
+}
+
+void Contents::remove(Handle handle) {
+  const Item& gone = item(handle);
+  world_.remove(gone.id);
+  gone_[handle] = gone.name;
+  if (!gone.mesh) removed_.push_back(gone.name);
+  items_.erase(
+      std::find_if(items_.begin(), items_.end(), [&](const auto& i) { return i->handle == handle; }));
+}
+
+void Contents::rebuild() {
+  World world = has_scene_ ? build_world(scene_) : World(world_.settings());
+  for (const std::string& name : removed_) world.remove(world.find_object(name));
+  std::vector<ObjectId> ids;
+  for (const auto& item : items_) {
+    const ObjectId id = item->mesh ? add_to(world, *item) : world.find_object(item->name);
+    for (const Pin& pin : item->pins) pin_in(world, id, pin);
+    ids.push_back(id);
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    items_[i]->id = ids[i];
+    if (!items_[i]->mesh) continue;
+    items_[i]->mesh->added = items_[i]->mesh->placement;
+    items_[i]->mesh->drive.reset();
+  }
+  world_ = std::move(world);
+  listen();
+}
+
+// --- what is changed in it
+// ----------------------------------------------------------------------------------------------
+
+void Contents::set_settings(const Settings& settings) {
+  world_.set_settings(settings);
+  scene_.settings = settings;
+}
+
+void Contents::set_material(Handle handle, const AnyMaterial& material) {
+  Item& changed = item(handle);
+  host::set_material(world_, changed.id, material);
+  changed.material = material;
+  if (!changed.mesh) keep_in(scene_, changed.name, material);
+}
+
+void Contents::set_pinned(Handle handle, std::uint32_t vertex, bool pinned) {
+  Item& held = item(handle);
+  if (held.kind == Kind::obstacle)
+    throw Error(held.name + ": it is an obstacle, which nothing moves but the host; it needs no pins");
+  const Pin said{vertex, pinned};
+  pin_in(world_, held.id, said);
+  std::vector<Pin>& pins = held.pins;
+  pins.erase(std::remove_if(pins.begin(), pins.end(), [&](const Pin& pin) { return pin.vertex == vertex; }),
+             pins.end());
+  pins.push_back(said);
+}
+
+void Contents::set_transform(Handle handle, const float* transform) {
+  Item& moved = item(handle);
+  if (!moved.mesh) throw Error(moved.name + ": it is of the scene, and has no mesh of the host");
+  HostMesh& mesh = *moved.mesh;
+  const Placement placement = Placement::of(transform, (moved.name + ": transform").c_str());
+  if (moved.kind == Kind::obstacle) {
+    const Transform motion = rigid_motion(mesh.added, placement, moved.name);
+    if (!mesh.drive) {
+      const auto drive = std::make_shared<Drive>();
+      world_.set_motion(moved.id,
+                        {.pose = ColliderMotion::callback([drive](double time) { return drive->at(time); })});
+      mesh.drive = drive;
+    }
+    mesh.drive->to = motion;
+  }
+  mesh.placement = placement;
+}
+
+void Contents::begin_step(double dt) {
+  for (const auto& item : items_)
+    if (item->mesh && item->mesh->drive) item->mesh->drive->begin_step(world_.time(), dt);
+}
+
+void Contents::end_step(bool made) {
+  for (const auto& item : items_)
+    if (item->mesh && item->mesh->drive) item->mesh->drive->end_step(made);
+}
+
+}  // namespace souple::host

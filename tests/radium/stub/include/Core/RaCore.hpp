@@ -1,0 +1,5 @@
+#pragma once
+
+#include <Core/CoreMacros.hpp>
+
+#define RA_CORE_API
