@@ -23,12 +23,6 @@ constexpr double repeated_below = 0.1;      // s: shorter times are the best of 
 constexpr int most_iterations = 1 << 16;
 constexpr double stretched = 0.1;  // of the static case
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
 /// Lengths of all edges of tets, in a fixed order.
 std::vector<double> tet_edge_lengths(const World& world) {
   std::vector<double> lengths;
@@ -167,6 +161,12 @@ void describe(const BenchOptions& options, BenchResult& result) {
 }
 
 }  // namespace
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
 
 BenchResult measure(const BenchOptions& options) {
   const BenchScene& scene = find_bench_scene(options.name);

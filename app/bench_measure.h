@@ -63,6 +63,9 @@ struct BenchResult {
 /// Throws Error for what cannot be measured, GoneBad when numbers stopped being finite.
 BenchResult measure(const BenchOptions& options);
 
+/// Of one number or more.
+double median(std::vector<double> values);
+
 /// The simulation gave numbers that are not finite.
 struct GoneBad {
   std::string message;

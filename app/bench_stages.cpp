@@ -7,6 +7,7 @@
 #include "souple/version.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace souple::app {
@@ -19,6 +20,8 @@ namespace {
 constexpr std::array benches{
     StageBench{"triangles", "near pairs of crumpled sheets in motion, by spatial hash", "triangles, about",
                500000, 2, 20000000, measure_triangles},
+    StageBench{"neighbours", "neighbour lists of random points in motion, 29 each", "points", 100000, 100,
+               20000000, measure_neighbours},
 };
 
 void print_member(const Member& member, int indent) {
@@ -63,6 +66,16 @@ Json measure_stage(const StageBench& bench, BenchOptions options) {
   result.set("runs", Json::whole(options.runs));
   for (Member& member : bench.measure(options).members) result.set(member.key, std::move(member.value));
   return result;
+}
+
+Json milliseconds(const std::vector<double>& values) {
+  return Json::of(std::round(median(values) * 1e3) / 1e3);
+}
+
+Json hash_json(std::uint64_t hash) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return Json::of(text);
 }
 
 void print_stage(const Json& now, const Json* before) {

@@ -3,8 +3,10 @@
 #include "app/bench_measure.h"
 #include "souple/scene/json.h"
 
+#include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 // Benchmarks of one stage by itself, without a world: rows of a table like the scenes of bench_scenes.h.
 
@@ -36,5 +38,15 @@ void print_stage(const scene_format::Json& now, const scene_format::Json* before
 
 /// Crumpled sheets in motion: boxes, hash and near pairs.
 scene_format::Json measure_triangles(const BenchOptions& options);
+
+/// Random points in motion, in the order of the cells they were in: cells and neighbour lists.
+scene_format::Json measure_neighbours(const BenchOptions& options);
+
+// How the rows above write what they measured.
+
+/// The median; microseconds and less are noise.
+scene_format::Json milliseconds(const std::vector<double>& values);
+/// Sixteen digits.
+scene_format::Json hash_json(std::uint64_t hash);
 
 }  // namespace souple::app

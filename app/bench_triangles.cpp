@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
 namespace souple::app {
 
@@ -13,24 +12,11 @@ using scene_format::Json;
 
 namespace {
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
-/// Microseconds and less are noise.
-Json milliseconds(const std::vector<double>& values) {
-  return Json::of(std::round(median(values) * 1e3) / 1e3);
-}
-
-std::string hash_of(const NearPairs& pairs) {
+std::uint64_t hash_of(const NearPairs& pairs) {
   std::uint64_t hash = fnv1a64_start;
   for (const auto* list : {&pairs.vertex_triangle, &pairs.edge_edge})
     hash = fnv1a64(std::as_bytes(std::span(*list)), hash);
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
+  return hash;
 }
 
 /// What was measured in one step after the other.
@@ -81,7 +67,7 @@ Json measure_triangles(const BenchOptions& options) {
   result.set("pairs", std::move(found));
   result.set("queries_per_second", Json::of(std::round(queries / (median(times.whole) * 1e-3))));
   result.set("bytes", count(finder.bytes()));
-  result.set("hash", Json::of(hash_of(pairs)));
+  result.set("hash", hash_json(hash_of(pairs)));
   return result;
 }
 

@@ -14,7 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}
-STAGES = ["triangles"]  # of one stage, without a world
+STAGES = ["triangles", "neighbours"]  # of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -60,6 +60,15 @@ class Bench(unittest.TestCase):
         for threads in 2, 3:
             self.assertEqual(bench("triangles", "--size", 10000, "--threads", threads)["hash"], result["hash"])
         self.assertEqual(bench("triangles", "--size", 10000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
+
+    def test_neighbours(self):
+        result = bench("neighbours", "--size", 20000)
+        self.assertEqual(list(result["ms_per_stage"]), ["sort", "lists"])
+        self.assertLess(abs(result["neighbours"] - 28), 1.5)  # fewer at the walls
+        self.assertGreater(result["pairs_per_second"], 0)
+        for threads in 2, 3:
+            self.assertEqual(bench("neighbours", "--size", 20000, "--threads", threads)["hash"], result["hash"])
+        self.assertEqual(bench("neighbours", "--size", 20000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
 
     def test_kinds_and_counts_are_those_of_the_meshes(self):
         n = 12

@@ -1,0 +1,102 @@
+#include "app/bench_stages.h"
+#include "souple/fluid/neighbours.h"
+#include "souple/math/fnv1a.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <utility>
+
+namespace souple::app {
+
+using scene_format::Json;
+
+namespace {
+
+constexpr float radius = 1;  // m
+
+/// Points of a fluid that stirs: in a cube, each with so many others within the radius, walls apart. From
+/// step to step they wander by a twentieth of the radius, and lie in memory as the last step sorted them.
+class Points {
+ public:
+  explicit Points(int count) : positions_(static_cast<std::size_t>(count)) {
+    constexpr double neighbours = 30.5;  // inside; 29 on average of 100 000, with those at the walls
+    const double volume = 4 * pi / 3 * std::pow(double{radius}, 3);
+    const double side = std::cbrt(count * volume / neighbours);
+    for (Vec4f& p : positions_) p = {uniform(side), uniform(side), uniform(side), 0};
+  }
+  void move() {
+    constexpr double way = 0.05 * double{radius};
+    for (Vec4f& p : positions_) {
+      p.x += uniform(2 * way) - static_cast<float>(way);
+      p.y += uniform(2 * way) - static_cast<float>(way);
+      p.z += uniform(2 * way) - static_cast<float>(way);
+    }
+  }
+  void lay(std::span<const std::uint32_t> order) {
+    next_.clear();
+    for (const std::uint32_t i : order) next_.push_back(positions_[i]);
+    std::swap(next_, positions_);
+  }
+  std::span<const Vec4f> positions() const { return positions_; }
+
+ private:
+  // Of our own: the standard's distributions differ from library to library.
+  float uniform(double below) {
+    return static_cast<float>(below * static_cast<double>(random_()) / 4294967296.0);
+  }
+
+  std::mt19937 random_{1};
+  std::vector<Vec4f> positions_, next_;
+};
+
+std::uint64_t hash_of(const Neighbours& neighbours) {
+  std::uint64_t hash = fnv1a64_start;
+  for (const Neighbours::Block& block : neighbours.blocks())
+    for (std::uint32_t place = block.begin; place < block.end; ++place)
+      hash = fnv1a64(std::as_bytes(block.of(place)), hash);
+  return hash;
+}
+
+}  // namespace
+
+Json measure_neighbours(const BenchOptions& options) {
+  Points points(options.size);
+  const auto threads = make_threads(options.settings.threading, options.settings.threads);
+  CellOrder order;
+  Neighbours neighbours;
+  order.build(points.positions(), radius, *threads);
+  std::vector<double> whole, sort, lists;
+  const auto now = [] { return std::chrono::steady_clock::now(); };
+  const auto spent = [](auto from, auto to) {
+    return std::chrono::duration<double, std::milli>(to - from).count();
+  };
+  for (int step = 0; step < options.warm_up + options.runs; ++step) {
+    points.lay(order.order());
+    points.move();
+    const auto start = now();
+    order.build(points.positions(), radius, *threads);
+    const auto sorted = now();
+    neighbours.find(order, radius, *threads);
+    const auto end = now();
+    if (step < options.warm_up) continue;
+    whole.push_back(spent(start, end));
+    sort.push_back(spent(start, sorted));
+    lists.push_back(spent(sorted, end));
+  }
+  const auto count = static_cast<double>(neighbours.count());
+  Json stages = Json::object(), result = Json::object();
+  stages.set("sort", milliseconds(sort));
+  stages.set("lists", milliseconds(lists));
+  result.set("ms_per_step", milliseconds(whole));
+  result.set("ms_fastest", milliseconds({*std::min_element(whole.begin(), whole.end())}));
+  result.set("ms_per_stage", std::move(stages));
+  result.set("neighbours", Json::of(std::round(100 * count / options.size) / 100));
+  result.set("pairs_per_second", Json::of(std::round(count / (median(lists) * 1e-3))));
+  result.set("bytes", Json::whole(static_cast<std::int64_t>(order.bytes() + neighbours.bytes())));
+  result.set("hash", hash_json(hash_of(neighbours)));
+  return result;
+}
+
+}  // namespace souple::app
