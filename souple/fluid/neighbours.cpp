@@ -4,6 +4,8 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace souple {
 
@@ -86,7 +88,6 @@ void Neighbours::cut(const CellOrder& order) {
 }
 
 void Neighbours::find_in(const CellOrder& order, std::size_t number, float radius) const {
-  constexpr std::size_t register_room = 16;
   const auto cells = order.cells();
   const auto rows = order.rows();
   const kernels::PointColumns points{{order.component(0), order.component(1), order.component(2)}};
@@ -95,7 +96,9 @@ void Neighbours::find_in(const CellOrder& order, std::size_t number, float radiu
   block.begin = cells[first_cell].begin;
   block.end = cells[last_cell].begin;
   block.first.resize(block.end - block.begin + std::size_t{1});
-  std::uint32_t* first = block.first.data();
+  block.count.resize(block.end - block.begin);
+  std::uint32_t *first = block.first.data(), *near = block.count.data();
+  const auto far = static_cast<std::uint32_t>(4 * order.size());
   std::uint32_t used = 0;
   const auto row_of = [&](std::uint32_t cell) {
     return std::upper_bound(rows.begin(), rows.end() - 1, cell,
@@ -112,10 +115,14 @@ void Neighbours::find_in(const CellOrder& order, std::size_t number, float radiu
     std::size_t candidates = 0;
     for (std::size_t r = 0; r < count; ++r) candidates += ranges[r].end - ranges[r].begin;
     for (std::uint32_t i = cells[c].begin; i < cells[c + 1].begin; ++i) {
-      const std::size_t needed = used + candidates + register_room;
-      if (block.index.size() < needed) block.index.resize(std::max(needed, block.index.size() * 3 / 2));
+      const std::size_t needed = used + candidates + 2 * padding;
+      if (block.entry.size() < needed) block.entry.resize(std::max(needed, block.entry.size() * 3 / 2));
+      std::uint32_t* list = block.entry.data() + used;
       *first++ = used;
-      used += kernels_->near_point(points, i, ranges, count, radius * radius, block.index.data() + used);
+      *near = kernels_->near_point(points, i, ranges, count, radius * radius, list);
+      const std::uint32_t whole = (*near + padding - 1) / padding * padding;
+      std::fill(list + *near++, list + whole, far);
+      used += whole;
     }
   }
   *first = used;
@@ -123,13 +130,13 @@ void Neighbours::find_in(const CellOrder& order, std::size_t number, float radiu
 
 std::size_t Neighbours::count() const {
   std::size_t sum = 0;
-  for (const Block& block : blocks()) sum += block.first[block.end - block.begin];
+  for (const Block& block : blocks()) sum = std::accumulate(block.count.begin(), block.count.end(), sum);
   return sum;
 }
 
 std::size_t Neighbours::bytes() const {
   std::size_t sum = bytes_of(first_cell_, blocks_);
-  for (const Block& block : blocks_) sum += bytes_of(block.index, block.first);
+  for (const Block& block : blocks_) sum += bytes_of(block.entry, block.first, block.count);
   return sum;
 }
 

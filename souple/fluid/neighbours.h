@@ -15,15 +15,24 @@ namespace souple {
 /// instruction sets.
 class Neighbours {
  public:
-  /// Consecutive places and their lists.
+  /// Lists are padded to whole sixteens, so that loops over registers need no end of their own.
+  static constexpr std::uint32_t padding = 16;
+
+  /// Consecutive places and their lists. An entry is a place times four: where its record of four floats
+  /// begins. What pads a list is the place size(), of a record that is far away from all.
   struct Block {
     std::uint32_t begin = 0, end = 0;    ///< places
-    std::vector<std::uint32_t> index{};  ///< lists, one behind the other; room for a register beyond
-    std::vector<std::uint32_t> first{};  ///< of place begin + k: index[first[k]] to index[first[k + 1]]
+    std::vector<std::uint32_t> entry{};  ///< lists, one behind the other; room for a register beyond
+    std::vector<std::uint32_t> first{};  ///< of place begin + k: entry[first[k]] up to entry[first[k + 1]]
+    std::vector<std::uint32_t> count{};  ///< of these, how many are neighbours
 
     std::span<const std::uint32_t> of(std::uint32_t place) const {
       const std::uint32_t k = place - begin;
-      return {index.data() + first[k], first[k + 1] - first[k]};
+      return {entry.data() + first[k], count[k]};
+    }
+    std::span<const std::uint32_t> padded(std::uint32_t place) const {
+      const std::uint32_t k = place - begin;
+      return {entry.data() + first[k], first[k + 1] - first[k]};
     }
   };
 

@@ -1,77 +1,116 @@
 #include "souple/fluid/smoothing.h"
 
+#include "souple/fluid/kernels/shapes.h"
+
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace souple {
 
 namespace {
 
-// Of the continuum: Müller et al. 2003, equations 20 and 21.
-double poly6_factor(double h) {
-  return 315 / (64 * pi * std::pow(h, 9));
-}
-double spiky_factor(double h) {
-  return -45 / (pi * std::pow(h, 6));
+using kernels::SmoothingShape;
+
+/// A shape's functions of q, and the constants that were measured for it (columns of 25 to 75 layers at
+/// rest).
+struct Shape {
+  double (*value)(double q);
+  double (*slope)(double q);
+  double density_factor;   // of the packing at rest, over the lattice's
+  double gradient_factor;  // g
+  double mirror;           // a
+};
+
+template <class S>
+constexpr Shape shape_of(double density, double gradient, double mirror) {
+  return {[](double q) { return S::value(q); }, [](double q) { return S::slope(q); }, density, gradient,
+          mirror};
 }
 
-/// f(r^2) summed over the lattice within h, the origin left out.
+Shape find_shape(SmoothingShape shape) {
+  switch (shape) {
+    case SmoothingShape::poly6_spiky:
+      return shape_of<kernels::Poly6Spiky>(1.01, 1.04, 2.2);
+    case SmoothingShape::cubic_spline:
+      return shape_of<kernels::CubicSpline>(1, 1.06, 2.2);
+    case SmoothingShape::wendland:
+      break;
+  }
+  return shape_of<kernels::Wendland>(1, 1.04, 2);
+}
+
+/// f(i, r^2) summed over the lattice of spacing 1 within 2, the origin left out; i is the coordinate along x.
 template <class Function>
-double lattice_sum(double spacing, double h, const Function& f) {
-  const int n = static_cast<int>(std::ceil(h / spacing));
+double lattice_sum(const Function& f) {
   double sum = 0;
-  for (int i = -n; i <= n; ++i)
-    for (int j = -n; j <= n; ++j)
-      for (int k = -n; k <= n; ++k) {
-        const double r2 = spacing * spacing * (i * i + j * j + k * k);
-        if (r2 > 0 && r2 < h * h) sum += f(r2);
+  for (int i = -2; i <= 2; ++i)
+    for (int j = -2; j <= 2; ++j)
+      for (int k = -2; k <= 2; ++k) {
+        const int r2 = i * i + j * j + k * k;
+        if (r2 > 0 && r2 < 4) sum += f(i, static_cast<double>(r2));
       }
   return sum;
 }
 
+/// The integral of f from x to 1, at x = 0, 1 / n, ... 1.
+template <class Function>
+std::vector<double> integrals_to_one(int n, const Function& f) {
+  std::vector<double> result(static_cast<std::size_t>(n) + 1, 0);
+  for (int k = n; k-- > 0;)
+    result[static_cast<std::size_t>(k)] = result[static_cast<std::size_t>(k) + 1] + f((k + 0.5) / n) / n;
+  return result;
+}
+
 }  // namespace
 
-Smoothing::Smoothing(float spacing, float support) : spacing_(spacing) {
-  const double s = spacing, h = support, volume = s * s * s;
-  const auto poly6 = [h](double r2) { return std::pow(h * h - r2, 3); };
-  const auto spiky = [h](double r2) { return -std::pow(h - std::sqrt(r2), 2) * std::sqrt(r2); };
-  const double density = volume * (std::pow(h, 6) + lattice_sum(s, h, poly6));
-  const double gradient = volume * lattice_sum(s, h, spiky);
-  factors_.h = support;
-  factors_.poly6 = static_cast<float>(1 / density);
-  factors_.spiky = static_cast<float>(3 / gradient);
+Smoothing::Smoothing(float spacing, SmoothingShape which) : spacing_(spacing) {
+  const Shape shape = find_shape(which);
+  const double d = spacing, volume = d * d * d;
+  const auto q = [](double r2) { return std::sqrt(r2) / 2; };
+  const double value_sum = shape.value(0) + lattice_sum([&](int, double r2) { return shape.value(q(r2)); });
+  const double slope_sum = lattice_sum([&](int, double r2) { return shape.slope(q(r2)) * r2; }) * d * d;
+  const double value = shape.density_factor / (volume * value_sum);
+  const double slope = -3 * shape.gradient_factor / (volume * slope_sum);
+  factors_ = {2 * spacing, 1 / (2 * spacing), static_cast<float>(value), static_cast<float>(slope)};
+  centre_ = static_cast<float>(value * shape.value(0));
+  mirror_ = static_cast<float>(shape.mirror);
 
-  // A slice of the half-space at height z is a disc of radius sqrt(h^2 - z^2):
-  //   integral of W over it = pi/4 poly6 (h^2 - z^2)^4,
-  //   of the spiky kernel whose slope is (h - r)^2: -2 pi/3 integral_z^h (h - r)^3 r dr
-  const auto disc_poly6 = [h](double z) { return pi / 4 * std::pow(h * h - z * z, 4); };
-  const auto disc_spiky = [h](double z) {  // sum of W_spiky = (h - r)^3 / 3
-    const double u = h - z;
-    return 2 * pi / 3 * (h * std::pow(u, 4) / 4 - std::pow(u, 5) / 5);
+  // Slices of a half-space are discs; P is the function whose gradient is slope(q) d.
+  //   A(z) = integral_z^1 value(q) q dq,   H  ~ integral_z^1 A
+  //   P(q) = -integral_q^1 slope(q) q dq,  H' ~ integral_z^1 P(q) q dq
+  constexpr int fine = 32 * wall_steps;
+  const auto at = [](const std::vector<double>& table, double x) {
+    return table[static_cast<std::size_t>(std::min(x * fine, double{fine}))];
   };
-  constexpr int parts = 64;
-  double density_above = 0;
-  for (std::size_t step = wall_steps + 1; step-- > 0;) {
-    const double z = h * static_cast<double>(step) / wall_steps, width = h / wall_steps / parts;
-    if (step < wall_steps)
-      for (int p = 0; p < parts; ++p) density_above += disc_poly6(z + (p + 0.5) * width) * width;
-    wall_[step].density = static_cast<float>(poly6_factor(h) * density_above);
-    wall_[step].slope = static_cast<float>(spiky_factor(h) * disc_spiky(z));
+  const std::vector<double> disc = integrals_to_one(fine, [&](double x) { return shape.value(x) * x; });
+  const std::vector<double> half = integrals_to_one(fine, [&](double z) { return at(disc, z); });
+  const std::vector<double> potential = integrals_to_one(fine, [&](double x) { return shape.slope(x) * x; });
+  const std::vector<double> pull = integrals_to_one(fine, [&](double x) { return at(potential, x) * x; });
+  const double layer_value =
+      volume * value * lattice_sum([&](int i, double r2) { return i < 0 ? shape.value(q(r2)) : 0; });
+  const double layer_slope =
+      volume * slope * d * lattice_sum([&](int i, double r2) { return i < 0 ? -i * shape.slope(q(r2)) : 0; });
+  for (int k = 0; k <= wall_steps; ++k) {
+    const double z = static_cast<double>(k) / wall_steps;
+    half_space_[static_cast<std::size_t>(k)] = {
+        static_cast<float>(layer_value * at(half, z) / at(half, 0.25)),
+        static_cast<float>(layer_slope * at(pull, z) / at(pull, 0.25))};
   }
 }
 
-float Smoothing::centre() const {
-  const float h2 = factors_.h * factors_.h;
-  return factors_.poly6 * h2 * h2 * h2;
-}
-
 Smoothing::Wall Smoothing::wall(float distance) const {
-  const float at = std::max(distance, 0.0f) / factors_.h * static_cast<float>(wall_steps);
-  if (!(at < static_cast<float>(wall_steps))) return {0, 0};
-  const auto step = static_cast<std::size_t>(at);
-  const float t = at - static_cast<float>(step);
-  const Wall &a = wall_[step], &b = wall_[step + 1];
-  return {a.density + t * (b.density - a.density), a.slope + t * (b.slope - a.slope)};
+  const float z = 0.5f * spacing_ + mirror_ * (distance - 0.5f * spacing_);
+  const float at = std::abs(z) * factors_.inverse_h * static_cast<float>(wall_steps);
+  Wall here{0, 0};
+  if (at < static_cast<float>(wall_steps)) {
+    const auto step = static_cast<std::size_t>(at);
+    const float t = at - static_cast<float>(step);
+    const Wall &a = half_space_[step], &b = half_space_[step + 1];
+    here = {a.value + t * (b.value - a.value), a.slope + t * (b.slope - a.slope)};
+  }
+  if (z < 0) here.value = 2 * half_space_[0].value - here.value;
+  return {here.value, mirror_ * here.slope};
 }
 
 }  // namespace souple

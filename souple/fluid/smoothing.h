@@ -1,44 +1,54 @@
 #pragma once
 
 #include "souple/fluid/kernels/density_kernels.h"
+#include "souple/fluid/kernels/find_kernels.h"
 
 #include <array>
 
 namespace souple {
 
-/// The kernels of a fluid whose particles lie on a lattice of a spacing at rest, support h. Factors are such
-/// that on that cubic lattice
+/// The smoothing kernel of a fluid whose particles lie d = spacing apart at rest, support h = 2 d, and what a
+/// wall adds to it. With V = d^3, factors are such that on the cubic lattice of that spacing
 ///
-///   V sum_j W(r_ij) = 1, the particle itself included, and
-///   V sum_j grad W(r_ij) . (x_j - x_i) = 3   (what linear functions ask for)
+///   V sum_j W(r_ij)                              = 1, the particle itself included
+///   V sum_j grad W(r_ij) . (x_j - x_i)           = 3 g
 ///
-/// with V = spacing^3: discrete sums differ from the integrals by a per cent or more, and a fluid at rest would
-/// be too high by as much.
+/// Sums differ from the integrals by a per cent or more, and a fluid would rest that much too high or too
+/// low. g is 1.04: at rest particles do not lie on a lattice, and pressures would read 4 % too high with 1.
 class Smoothing {
  public:
-  /// Both > 0 [m].
-  Smoothing(float spacing, float support);
+  /// > 0 [m].
+  explicit Smoothing(float spacing, kernels::SmoothingShape shape = kernels::SmoothingShape::wendland);
 
   float spacing() const { return spacing_; }
   float support() const { return factors_.h; }
-  float volume() const { return spacing_ * spacing_ * spacing_; }  ///< of a particle [m^3]
+  float volume() const { return spacing_ * spacing_ * spacing_; }  ///< V [m^3]
   const kernels::SmoothingFactors& factors() const { return factors_; }
-  /// W(0). [1/m^3]
-  float centre() const;
+  float centre() const { return centre_; }  ///< W(0) [1/m^3]
 
-  /// What a half-space filled with particles adds to the density of one that is `distance` away from it: 0
-  /// to 1, and its derivative along the normal that points away from it [1/m]. Distances below 0 count as 0.
+  /// What a wall adds to V sum W, and its derivative along the normal that points away from it [1/m].
   struct Wall {
-    float density, slope;
+    float value, slope;
   };
+  /// Of a plane wall at a distance [m], also below 0. The fluid behind the wall is the mirror image of that
+  /// before it and moves as that does, so with H the half-space behind a plane
+  ///
+  ///   value(s) = H(d/2 + a (s - d/2)),   slope(s) = a H'(d/2 + a (s - d/2)),   a = 2
+  ///
+  /// (2.2 for shapes other than Wendland's), H(-z) = 2 H(0) - H(z). A push by lambda slope then does as much
+  /// work as the value gains: one that counts twice, for the fluid behind, stirs the fluid for ever. H and H'
+  /// are scaled such that a layer of the lattice at d/2 has density 1, and that equal pressures do not push
+  /// it.
   Wall wall(float distance) const;
 
  private:
-  static constexpr std::size_t wall_steps = 64;
+  static constexpr int wall_steps = 128;
 
   float spacing_;
+  float centre_ = 0;
+  float mirror_ = 2;  // a
   kernels::SmoothingFactors factors_;
-  std::array<Wall, wall_steps + 2> wall_{};
+  std::array<Wall, wall_steps + 2> half_space_{};  // H and H' at z = k h / wall_steps
 };
 
 }  // namespace souple

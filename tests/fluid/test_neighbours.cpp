@@ -21,7 +21,10 @@ Lists lists_of(const CellOrder& order, const Neighbours& neighbours) {
     next = block.end;
     for (std::uint32_t k = block.begin; k < block.end; ++k) {
       std::vector<std::uint32_t>& list = lists[order.order()[k]];
-      for (const std::uint32_t j : block.of(k)) list.push_back(order.order()[j]);
+      for (const std::uint32_t entry : block.of(k)) list.push_back(order.order()[entry / 4]);
+      EXPECT_EQ(block.padded(k).size() % Neighbours::padding, 0u);
+      for (const std::uint32_t entry : block.padded(k).subspan(list.size()))
+        EXPECT_EQ(entry, 4 * order.size());
       std::sort(list.begin(), list.end());
     }
   }

@@ -1,5 +1,11 @@
 #include "souple/fluid/kernels/compile_density.h"
 #include "souple/fluid/kernels/compile_neighbours.h"
 
-template const souple::kernels::NeighbourKernels& souple::kernels::neighbour_kernels<souple::simd::Avx2>();
-template const souple::kernels::DensityKernels& souple::kernels::density_kernels<souple::simd::Avx2>();
+namespace souple::kernels {
+
+template const NeighbourKernels& neighbour_kernels<simd::Avx2>();
+template const DensityKernels& density_kernels<simd::Avx2, Wendland>();
+template const DensityKernels& density_kernels<simd::Avx2, Poly6Spiky>();
+template const DensityKernels& density_kernels<simd::Avx2, CubicSpline>();
+
+}  // namespace souple::kernels

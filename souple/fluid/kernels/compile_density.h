@@ -1,7 +1,8 @@
 #pragma once
 
 #include "souple/fluid/kernels/density_kernels.h"
-#include "souple/math/simd/instruction_sets.h"
+#include "souple/fluid/kernels/shapes.h"
+#include "souple/math/simd/pack.h"
 
 #include <cstring>
 
@@ -23,6 +24,7 @@ struct Sixteen {
   SOUPLE_INLINE Sixteen() {
     for (int r = 0; r < registers; ++r) sum[r] = Set::broadcast(0);
   }
+  SOUPLE_INLINE void add(int r, simd::Pack<Set> terms) { sum[r] += terms.v; }
   /// (k, k + 4, k + 8, k + 12) added for k = 0 to 3, pairs that are eight apart first.
   SOUPLE_INLINE FourLanes four() const {
     FourLanes part[4];
@@ -56,88 +58,61 @@ struct Gathered {
 /// A particle against `lanes` of its neighbours.
 template <class Set>
 struct Near {
-  using Vector = typename Set::Vector;
-  Vector dx, dy, dz, r2, slope;  // slope: grad W = slope d
+  using T = simd::Pack<Set>;
+  T dx, dy, dz, r2, q;
 
-  SOUPLE_INLINE Near(const Gathered<Set>& other, Vector x, Vector y, Vector z, Vector h, Vector spiky) {
-    dx = x - other.x, dy = y - other.y, dz = z - other.z;
+  SOUPLE_INLINE Near(const Gathered<Set>& other, const Vec4f& at, const SmoothingFactors& factors) {
+    dx = T(at.x) - T(other.x), dy = T(at.y) - T(other.y), dz = T(at.z) - T(other.z);
     r2 = dx * dx + dy * dy + dz * dz;
-    const Vector r = Set::sqrt(Set::max(r2, Set::broadcast(1e-30f)));
-    const Vector s = Set::max(h - r, Set::broadcast(0));
-    slope = spiky * (s * s) / r;
+    // Not zero: some slopes are divided by it.
+    q = sqrt(max(r2, T(1e-30f))) * T(factors.inverse_h);
   }
 };
 
-template <class Set>
+template <class Set, class Shape>
 DensitySums density_sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                          const SmoothingFactors& factors) {
-  const float* base = &records->x;
-  const auto x = Set::broadcast(at.x), y = Set::broadcast(at.y), z = Set::broadcast(at.z);
-  const auto h = Set::broadcast(factors.h), h2 = Set::broadcast(factors.h * factors.h);
-  const auto spiky = Set::broadcast(factors.spiky), zero = Set::broadcast(0);
+  using T = simd::Pack<Set>;
   Sixteen<Set> density, squared, gx, gy, gz;
   for (std::size_t k = 0; k < count; k += 16) {
     for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const Gathered<Set> other(base, list + k + static_cast<std::size_t>(r * Set::lanes));
-      const Near<Set> near(other, x, y, z, h, spiky);
-      const auto t = Set::max(h2 - near.r2, zero);
-      density.sum[r] += t * t * t;
-      squared.sum[r] += other.w * (near.slope * near.slope * near.r2);
-      gx.sum[r] += near.slope * near.dx;
-      gy.sum[r] += near.slope * near.dy;
-      gz.sum[r] += near.slope * near.dz;
+      const Gathered<Set> other(&records->x, list + k + static_cast<std::size_t>(r * Set::lanes));
+      const Near<Set> near(other, at, factors);
+      const T slope = T(factors.slope_factor) * Shape::slope(near.q);
+      density.add(r, Shape::value(near.q));
+      squared.add(r, T(other.w) * (slope * slope * near.r2));
+      gx.add(r, slope * near.dx);
+      gy.add(r, slope * near.dy);
+      gz.add(r, slope * near.dz);
     }
   }
   const FourLanes four = add_lanes(density.four(), gx.four(), gy.four(), gz.four());
   const FourLanes q = squared.four();
-  return {factors.poly6 * four[0], (q[0] + q[2]) + (q[1] + q[3]), {four[1], four[2], four[3]}};
+  return {factors.value_factor * four[0], (q[0] + q[2]) + (q[1] + q[3]), {four[1], four[2], four[3]}};
 }
 
-template <class Set>
-float density_rate(const Vec4f* records, const Vec4f* motion, const Vec4f& at, const Vec4f& u,
-                   const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  const float *base = &records->x, *motion_base = &motion->x;
-  const auto x = Set::broadcast(at.x), y = Set::broadcast(at.y), z = Set::broadcast(at.z);
-  const auto ux = Set::broadcast(u.x), uy = Set::broadcast(u.y), uz = Set::broadcast(u.z);
-  const auto h = Set::broadcast(factors.h), spiky = Set::broadcast(factors.spiky);
-  Sixteen<Set> rate;
-  for (std::size_t k = 0; k < count; k += 16) {
-    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const std::uint32_t* places = list + k + static_cast<std::size_t>(r * Set::lanes);
-      const Near<Set> near(Gathered<Set>(base, places), x, y, z, h, spiky);
-      const Gathered<Set> other(motion_base, places);
-      rate.sum[r] +=
-          near.slope * ((ux - other.x) * near.dx + (uy - other.y) * near.dy + (uz - other.z) * near.dz);
-    }
-  }
-  const FourLanes four = rate.four();
-  return (four[0] + four[2]) + (four[1] + four[3]);
-}
-
-template <class Set>
+template <class Set, class Shape>
 Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                    const SmoothingFactors& factors) {
-  const float* base = &records->x;
-  const auto x = Set::broadcast(at.x), y = Set::broadcast(at.y), z = Set::broadcast(at.z);
-  const auto q = Set::broadcast(at.w), h = Set::broadcast(factors.h), spiky = Set::broadcast(factors.spiky);
+  using T = simd::Pack<Set>;
   Sixteen<Set> px, py, pz;
   for (std::size_t k = 0; k < count; k += 16) {
     for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const Gathered<Set> other(base, list + k + static_cast<std::size_t>(r * Set::lanes));
-      const Near<Set> near(other, x, y, z, h, spiky);
-      const auto pull = (q + other.w) * near.slope;
-      px.sum[r] += pull * near.dx;
-      py.sum[r] += pull * near.dy;
-      pz.sum[r] += pull * near.dz;
+      const Gathered<Set> other(&records->x, list + k + static_cast<std::size_t>(r * Set::lanes));
+      const Near<Set> near(other, at, factors);
+      const T pull = (T(at.w) + T(other.w)) * (T(factors.slope_factor) * Shape::slope(near.q));
+      px.add(r, pull * near.dx);
+      py.add(r, pull * near.dy);
+      pz.add(r, pull * near.dz);
     }
   }
   const FourLanes four = add_lanes(px.four(), py.four(), pz.four(), FourLanes{});
   return {four[0], four[1], four[2]};
 }
 
-template <class Set>
+template <class Set, class Shape>
 const DensityKernels& density_kernels() {
-  static constexpr DensityKernels kernels{density_sums<Set>, density_rate<Set>, density_push<Set>};
+  static constexpr DensityKernels kernels{density_sums<Set, Shape>, density_push<Set, Shape>};
   return kernels;
 }
 

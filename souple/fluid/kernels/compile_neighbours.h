@@ -11,7 +11,7 @@
 
 namespace souple::kernels {
 
-/// For each set of lanes, bit l for lane l, their numbers in order; and how many they are.
+/// For each set of lanes, bit l for lane l, their numbers times four in order; and how many they are.
 template <class Set, class Number>
 struct LaneTable {
   std::array<std::array<Number, Set::lanes>, 1u << Set::lanes> lanes{};
@@ -19,7 +19,7 @@ struct LaneTable {
   constexpr LaneTable() {
     for (unsigned bits = 0; bits < lanes.size(); ++bits)
       for (unsigned l = 0; l < Set::lanes; ++l)
-        if ((bits >> l & 1) != 0) lanes[bits][count[bits]++] = static_cast<Number>(l);
+        if ((bits >> l & 1) != 0) lanes[bits][count[bits]++] = static_cast<Number>(4 * l);
   }
 };
 
@@ -42,13 +42,13 @@ struct Hits {
 #endif
   }
 
-  /// first + l for each lane l of `bits`; writes a whole register. Returns how many.
+  /// 4 (first + l) for each lane l of `bits`; writes a whole register. Returns how many.
   static std::uint32_t append(std::uint32_t first, std::uint32_t bits, std::uint32_t* found) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
     if constexpr (Set::lanes == 16) {
       const __m512i numbers =
-          _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
-                           _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+          _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(4 * first)),
+                           _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60));
       _mm512_storeu_si512(found, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), numbers));
       return static_cast<std::uint32_t>(__builtin_popcount(bits));
     } else
@@ -58,7 +58,7 @@ struct Hits {
       static constexpr LaneTable<Set, std::uint8_t> table;
       const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(table.lanes[bits].data()));
       const __m256i numbers =
-          _mm256_add_epi32(_mm256_cvtepu8_epi32(bytes), _mm256_set1_epi32(static_cast<int>(first)));
+          _mm256_add_epi32(_mm256_cvtepu8_epi32(bytes), _mm256_set1_epi32(static_cast<int>(4 * first)));
       _mm256_storeu_si256(reinterpret_cast<__m256i*>(found), numbers);
       return table.count[bits];
     } else
@@ -67,7 +67,7 @@ struct Hits {
       static constexpr LaneTable<Set, std::int32_t> table;
       Mask numbers;
       std::memcpy(&numbers, table.lanes[bits].data(), sizeof numbers);
-      numbers += static_cast<std::int32_t>(first);
+      numbers += static_cast<std::int32_t>(4 * first);
       std::memcpy(found, &numbers, sizeof numbers);
       return table.count[bits];
     }

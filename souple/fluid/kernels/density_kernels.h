@@ -12,15 +12,12 @@
 
 namespace souple::kernels {
 
-/// Smoothing kernels of support h (Müller et al. 2003, "Particle-based fluid simulation for interactive
-/// applications", equations 20 and 21), times a factor each that makes their lattice sums exact:
-///
-///   W(r)      = poly6 (h^2 - r^2)^3
-///   grad W(r) = spiky (h - r)^2 d / r,   d = x_i - x_j, spiky < 0
+/// W(r) = value_factor value(r / h), grad W = slope_factor slope(r / h) d; see shapes.h.
 struct SmoothingFactors {
-  float h = 1;      ///< m
-  float poly6 = 0;  ///< 1/m^9
-  float spiky = 0;  ///< 1/m^6
+  float h = 1;             ///< support [m]
+  float inverse_h = 1;     ///< 1/m
+  float value_factor = 0;  ///< 1/m^3
+  float slope_factor = 0;  ///< < 0 [1/m^5]
 };
 
 /// What the density of a particle is made of.
@@ -36,18 +33,15 @@ struct DensityKernels {
   /// `records`: x, y, z and the inverse mass w.
   DensitySums (*sums)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                       const SmoothingFactors& factors);
-  /// sum_j (u_i - u_j) . grad W_ij, where `motion` has u; `records` as above.
-  float (*rate)(const Vec4f* records, const Vec4f* motion, const Vec4f& at, const Vec4f& u,
-                const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
   /// sum_j (q_i + q_j) grad W_ij; `records`: x, y, z and q, `at` too.
   Vec3f (*push)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                 const SmoothingFactors& factors);
 };
 
-/// Sixteen lanes of plain floats, to compare with.
+/// One neighbour after the other, to compare with.
 struct PlainLanes;
 
-template <class Set>
+template <class Set, class Shape>
 const DensityKernels& density_kernels();
 
 }  // namespace souple::kernels

@@ -6,9 +6,12 @@
 
 namespace souple::kernels {
 
+/// Those of shapes.h.
+enum class SmoothingShape { wendland, poly6_spiky, cubic_spline };
+
 // Those of an instruction set; scalar code where there are none. Results are the same.
 
 const NeighbourKernels& find_neighbour_kernels(InstructionSet set);
-const DensityKernels& find_density_kernels(InstructionSet set);
+const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape);
 
 }  // namespace souple::kernels

@@ -19,7 +19,8 @@ struct PointColumns {
 
 struct NeighbourKernels {
   /// Which points of the ranges are closer to point i than the square root of `radius_squared`, itself left
-  /// out: appended to `found`, in order. Returns how many; room for 16 more than all is needed.
+  /// out: their places times four (where their record of four floats begins), written to `found` in order.
+  /// Returns how many; room for 16 more than all is needed.
   std::uint32_t (*near_point)(const PointColumns& points, std::uint32_t i, const PlaceRange* ranges,
                               std::size_t range_count, float radius_squared, std::uint32_t* found);
 };

@@ -3,7 +3,13 @@
 #include "souple/fluid/kernels/compile_density.h"
 #include "souple/fluid/kernels/compile_neighbours.h"
 
-template const souple::kernels::NeighbourKernels& souple::kernels::neighbour_kernels<souple::simd::Neon>();
-template const souple::kernels::DensityKernels& souple::kernels::density_kernels<souple::simd::Neon>();
+namespace souple::kernels {
+
+template const NeighbourKernels& neighbour_kernels<simd::Neon>();
+template const DensityKernels& density_kernels<simd::Neon, Wendland>();
+template const DensityKernels& density_kernels<simd::Neon, Poly6Spiky>();
+template const DensityKernels& density_kernels<simd::Neon, CubicSpline>();
+
+}  // namespace souple::kernels
 
 #endif

@@ -10,7 +10,7 @@ std::uint32_t near_point<OneLane>(const PointColumns& points, std::uint32_t i, c
   for (std::size_t r = 0; r < range_count; ++r) {
     for (std::uint32_t k = ranges[r].begin; k < ranges[r].end; ++k) {
       const float dx = x[k] - x[i], dy = y[k] - y[i], dz = z[k] - z[i];
-      if (dx * dx + dy * dy + dz * dz < radius_squared && k != i) found[count++] = k;
+      if (dx * dx + dy * dy + dz * dz < radius_squared && k != i) found[count++] = 4 * k;
     }
   }
   return count;

@@ -1,6 +1,6 @@
 #include "souple/fluid/kernels/density_kernels.h"
+#include "souple/fluid/kernels/shapes.h"
 
-#include <algorithm>
 #include <cmath>
 
 // What compile_density.h does, one neighbour after the other.
@@ -11,14 +11,12 @@ namespace {
 
 struct Near {
   Vec3f d;
-  float r2, slope;
+  float r2, q;
 
   Near(const Vec4f& at, const Vec4f& other, const SmoothingFactors& factors) {
     d = at.xyz() - other.xyz();
     r2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    const float r = std::sqrt(std::max(r2, 1e-30f));
-    const float s = std::max(factors.h - r, 0.0f);
-    slope = factors.spiky * (s * s) / r;
+    q = std::sqrt(max(r2, 1e-30f)) * factors.inverse_h;
   }
 };
 
@@ -31,40 +29,31 @@ struct Sixteen {
   }
 };
 
+template <class Shape>
 DensitySums sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                  const SmoothingFactors& factors) {
   Sixteen density, squared, gx, gy, gz;
   for (std::size_t k = 0; k < count; ++k) {
     const Vec4f& other = records[list[k] / 4];
     const Near near(at, other, factors);
-    const float t = std::max(factors.h * factors.h - near.r2, 0.0f);
-    density.sum[k % 16] += t * t * t;
-    squared.sum[k % 16] += other.w * (near.slope * near.slope * near.r2);
-    gx.sum[k % 16] += near.slope * near.d.x;
-    gy.sum[k % 16] += near.slope * near.d.y;
-    gz.sum[k % 16] += near.slope * near.d.z;
+    const float slope = factors.slope_factor * Shape::slope(near.q);
+    density.sum[k % 16] += Shape::value(near.q);
+    squared.sum[k % 16] += other.w * (slope * slope * near.r2);
+    gx.sum[k % 16] += slope * near.d.x;
+    gy.sum[k % 16] += slope * near.d.y;
+    gz.sum[k % 16] += slope * near.d.z;
   }
-  return {factors.poly6 * density.total(), squared.total(), {gx.total(), gy.total(), gz.total()}};
+  return {factors.value_factor * density.total(), squared.total(), {gx.total(), gy.total(), gz.total()}};
 }
 
-float rate(const Vec4f* records, const Vec4f* motion, const Vec4f& at, const Vec4f& u,
-           const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  Sixteen sum;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Near near(at, records[list[k] / 4], factors);
-    const Vec3f relative = u.xyz() - motion[list[k] / 4].xyz();
-    sum.sum[k % 16] += near.slope * (relative.x * near.d.x + relative.y * near.d.y + relative.z * near.d.z);
-  }
-  return sum.total();
-}
-
+template <class Shape>
 Vec3f push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
            const SmoothingFactors& factors) {
   Sixteen px, py, pz;
   for (std::size_t k = 0; k < count; ++k) {
     const Vec4f& other = records[list[k] / 4];
     const Near near(at, other, factors);
-    const float pull = (at.w + other.w) * near.slope;
+    const float pull = (at.w + other.w) * (factors.slope_factor * Shape::slope(near.q));
     px.sum[k % 16] += pull * near.d.x;
     py.sum[k % 16] += pull * near.d.y;
     pz.sum[k % 16] += pull * near.d.z;
@@ -72,12 +61,22 @@ Vec3f push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std
   return {px.total(), py.total(), pz.total()};
 }
 
+template <class Shape>
+constexpr DensityKernels plain{sums<Shape>, push<Shape>};
+
 }  // namespace
 
 template <>
-const DensityKernels& density_kernels<PlainLanes>() {
-  static constexpr DensityKernels kernels{sums, rate, push};
-  return kernels;
+const DensityKernels& density_kernels<PlainLanes, Wendland>() {
+  return plain<Wendland>;
+}
+template <>
+const DensityKernels& density_kernels<PlainLanes, Poly6Spiky>() {
+  return plain<Poly6Spiky>;
+}
+template <>
+const DensityKernels& density_kernels<PlainLanes, CubicSpline>() {
+  return plain<CubicSpline>;
 }
 
 }  // namespace souple::kernels

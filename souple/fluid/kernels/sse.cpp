@@ -1,5 +1,11 @@
 #include "souple/fluid/kernels/compile_density.h"
 #include "souple/fluid/kernels/compile_neighbours.h"
 
-template const souple::kernels::NeighbourKernels& souple::kernels::neighbour_kernels<souple::simd::Sse>();
-template const souple::kernels::DensityKernels& souple::kernels::density_kernels<souple::simd::Sse>();
+namespace souple::kernels {
+
+template const NeighbourKernels& neighbour_kernels<simd::Sse>();
+template const DensityKernels& density_kernels<simd::Sse, Wendland>();
+template const DensityKernels& density_kernels<simd::Sse, Poly6Spiky>();
+template const DensityKernels& density_kernels<simd::Sse, CubicSpline>();
+
+}  // namespace souple::kernels

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "souple/math/scalar.h"
+
+// Smoothing kernels by their shape over q = r / h, h their support; T is float or a register of them. Factors
+// that make them integrate to one are found by sums over a lattice (smoothing.h).
+//
+//   W(r)      = a value(q)
+//   grad W(r) = b slope(q) d,   d = x_i - x_j,  b < 0
+
+namespace souple::kernels {
+
+/// Wendland's C2 (Dehnen and Aly 2012, table 1): (1 - q)^4 (1 + 4 q). The density of a packing hardly depends
+/// on how its particles are packed, so that a fluid keeps its volume as it settles.
+struct Wendland {
+  template <class T>
+  static T value(T q) {
+    const T t = max(1.0f - q, T(0.0f)), t2 = t * t;
+    return t2 * t2 * (1.0f + 4.0f * q);
+  }
+  /// Its own: dW/dr / r = -20 / h^2 (1 - q)^3.
+  template <class T>
+  static T slope(T q) {
+    const T t = max(1.0f - q, T(0.0f));
+    return t * t * t;
+  }
+};
+
+/// Müller et al. 2003, "Particle-based fluid simulation for interactive applications", equations 20 and 21,
+/// as Macklin and Müller 2013 take them: poly6 for the density, the gradient of the spiky kernel beside it.
+struct Poly6Spiky {
+  template <class T>
+  static T value(T q) {
+    const T t = max(1.0f - q * q, T(0.0f));
+    return t * t * t;
+  }
+  template <class T>
+  static T slope(T q) {
+    const T t = max(1.0f - q, T(0.0f));
+    return t * t / q;
+  }
+};
+
+/// The cubic spline (Monaghan 1992): (1 - q)^3 - 4 (1/2 - q)^3, each where it is positive.
+struct CubicSpline {
+  template <class T>
+  static T value(T q) {
+    const T t = max(1.0f - q, T(0.0f)), u = max(0.5f - q, T(0.0f));
+    return t * t * t - 4.0f * (u * u * u);
+  }
+  template <class T>
+  static T slope(T q) {
+    const T t = max(1.0f - q, T(0.0f)), u = max(0.5f - q, T(0.0f));
+    return (t * t - 4.0f * (u * u)) / q;
+  }
+};
+
+}  // namespace souple::kernels

@@ -1,0 +1,120 @@
+#include "souple/fluid/kernels/shapes.h"
+#include "souple/fluid/smoothing.h"
+#include "tests/fluid/clouds.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using kernels::SmoothingShape;
+
+constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::poly6_spiky,
+                                     SmoothingShape::cubic_spline};
+
+constexpr float d = 0.02f;  // m
+
+/// V sum_j W, and V d sum_j grad W, of a particle of the lattice at rest that has those neighbours which
+/// `has` says, by their place in it.
+template <class Has>
+std::pair<float, Vec3f> sums_on_lattice(const Smoothing& smoothing, SmoothingShape shape, const Has& has) {
+  std::vector<Vec4f> records;
+  std::vector<std::uint32_t> list;
+  for (int i = -3; i <= 3; ++i)
+    for (int j = -3; j <= 3; ++j)
+      for (int k = -3; k <= 3; ++k) {
+        if ((i == 0 && j == 0 && k == 0) || !has(i)) continue;
+        list.push_back(static_cast<std::uint32_t>(4 * records.size()));
+        records.push_back({d * float(i), d * float(j), d * float(k), 1});
+      }
+  while (list.size() % 16 != 0) list.push_back(static_cast<std::uint32_t>(4 * records.size()));
+  records.push_back({1e15f, 1e15f, 1e15f, 0});
+  const kernels::DensitySums sums =
+      kernels::find_density_kernels(instruction_set(), shape)
+          .sums(records.data(), {}, list.data(), list.size(), smoothing.factors());
+  return {smoothing.volume() * (sums.density + smoothing.centre()), sums.gradient * (smoothing.volume() * d)};
+}
+
+double density_at_rest(SmoothingShape shape) {
+  return shape == SmoothingShape::poly6_spiky ? 1.01 : 1;
+}
+
+TEST(Smoothing, ALatticeAtRestHasDensityOne) {
+  for (const SmoothingShape shape : shapes) {
+    const auto [density, gradient] = sums_on_lattice(Smoothing(d, shape), shape, [](int) { return true; });
+    EXPECT_NEAR(density, density_at_rest(shape), 1e-5);
+    EXPECT_NEAR(length(gradient), 0, 1e-5);
+  }
+}
+
+// What is behind a wall stands for the half of the lattice that is not there.
+TEST(Smoothing, AWallStandsForTheOtherHalf) {
+  for (const SmoothingShape shape : shapes) {
+    const Smoothing smoothing(d, shape);
+    const auto [density, gradient] = sums_on_lattice(smoothing, shape, [](int i) { return i >= 0; });
+    const Smoothing::Wall wall = smoothing.wall(d / 2);
+    EXPECT_NEAR(density + wall.value, density_at_rest(shape), 2e-3);
+    // Equal pressures do not push: the fluid has a multiplier at either end, the wall one.
+    EXPECT_NEAR(2 * gradient.x + wall.slope * d, 0, shape == SmoothingShape::wendland ? 5e-3 : 0.15);
+  }
+}
+
+// The nearer, the more; nothing beyond the support.
+TEST(Smoothing, AWallPushesAwayFromIt) {
+  for (const SmoothingShape shape : shapes) {
+    const Smoothing smoothing(1, shape);
+    for (float s = -1; s < 2; s += 0.05f) {
+      const float rise = smoothing.wall(s + 0.01f).value - smoothing.wall(s - 0.01f).value;
+      EXPECT_LE(rise, 0);
+      EXPECT_LE(smoothing.wall(s).slope, 0);
+    }
+    EXPECT_EQ(smoothing.wall(2).value, 0);
+    EXPECT_EQ(smoothing.wall(2).slope, 0);
+  }
+}
+
+TEST(Smoothing, SlopesAreDerivatives) {
+  const auto check = [](const auto& shape) {
+    using S = std::decay_t<decltype(shape)>;
+    const double scale = S::slope(0.3) * 0.3 / (S::value(0.301) - S::value(0.299));
+    for (double q = 0.05; q < 0.95; q += 0.05)
+      EXPECT_NEAR(S::slope(q) * q, scale * (S::value(q + 0.001) - S::value(q - 0.001)), 1e-4) << q;
+  };
+  check(kernels::Wendland{});
+  check(kernels::CubicSpline{});  // poly6 and spiky are not each other's
+}
+
+// Lists of a cloud: all instruction sets and the plain loop give the same bits.
+TEST(DensityKernels, GiveTheSameBits) {
+  std::vector<Vec4f> records = test::random_cloud(300, 1, 1);
+  for (std::size_t i = 0; i < records.size(); ++i) records[i].w = 0.01f * static_cast<float>(i);
+  records[7] = records[8];  // two in one place
+  std::vector<std::uint32_t> list;
+  for (std::uint32_t i = 0; i < 300; ++i) list.push_back(4 * i);
+  while (list.size() % 16 != 0) list.push_back(4 * 300);
+  records.push_back({1e15f, 1e15f, 1e15f, 0});
+  const Smoothing smoothing(0.2f);
+  for (const SmoothingShape shape : shapes) {
+    const auto& plain = kernels::find_density_kernels(InstructionSet::scalar, shape);
+    for (const InstructionSet set :
+         {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
+      if (set > instruction_set()) continue;
+      const auto& packed = kernels::find_density_kernels(set, shape);
+      for (const std::uint32_t i : {0u, 7u, 100u, 299u}) {
+        const auto a = plain.sums(records.data(), records[i], list.data(), list.size(), smoothing.factors());
+        const auto b = packed.sums(records.data(), records[i], list.data(), list.size(), smoothing.factors());
+        EXPECT_EQ(a.density, b.density);
+        EXPECT_EQ(a.gradient_squared, b.gradient_squared);
+        EXPECT_EQ(a.gradient, b.gradient);
+        EXPECT_TRUE(std::isfinite(a.density) && is_finite(a.gradient));
+        EXPECT_EQ(plain.push(records.data(), records[i], list.data(), list.size(), smoothing.factors()),
+                  packed.push(records.data(), records[i], list.data(), list.size(), smoothing.factors()));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace souple
