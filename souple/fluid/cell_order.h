@@ -39,6 +39,8 @@ class CellOrder {
   /// x, y or z by place; readable for 16 floats beyond the last.
   const float* component(int axis) const { return component_[static_cast<std::size_t>(axis)].data(); }
 
+  /// Where cell (0, 0, 0) begins along an axis [m].
+  double corner(int axis) const { return corner_[axis]; }
   /// Each followed by one that says where the last ends.
   std::span<const Cell> cells() const { return cells_; }
   std::span<const Row> rows() const { return rows_; }

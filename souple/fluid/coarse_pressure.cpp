@@ -1,0 +1,198 @@
+#include "souple/fluid/coarse_pressure.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+
+namespace {
+
+constexpr int coordinate_bits = 21;
+
+std::uint64_t node_key(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return static_cast<std::uint64_t>(z) << (2 * coordinate_bits) |
+         static_cast<std::uint64_t>(y) << coordinate_bits | static_cast<std::uint64_t>(x);
+}
+
+/// K y of the unit cube; corner e lies at (e & 1, e >> 1 & 1, e >> 2).
+template <class Eight>
+Eight element(const Eight& y) {
+  const double sum = ((y[0] + y[1]) + (y[2] + y[3])) + ((y[4] + y[5]) + (y[6] + y[7]));
+  Eight result;
+  for (std::size_t e = 0; e < 8; ++e) {
+    const double along_edges = y[e ^ 1] + y[e ^ 2] + y[e ^ 4];
+    result[e] = y[e] / 3 - (sum - y[e] - along_edges) / 12;
+  }
+  return result;
+}
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+
+void CoarsePressure::begin_step(std::span<const Vec4f> positions, float cell_size, Threads& threads) {
+  size_ = cell_size;
+  order_.build(positions, cell_size, threads);
+  find_nodes();
+}
+
+void CoarsePressure::find_nodes() {
+  const auto cells = order_.cells();
+  const auto rows = order_.rows();
+  const std::size_t count = order_.cell_count();
+  keys_.clear();
+  for (std::size_t row = 0; row < order_.row_count(); ++row)
+    for (std::uint32_t c = rows[row].begin; c < rows[row + 1].begin; ++c)
+      for (std::uint32_t e = 0; e < 8; ++e)
+        keys_.push_back(node_key(cells[c].x + (e & 1), rows[row].y + (e >> 1 & 1), rows[row].z + (e >> 2)));
+  node_keys_ = keys_;
+  std::sort(node_keys_.begin(), node_keys_.end());
+  node_keys_.erase(std::unique(node_keys_.begin(), node_keys_.end()), node_keys_.end());
+  corners_.resize(count);
+  origin_.resize(count);
+  begin_.assign(node_keys_.size() + 1, 0);
+  for (std::size_t c = 0; c < count; ++c) {
+    for (std::size_t e = 0; e < 8; ++e) {
+      const auto at = std::lower_bound(node_keys_.begin(), node_keys_.end(), keys_[8 * c + e]);
+      corners_[c][e] = static_cast<std::uint32_t>(at - node_keys_.begin());
+      ++begin_[corners_[c][e] + 1];
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto cell =
+          keys_[8 * c] >> (axis * coordinate_bits) & ((std::uint64_t{1} << coordinate_bits) - 1);
+      origin_[c][static_cast<std::size_t>(axis)] =
+          static_cast<float>(order_.corner(axis) + static_cast<double>(cell) * static_cast<double>(size_));
+    }
+  }
+  for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
+  terms_.resize(8 * count);
+  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+  for (std::uint32_t c = 0; c < count; ++c)
+    for (std::uint32_t e = 0; e < 8; ++e) terms_[next[corners_[c][e]]++] = 8 * c + e;
+  // A node begins with what it had in the last step; new ones with nothing.
+  std::vector<double> y(node_keys_.size(), 0);
+  for (std::size_t n = 0; n < last_keys_.size() && n < last_y_.size(); ++n) {
+    const auto at = std::lower_bound(node_keys_.begin(), node_keys_.end(), last_keys_[n]);
+    if (at != node_keys_.end() && *at == last_keys_[n])
+      y[static_cast<std::size_t>(at - node_keys_.begin())] = last_y_[n];
+  }
+  y_ = std::move(y);
+}
+
+std::array<float, 8> CoarsePressure::weights(std::size_t cell, const Vec4f& position) const {
+  const float inverse = 1 / size_;
+  // Particles wander a little out of their cell within a step: the weights go on linearly.
+  const float x = (position.x - origin_[cell][0]) * inverse, y = (position.y - origin_[cell][1]) * inverse,
+              z = (position.z - origin_[cell][2]) * inverse;
+  const float a = 1 - x, b = 1 - y, c = 1 - z;
+  return {a * b * c, x * b * c, a * y * c, x * y * c, a * b * z, x * b * z, a * y * z, x * y * z};
+}
+
+void CoarsePressure::gather(std::span<const Eight> of_cells, std::vector<double>& of_nodes) const {
+  of_nodes.resize(y_.size());
+  for (std::size_t n = 0; n < y_.size(); ++n) {
+    double sum = 0;
+    for (std::uint32_t t = begin_[n]; t < begin_[n + 1]; ++t) sum += of_cells[terms_[t] / 8][terms_[t] % 8];
+    of_nodes[n] = sum;
+  }
+}
+
+void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& result) {
+  for (std::size_t c = 0; c < corners_.size(); ++c) {
+    Eight at;
+    for (std::size_t e = 0; e < 8; ++e) at[e] = y[corners_[c][e]];
+    cell_sums_[c] = element(at);
+    for (double& value : cell_sums_[c]) value *= stiffness_[c];
+  }
+  gather(cell_sums_, result);
+  for (std::size_t n = 0; n < y.size(); ++n) result[n] += diagonal_[n] * y[n];
+}
+
+void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float w,
+                           float surface, Threads& threads) {
+  constexpr int most_iterations = 30;
+  constexpr double tolerance = 0.02, kept = 0.9;
+  const std::size_t count = order_.cell_count();
+  cell_sums_.resize(count);
+  cell_diagonals_.resize(count);
+  stiffness_.resize(count);
+  threads.for_each(count, 16, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c) {
+      Eight b{}, diagonal{};
+      for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
+        const std::uint32_t place = order_.order()[k];
+        const Sample& sample = samples[place];
+        const std::array<float, 8> n = weights(c, positions[place]);
+        const float pushed = sample.c > -surface ? sample.c : 0;
+        for (std::size_t e = 0; e < 8; ++e) {
+          b[e] -= static_cast<double>(n[e] * pushed);
+          diagonal[e] += static_cast<double>(n[e] * sample.roughness);
+        }
+      }
+      for (double& value : diagonal) value *= 2 * static_cast<double>(w);
+      cell_sums_[c] = b;
+      cell_diagonals_[c] = diagonal;
+      const auto n = static_cast<double>(order_.cells()[c + 1].begin - order_.cells()[c].begin);
+      stiffness_[c] = n * static_cast<double>(w) / (static_cast<double>(size_) * static_cast<double>(size_));
+    }
+  });
+  gather(cell_sums_, b_);
+  gather(cell_diagonals_, diagonal_);
+  for (std::size_t c = 0; c < count; ++c) cell_diagonals_[c].fill(stiffness_[c] / 3);
+  gather(cell_diagonals_, preconditioner_);
+  for (std::size_t n = 0; n < y_.size(); ++n) {
+    diagonal_[n] = std::max(diagonal_[n], 0.0);
+    preconditioner_[n] = 1 / (preconditioner_[n] + diagonal_[n]);
+    y_[n] *= kept;
+  }
+
+  // r = b - A y; z = M^-1 r
+  apply(y_, ap_);
+  r_.resize(y_.size());
+  p_.resize(y_.size());
+  double rz = 0;
+  for (std::size_t n = 0; n < y_.size(); ++n) {
+    r_[n] = b_[n] - ap_[n];
+    p_[n] = preconditioner_[n] * r_[n];
+    rz += r_[n] * p_[n];
+  }
+  double bb = 0;
+  for (std::size_t n = 0; n < y_.size(); ++n) bb += b_[n] * preconditioner_[n] * b_[n];
+  iterations_ = 0;
+  while (iterations_ < most_iterations && rz > tolerance * tolerance * bb) {
+    apply(p_, ap_);
+    const double alpha = rz / dot(p_, ap_);
+    double next = 0;
+    for (std::size_t n = 0; n < y_.size(); ++n) {
+      y_[n] += alpha * p_[n];
+      r_[n] -= alpha * ap_[n];
+      next += r_[n] * preconditioner_[n] * r_[n];
+    }
+    for (std::size_t n = 0; n < y_.size(); ++n) p_[n] = preconditioner_[n] * r_[n] + next / rz * p_[n];
+    rz = next;
+    ++iterations_;
+  }
+  last_keys_ = node_keys_;
+  last_y_ = y_;
+}
+
+void CoarsePressure::interpolate(std::span<const Vec4f> positions, std::span<const Sample> samples,
+                                 float surface, std::span<float> lambda, Threads& threads) const {
+  threads.for_each(order_.cell_count(), 16, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c) {
+      for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
+        const std::uint32_t place = order_.order()[k];
+        const std::array<float, 8> n = weights(c, positions[place]);
+        float sum = 0;
+        for (std::size_t e = 0; e < 8; ++e) sum += n[e] * static_cast<float>(y_[corners_[c][e]]);
+        lambda[place] = samples[place].c > -surface ? sum : 0;
+      }
+    }
+  });
+}
+
+}  // namespace souple

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "souple/fluid/cell_order.h"
+#include "souple/solver/threads.h"
+#include "souple/state/particles.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// The smooth part of a fluid's pressure. A pass over neighbours carries a multiplier by one particle's
+/// spacing, so a deep fluid would take as many passes as it has layers, squared; here multipliers are
+/// interpolated from the nodes a of a grid of cells of size H, trilinearly, and what the nodes want is solved
+/// for at once:
+///
+///   A y = b,   b_a = -sum_i N_a(x_i) C_i,   lambda_i = sum_a N_a(x_i) y_a
+///   A = sum_cells n w / H^2 K + diag(2 w sum_i |2 G_i + g_i|^2 N_a(x_i))
+///
+/// with n particles of inverse mass w in a cell and K the Laplacian of the unit cube's trilinear element: 1/3
+/// on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j grad W_ij
+/// and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G + g is
+/// large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down. Particles
+/// of a free surface (C_i below -surface) have none of b.
+class CoarsePressure {
+ public:
+  /// What a particle brings in.
+  struct Sample {
+    float c = 0;          ///< C = rho / rho_0 - 1
+    float roughness = 0;  ///< |2 G + g|^2 [1/m^2]
+  };
+
+  /// Lays the grid for a step. `positions` by place; H = cell_size > 0 [m].
+  void begin_step(std::span<const Vec4f> positions, float cell_size, Threads& threads);
+  /// Solves for y by conjugate gradients with diagonal preconditioning, from 0.9 times the last y, until the
+  /// residual is a fiftieth of b; `positions` and `samples` by place, w [1/kg]. In one order of sums,
+  /// whatever the threads.
+  void solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float w, float surface,
+             Threads& threads);
+  /// lambda_i of each place; 0 at a free surface. [kg m^2 / ... as C over w |grad C|^2]
+  void interpolate(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
+                   std::span<float> lambda, Threads& threads) const;
+  int iterations() const { return iterations_; }  ///< of the last solve
+  std::size_t node_count() const { return y_.size(); }
+
+ private:
+  using Corners = std::array<std::uint32_t, 8>;
+  using Eight = std::array<double, 8>;
+
+  void find_nodes();
+  std::array<float, 8> weights(std::size_t cell, const Vec4f& position) const;
+  void gather(std::span<const Eight> of_cells, std::vector<double>& of_nodes) const;
+  void apply(const std::vector<double>& y, std::vector<double>& result);
+
+  float size_ = 1;
+  CellOrder order_;
+  std::vector<std::array<float, 3>> origin_;  // of each cell: its lower corner [m]
+  std::vector<Corners> corners_;              // of each cell: its nodes
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::uint32_t> begin_, terms_;  // of each node: 8 cell + corner, ascending
+  std::vector<double> stiffness_;             // of each cell: n w / H^2
+  std::vector<Eight> cell_sums_, cell_diagonals_;
+  std::vector<double> y_, b_, diagonal_, preconditioner_, r_, p_, ap_;
+  std::vector<std::uint64_t> node_keys_, last_keys_;
+  std::vector<double> last_y_;
+  int iterations_ = 0;
+};
+
+}  // namespace souple
