@@ -10,8 +10,9 @@ namespace {
 constexpr int coordinate_bits = 21;
 
 std::uint64_t node_key(std::int64_t x, std::int64_t y, std::int64_t z) {
-  return static_cast<std::uint64_t>(z) << (2 * coordinate_bits) |
-         static_cast<std::uint64_t>(y) << coordinate_bits | static_cast<std::uint64_t>(x);
+  constexpr std::uint64_t mask = (std::uint64_t{1} << coordinate_bits) - 1;
+  return (static_cast<std::uint64_t>(z) & mask) << (2 * coordinate_bits) |
+         (static_cast<std::uint64_t>(y) & mask) << coordinate_bits | (static_cast<std::uint64_t>(x) & mask);
 }
 
 /// K y of the unit cube; corner e lies at (e & 1, e >> 1 & 1, e >> 2).
@@ -44,28 +45,35 @@ void CoarsePressure::find_nodes() {
   const auto cells = order_.cells();
   const auto rows = order_.rows();
   const std::size_t count = order_.cell_count();
+  // Nodes are named by where they are, about, so that the next step's grid, which begins elsewhere, knows
+  // them.
+  std::int64_t first[3];
+  for (int axis = 0; axis < 3; ++axis)
+    first[axis] = std::llround(order_.corner(axis) / static_cast<double>(size_)) + (std::int64_t{1} << 19);
   keys_.clear();
-  for (std::size_t row = 0; row < order_.row_count(); ++row)
-    for (std::uint32_t c = rows[row].begin; c < rows[row + 1].begin; ++c)
+  origin_.clear();
+  for (std::size_t row = 0; row < order_.row_count(); ++row) {
+    for (std::uint32_t c = rows[row].begin; c < rows[row + 1].begin; ++c) {
+      const std::int32_t cell[3] = {cells[c].x, rows[row].y, rows[row].z};
       for (std::uint32_t e = 0; e < 8; ++e)
-        keys_.push_back(node_key(cells[c].x + (e & 1), rows[row].y + (e >> 1 & 1), rows[row].z + (e >> 2)));
+        keys_.push_back(node_key(first[0] + cell[0] + (e & 1), first[1] + cell[1] + (e >> 1 & 1),
+                                 first[2] + cell[2] + (e >> 2)));
+      const auto lower = [&](int axis) {
+        return static_cast<float>(order_.corner(axis) + cell[axis] * static_cast<double>(size_));
+      };
+      origin_.push_back({lower(0), lower(1), lower(2)});
+    }
+  }
   node_keys_ = keys_;
   std::sort(node_keys_.begin(), node_keys_.end());
   node_keys_.erase(std::unique(node_keys_.begin(), node_keys_.end()), node_keys_.end());
   corners_.resize(count);
-  origin_.resize(count);
   begin_.assign(node_keys_.size() + 1, 0);
   for (std::size_t c = 0; c < count; ++c) {
     for (std::size_t e = 0; e < 8; ++e) {
       const auto at = std::lower_bound(node_keys_.begin(), node_keys_.end(), keys_[8 * c + e]);
       corners_[c][e] = static_cast<std::uint32_t>(at - node_keys_.begin());
       ++begin_[corners_[c][e] + 1];
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto cell =
-          keys_[8 * c] >> (axis * coordinate_bits) & ((std::uint64_t{1} << coordinate_bits) - 1);
-      origin_[c][static_cast<std::size_t>(axis)] =
-          static_cast<float>(order_.corner(axis) + static_cast<double>(cell) * static_cast<double>(size_));
     }
   }
   for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
