@@ -1,0 +1,131 @@
+#include "souple/fluid/density_solver.h"
+
+#include "souple/fluid/kernels/find_kernels.h"
+
+#include <algorithm>
+
+namespace souple {
+
+namespace {
+
+constexpr float coarse_spacings = 4;     // of a cell of the coarse level
+constexpr float margin_spacings = 0.2f;  // of the lists, over the support
+constexpr float coarse_share = 0.5f;     // of the coarse level's lambda: more overshoots
+constexpr float jacobi_share = 0.25f;    // of the residual where no pass follows
+constexpr Vec4f far_away{1e15f, 1e15f, 1e15f, 0};
+
+}  // namespace
+
+DensitySolver::DensitySolver(float spacing, const Options& options)
+    : options_(options),
+      smoothing_(spacing, options.shape),
+      kernels_(&kernels::find_density_kernels(instruction_set(), options.shape)),
+      margin_(margin_spacings * spacing) {}
+
+template <class Function>
+void DensitySolver::for_blocks(Threads& threads, const Function& f) const {
+  const auto blocks = neighbours_.blocks();
+  threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b)
+      for (std::uint32_t place = blocks[b].begin; place < blocks[b].end; ++place)
+        f(place, blocks[b].padded(place));
+  });
+}
+
+void DensitySolver::place(std::span<const Vec4f> positions, float w, Threads& threads) {
+  w_ = w;
+  if (!lists_hold(positions)) find_neighbours(positions, threads);
+  const auto order = order_.order();
+  threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      x_[k] = positions[order[k]];
+      x_[k].w = w_;
+      lambda_[k] = 0;
+      moved_[k] = {};
+    }
+  });
+}
+
+// Two particles that were further apart than support and margin cannot meet before one of them has moved by
+// half the margin against the mean motion.
+bool DensitySolver::lists_hold(std::span<const Vec4f> positions) const {
+  if (positions.size() != listed_.size()) return false;
+  Vec3d mean{};
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    mean = mean + Vec3d(positions[i].xyz() - listed_[i].xyz());
+  const Vec3f shift(mean * (1 / std::max(1.0, static_cast<double>(positions.size()))));
+  const float room = 0.25f * margin_ * margin_;
+  return std::all_of(positions.begin(), positions.end(), [&, i = std::size_t{0}](const Vec4f& p) mutable {
+    const Vec3f way = p.xyz() - listed_[i++].xyz() - shift;
+    return dot(way, way) < room;
+  });
+}
+
+void DensitySolver::find_neighbours(std::span<const Vec4f> positions, Threads& threads) {
+  const float reach = smoothing_.support() + margin_;
+  order_.build(positions, reach, threads);
+  neighbours_.find(order_, reach, threads);
+  listed_.assign(positions.begin(), positions.end());
+  const std::size_t n = positions.size();
+  x_.resize(n + 1);
+  q_.resize(n + 1);
+  for (std::size_t k = 0; k < n; ++k) x_[k] = positions[order_.order()[k]];
+  x_[n] = q_[n] = far_away;
+  boundary_.resize(n);
+  looks_.resize(n);
+  samples_.resize(n);
+  lambda_.resize(n);
+  moved_.resize(n);
+  coarse_.begin_step(this->positions(), coarse_spacings * smoothing_.spacing(), threads);
+}
+
+void DensitySolver::find_fluid_sums(Threads& threads) {
+  const float V = smoothing_.volume(), d = smoothing_.spacing();
+  const float least = 1e-3f * w_ / (d * d);  // of a particle alone
+  for_blocks(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
+    const kernels::DensitySums sums =
+        kernels_->sums(x_.data(), x_[k], list.data(), list.size(), smoothing_.factors());
+    const Vec3f G = sums.gradient * V, g = boundary_[k].slope, whole = G + g, rough = G * 2.0f + g;
+    samples_[k].c = V * (sums.density + smoothing_.centre()) + boundary_[k].value - 1;
+    samples_[k].roughness = dot(rough, rough);
+    looks_[k] = {g, w_ * dot(whole, whole) + V * V * sums.gradient_squared + least};
+  });
+}
+
+void DensitySolver::begin_with_smooth_part(Threads& threads) {
+  coarse_.solve(positions(), samples_, w_, surface(), threads);
+  coarse_.interpolate(positions(), samples_, surface(), lambda_, threads);
+  const float added = options_.passes == 0 ? jacobi_share : 0;
+  threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const float wanted = coarse_share * lambda_[k] - added * samples_[k].c / looks_[k].denominator;
+      lambda_[k] = min(wanted, 0.0f);
+      q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * smoothing_.volume()};
+    }
+  });
+  push(threads);
+}
+
+void DensitySolver::relax(Threads& threads) {
+  threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const float wanted = lambda_[k] - options_.omega * samples_[k].c / looks_[k].denominator;
+      const float next = min(wanted, 0.0f);
+      q_[k] = {x_[k].x, x_[k].y, x_[k].z, (next - lambda_[k]) * smoothing_.volume()};
+      lambda_[k] = next;
+    }
+  });
+  push(threads);
+}
+
+void DensitySolver::push(Threads& threads) {
+  const float inverse_volume = 1 / smoothing_.volume();
+  for_blocks(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
+    const Vec3f by_fluid = kernels_->push(q_.data(), q_[k], list.data(), list.size(), smoothing_.factors());
+    const Vec3f by = (by_fluid + looks_[k].slope * (q_[k].w * inverse_volume)) * w_;
+    moved_[k] = moved_[k] + by;
+    x_[k].set_xyz(x_[k].xyz() + by);
+  });
+}
+
+}  // namespace souple

@@ -1,0 +1,111 @@
+#pragma once
+
+#include "souple/fluid/coarse_pressure.h"
+#include "souple/fluid/neighbours.h"
+#include "souple/fluid/smoothing.h"
+
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// What surrounds a fluid's particle besides fluid: walls and bodies. [-], [1/m]
+struct BoundarySums {
+  float value = 0;  ///< added to V sum W
+  Vec3f slope{};    ///< its gradient by the particle's position
+};
+
+/// Keeps a fluid from being compressed (Macklin & Müller 2013, "Position based fluids"): for each particle
+///
+///   C_i = V sum_j W_ij + boundary - 1 <= 0,   dx_i = w (V sum_j (lambda_i + lambda_j) grad W_ij + lambda_i
+///   g_i)
+///
+/// with V the volume of a particle at rest, w its inverse mass, g_i the boundary's slope and lambda_i <= 0,
+/// so that its pressure is -lambda_i / (V h^2) after a substep of h seconds. Pushes between particles are
+/// equal and opposite.
+///
+/// The paper's Jacobi iterations alone carry pressure by a particle's spacing each. Here the smooth part of
+/// lambda comes from a coarse level (coarse_pressure.h), and `passes` of Jacobi mend the rest:
+///
+///   lambda_i <- min(0, lambda_i - omega C_i / (w |V sum_j grad W + g|^2 + w V^2 sum_j |grad W|^2))
+///
+/// Nothing is kept from substep to substep: multipliers that are kept while a few iterations solve for them
+/// are integrated three times over, which is unstable. Substeps have a limit of their own: h sqrt(p / rho) is
+/// to stay below about a third of the spacing, p the largest pressure.
+class DensitySolver {
+ public:
+  struct Options {
+    kernels::SmoothingShape shape = kernels::SmoothingShape::wendland;
+    int passes = 1;       ///< 0: the residual is added to the coarse level's lambda, which costs half
+    float omega = 0.45f;  ///< of a pass; above 0.75 it need not converge
+  };
+  DensitySolver(float spacing, const Options& options);
+
+  const Smoothing& smoothing() const { return smoothing_; }
+
+  /// Takes the particles to where they are predicted to be [m], all of inverse mass w [1/kg]. Sorts them and
+  /// finds neighbours anew when some have moved too far, against all others, since that was done last.
+  void place(std::span<const Vec4f> positions, float w, Threads& threads);
+
+  /// By place. `boundary(begin, end, x, sums)` writes what is around the particles [begin, end).
+  template <class Boundary>
+  void solve(const Boundary& boundary, Threads& threads) {
+    find_sums(boundary, threads);
+    begin_with_smooth_part(threads);
+    for (int pass = 0; pass < options_.passes; ++pass) {
+      find_sums(boundary, threads);
+      relax(threads);
+    }
+  }
+
+  std::size_t size() const { return order_.size(); }
+  std::span<const std::uint32_t> order() const { return order_.order(); }  ///< of each place, the particle
+  std::span<const Vec4f> positions() const { return {x_.data(), size()}; }
+  std::span<const Vec3f> moved() const { return moved_; }  ///< by `solve` [m]
+  std::span<const float> lambda() const { return lambda_; }
+  /// C of the last look, before the last push.
+  float density_error(std::size_t place) const { return samples_[place].c; }
+  const Neighbours& neighbours() const { return neighbours_; }
+  int coarse_iterations() const { return coarse_.iterations(); }
+
+ private:
+  struct Look {         // at a particle's surroundings
+    Vec3f slope;        // of the boundary
+    float denominator;  // w |grad_i C|^2 + ...
+  };
+
+  bool lists_hold(std::span<const Vec4f> positions) const;
+  void find_neighbours(std::span<const Vec4f> positions, Threads& threads);
+  template <class Boundary>
+  void find_sums(const Boundary& boundary, Threads& threads) {
+    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+      boundary(begin, end, positions(), std::span<BoundarySums>(boundary_));
+    });
+    find_fluid_sums(threads);
+  }
+  void find_fluid_sums(Threads& threads);
+  void begin_with_smooth_part(Threads& threads);
+  void relax(Threads& threads);
+  void push(Threads& threads);
+  float surface() const { return 0.5f * smoothing_.wall(0.5f * smoothing_.spacing()).value; }
+  template <class Function>
+  void for_blocks(Threads& threads, const Function& f) const;
+
+  Options options_;
+  Smoothing smoothing_;
+  const kernels::DensityKernels* kernels_;
+  float margin_, w_ = 1;
+  CellOrder order_;
+  Neighbours neighbours_;
+  CoarsePressure coarse_;
+  std::vector<Vec4f> listed_;  // positions when neighbours were found, by particle
+  std::vector<Vec4f> x_,
+      q_;  // by place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away
+  std::vector<BoundarySums> boundary_;
+  std::vector<Look> looks_;
+  std::vector<CoarsePressure::Sample> samples_;
+  std::vector<float> lambda_;
+  std::vector<Vec3f> moved_;
+};
+
+}  // namespace souple

@@ -1,0 +1,155 @@
+#include "souple/fluid/density_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+constexpr float d = 0.02f, gravity = 9.81f, density = 1000;
+
+/// Water in a box without lid, from the corner (0, 0, 0) on.
+struct Pool {
+  int nx, ny, nz;
+  std::unique_ptr<Threads> threads;
+  DensitySolver solver;
+  std::vector<Vec4f> positions;
+  std::vector<Vec3f> velocity, smoothed;
+  double floor_impulse = 0;  // N s
+
+  Pool(int x, int y, int z, int thread_count, const DensitySolver::Options& options = {})
+      : nx(x), ny(y), nz(z), threads(make_threads(Threading::pool, thread_count)), solver(d, options) {
+    for (int j = 0; j < ny; ++j)
+      for (int k = 0; k < nz; ++k)
+        for (int i = 0; i < nx; ++i)
+          positions.push_back({(float(i) + 0.5f) * d, (float(j) + 0.5f) * d, (float(k) + 0.5f) * d, 0});
+    velocity.resize(positions.size());
+    smoothed.resize(positions.size());
+  }
+  float mass() const { return density * solver.smoothing().volume(); }
+  /// The product rule of five walls: what one of them hides the others do not add.
+  BoundarySums walls(const Vec4f& x) const {
+    const float distance[] = {x.x, float(nx) * d - x.x, x.y, x.z, float(nz) * d - x.z};
+    const Vec3f normal[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
+    BoundarySums sums;
+    float left = 1;
+    for (int a = 0; a < 5; ++a) {
+      const Smoothing::Wall wall = solver.smoothing().wall(distance[a]);
+      sums.slope = sums.slope * (1 - wall.value) + normal[a] * (wall.slope * left);
+      left *= 1 - wall.value;
+    }
+    sums.value = 1 - left;
+    return sums;
+  }
+  void substep(float h) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      velocity[i].y -= gravity * h;
+      positions[i].set_xyz(positions[i].xyz() + velocity[i] * h);
+    }
+    solver.place(positions, 1 / mass(), *threads);
+    solver.solve(
+        [&](std::size_t begin, std::size_t end, std::span<const Vec4f> x, std::span<BoundarySums> sums) {
+          for (std::size_t k = begin; k < end; ++k) sums[k] = walls(x[k]);
+        },
+        *threads);
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      const std::uint32_t i = solver.order()[k];
+      positions[i].set_xyz(solver.positions()[k].xyz());
+      velocity[i] = velocity[i] + solver.moved()[k] * (1 / h);
+      floor_impulse += double{mass()} * double{solver.moved()[k].y} / double{h};
+    }
+    smooth();
+  }
+  /// XSPH: velocities come a twentieth closer to those around.
+  void smooth() {
+    for (const Neighbours::Block& block : solver.neighbours().blocks()) {
+      for (std::uint32_t k = block.begin; k < block.end; ++k) {
+        Vec3f mean{};
+        const std::uint32_t i = solver.order()[k];
+        for (const std::uint32_t entry : block.of(k)) {
+          const Vec3f apart = solver.positions()[entry / 4].xyz() - solver.positions()[k].xyz();
+          const float q = length(apart) / (2 * d), t = std::max(1 - q, 0.0f);
+          const float weight = solver.smoothing().factors().value_factor * t * t * t * t * (1 + 4 * q);
+          mean = mean + (velocity[solver.order()[entry / 4]] - velocity[i]) * weight;
+        }
+        smoothed[i] = velocity[i] + mean * (0.05f * solver.smoothing().volume());
+      }
+    }
+    velocity.swap(smoothed);
+  }
+  double rms_speed() const {
+    double sum = 0;
+    for (const Vec3f& v : velocity) sum += double{dot(v, v)};
+    return std::sqrt(sum / double(velocity.size()));
+  }
+  double fill_height() const {  // centre of the top layer, and half a spacing
+    std::vector<float> y;
+    for (const Vec4f& p : positions) y.push_back(p.y);
+    std::sort(y.begin(), y.end());
+    return double{y[y.size() - 1 - std::size_t(nx * nz) / 2]} + 0.5 * double{d};
+  }
+  double pressure(float from, float to, float h) const {  // mean over heights [Pa]
+    double sum = 0;
+    int count = 0;
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      const float y = solver.positions()[k].y;
+      if (y < from || y > to) continue;
+      sum -= double{solver.lambda()[k]} / double{solver.smoothing().volume() * h * h};
+      ++count;
+    }
+    return sum / count;
+  }
+};
+
+// A pool of 25 layers after two seconds: it stands where it stood, still, and its pressure is what lies
+// above.
+TEST(DensitySolver, AColumnRests) {
+  Pool pool(10, 25, 10, 2);
+  constexpr float h = 1.0f / 360;
+  for (int i = 0; i < 720; ++i) pool.substep(h);
+  pool.floor_impulse = 0;
+  for (int i = 0; i < 60; ++i) pool.substep(h);
+  const double height = 25 * double{d};
+  EXPECT_LT(pool.rms_speed(), 0.01);
+  EXPECT_NEAR(pool.fill_height() / height, 1, 0.01);
+  const double weight = double{pool.mass()} * double(pool.positions.size()) * double{gravity};
+  EXPECT_NEAR(pool.floor_impulse / (60 * double{h}) / weight, 1, 0.01);
+  const double below = double{density * gravity} * (height - 0.5 * double{d});
+  EXPECT_NEAR(pool.pressure(0, d, h) / below, 1, 0.03);
+  EXPECT_NEAR(pool.pressure(12 * d, 13 * d, h) / (double{density * gravity} * 12.5 * double{d}), 1, 0.04);
+  double error = 0;
+  for (std::size_t k = 0; k < pool.positions.size(); ++k)
+    error += std::max(0.0, double{pool.solver.density_error(k)}) / double(pool.positions.size());
+  EXPECT_LT(error, 0.005);
+}
+
+TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
+  std::vector<Vec4f> first;
+  for (const int threads : {1, 2, 8}) {
+    Pool pool(8, 12, 8, threads);
+    for (int i = 0; i < 30; ++i) pool.substep(1.0f / 360);
+    if (first.empty()) first = pool.positions;
+    for (std::size_t i = 0; i < first.size(); ++i) ASSERT_EQ(first[i].xyz(), pool.positions[i].xyz());
+  }
+}
+
+TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {
+  Pool pool(8, 8, 8, 2);
+  double largest = 0;
+  for (Vec4f& p : pool.positions) p.set_xyz(p.xyz() * 0.9f);
+  pool.solver.place(pool.positions, 1 / pool.mass(), *pool.threads);
+  pool.solver.solve([](std::size_t, std::size_t, std::span<const Vec4f>, std::span<BoundarySums>) {},
+                    *pool.threads);
+  Vec3d sum{};
+  for (const Vec3f& moved : pool.solver.moved()) {
+    sum = sum + Vec3d(moved);
+    largest += double{length(moved)};
+  }
+  EXPECT_GT(largest, 0);
+  EXPECT_LT(length(sum) / largest, 1e-6);
+}
+
+}  // namespace
+}  // namespace souple
