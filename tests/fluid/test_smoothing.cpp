@@ -109,6 +109,10 @@ TEST(DensityKernels, GiveTheSameBits) {
         EXPECT_EQ(a.gradient_squared, b.gradient_squared);
         EXPECT_EQ(a.gradient, b.gradient);
         EXPECT_TRUE(std::isfinite(a.density) && is_finite(a.gradient));
+        EXPECT_EQ(plain.spread(records.data(), records.data(), records[i], records[i], list.data(),
+                               list.size(), smoothing.factors()),
+                  packed.spread(records.data(), records.data(), records[i], records[i], list.data(),
+                                list.size(), smoothing.factors()));
         EXPECT_EQ(plain.push(records.data(), records[i], list.data(), list.size(), smoothing.factors()),
                   packed.push(records.data(), records[i], list.data(), list.size(), smoothing.factors()));
       }

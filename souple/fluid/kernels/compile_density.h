@@ -111,8 +111,29 @@ Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* l
 }
 
 template <class Set, class Shape>
+Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+                     const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+  using T = simd::Pack<Set>;
+  Sixteen<Set> vx, vy, vz;
+  for (std::size_t k = 0; k < count; k += 16) {
+    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
+      const std::uint32_t* places = list + k + static_cast<std::size_t>(r * Set::lanes);
+      const Near<Set> near(Gathered<Set>(&records->x, places), at, factors);
+      const Gathered<Set> other(&values->x, places);
+      const T weight = T(factors.value_factor) * Shape::value(near.q);
+      vx.add(r, weight * (T(other.x) - T(value.x)));
+      vy.add(r, weight * (T(other.y) - T(value.y)));
+      vz.add(r, weight * (T(other.z) - T(value.z)));
+    }
+  }
+  const FourLanes four = add_lanes(vx.four(), vy.four(), vz.four(), FourLanes{});
+  return {four[0], four[1], four[2]};
+}
+
+template <class Set, class Shape>
 const DensityKernels& density_kernels() {
-  static constexpr DensityKernels kernels{density_sums<Set, Shape>, density_push<Set, Shape>};
+  static constexpr DensityKernels kernels{density_sums<Set, Shape>, density_push<Set, Shape>,
+                                          density_spread<Set, Shape>};
   return kernels;
 }
 

@@ -36,6 +36,9 @@ struct DensityKernels {
   /// sum_j (q_i + q_j) grad W_ij; `records`: x, y, z and q, `at` too.
   Vec3f (*push)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                 const SmoothingFactors& factors);
+  /// sum_j (v_j - v_i) W_ij, where `values` has v of each place, `value` its own.
+  Vec3f (*spread)(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+                  const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
 };
 
 /// One neighbour after the other, to compare with.

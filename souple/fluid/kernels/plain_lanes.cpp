@@ -62,7 +62,22 @@ Vec3f push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std
 }
 
 template <class Shape>
-constexpr DensityKernels plain{sums<Shape>, push<Shape>};
+Vec3f spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+             const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+  Sixteen vx, vy, vz;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Near near(at, records[list[k] / 4], factors);
+    const float weight = factors.value_factor * Shape::value(near.q);
+    const Vec3f v = values[list[k] / 4].xyz() - value.xyz();
+    vx.sum[k % 16] += weight * v.x;
+    vy.sum[k % 16] += weight * v.y;
+    vz.sum[k % 16] += weight * v.z;
+  }
+  return {vx.total(), vy.total(), vz.total()};
+}
+
+template <class Shape>
+constexpr DensityKernels plain{sums<Shape>, push<Shape>, spread<Shape>};
 
 }  // namespace
 
