@@ -115,7 +115,7 @@ void Neighbours::find_in(const CellOrder& order, std::size_t number, float radiu
     std::size_t candidates = 0;
     for (std::size_t r = 0; r < count; ++r) candidates += ranges[r].end - ranges[r].begin;
     for (std::uint32_t i = cells[c].begin; i < cells[c + 1].begin; ++i) {
-      const std::size_t needed = used + candidates + 2 * padding;
+      const std::size_t needed = used + candidates + std::size_t{2} * padding;
       if (block.entry.size() < needed) block.entry.resize(std::max(needed, block.entry.size() * 3 / 2));
       std::uint32_t* list = block.entry.data() + used;
       *first++ = used;

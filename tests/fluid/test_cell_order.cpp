@@ -79,7 +79,7 @@ TEST(CellOrder, AllocatesNothingWhenWarm) {
   const std::vector<Vec4f> points = test::random_cloud(30000, 1, 6);
   CellOrder order;
   order.build(points, 0.05f, *threads);
-  const std::size_t before = test::allocations();
+  const long before = test::allocations();
   order.build(points, 0.05f, *threads);
   EXPECT_EQ(test::allocations(), before);
 }

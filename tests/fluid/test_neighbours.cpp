@@ -110,7 +110,7 @@ TEST(Neighbours, AllocatesNothingWhenWarm) {
   Neighbours neighbours;
   order.build(points, 0.06f, *threads);
   neighbours.find(order, 0.06f, *threads);
-  const std::size_t before = test::allocations();
+  const long before = test::allocations();
   neighbours.find(order, 0.06f, *threads);
   EXPECT_EQ(test::allocations(), before);
 }
