@@ -5,7 +5,6 @@
 #include <array>
 #include <souple/host/drawable.h>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace Ra::Engine::Scene {

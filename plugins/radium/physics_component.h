@@ -1,8 +1,6 @@
 #pragma once
 
 #include <Engine/Scene/Component.hpp>
-#include <souple/host/session.h>
-#include <string>
 
 namespace souple::radium {
 
@@ -10,14 +8,8 @@ namespace souple::radium {
 /// that.
 class PhysicsComponent : public Ra::Engine::Scene::Component {
  public:
-  PhysicsComponent(const std::string& name, Ra::Engine::Scene::Entity* entity, host::Handle object)
-      : Component(name, entity), object_(object) {}
+  using Component::Component;
   void initialize() override {}
-
-  host::Handle object() const { return object_; }
-
- private:
-  host::Handle object_;
 };
 
 }  // namespace souple::radium

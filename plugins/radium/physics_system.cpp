@@ -142,6 +142,7 @@ host::Handle PhysicsSystem::add(const Index& render_object, host::Kind kind, hos
 void PhysicsSystem::remove(host::Handle object) {
   session_.remove(object);
   const auto body = find(object);
+  if (body == bodies_.end()) return;  // it was added to the session itself, and has no mesh here
   hide(*body);
   bodies_.erase(body);
 }
@@ -158,7 +159,7 @@ std::vector<Body>::iterator PhysicsSystem::find(host::Handle object) {
 
 void PhysicsSystem::show(Body body) {
   auto& entity = body.mesh.entity();
-  body.mark = new PhysicsComponent("Souple " + body.name, &entity, body.object());  // the entity's
+  body.mark = new PhysicsComponent("Souple " + body.name, &entity);  // the entity's
   addComponent(&entity, body.mark);
   bodies_.push_back(std::move(body));
 }
@@ -191,9 +192,12 @@ void PhysicsSystem::unregisterComponent(const Ra::Engine::Scene::Entity* entity,
 void PhysicsSystem::forget_deleted() {
   for (std::size_t i = bodies_.size(); i-- > 0;) {
     Body& body = bodies_[i];
-    if (body.mark != nullptr && body.mesh.alive()) continue;
-    messages_.push_back(body.name + " was deleted in Radium: it has left the world");
-    session_.remove(body.object());
+    const bool in_world = session_.contains(body.object());
+    if (in_world && body.mark != nullptr && body.mesh.alive()) continue;
+    if (in_world) {
+      messages_.push_back(body.name + " was deleted in Radium: it has left the world");
+      session_.remove(body.object());
+    }
     hide(body);
     bodies_.erase(bodies_.begin() + static_cast<std::ptrdiff_t>(i));
   }

@@ -19,7 +19,6 @@ namespace souple::radium {
 
 namespace {
 
-using Ra::Core::Vector3;
 using Ra::Core::Vector3Array;
 using Ra::Core::Vector3ui;
 using Ra::Core::Utils::Color;

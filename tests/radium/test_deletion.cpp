@@ -53,6 +53,22 @@ TEST_P(DeletedInRadium, ALoadedMeshLeavesTheWorldInWords) {
   EXPECT_EQ(words(), "");
 }
 
+// Who knows the session can take an object out past the system: its mesh is Radium's again.
+TEST_F(Radium, WhatLeftTheSessionIsForgottenInSilence) {
+  const Index index = show("sheet", sheet(3, 1));
+  const std::vector<float> first = mesh(index).positions();
+  const Handle cloth = system->add(index, Kind::cloth);
+  system->play();
+  frames(5);
+  EXPECT_NE(mesh(index).positions(), first);
+  session().remove(cloth);
+  frames(5);
+  EXPECT_EQ(words(), "");
+  EXPECT_EQ(system->object_of(index), 0u);
+  EXPECT_EQ(mesh(index).positions(), first);
+  EXPECT_NE(system->add(index, Kind::cloth), 0u);
+}
+
 TEST_P(DeletedInRadium, WhatIsHeldIsLetGo) {
   const Index index = show("sheet", sheet(3, 1));
   system->add(index, Kind::cloth);
