@@ -2,6 +2,7 @@
 
 #include "souple/fluid/kernels/density_kernels.h"
 #include "souple/fluid/kernels/neighbour_kernels.h"
+#include "souple/fluid/kernels/velocity_kernels.h"
 #include "souple/solver/instruction_set.h"
 
 namespace souple::kernels {
@@ -13,5 +14,6 @@ enum class SmoothingShape { wendland, poly6_spiky, cubic_spline };
 
 const NeighbourKernels& find_neighbour_kernels(InstructionSet set);
 const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape);
+const VelocityKernels& find_velocity_kernels(InstructionSet set, SmoothingShape shape);
 
 }  // namespace souple::kernels
