@@ -20,9 +20,9 @@ struct BoundarySums {
 ///   C_i = V sum_j W_ij + boundary - 1 <= 0,   dx_i = w (V sum_j (lambda_i + lambda_j) grad W_ij + lambda_i
 ///   g_i)
 ///
-/// with V the volume of a particle at rest, w its inverse mass, g_i the boundary's slope and lambda_i <= 0,
-/// so that its pressure is -lambda_i / (V h^2) after a substep of h seconds. Pushes between particles are
-/// equal and opposite.
+/// with V the volume of a particle at rest, the same for all, w its inverse mass, g_i the boundary's slope
+/// and lambda_i <= 0, so that its pressure is -lambda_i / (V h^2) after a substep of h seconds. Pushes
+/// between particles are equal and opposite.
 ///
 /// The paper's Jacobi iterations alone carry pressure by a particle's spacing each. Here the smooth part of
 /// lambda comes from a coarse level (coarse_pressure.h), and `passes` of Jacobi mend the rest:
@@ -43,9 +43,13 @@ class DensitySolver {
 
   const Smoothing& smoothing() const { return smoothing_; }
 
-  /// Takes the particles to where they are predicted to be [m], all of inverse mass w [1/kg]. Sorts them and
-  /// finds neighbours anew when some have moved too far, against all others, since that was done last.
-  void place(std::span<const Vec4f> positions, float w, Threads& threads);
+  /// Forgets all that was found about particles: what a step gives depends on its beginning alone.
+  void begin_step() { listed_.clear(), coarse_.forget(); }
+
+  /// Takes the particles to where they are predicted to be: x, y, z [m] and inverse mass w > 0 [1/kg]. Sorts
+  /// them and finds neighbours anew when some have moved too far, against all others, since that was done
+  /// last.
+  void place(std::span<const Vec4f> positions, Threads& threads);
 
   /// By place. `boundary(begin, end, x, sums)` writes what is around the particles [begin, end).
   template <class Boundary>
@@ -94,7 +98,7 @@ class DensitySolver {
   Options options_;
   Smoothing smoothing_;
   const kernels::DensityKernels* kernels_;
-  float margin_, w_ = 1;
+  float margin_;
   CellOrder order_;
   Neighbours neighbours_;
   CoarsePressure coarse_;
