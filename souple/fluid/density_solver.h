@@ -35,9 +35,10 @@ struct BoundarySums {
 class DensitySolver {
  public:
   struct Options {
-    kernels::SmoothingShape shape = kernels::SmoothingShape::wendland;
+    SmoothingShape shape = SmoothingShape::wendland;
     int passes = 1;       ///< 0: the residual is added to the coarse level's lambda, which costs half
     float omega = 0.45f;  ///< of a pass; above 0.75 it need not converge
+    friend bool operator==(const Options&, const Options&) = default;
   };
   DensitySolver(float spacing, const Options& options);
 
@@ -60,6 +61,22 @@ class DensitySolver {
       find_sums(boundary, threads);
       relax(threads);
     }
+  }
+
+  /// f(place, V sum_j (v_j - v_i) W_ij) for all places, where particles are now. `values`: by place, and one
+  /// record more, 0.
+  template <class Function>
+  void smooth(std::span<const Vec4f> values, const Function& f, Threads& threads) const {
+    const auto blocks = neighbours_.blocks();
+    threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t b = first; b < last; ++b)
+        for (std::uint32_t k = blocks[b].begin; k < blocks[b].end; ++k) {
+          const auto list = blocks[b].padded(k);
+          f(k, kernels_->spread(x_.data(), values.data(), x_[k], values[k], list.data(), list.size(),
+                                smoothing_.factors()) *
+                   smoothing_.volume());
+        }
+    });
   }
 
   std::size_t size() const { return order_.size(); }

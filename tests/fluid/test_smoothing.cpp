@@ -9,7 +9,7 @@
 namespace souple {
 namespace {
 
-using kernels::SmoothingShape;
+using SmoothingShape;
 
 constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::poly6_spiky,
                                      SmoothingShape::cubic_spline};
