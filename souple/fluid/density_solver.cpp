@@ -73,6 +73,7 @@ void DensitySolver::find_neighbours(std::span<const Vec4f> positions, Threads& t
   looks_.resize(n);
   samples_.resize(n);
   lambda_.resize(n);
+  change_.resize(n);
   moved_.resize(n);
   coarse_.begin_step(this->positions(), coarse_spacings * smoothing_.spacing(), threads);
 }
@@ -98,11 +99,10 @@ void DensitySolver::begin_with_smooth_part(Threads& threads) {
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const float wanted = coarse_share * lambda_[k] - added * samples_[k].c / looks_[k].denominator;
-      lambda_[k] = min(wanted, 0.0f);
+      lambda_[k] = change_[k] = min(wanted, 0.0f);
       q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * smoothing_.volume()};
     }
   });
-  push(threads);
 }
 
 void DensitySolver::relax(Threads& threads) {
@@ -110,18 +110,17 @@ void DensitySolver::relax(Threads& threads) {
     for (std::size_t k = begin; k < end; ++k) {
       const float wanted = lambda_[k] - options_.omega * samples_[k].c / looks_[k].denominator;
       const float next = min(wanted, 0.0f);
-      q_[k] = {x_[k].x, x_[k].y, x_[k].z, (next - lambda_[k]) * smoothing_.volume()};
+      change_[k] = next - lambda_[k];
       lambda_[k] = next;
+      q_[k] = {x_[k].x, x_[k].y, x_[k].z, change_[k] * smoothing_.volume()};
     }
   });
-  push(threads);
 }
 
-void DensitySolver::push(Threads& threads) {
-  const float inverse_volume = 1 / smoothing_.volume();
+void DensitySolver::push_fluid(Threads& threads) {
   for_blocks(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     const Vec3f by_fluid = kernels_->push(q_.data(), q_[k], list.data(), list.size(), smoothing_.factors());
-    const Vec3f by = (by_fluid + looks_[k].slope * (q_[k].w * inverse_volume)) * x_[k].w;
+    const Vec3f by = (by_fluid + looks_[k].slope * change_[k]) * x_[k].w;
     moved_[k] = moved_[k] + by;
     x_[k].set_xyz(x_[k].xyz() + by);
   });

@@ -52,14 +52,21 @@ class DensitySolver {
   /// last.
   void place(std::span<const Vec4f> positions, Threads& threads);
 
-  /// By place. `boundary(begin, end, x, sums)` writes what is around the particles [begin, end).
+  /// What surrounds the fluid is asked, place by place and on all threads,
+  ///
+  ///   boundary.look(place, x) -> BoundarySums    where the particle is now
+  ///   boundary.push(place, change)               then: it was pushed by the slope times this change of lambda
+  ///
+  /// and once after all pushes, boundary.pushed().
   template <class Boundary>
-  void solve(const Boundary& boundary, Threads& threads) {
+  void solve(Boundary& boundary, Threads& threads) {
     find_sums(boundary, threads);
     begin_with_smooth_part(threads);
+    push(boundary, threads);
     for (int pass = 0; pass < options_.passes; ++pass) {
       find_sums(boundary, threads);
       relax(threads);
+      push(boundary, threads);
     }
   }
 
@@ -98,16 +105,24 @@ class DensitySolver {
   bool lists_hold(std::span<const Vec4f> positions) const;
   void find_neighbours(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
-  void find_sums(const Boundary& boundary, Threads& threads) {
+  void find_sums(Boundary& boundary, Threads& threads) {
     threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      boundary(begin, end, positions(), std::span<BoundarySums>(boundary_));
+      for (std::size_t k = begin; k < end; ++k) boundary_[k] = boundary.look(k, x_[k].xyz());
     });
     find_fluid_sums(threads);
+  }
+  template <class Boundary>
+  void push(Boundary& boundary, Threads& threads) {
+    push_fluid(threads);
+    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) boundary.push(k, change_[k]);
+    });
+    boundary.pushed();
   }
   void find_fluid_sums(Threads& threads);
   void begin_with_smooth_part(Threads& threads);
   void relax(Threads& threads);
-  void push(Threads& threads);
+  void push_fluid(Threads& threads);
   float surface() const { return 0.5f * smoothing_.wall(0.5f * smoothing_.spacing()).value; }
   template <class Function>
   void for_blocks(Threads& threads, const Function& f) const;
@@ -125,7 +140,7 @@ class DensitySolver {
   std::vector<BoundarySums> boundary_;
   std::vector<Look> looks_;
   std::vector<CoarsePressure::Sample> samples_;
-  std::vector<float> lambda_;
+  std::vector<float> lambda_, change_;  // and what the last pass added to it
   std::vector<Vec3f> moved_;
 };
 

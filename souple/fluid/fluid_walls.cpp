@@ -45,7 +45,10 @@ double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, flo
     const Vec3d point = wall.after.to_local(world) - surface.normal * surface.distance;
     motion = Vec3f(wall.after.to_world(point) - wall.before.to_world(point));
   }
-  planes.push_back({normal, dot(normal, x) - static_cast<float>(surface.distance), motion});
+  planes.push_back({.normal = normal,
+                    .offset = dot(normal, x) - static_cast<float>(surface.distance),
+                    .motion = motion,
+                    .collider = wall.collider});
   return surface.distance;
 }
 

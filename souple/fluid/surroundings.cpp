@@ -2,32 +2,19 @@
 
 namespace souple {
 
-namespace {
-
-Smoothing::Wall wall_of(const NearPlane& plane, const Vec3f& x, const Smoothing& smoothing) {
-  return smoothing.wall(dot(plane.normal, x) - plane.offset);
-}
-
-}  // namespace
-
-BoundarySums sum_of(std::span<const NearPlane> planes, const Vec3f& x, const Smoothing& smoothing) {
+BoundarySums look_at(std::span<NearPlane> planes, const Vec3f& x, const Smoothing& smoothing) {
   BoundarySums sums;
   float left = 1;
-  for (const NearPlane& plane : planes) {
-    const Smoothing::Wall wall = wall_of(plane, x, smoothing);
-    sums.slope = sums.slope * (1 - wall.value) + plane.normal * (wall.slope * left);
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    NearPlane& plane = planes[k];
+    const Smoothing::Wall wall = smoothing.wall(dot(plane.normal, x) - plane.offset);
+    plane.slope = plane.normal * (wall.slope * left);
+    for (std::size_t j = 0; j < k; ++j) planes[j].slope = planes[j].slope * (1 - wall.value);
     left *= 1 - wall.value;
   }
+  for (const NearPlane& plane : planes) sums.slope += plane.slope;
   sums.value = 1 - left;
   return sums;
-}
-
-Vec3f share_of(std::size_t plane, std::span<const NearPlane> planes, const Vec3f& x,
-               const Smoothing& smoothing) {
-  float left = 1;
-  for (std::size_t k = 0; k < planes.size(); ++k)
-    if (k != plane) left *= 1 - wall_of(planes[k], x, smoothing).value;
-  return planes[plane].normal * (wall_of(planes[plane], x, smoothing).slope * left);
 }
 
 }  // namespace souple

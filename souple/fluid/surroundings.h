@@ -15,7 +15,10 @@ struct NearPlane {
   Vec3f normal{};                ///< unit, towards the fluid
   float offset = 0;              ///< m
   Vec3f motion{};                ///< of the surface in this substep [m]
-  std::uint32_t touch = nobody;  ///< which touch of a body it is; nobody: a wall that nothing moves
+  Vec3f slope{};                 ///< its part in that of the sum, of the last look [1/m]
+  Vec3f pushed{};                ///< the particle, in this substep: sum of slope times lambda [kg m]
+  std::uint32_t collider = nobody;
+  std::uint32_t touch = nobody;  ///< which touch of a body it is; or nobody
 };
 
 /// What is near each particle of a fluid besides fluid, found once a substep.
@@ -63,13 +66,11 @@ class Surroundings {
   std::size_t block_count_ = 0;
 };
 
-/// The part of one plane among `planes` in the slope of their sum at x:
+/// What planes add to a particle at x; each takes down its part:
 ///
 ///   value = 1 - prod_k (1 - value_k),   slope = sum_k n_k slope_k prod_{j != k} (1 - value_j)
 ///
-/// what one of them hides the others do not add.
-BoundarySums sum_of(std::span<const NearPlane> planes, const Vec3f& x, const Smoothing& smoothing);
-Vec3f share_of(std::size_t plane, std::span<const NearPlane> planes, const Vec3f& x,
-               const Smoothing& smoothing);
+/// What one of them hides the others do not add.
+BoundarySums look_at(std::span<NearPlane> planes, const Vec3f& x, const Smoothing& smoothing);
 
 }  // namespace souple

@@ -11,11 +11,26 @@ namespace {
 
 constexpr std::size_t grain = 512;  // particles worth a thread
 
+/// What the density solver asks.
+struct Boundary {
+  Surroundings& surroundings;
+  const Smoothing& smoothing;
+
+  BoundarySums look(std::size_t place, const Vec3f& x) const {
+    return look_at(surroundings.of(place), x, smoothing);
+  }
+  void push(std::size_t place, float change) const {
+    for (NearPlane& plane : surroundings.of(place)) plane.pushed += plane.slope * change;
+  }
+  void pushed() const {}
+};
+
 }  // namespace
 
 void Fluids::begin_step(WorldState& world) {
   report_ = {};
   substeps_ = 0;
+  force_.clear();
   find_particles(world);
   if (none()) return;
   choose_solver(world);
@@ -94,19 +109,25 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   world.guarded("a collider's motion",
                 [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
   look_around(threads);
-  const Smoothing& smoothing = solver_->smoothing();
-  solver_->solve(
-      [&](std::size_t begin, std::size_t end, std::span<const Vec4f> x, std::span<BoundarySums> sums) {
-        for (std::size_t k = begin; k < end; ++k) sums[k] = sum_of(surroundings_.of(k), x[k].xyz(), smoothing);
-      },
-      threads);
+  Boundary boundary{surroundings_, solver_->smoothing()};
+  solver_->solve(boundary, threads);
   const ParticleView view = world.view();
   const auto order = solver_->order();
   const auto moved = solver_->moved();
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) view.correct(particle_[order[k]], moved[k]);
   });
+  sum_forces(world, substep);
   note(substep);
+}
+
+// A push by slope lambda in a substep is an impulse of slope lambda / h on the particle.
+void Fluids::sum_forces(const WorldState& world, const Substep& substep) {
+  force_.resize(world.tables.colliders.size());
+  const double scale = -1 / (static_cast<double>(substep.h) * static_cast<double>(substep.h) * substep.count);
+  for (std::size_t k = 0; k < solver_->size(); ++k)
+    for (const NearPlane& plane : surroundings_.of(k))
+      if (plane.collider != NearPlane::nobody) force_[plane.collider] += Vec3d(plane.pushed) * scale;
 }
 
 // p_i = -lambda_i / (V h^2)
@@ -156,6 +177,10 @@ FluidReport Fluids::report() const {
   FluidReport report = report_;
   if (substeps_ > 0) report.coarse_iterations /= substeps_;
   return report;
+}
+
+Vec3d Fluids::force(std::size_t collider) const {
+  return collider < force_.size() ? force_[collider] : Vec3d{};
 }
 
 float Fluids::pressure(std::uint32_t particle) const {

@@ -28,12 +28,15 @@ class Fluids {
   FluidReport report() const;
   /// Of a world's particle, mean of the last step [Pa]. 0 when it is no fluid's.
   float pressure(std::uint32_t particle) const;
+  /// On a collider, by its index, mean of the last step [N]
+  Vec3d force(std::size_t collider) const;
 
  private:
   void choose_solver(const WorldState& world);
   void find_particles(const WorldState& world);
   void place(const WorldState& world, Threads& threads);
   void look_around(Threads& threads);
+  void sum_forces(const WorldState& world, const Substep& substep);
   void note(const Substep& substep);
 
   std::unique_ptr<DensitySolver> solver_;
@@ -50,6 +53,7 @@ class Fluids {
   std::vector<Vec4f> placed_;            // x, y, z from the origin and inverse mass
   std::vector<Vec4f> velocity_;          // by place, and one more, 0
   std::vector<float> pressure_;          // sum over substeps [Pa]
+  std::vector<Vec3d> force_;             // on each collider [N]
   int substeps_ = 0;
   FluidReport report_;
 };

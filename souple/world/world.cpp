@@ -469,6 +469,14 @@ ColliderId World::find_collider(std::string_view name) const {
   throw Error("no collider is named '" + std::string(name) + "'" + nearest_name(name, names));
 }
 
+Vec3d World::fluid_force(ColliderId id) const {
+  const WorldState& world = impl_->state;
+  for (std::size_t c = 0; c < world.colliders.size(); ++c)
+    if (world.colliders[c].id == id) return world.fluids.force(c);
+  throw Error("no collider has the handle " + std::to_string(id.value) +
+              ": it was removed, or belongs to another world");
+}
+
 void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_pair");

@@ -271,6 +271,8 @@ class World {
   const ColliderOptions& collider_options(ColliderId collider) const;
   Transform collider_pose(ColliderId collider) const;  ///< now
   ColliderId find_collider(std::string_view name) const;
+  /// With which the pressure of all fluids pushes a collider, mean of the last step. [N]
+  Vec3d fluid_force(ColliderId collider) const;
   /// Overrides the pair rules (geometric mean of frictions, larger restitution) for two names.
   void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
   /// Whether two things collide at all, whatever their groups say; they do until told otherwise. The name of
