@@ -78,17 +78,16 @@ void CoarsePressure::find_nodes() {
   }
   for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
   terms_.resize(8 * count);
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+  next_.assign(begin_.begin(), begin_.end() - 1);
   for (std::uint32_t c = 0; c < count; ++c)
-    for (std::uint32_t e = 0; e < 8; ++e) terms_[next[corners_[c][e]]++] = 8 * c + e;
+    for (std::uint32_t e = 0; e < 8; ++e) terms_[next_[corners_[c][e]]++] = 8 * c + e;
   // A node begins with what it had in the last step; new ones with nothing.
-  std::vector<double> y(node_keys_.size(), 0);
+  y_.assign(node_keys_.size(), 0);
   for (std::size_t n = 0; n < last_keys_.size() && n < last_y_.size(); ++n) {
     const auto at = std::lower_bound(node_keys_.begin(), node_keys_.end(), last_keys_[n]);
     if (at != node_keys_.end() && *at == last_keys_[n])
-      y[static_cast<std::size_t>(at - node_keys_.begin())] = last_y_[n];
+      y_[static_cast<std::size_t>(at - node_keys_.begin())] = last_y_[n];
   }
-  y_ = std::move(y);
 }
 
 std::array<float, 8> CoarsePressure::weights(std::size_t cell, const Vec4f& position) const {
@@ -120,7 +119,7 @@ void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& re
   for (std::size_t n = 0; n < y.size(); ++n) result[n] += diagonal_[n] * y[n];
 }
 
-void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float w,
+void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples,
                            float surface, Threads& threads) {
   constexpr int most_iterations = 30;
   constexpr double tolerance = 0.02, kept = 0.9;
@@ -131,21 +130,22 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
   threads.for_each(count, 16, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c) {
       Eight b{}, diagonal{};
+      double w = 0;
       for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
         const std::uint32_t place = order_.order()[k];
         const Sample& sample = samples[place];
         const std::array<float, 8> n = weights(c, positions[place]);
         const float pushed = sample.c > -surface ? sample.c : 0;
+        const float rough = 2 * positions[place].w * sample.roughness;
+        w += static_cast<double>(positions[place].w);
         for (std::size_t e = 0; e < 8; ++e) {
           b[e] -= static_cast<double>(n[e] * pushed);
-          diagonal[e] += static_cast<double>(n[e] * sample.roughness);
+          diagonal[e] += static_cast<double>(n[e] * rough);
         }
       }
-      for (double& value : diagonal) value *= 2 * static_cast<double>(w);
       cell_sums_[c] = b;
       cell_diagonals_[c] = diagonal;
-      const auto n = static_cast<double>(order_.cells()[c + 1].begin - order_.cells()[c].begin);
-      stiffness_[c] = n * static_cast<double>(w) / (static_cast<double>(size_) * static_cast<double>(size_));
+      stiffness_[c] = w / (static_cast<double>(size_) * static_cast<double>(size_));
     }
   });
   gather(cell_sums_, b_);

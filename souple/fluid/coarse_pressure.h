@@ -17,9 +17,9 @@ namespace souple {
 /// for at once:
 ///
 ///   A y = b,   b_a = -sum_i N_a(x_i) C_i,   lambda_i = sum_a N_a(x_i) y_a
-///   A = sum_cells n w / H^2 K + diag(2 w sum_i |2 G_i + g_i|^2 N_a(x_i))
+///   A = sum_cells (sum_i w_i) / H^2 K + diag(2 sum_i w_i |2 G_i + g_i|^2 N_a(x_i))
 ///
-/// with n particles of inverse mass w in a cell and K the Laplacian of the unit cube's trilinear element: 1/3
+/// with w_i the inverse masses of a cell's particles and K the Laplacian of the unit cube's trilinear element: 1/3
 /// on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j grad W_ij
 /// and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G + g is
 /// large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down. Particles
@@ -32,12 +32,14 @@ class CoarsePressure {
     float roughness = 0;  ///< |2 G + g|^2 [1/m^2]
   };
 
+  /// The next solve begins with nothing.
+  void forget() { last_keys_.clear(); }
   /// Lays the grid for a step. `positions` by place; H = cell_size > 0 [m].
   void begin_step(std::span<const Vec4f> positions, float cell_size, Threads& threads);
   /// Solves for y by conjugate gradients with diagonal preconditioning, from 0.9 times the last y, until the
-  /// residual is a fiftieth of b; `positions` and `samples` by place, w [1/kg]. In one order of sums,
-  /// whatever the threads.
-  void solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float w, float surface,
+  /// residual is a fiftieth of b; `positions` (w: inverse mass [1/kg]) and `samples` by place. In one order
+  /// of sums, whatever the threads.
+  void solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
              Threads& threads);
   /// lambda_i of each place; 0 at a free surface. [kg m^2 / ... as C over w |grad C|^2]
   void interpolate(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
@@ -60,7 +62,8 @@ class CoarsePressure {
   std::vector<Corners> corners_;              // of each cell: its nodes
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> begin_, terms_;  // of each node: 8 cell + corner, ascending
-  std::vector<double> stiffness_;             // of each cell: n w / H^2
+  std::vector<std::uint32_t> next_;           // of each node: where its next term goes
+  std::vector<double> stiffness_;             // of each cell: sum w / H^2
   std::vector<Eight> cell_sums_, cell_diagonals_;
   std::vector<double> y_, b_, diagonal_, preconditioner_, r_, p_, ap_;
   std::vector<std::uint64_t> node_keys_, last_keys_;

@@ -37,23 +37,28 @@ struct Drop {
         x(positions.size() + 1),
         v(positions.size() + 1),
         velocity(positions.size()) {
+    for (Vec4f& p : positions) p.w = 1 / mass();
     if (adhesion >= 0) walls.resize(positions.size()), friction.resize(positions.size());
   }
-  float mass() const { return density * d * d * d; }
+  static float mass() { return density * d * d * d; }
+  struct Floor {
+    const Drop& drop;
+    BoundarySums look(std::size_t, const Vec3f& at) const {
+      if (drop.walls.empty()) return {};
+      const Smoothing::Wall wall = drop.solver.smoothing().wall(at.y);
+      return {wall.value, {0, wall.slope, 0}};
+    }
+    void push(std::size_t, float) const {}
+    void pushed() const {}
+  };
   /// Of a ball as large as all particles [m].
   double radius() const { return std::cbrt(0.75 / pi * double(positions.size())) * double{d}; }
   void substep() {
     for (std::size_t i = 0; i < positions.size(); ++i)
       positions[i].set_xyz(positions[i].xyz() + velocity[i] * h);
-    solver.place(positions, 1 / mass(), *threads);
-    solver.solve(
-        [&](std::size_t begin, std::size_t end, std::span<const Vec4f> at, std::span<BoundarySums> sums) {
-          for (std::size_t k = begin; k < end && !walls.empty(); ++k) {
-            const Smoothing::Wall wall = solver.smoothing().wall(at[k].y);
-            sums[k] = {wall.value, {0, wall.slope, 0}};
-          }
-        },
-        *threads);
+    solver.place(positions, *threads);
+    Floor floor{*this};
+    solver.solve(floor, *threads);
     for (std::size_t k = 0; k < positions.size(); ++k) {
       const std::uint32_t i = solver.order()[k];
       x[k] = solver.positions()[k];
