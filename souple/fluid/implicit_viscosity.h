@@ -28,7 +28,7 @@ class ImplicitViscosity {
     int iterations = 0;
     float residual = 0;  ///< over what it was before the first iteration
   };
-  ImplicitViscosity(kernels::SmoothingShape shape, const Options& options)
+  ImplicitViscosity(SmoothingShape shape, const Options& options)
       : options_(options), kernels_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}
   /// Changes v over h seconds.
   Report apply(const FluidView& fluid, WallFriction walls, float h, Threads& threads);

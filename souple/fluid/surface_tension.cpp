@@ -33,7 +33,7 @@ std::vector<float> half_space_pull() {
 
 }  // namespace
 
-SurfaceTension::SurfaceTension(kernels::SmoothingShape shape)
+SurfaceTension::SurfaceTension(SmoothingShape shape)
     : density_(&kernels::find_density_kernels(instruction_set(), shape)),
       velocity_(&kernels::find_velocity_kernels(instruction_set(), shape)),
       wall_pull_(half_space_pull()) {}

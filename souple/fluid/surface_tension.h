@@ -34,7 +34,7 @@ class SurfaceTension {
     float sigma = 0.072f;  ///< [N/m]; water in air
     float adhesion = 1;    ///< of walls
   };
-  explicit SurfaceTension(kernels::SmoothingShape shape = kernels::SmoothingShape::wendland);
+  explicit SurfaceTension(SmoothingShape shape = SmoothingShape::wendland);
 
   /// The longest substep [s] that shows the shortest wave the particles can carry (Brackbill, Kothe and
   /// Zemach 1992, equation 61), `density` in kg/m^3:

@@ -8,7 +8,7 @@ namespace souple {
 /// within what is stable, the implicit solve above it.
 class Viscosity {
  public:
-  explicit Viscosity(kernels::SmoothingShape shape = kernels::SmoothingShape::wendland,
+  explicit Viscosity(SmoothingShape shape = SmoothingShape::wendland,
                      const ImplicitViscosity::Options& options = {})
       : xsph_(shape), implicit_(shape, options) {}
 

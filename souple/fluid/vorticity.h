@@ -17,7 +17,7 @@ namespace souple {
 /// in a spacing counts less and less.
 class VorticityConfinement {
  public:
-  explicit VorticityConfinement(kernels::SmoothingShape shape = kernels::SmoothingShape::wendland)
+  explicit VorticityConfinement(SmoothingShape shape = SmoothingShape::wendland)
       : density_(&kernels::find_density_kernels(instruction_set(), shape)),
         velocity_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}
   /// Changes v over h seconds.

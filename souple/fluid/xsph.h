@@ -26,8 +26,7 @@ float wall_friction(const Smoothing& smoothing, float value);
 /// other loses. It is explicit: h nu / d^2 up to about 0.2 is stable. Walls are taken implicitly.
 class Xsph {
  public:
-  explicit Xsph(kernels::SmoothingShape shape)
-      : kernels_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}
+  explicit Xsph(SmoothingShape shape) : kernels_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}
   /// Changes v over h seconds.
   void apply(const FluidView& fluid, WallFriction walls, float h, Threads& threads);
 

@@ -66,7 +66,7 @@ struct Periodic {
   }
 };
 
-constexpr auto shape = kernels::SmoothingShape::wendland;
+constexpr auto shape = SmoothingShape::wendland;
 
 // v ~ exp(-nu k^2 t) sin(k x), on a lattice and on one that is stirred, whatever the substep.
 TEST(Viscosity, LetsAWaveOfShearDecayAtItsRate) {

@@ -14,7 +14,7 @@ namespace {
 using test::FluidArrays;
 
 constexpr float d = 0.02f;
-constexpr auto shape = kernels::SmoothingShape::wendland;
+constexpr auto shape = SmoothingShape::wendland;
 
 /// A whirl around z with a core of 3 spacings (Lamb and Oseen).
 struct Whirl {
