@@ -19,11 +19,11 @@ namespace souple {
 ///   A y = b,   b_a = -sum_i N_a(x_i) C_i,   lambda_i = sum_a N_a(x_i) y_a
 ///   A = sum_cells (sum_i w_i) / H^2 K + diag(2 sum_i w_i |2 G_i + g_i|^2 N_a(x_i))
 ///
-/// with w_i the inverse masses of a cell's particles and K the Laplacian of the unit cube's trilinear
-/// element: 1/3 on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j
-/// grad W_ij and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G
-/// + g is large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down.
-/// Particles of a free surface (C_i below -surface) have none of b.
+/// with w_i the inverse masses of a cell's particles and K the Laplacian of the unit cube's trilinear element: 1/3
+/// on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j grad W_ij
+/// and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G + g is
+/// large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down. Particles
+/// of a free surface (C_i below -surface) have none of b.
 class CoarsePressure {
  public:
   /// What a particle brings in.

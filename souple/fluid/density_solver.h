@@ -55,8 +55,7 @@ class DensitySolver {
   /// What surrounds the fluid is asked, place by place and on all threads,
   ///
   ///   boundary.look(place, x) -> BoundarySums    where the particle is now
-  ///   boundary.push(place, change)               then: it was pushed by the slope times this change of
-  ///   lambda
+  ///   boundary.push(place, change)               then: it was pushed by the slope times this change of lambda
   ///
   /// and once after all pushes, boundary.pushed().
   template <class Boundary>
