@@ -94,7 +94,7 @@ TEST(Foam, StreamsThatMeetMakeIt) {
 
 // A crest is where the surface bends and the flow goes outwards; a flat surface has none.
 TEST(Foam, CrestsMakeIt) {
-  const auto made = [](const Vec3f& velocity, std::vector<Vec4f> particles) {
+  const auto made = [](const Vec3f& velocity, const std::vector<Vec4f>& particles) {
     FluidArrays fluid(particles, d, 1000, 0);
     fluid.set_velocities([&](const Vec3f&) { return velocity; });
     Foam foam;
