@@ -1,6 +1,7 @@
 #include "souple/fluid/density_solver.h"
 #include "souple/fluid/surface_tension.h"
 #include "souple/fluid/viscosity.h"
+#include "tests/count_allocations.h"
 #include "tests/fluid/fluid_arrays.h"
 
 #include <algorithm>
@@ -215,6 +216,16 @@ TEST(SurfaceTension, KeepsMomentum) {
     largest += double{length(fluid.v[k].xyz())} * double{fluid.mass};
   EXPECT_GT(largest, 0);
   EXPECT_LT(length(fluid.momentum()) / largest, 1e-6);
+}
+
+TEST(SurfaceTension, AllocatesNothingWhenWarm) {
+  test::FluidArrays fluid(test::block_of(10, 10, 10, d), d, density, 0);
+  const std::vector<NearWall> walls(fluid.size(), {{0, 1, 0}, d});
+  SurfaceTension tension;
+  tension.apply(fluid.view(), walls, {}, 1e-4f, *fluid.threads);
+  const long before = test::allocations();
+  tension.apply(fluid.view(), walls, {}, 1e-4f, *fluid.threads);
+  EXPECT_EQ(test::allocations(), before);
 }
 
 TEST(SurfaceTension, IsTheSameForAnyNumberOfThreads) {
