@@ -13,6 +13,8 @@ namespace souple {
 struct BoundarySums {
   float value = 0;  ///< added to V sum W
   Vec3f slope{};    ///< its gradient by the particle's position
+  /// What bodies that give way add to w |grad C|^2: all of them, and those that do so locally. [1/(kg m^2)]
+  float response = 0, local_response = 0;
 };
 
 /// Keeps a fluid from being compressed (Macklin & Müller 2013, "Position based fluids"): for each particle
@@ -55,9 +57,11 @@ class DensitySolver {
   /// What surrounds the fluid is asked, place by place and on all threads,
   ///
   ///   boundary.look(place, x) -> BoundarySums    where the particle is now
+  ///   boundary.respond(place, sums)              of bodies that give way
   ///   boundary.push(place, change)               then: it was pushed by the slope times this change of lambda
   ///
-  /// and once after all pushes, boundary.pushed().
+  /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
+  /// boundary.pushed(changes of lambda).
   template <class Boundary>
   void solve(Boundary& boundary, Threads& threads) {
     find_sums(boundary, threads);
@@ -109,6 +113,10 @@ class DensitySolver {
     threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) boundary_[k] = boundary.look(k, x_[k].xyz());
     });
+    boundary.looked(positions(), coarse_);
+    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) boundary.respond(k, boundary_[k]);
+    });
     find_fluid_sums(threads);
   }
   template <class Boundary>
@@ -117,7 +125,7 @@ class DensitySolver {
     threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) boundary.push(k, change_[k]);
     });
-    boundary.pushed();
+    boundary.pushed(std::span<const float>(change_));
   }
   void find_fluid_sums(Threads& threads);
   void begin_with_smooth_part(Threads& threads);

@@ -129,6 +129,7 @@ void build_contact_tables(WorldState& world) {
   });
   for (std::uint32_t a = 0; any_solid && a < world.objects.size(); ++a)
     append_features(*world.objects[a], a, tables.rope_edges[a], features);
+  world.fluids.build(world);
   features.shrink_to_fit();
   world.feature_contacts.set_features(std::move(features));
 }

@@ -1,5 +1,7 @@
 #include "souple/world/fluids.h"
 
+#include "souple/collision/place.h"
+#include "souple/world/add.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -14,16 +16,55 @@ constexpr std::size_t grain = 512;  // particles worth a thread
 /// What the density solver asks.
 struct Boundary {
   Surroundings& surroundings;
+  FluidBodies& bodies;
   const Smoothing& smoothing;
 
   BoundarySums look(std::size_t place, const Vec3f& x) const {
-    return look_at(surroundings.of(place), x, smoothing);
+    const std::span<NearPlane> planes = surroundings.of(place);
+    for (NearPlane& plane : planes) bodies.follow(plane);
+    return look_at(planes, x, smoothing);
+  }
+  void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
+    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x.size(), x, coarse);
+  }
+  void respond(std::size_t place, BoundarySums& sums) const {
+    if (bodies.skin_count() > 0) bodies.respond(surroundings.of(place), sums);
   }
   void push(std::size_t place, float change) const {
     for (NearPlane& plane : surroundings.of(place)) plane.pushed += plane.slope * change;
   }
-  void pushed() const {}
+  void pushed(std::span<const float> change) const {
+    if (bodies.skin_count() > 0) bodies.yield(surroundings, change);
+  }
 };
+
+/// How a fluid feels an object; nothing when it does not.
+std::optional<Skin> skin_of(const Object& object) {
+  const std::vector<Triangle>& faces = object.embedding ? object.mesh.triangles : object.surface;
+  if (faces.empty()) return std::nullopt;
+  Skin skin{.begin = object.begin,
+            .end = object.end,
+            .triangles = faces,
+            .half_thickness = contact_radius(object.material),
+            .closed = object.kind == ObjectKind::soft_body,
+            .yielding = object.kind == ObjectKind::soft_body ? Yielding::rigidly : Yielding::locally};
+  if (object.embedding) {
+    for (std::size_t v = 0; v < object.mesh.positions.size(); ++v) {
+      auto& particles = skin.particles.emplace_back();
+      auto& weights = skin.weights.emplace_back();
+      for (std::size_t k = 0; k < 4; ++k) {
+        particles[k] = object.begin + object.embedding->vertices[v][k];
+        weights[k] = static_cast<float>(object.embedding->weights[v][k]);
+      }
+    }
+    return skin;
+  }
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    skin.particles.push_back({i, i, i, i});
+    skin.weights.push_back({1, 0, 0, 0});
+  }
+  return skin;
+}
 
 }  // namespace
 
@@ -40,7 +81,21 @@ void Fluids::begin_step(WorldState& world) {
   // are coarse.
   const Vec3d first = world.exact_position(particle_[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
+  bodies_.begin_step(feels_, origin_);
   walls_.begin_step(world.tables.colliders, meets_, origin_, particle_.size(), world.time);
+}
+
+void Fluids::build(const WorldState& world) {
+  skinned_.clear();
+  std::vector<Skin> skins;
+  for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
+    if (world.objects[o]->kind == ObjectKind::fluid) continue;
+    if (std::optional<Skin> skin = skin_of(*world.objects[o])) {
+      skins.push_back(std::move(*skin));
+      skinned_.push_back(o);
+    }
+  }
+  bodies_.set_skins(std::move(skins));
 }
 
 void Fluids::find_particles(const WorldState& world) {
@@ -48,6 +103,7 @@ void Fluids::find_particles(const WorldState& world) {
   fluid_.clear();
   objects_.clear();
   meets_.clear();
+  feels_.clear();
   limit_.clear();
   for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
     const Object& object = *world.objects[o];
@@ -59,6 +115,8 @@ void Fluids::find_particles(const WorldState& world) {
       fluid_.push_back(static_cast<std::uint16_t>(objects_.size()));
     }
     objects_.push_back(o);
+    for (const std::uint32_t body : skinned_)
+      feels_.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
     limit_.push_back(material->xsph);
     for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
       meets_.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
@@ -76,9 +134,11 @@ void Fluids::choose_solver(const WorldState& world) {
   options_ = wanted;
 }
 
-void Fluids::place(const WorldState& world, Threads& threads) {
+void Fluids::place(WorldState& world, Threads& threads) {
   placed_.resize(particle_.size());
+  start_.resize(particle_.size());
   const Particles& particles = world.particles;
+  const ParticleView view = world.view();
   const bool displaced = world.settings.form == Form::displacement;
   threads.for_each(particle_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -86,6 +146,7 @@ void Fluids::place(const WorldState& world, Threads& threads) {
       Vec3f at(Vec3d(x.xyz()) - origin_);
       if (displaced) at += particles.offset[particle_[k]].xyz();
       placed_[k] = {at.x, at.y, at.z, x.w};
+      start_[k] = Vec3f(start_place(view, particle_[k]) - origin_);
     }
   });
   solver_->place(placed_, threads);
@@ -98,7 +159,9 @@ void Fluids::look_around(Threads& threads) {
   surroundings_.look(
       x.size(),
       [&](std::size_t k, std::vector<NearPlane>& planes) {
-        walls_.find(order[k], fluid_[order[k]], x[k].xyz(), reach, planes);
+        const std::uint32_t i = order[k];
+        walls_.find(i, fluid_[i], x[k].xyz(), reach, planes);
+        if (bodies_.skin_count() > 0) bodies_.find(i, fluid_[i], x[k].xyz(), start_[i], reach, planes);
       },
       threads);
 }
@@ -108,8 +171,11 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   place(world, threads);
   world.guarded("a collider's motion",
                 [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
+  if (bodies_.skin_count() > 0)
+    bodies_.begin_substep(world.view(), world.particles.mass, placed_,
+                          Surroundings::reach(solver_->smoothing()), threads);
   look_around(threads);
-  Boundary boundary{surroundings_, solver_->smoothing()};
+  Boundary boundary{surroundings_, bodies_, solver_->smoothing()};
   solver_->solve(boundary, threads);
   const ParticleView view = world.view();
   const auto order = solver_->order();
@@ -117,6 +183,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) view.correct(particle_[order[k]], moved[k]);
   });
+  if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);
   sum_forces(world, substep);
   note(substep);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
 #include "souple/solver/projector.h"
 #include "souple/world/report.h"
@@ -17,6 +18,8 @@ struct WorldState;
 /// The fluids of a world, all of them in one density solver: their particles have one spacing.
 class Fluids {
  public:
+  /// After objects came, went or changed.
+  void build(const WorldState& world);
   /// Finds out which particles there are. Nothing of the last step is used again.
   void begin_step(WorldState& world);
   bool none() const { return particle_.empty(); }
@@ -34,7 +37,7 @@ class Fluids {
  private:
   void choose_solver(const WorldState& world);
   void find_particles(const WorldState& world);
-  void place(const WorldState& world, Threads& threads);
+  void place(WorldState& world, Threads& threads);
   void look_around(Threads& threads);
   void sum_forces(const WorldState& world, const Substep& substep);
   void note(const Substep& substep);
@@ -44,13 +47,17 @@ class Fluids {
   DensitySolver::Options options_{};
   Surroundings surroundings_;
   FluidWalls walls_;
+  FluidBodies bodies_;
   Vec3d origin_{};                       // of the fluids' positions [m]
   std::vector<std::uint32_t> particle_;  // of each of the fluids' particles, the world's
   std::vector<std::uint16_t> fluid_;     // and which fluid it is of
   std::vector<std::uint32_t> objects_;   // of each fluid
   std::vector<float> limit_;             // of each fluid: the rate of its XSPH [1/s]
   std::vector<std::uint8_t> meets_;      // of each fluid and collider
+  std::vector<std::uint32_t> skinned_;   // objects that are bodies to fluids
+  std::vector<std::uint8_t> feels_;      // of each fluid and body
   std::vector<Vec4f> placed_;            // x, y, z from the origin and inverse mass
+  std::vector<Vec3f> start_;             // where they were when the substep began
   std::vector<Vec4f> velocity_;          // by place, and one more, 0
   std::vector<float> pressure_;          // sum over substeps [Pa]
   std::vector<Vec3d> force_;             // on each collider [N]

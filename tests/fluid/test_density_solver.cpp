@@ -46,8 +46,10 @@ struct Pool {
   struct Walls {
     const Pool& pool;
     BoundarySums look(std::size_t, const Vec3f& x) const { return pool.walls(x); }
+    void looked(std::span<const Vec4f>, CoarsePressure&) const {}
+    void respond(std::size_t, BoundarySums&) const {}
     void push(std::size_t, float) const {}
-    void pushed() const {}
+    void pushed(std::span<const float>) const {}
   };
   void substep(float h) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -140,8 +142,10 @@ TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
 
 struct Nothing {
   BoundarySums look(std::size_t, const Vec3f&) const { return {}; }
+  void looked(std::span<const Vec4f>, CoarsePressure&) const {}
+  void respond(std::size_t, BoundarySums&) const {}
   void push(std::size_t, float) const {}
-  void pushed() const {}
+  void pushed(std::span<const float>) const {}
 };
 
 TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {
