@@ -86,9 +86,9 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
         kernels_->sums(x_.data(), x_[k], list.data(), list.size(), smoothing_.factors());
     const Vec3f G = sums.gradient * V, g = boundary_[k].slope, whole = G + g, rough = G * 2.0f + g;
     samples_[k].c = V * (sums.density + smoothing_.centre()) + boundary_[k].value - 1;
-    samples_[k].roughness = dot(rough, rough);
-    const float w = x_[k].w;
-    looks_[k] = {g, w * dot(whole, whole) + V * V * sums.gradient_squared + least * w};
+    const float w = x_[k].w, response = boundary_[k].response;
+    samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary_[k].local_response;
+    looks_[k] = {g, w * dot(whole, whole) + V * V * sums.gradient_squared + least * w + response};
   });
 }
 

@@ -13,6 +13,16 @@ namespace souple {
 struct BoundarySums {
   float value = 0;  ///< added to V sum W
   Vec3f slope{};    ///< its gradient by the particle's position
+  /// What bodies that give way add to w |grad C|^2: all of them, and those that do so locally. [1/(kg m^2)]
+  float response = 0, local_response = 0;
+};
+
+/// What surrounds a fluid and does not move, but for look(place, x): see DensitySolver::solve.
+struct FixedBoundary {
+  void looked(std::span<const Vec4f>, CoarsePressure&) const {}
+  void respond(std::size_t, BoundarySums&) const {}
+  void push(std::size_t, float) const {}
+  void pushed(std::span<const float>) const {}
 };
 
 /// Keeps a fluid from being compressed (Macklin & Müller 2013, "Position based fluids"): for each particle
@@ -55,9 +65,11 @@ class DensitySolver {
   /// What surrounds the fluid is asked, place by place and on all threads,
   ///
   ///   boundary.look(place, x) -> BoundarySums    where the particle is now
+  ///   boundary.respond(place, sums)              of bodies that give way
   ///   boundary.push(place, change)               then: it was pushed by the slope times this change of lambda
   ///
-  /// and once after all pushes, boundary.pushed().
+  /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
+  /// boundary.pushed(changes of lambda).
   template <class Boundary>
   void solve(Boundary& boundary, Threads& threads) {
     find_sums(boundary, threads);
@@ -70,25 +82,10 @@ class DensitySolver {
     }
   }
 
-  /// f(place, V sum_j (v_j - v_i) W_ij) for all places, where particles are now. `values`: by place, and one
-  /// record more, 0.
-  template <class Function>
-  void smooth(std::span<const Vec4f> values, const Function& f, Threads& threads) const {
-    const auto blocks = neighbours_.blocks();
-    threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t b = first; b < last; ++b)
-        for (std::uint32_t k = blocks[b].begin; k < blocks[b].end; ++k) {
-          const auto list = blocks[b].padded(k);
-          f(k, kernels_->spread(x_.data(), values.data(), x_[k], values[k], list.data(), list.size(),
-                                smoothing_.factors()) *
-                   smoothing_.volume());
-        }
-    });
-  }
-
   std::size_t size() const { return order_.size(); }
   std::span<const std::uint32_t> order() const { return order_.order(); }  ///< of each place, the particle
   std::span<const Vec4f> positions() const { return {x_.data(), size()}; }
+  std::span<const Vec4f> padded_positions() const { return x_; }  ///< and one more, far away
   std::span<const Vec3f> moved() const { return moved_; }  ///< by `solve` [m]
   std::span<const float> lambda() const { return lambda_; }
   /// C of the last look, before the last push.
@@ -109,6 +106,10 @@ class DensitySolver {
     threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) boundary_[k] = boundary.look(k, x_[k].xyz());
     });
+    boundary.looked(positions(), coarse_);
+    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) boundary.respond(k, boundary_[k]);
+    });
     find_fluid_sums(threads);
   }
   template <class Boundary>
@@ -117,7 +118,7 @@ class DensitySolver {
     threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) boundary.push(k, change_[k]);
     });
-    boundary.pushed();
+    boundary.pushed(std::span<const float>(change_));
   }
   void find_fluid_sums(Threads& threads);
   void begin_with_smooth_part(Threads& threads);

@@ -18,7 +18,9 @@ struct NearPlane {
   Vec3f slope{};                 ///< its part in that of the sum, of the last look [1/m]
   Vec3f pushed{};                ///< the particle, in this substep: sum of slope times lambda [kg m]
   std::uint32_t collider = nobody;
-  std::uint32_t touch = nobody;  ///< which touch of a body it is; or nobody
+  // Of a body: which skin, its triangle, and the weights of that one's corners in the nearest point.
+  std::uint32_t skin = nobody, triangle = 0;
+  Vec3f weights{};
 };
 
 /// What is near each particle of a fluid besides fluid, found once a substep.

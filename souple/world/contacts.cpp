@@ -57,6 +57,9 @@ void append_features(const Object& object, std::uint32_t index, std::span<const 
 }
 
 Surface surface_of(const Material& material) {
+  // A fluid rubs by its viscosity, not by Coulomb's law.
+  if (const auto* fluid = std::get_if<FluidMaterial>(&material))
+    return {.friction = 0, .restitution = fluid->restitution};
   return std::visit(
       [](const auto& m) { return Surface{.friction = m.friction, .restitution = m.restitution}; }, material);
 }
@@ -129,6 +132,7 @@ void build_contact_tables(WorldState& world) {
   });
   for (std::uint32_t a = 0; any_solid && a < world.objects.size(); ++a)
     append_features(*world.objects[a], a, tables.rope_edges[a], features);
+  world.fluids.build(world);
   features.shrink_to_fit();
   world.feature_contacts.set_features(std::move(features));
 }

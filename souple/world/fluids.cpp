@@ -1,9 +1,14 @@
 #include "souple/world/fluids.h"
 
+#include "souple/collision/place.h"
+#include "souple/fluid/air_drag.h"
+#include "souple/world/add.h"
+#include "souple/world/forces.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace souple {
 
@@ -14,16 +19,55 @@ constexpr std::size_t grain = 512;  // particles worth a thread
 /// What the density solver asks.
 struct Boundary {
   Surroundings& surroundings;
+  FluidBodies& bodies;
   const Smoothing& smoothing;
 
   BoundarySums look(std::size_t place, const Vec3f& x) const {
-    return look_at(surroundings.of(place), x, smoothing);
+    const std::span<NearPlane> planes = surroundings.of(place);
+    for (NearPlane& plane : planes) bodies.follow(plane);
+    return look_at(planes, x, smoothing);
+  }
+  void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
+    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x.size(), x, coarse);
+  }
+  void respond(std::size_t place, BoundarySums& sums) const {
+    if (bodies.skin_count() > 0) bodies.respond(surroundings.of(place), sums);
   }
   void push(std::size_t place, float change) const {
     for (NearPlane& plane : surroundings.of(place)) plane.pushed += plane.slope * change;
   }
-  void pushed() const {}
+  void pushed(std::span<const float> change) const {
+    if (bodies.skin_count() > 0) bodies.yield(surroundings, change);
+  }
 };
+
+/// How a fluid feels an object; nothing when it does not.
+std::optional<Skin> skin_of(const Object& object) {
+  const std::vector<Triangle>& faces = object.embedding ? object.mesh.triangles : object.surface;
+  if (faces.empty()) return std::nullopt;
+  Skin skin{.begin = object.begin,
+            .end = object.end,
+            .triangles = faces,
+            .half_thickness = contact_radius(object.material),
+            .closed = object.kind == ObjectKind::soft_body,
+            .yielding = object.kind == ObjectKind::soft_body ? Yielding::rigidly : Yielding::locally};
+  if (object.embedding) {
+    for (std::size_t v = 0; v < object.mesh.positions.size(); ++v) {
+      auto& particles = skin.particles.emplace_back();
+      auto& weights = skin.weights.emplace_back();
+      for (std::size_t k = 0; k < 4; ++k) {
+        particles[k] = object.begin + object.embedding->vertices[v][k];
+        weights[k] = static_cast<float>(object.embedding->weights[v][k]);
+      }
+    }
+    return skin;
+  }
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    skin.particles.push_back({i, i, i, i});
+    skin.weights.push_back({1, 0, 0, 0});
+  }
+  return skin;
+}
 
 }  // namespace
 
@@ -40,7 +84,21 @@ void Fluids::begin_step(WorldState& world) {
   // are coarse.
   const Vec3d first = world.exact_position(particle_[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
+  bodies_.begin_step(feels_, origin_);
   walls_.begin_step(world.tables.colliders, meets_, origin_, particle_.size(), world.time);
+}
+
+void Fluids::build(const WorldState& world) {
+  skinned_.clear();
+  std::vector<Skin> skins;
+  for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
+    if (world.objects[o]->kind == ObjectKind::fluid) continue;
+    if (std::optional<Skin> skin = skin_of(*world.objects[o])) {
+      skins.push_back(std::move(*skin));
+      skinned_.push_back(o);
+    }
+  }
+  bodies_.set_skins(std::move(skins));
 }
 
 void Fluids::find_particles(const WorldState& world) {
@@ -48,7 +106,8 @@ void Fluids::find_particles(const WorldState& world) {
   fluid_.clear();
   objects_.clear();
   meets_.clear();
-  limit_.clear();
+  feels_.clear();
+  materials_.clear();
   for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
     const Object& object = *world.objects[o];
     const auto* material = std::get_if<FluidMaterial>(&object.material);
@@ -59,7 +118,9 @@ void Fluids::find_particles(const WorldState& world) {
       fluid_.push_back(static_cast<std::uint16_t>(objects_.size()));
     }
     objects_.push_back(o);
-    limit_.push_back(material->xsph);
+    for (const std::uint32_t body : skinned_)
+      feels_.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+    materials_.push_back(*material);
     for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
       meets_.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
   }
@@ -72,13 +133,18 @@ void Fluids::choose_solver(const WorldState& world) {
                                       .passes = world.settings.fluid.iterations};
   if (solver_ && spacing_ == spacing && options_ == wanted) return;
   solver_ = std::make_unique<DensitySolver>(spacing, wanted);
+  viscosity_ = Viscosity(wanted.shape);
+  surface_tension_ = SurfaceTension(wanted.shape);
+  vorticity_ = VorticityConfinement(wanted.shape);
   spacing_ = spacing;
   options_ = wanted;
 }
 
-void Fluids::place(const WorldState& world, Threads& threads) {
+void Fluids::place(WorldState& world, Threads& threads) {
   placed_.resize(particle_.size());
+  start_.resize(particle_.size());
   const Particles& particles = world.particles;
+  const ParticleView view = world.view();
   const bool displaced = world.settings.form == Form::displacement;
   threads.for_each(particle_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -86,6 +152,7 @@ void Fluids::place(const WorldState& world, Threads& threads) {
       Vec3f at(Vec3d(x.xyz()) - origin_);
       if (displaced) at += particles.offset[particle_[k]].xyz();
       placed_[k] = {at.x, at.y, at.z, x.w};
+      start_[k] = Vec3f(start_place(view, particle_[k]) - origin_);
     }
   });
   solver_->place(placed_, threads);
@@ -98,7 +165,9 @@ void Fluids::look_around(Threads& threads) {
   surroundings_.look(
       x.size(),
       [&](std::size_t k, std::vector<NearPlane>& planes) {
-        walls_.find(order[k], fluid_[order[k]], x[k].xyz(), reach, planes);
+        const std::uint32_t i = order[k];
+        walls_.find(i, fluid_[i], x[k].xyz(), reach, planes);
+        if (bodies_.skin_count() > 0) bodies_.find(i, fluid_[i], x[k].xyz(), start_[i], reach, planes);
       },
       threads);
 }
@@ -108,8 +177,11 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   place(world, threads);
   world.guarded("a collider's motion",
                 [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
+  if (bodies_.skin_count() > 0)
+    bodies_.begin_substep(world.view(), world.particles.mass, placed_,
+                          Surroundings::reach(solver_->smoothing()), threads);
   look_around(threads);
-  Boundary boundary{surroundings_, solver_->smoothing()};
+  Boundary boundary{surroundings_, bodies_, solver_->smoothing()};
   solver_->solve(boundary, threads);
   const ParticleView view = world.view();
   const auto order = solver_->order();
@@ -117,6 +189,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) view.correct(particle_[order[k]], moved[k]);
   });
+  if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);
   sum_forces(world, substep);
   note(substep);
 }
@@ -157,25 +230,95 @@ void Fluids::note(const Substep& substep) {
                                                             static_cast<double>(spacing_));
 }
 
+// What several walls say together, as if they hid one another.
+void Fluids::find_wall_friction(float h, Threads& threads) {
+  const auto x = solver_->positions();
+  const auto order = solver_->order();
+  wall_friction_.resize(x.size());
+  for_places(x.size(), threads, [&](std::size_t k) {
+    Vec3f motion{};
+    float sum = 0, left = 1;
+    for (const NearPlane& plane : surroundings_.of(k)) {
+      if (plane.skin != NearPlane::nobody) continue;
+      const float value = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
+      motion += plane.motion * value;
+      sum += value;
+      left *= 1 - value;
+    }
+    const Vec3f speed = sum > 0 ? motion * (1 / (sum * h)) : Vec3f{};
+    wall_friction_[k] = {speed.x, speed.y, speed.z, (1 - left) * materials_[fluid_[order[k]]].friction};
+  });
+}
+
+void Fluids::find_near_walls(Threads& threads) {
+  const auto x = solver_->positions();
+  near_walls_.resize(x.size());
+  for_places(x.size(), threads, [&](std::size_t k) {
+    near_walls_[k] = {};
+    float nearest = std::numeric_limits<float>::max();
+    for (const NearPlane& plane : surroundings_.of(k)) {
+      const float distance = dot(plane.normal, x[k].xyz()) - plane.offset;
+      if (plane.skin != NearPlane::nobody || distance >= nearest) continue;
+      nearest = distance;
+      near_walls_[k] = {plane.normal, distance};
+    }
+  });
+}
+
+// The strongest of what the fluids of a world want is done for all of them, but for viscosity and drag, which
+// each has for itself.
+void Fluids::apply_forces(const WorldState& world, const Substep& substep) {
+  Threads& threads = *world.threads;
+  const FluidView view{solver_->padded_positions(), velocity_, solver_->neighbours(), solver_->smoothing()};
+  const auto most = [&](float FluidMaterial::*value) {
+    float result = 0;
+    for (const FluidMaterial& material : materials_) result = std::max(result, material.*value);
+    return result;
+  };
+  find_wall_friction(substep.h, threads);
+  const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
+  report_.viscosity_iterations += viscous.iterations;
+  if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
+    find_near_walls(threads);
+    const float angle = materials_[0].contact_angle * static_cast<float>(pi) / 180;
+    surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h, threads);
+  }
+  if (const float epsilon = most(&FluidMaterial::vorticity); epsilon > 0)
+    vorticity_.apply(view, epsilon, substep.h, threads);
+  if (const float coefficient = most(&FluidMaterial::air_drag); coefficient > 0) {
+    covered_.resize(view.size());
+    for_places(view.size(), threads, [&](std::size_t k) { covered_[k] = 1 + solver_->density_error(k); });
+    const AirDrag air{wind_at(world.settings, world.time), world.settings.wind.air_density, coefficient};
+    apply_air_drag(view, covered_, air, substep.h, threads);
+  }
+}
+
+// XSPH is a viscosity of its own: mu = rho xsph d^2 / 6, see xsph.h.
 void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const auto order = solver_->order();
   std::vector<Vec4f>& velocity = world.particles.velocity;
   velocity_.resize(order.size() + 1);
   velocity_.back() = {};
-  threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) velocity_[k] = velocity[particle_[order[k]]];
+  for_places(order.size(), threads, [&](std::size_t k) {
+    const FluidMaterial& material = materials_[fluid_[order[k]]];
+    velocity_[k] = velocity[particle_[order[k]]];
+    velocity_[k].w = material.viscosity + material.density * material.xsph * spacing_ * spacing_ / 6;
   });
-  solver_->smooth(velocity_, [&](std::size_t k, const Vec3f& spread) {
-    const float share = -std::expm1(-limit_[fluid_[order[k]]] * substep.h);
-    Vec4f& v = velocity[particle_[order[k]]];
-    v.set_xyz(v.xyz() + spread * share);
-  }, threads);
+  apply_forces(world, substep);
+  double fastest = 0;
+  for (std::size_t k = 0; k < order.size(); ++k)
+    fastest = std::max(fastest, static_cast<double>(length_squared(velocity_[k].xyz())));
+  report_.fastest = std::max(report_.fastest, std::sqrt(fastest));
+  report_.largest_step = std::max(report_.largest_step, std::sqrt(fastest) / 1.5 * static_cast<double>(substep.h) /
+                                                            static_cast<double>(spacing_));
+  for_places(order.size(), threads,
+             [&](std::size_t k) { velocity[particle_[order[k]]].set_xyz(velocity_[k].xyz()); });
 }
 
 FluidReport Fluids::report() const {
   FluidReport report = report_;
-  if (substeps_ > 0) report.coarse_iterations /= substeps_;
+  if (substeps_ > 0) report.coarse_iterations /= substeps_, report.viscosity_iterations /= substeps_;
   return report;
 }
 

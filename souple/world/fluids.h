@@ -1,7 +1,12 @@
 #pragma once
 
+#include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
+#include "souple/fluid/surface_tension.h"
+#include "souple/fluid/viscosity.h"
+#include "souple/fluid/vorticity.h"
 #include "souple/solver/projector.h"
+#include "souple/world/materials.h"
 #include "souple/world/report.h"
 
 #include <cstdint>
@@ -17,6 +22,8 @@ struct WorldState;
 /// The fluids of a world, all of them in one density solver: their particles have one spacing.
 class Fluids {
  public:
+  /// After objects came, went or changed.
+  void build(const WorldState& world);
   /// Finds out which particles there are. Nothing of the last step is used again.
   void begin_step(WorldState& world);
   bool none() const { return particle_.empty(); }
@@ -34,9 +41,12 @@ class Fluids {
  private:
   void choose_solver(const WorldState& world);
   void find_particles(const WorldState& world);
-  void place(const WorldState& world, Threads& threads);
+  void place(WorldState& world, Threads& threads);
   void look_around(Threads& threads);
   void sum_forces(const WorldState& world, const Substep& substep);
+  void find_wall_friction(float h, Threads& threads);
+  void find_near_walls(Threads& threads);
+  void apply_forces(const WorldState& world, const Substep& substep);
   void note(const Substep& substep);
 
   std::unique_ptr<DensitySolver> solver_;
@@ -44,14 +54,24 @@ class Fluids {
   DensitySolver::Options options_{};
   Surroundings surroundings_;
   FluidWalls walls_;
+  FluidBodies bodies_;
   Vec3d origin_{};                       // of the fluids' positions [m]
   std::vector<std::uint32_t> particle_;  // of each of the fluids' particles, the world's
   std::vector<std::uint16_t> fluid_;     // and which fluid it is of
   std::vector<std::uint32_t> objects_;   // of each fluid
-  std::vector<float> limit_;             // of each fluid: the rate of its XSPH [1/s]
+  std::vector<FluidMaterial> materials_;  // of each fluid
   std::vector<std::uint8_t> meets_;      // of each fluid and collider
+  std::vector<std::uint32_t> skinned_;   // objects that are bodies to fluids
+  std::vector<std::uint8_t> feels_;      // of each fluid and body
   std::vector<Vec4f> placed_;            // x, y, z from the origin and inverse mass
-  std::vector<Vec4f> velocity_;          // by place, and one more, 0
+  std::vector<Vec3f> start_;             // where they were when the substep began
+  std::vector<Vec4f> velocity_;          // by place, and the viscosity; one more, 0
+  std::vector<Vec4f> wall_friction_;     // by place
+  std::vector<NearWall> near_walls_;     // the same
+  std::vector<float> covered_;           // by place: V sum W
+  Viscosity viscosity_;
+  SurfaceTension surface_tension_;
+  VorticityConfinement vorticity_;
   std::vector<float> pressure_;          // sum over substeps [Pa]
   std::vector<Vec3d> force_;             // on each collider [N]
   int substeps_ = 0;

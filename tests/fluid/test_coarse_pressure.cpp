@@ -24,7 +24,7 @@ struct Case {
     positions[0] = {0, 0, 0, 20};  // the grid's corner
     for (std::size_t i = 0; i < positions.size(); ++i)
       samples.push_back(
-          {static_cast<float>(random.uniform(-0.1, 0.1)), static_cast<float>(random.uniform(0, 50))});
+          {static_cast<float>(random.uniform(-0.1, 0.1)), static_cast<float>(random.uniform(0, 2000))});
   }
   std::vector<float> multipliers(int threads) const {
     const auto pool = make_threads(Threading::pool, threads);
@@ -78,7 +78,7 @@ std::vector<float> by_dense_matrix(const Case& c) {
   }
   for (std::size_t i = 0; i < c.positions.size(); ++i) {
     for (const auto& [node, weight] : weights[i]) {
-      A(node, node) += 2 * double{c.positions[i].w} * c.samples[i].roughness * weight;
+      A(node, node) += double{c.samples[i].diagonal} * weight;
       if (c.samples[i].c > -surface) b[node] -= weight * c.samples[i].c;
     }
   }

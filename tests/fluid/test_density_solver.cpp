@@ -43,11 +43,10 @@ struct Pool {
     sums.value = 1 - left;
     return sums;
   }
-  struct Walls {
+  struct Walls : FixedBoundary {
+    explicit Walls(const Pool& p) : pool(p) {}
     const Pool& pool;
     BoundarySums look(std::size_t, const Vec3f& x) const { return pool.walls(x); }
-    void push(std::size_t, float) const {}
-    void pushed() const {}
   };
   void substep(float h) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -138,10 +137,8 @@ TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-struct Nothing {
+struct Nothing : FixedBoundary {
   BoundarySums look(std::size_t, const Vec3f&) const { return {}; }
-  void push(std::size_t, float) const {}
-  void pushed() const {}
 };
 
 TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {
