@@ -131,7 +131,7 @@ struct DamBreak {
     for (Vec4f& p : positions) p.w = 1 / (1000 * d * d * d);
   }
   struct Box : FixedBoundary {
-    explicit Box(const Smoothing& of) : smoothing(of) {}
+    explicit Box(const Smoothing& s) : smoothing(s) {}
     const Smoothing& smoothing;
     BoundarySums look(std::size_t, const Vec3f& at) const {
       const float distance[] = {at.x, width * d - at.x, at.y, at.z, nz * d - at.z};

@@ -43,7 +43,7 @@ struct Drop {
   }
   static float mass() { return density * d * d * d; }
   struct Floor : FixedBoundary {
-    explicit Floor(const Drop& of) : drop(of) {}
+    explicit Floor(const Drop& which) : drop(which) {}
     const Drop& drop;
     BoundarySums look(std::size_t, const Vec3f& at) const {
       if (drop.walls.empty()) return {};
