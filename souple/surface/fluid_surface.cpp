@@ -61,8 +61,8 @@ struct Samples {
   }
 };
 
-/// The value that the field has where the surface of a pool belongs: half a spacing above the topmost layer of
-/// a lattice, that is, where vertices come to lie once they have gone back by the shift of the centres,
+/// The value that the field has where the surface of a pool belongs: half a spacing above the topmost layer
+/// of a lattice, that is, where vertices come to lie once they have gone back by the shift of the centres,
 ///
 ///   level = mean of field(z_s),   z_s - shift(z_s) = d / 2,   s over a cell of the lattice
 ///
@@ -70,7 +70,8 @@ struct Samples {
 float pool_level(const SurfaceOptions& options) {
   const float d = options.spacing, radius = options.neighbour_radius * d;
   const float widest = std::max(1.5f * options.kernel_radius, options.isotropic_radius);
-  const int across = 2 * static_cast<int>(std::ceil(widest + options.neighbour_radius)) + 2, deep = across / 2;
+  const int across = 2 * static_cast<int>(std::ceil(widest + options.neighbour_radius)) + 2,
+            deep = across / 2;
   std::vector<Vec4f> lattice;
   for (int k = 0; k < deep; ++k)
     for (int j = 0; j < across; ++j)

@@ -19,13 +19,13 @@ struct SurfaceTimes {
 ///
 ///   Yu and Turk 2013, "Reconstructing surfaces of particle-based fluids using anisotropic kernels"
 ///
-/// The field is a sum of kernels, one a particle, each stretched as its neighbours lie (particle_kernels.h); it
-/// is evaluated near the surface only (surface_field.h), and the mesh is cut out of it (marching_cubes.h).
+/// The field is a sum of kernels, one a particle, each stretched as its neighbours lie (particle_kernels.h);
+/// it is evaluated near the surface only (surface_field.h), and the mesh is cut out of it (marching_cubes.h).
 ///
 /// Where we deviate: the paper moves kernels' centres towards the mean of their neighbours, which calms the
-/// surface, and draws it in by half a spacing and more: a ball of 20 spacings would lose a fifth of its volume.
-/// Here each vertex goes back the way that the centres around it went, averaged with their weights in the
-/// field.
+/// surface, and draws it in by half a spacing and more: a ball of 20 spacings would lose a fifth of its
+/// volume. Here each vertex goes back the way that the centres around it went, averaged with their weights in
+/// the field. Nor are centres of particles with few neighbours moved as far: two would become one.
 ///
 /// The same mesh, bit by bit, for any number of threads and with all instruction sets.
 class FluidSurface {
@@ -33,8 +33,8 @@ class FluidSurface {
   /// Throws Error, naming the option, where one makes no sense.
   explicit FluidSurface(const SurfaceOptions& options);
 
-  /// The mesh of these particles [m], valid until the next call. Positions that are not finite, or further than
-  /// 250,000 neighbour radii from the origin, are left out. Allocates nothing when warm.
+  /// The mesh of these particles [m], valid until the next call. Positions that are not finite, or further
+  /// than 250,000 neighbour radii from the origin, are left out. Allocates nothing when warm.
   const SurfaceMesh& build(std::span<const Vec3f> positions, Threads& threads);
 
   const SurfaceMesh& mesh() const { return mesh_; }

@@ -160,6 +160,81 @@ std::array<std::uint64_t, 8> insides(const SurfaceField& field, const std::array
   return result;
 }
 
+/// Where the edges of a brick that are cut meet the surface.
+struct CutEdges {
+  static constexpr std::size_t room = 3 * kernels::brick_nodes;
+
+  std::size_t count = 0;
+  float start[3][room], fraction[room];  // [m]; how far along the edge, in cells
+  float low[room], high[room];           // which lies between these
+  std::size_t axis[room];
+  bool starts_inside[room];
+  float cell;
+  // At the fraction that was looked at last.
+  float at[3][room], value[room], gradient[3][room], shift[3][room], crowd[room];
+
+  CutEdges(const SurfaceField& field, std::uint32_t brick, const std::array<std::uint32_t, 8>& corners,
+           const std::array<std::uint64_t, 3>& edges);
+  void look(const SurfaceField& field, std::uint32_t brick);
+  Vec3f position(std::size_t k) const;
+  Vec3f normal(std::size_t k) const {
+    return unit_normal(-Vec3f{gradient[0][k], gradient[1][k], gradient[2][k]});
+  }
+};
+
+/// To begin with, where the field would have the level were it straight along the edge.
+CutEdges::CutEdges(const SurfaceField& field, std::uint32_t brick,
+                   const std::array<std::uint32_t, 8>& corners, const std::array<std::uint64_t, 3>& edges)
+    : cell(field.cell()) {
+  const std::array<float, 3> origin = field.origin(brick);
+  for (std::size_t along = 0; along < 3; ++along) {
+    for_bits(edges[along], [&](int bit) {
+      const auto node = static_cast<std::uint32_t>(bit);
+      const bool leaves = (node >> 2 * along & 3) == brick_side - 1;
+      const std::uint32_t end = leaves ? node - (3u << 2 * along) : node + (1u << 2 * along);
+      const float a = field.value(brick, node);
+      const float b = field.value(leaves ? corners[std::size_t{1} << along] : brick, end);
+      for (std::size_t c = 0; c < 3; ++c)
+        start[c][count] = origin[c] + cell * static_cast<float>(node >> 2 * c & 3);
+      axis[count] = along;
+      starts_inside[count] = a > field.level();
+      fraction[count] = (field.level() - a) / (b - a);
+      low[count] = 0, high[count] = 1;
+      ++count;
+    });
+  }
+}
+
+/// A step of Newton's method, by the field's gradient; halves what is left where that leads out of it.
+void CutEdges::look(const SurfaceField& field, std::uint32_t brick) {
+  const std::size_t whole = (count + 15) / 16 * 16;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t k = 0; k < count; ++k) at[c][k] = start[c][k] + (axis[k] == c ? cell * fraction[k] : 0);
+    std::fill(at[c] + count, at[c] + whole, at[c][0]);
+  }
+  const auto near = field.kernels_near(brick);
+  const kernels::FieldPoints points{{at[0], at[1], at[2]},
+                                    value,
+                                    {gradient[0], gradient[1], gradient[2]},
+                                    {shift[0], shift[1], shift[2]},
+                                    crowd};
+  field.functions().points(field.particle_kernels(), near.data(), near.size(), points, whole);
+  for (std::size_t k = 0; k < count; ++k) {
+    float& t = fraction[k];
+    ((value[k] > field.level()) == starts_inside[k] ? low[k] : high[k]) = t;
+    const float next = t + (field.level() - value[k]) / (gradient[axis[k]][k] * cell);
+    t = next > low[k] && next < high[k] ? next : 0.5f * (low[k] + high[k]);
+  }
+}
+
+/// Never so near a node that triangles lose their area; then back by the way of the centres.
+Vec3f CutEdges::position(std::size_t k) const {
+  constexpr float least = 0.02f;
+  Vec3f x{start[0][k], start[1][k], start[2][k]};
+  x[static_cast<int>(axis[k])] += cell * std::clamp(fraction[k], least, 1 - least);
+  return x - Vec3f{shift[0][k], shift[1][k], shift[2][k]};
+}
+
 template <class Function>
 void for_bricks(std::size_t count, Threads& threads, const Function& f) {
   threads.for_each(count, 64, [&](std::size_t first, std::size_t last) {
@@ -228,53 +303,18 @@ std::uint32_t MarchingCubes::vertex(std::uint32_t brick, std::uint32_t node, std
   return number + static_cast<std::uint32_t>(std::popcount(cut.edges[axis] & before));
 }
 
-// Where the field would have the level were it straight along an edge, then one step of Newton's method by its
-// gradient there; never so near a node that triangles lose their area.
+// Two looks bring them within a hundredth of a cell of the level.
 void MarchingCubes::place_vertices(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh) {
-  constexpr std::size_t room = 3 * kernels::brick_nodes;
-  constexpr float least = 0.02f;
+  constexpr int looks = 2;
   const Cut& cut = cuts_[brick];
-  float at[3][room], value[room], gradient[3][room], shift[3][room], crowd[room],
-      fraction[room];
-  std::size_t axis_of[room], count = 0;
-  const std::array<float, 3> origin = field.origin(brick);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for_bits(cut.edges[axis], [&](int bit) {
-      const auto node = static_cast<std::uint32_t>(bit);
-      const bool crosses = (node >> 2 * axis) % 4 == 3;
-      const std::uint32_t other = crosses ? node - (3u << 2 * axis) : node + (1u << 2 * axis);
-      const float a = field.value(brick, node);
-      const float b = field.value(crosses ? corners_[brick][std::size_t{1} << axis] : brick, other);
-      const float t = std::clamp((field.level() - a) / (b - a), least, 1 - least);
-      for (std::size_t c = 0; c < 3; ++c)
-        at[c][count] = origin[c] + field.cell() * (static_cast<float>(node >> 2 * c & 3) + (c == axis ? t : 0));
-      axis_of[count] = axis;
-      fraction[count++] = t;
-    });
-  }
-  if (count == 0) return;
-  const std::size_t whole = (count + 15) / 16 * 16;
-  for (std::size_t k = count; k < whole; ++k)
-    for (auto& component : at) component[k] = component[0];
-  const auto near = field.kernels_near(brick);
-  field.functions().points(field.particle_kernels(), near.data(), near.size(),
-                           {{at[0], at[1], at[2]},
-                            value,
-                            {gradient[0], gradient[1], gradient[2]},
-                            {shift[0], shift[1], shift[2]},
-                            crowd},
-                           whole);
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t axis = axis_of[k];
-    const float slope = gradient[axis][k] * field.cell();
-    float step = (field.level() - value[k]) / slope;
-    if (!(std::abs(step) < 1)) step = 0;
-    const float t = std::clamp(fraction[k] + step, least, 1 - least);
-    at[axis][k] += field.cell() * (t - fraction[k]);
+  if ((cut.edges[0] | cut.edges[1] | cut.edges[2]) == 0) return;
+  CutEdges edges(field, brick, corners_[brick], cut.edges);
+  for (int look = 0; look < looks; ++look) edges.look(field, brick);
+  for (std::size_t k = 0; k < edges.count; ++k) {
     const std::size_t v = cut.first_vertex + k;
-    mesh.positions[v] = {at[0][k] - shift[0][k], at[1][k] - shift[1][k], at[2][k] - shift[2][k]};
-    crowd_[v] = crowd[k];
-    mesh.normals[v] = unit_normal(-Vec3f{gradient[0][k], gradient[1][k], gradient[2][k]});
+    mesh.positions[v] = edges.position(k);
+    mesh.normals[v] = edges.normal(k);
+    crowd_[v] = edges.crowd[k];
   }
 }
 

@@ -29,8 +29,8 @@ struct SurfaceMesh {
   std::vector<Triangle> triangles;  ///< counter-clockwise from outside
 };
 
-/// Cuts the surface out of a field. Vertices lie on the grid's edges, in the order of bricks, then of axes and
-/// nodes; then each goes back the way that its kernels' centres went from their particles.
+/// Cuts the surface out of a field. Vertices lie on the grid's edges, in the order of bricks, then of axes
+/// and nodes; then each goes back the way that its kernels' centres went from their particles.
 class MarchingCubes {
  public:
   /// Allocates nothing when warm.

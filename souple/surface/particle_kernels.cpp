@@ -63,6 +63,7 @@ void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours,
   records_.resize(n + 1);
   kernels_.resize(n);
   boxes_.resize(n);
+  shift_.resize(n);
   at_surface_.resize(n);
   records_[n] = {far, far, far, 0};
   threads.for_each(n, 4096, [&](std::size_t first, std::size_t last) {
@@ -72,10 +73,39 @@ void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours,
   threads.for_each(neighbours.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) {
       const Neighbours::Block& block = neighbours.blocks()[b];
-      for (std::uint32_t i = block.begin; i < block.end; ++i)
-        find_at(i, block.padded(i), block.of(i).size());
+      for (std::uint32_t i = block.begin; i < block.end; ++i) find_at(i, block.padded(i), block.of(i).size());
     }
   });
+  if (options_.method == SurfaceMethod::isotropic) return;
+  threads.for_each(neighbours.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b) {
+      const Neighbours::Block& block = neighbours.blocks()[b];
+      for (std::uint32_t i = block.begin; i < block.end; ++i)
+        if (at_surface_[i] != 0) calm_shift(i, block.of(i));
+    }
+  });
+}
+
+// The way back is to bring no noise with it: it is the mean of the shifts s of those around that went alike,
+//
+//   sum_j w_ij s_j / sum_j w_ij,   w_ij = max(0, 1 - |s_i - s_j|^2 / (0.4 r)^2)
+//
+// Those beyond an edge went another way.
+void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint32_t> list) {
+  const float alike = 0.4f * options_.neighbour_radius * options_.spacing;
+  const float inverse = 1 / (alike * alike);
+  const Vec3f own = shift_[place];
+  Vec3f sum = own;
+  float weight = 1;
+  for (const std::uint32_t entry : list) {
+    const Vec3f other = shift_[entry / 4], apart = other - own;
+    const float w = std::max(0.0f, 1 - dot(apart, apart) * inverse);
+    sum += other * w;
+    weight += w;
+  }
+  const Vec3f mean = sum / weight;
+  ParticleKernel& kernel = kernels_[place];
+  kernel.shift[0] = mean.x, kernel.shift[1] = mean.y, kernel.shift[2] = mean.z;
 }
 
 // Yu and Turk 2013, equations 6 and 9 to 16:
@@ -99,6 +129,7 @@ void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t
   const float lambda = isotropic ? 0 : options_.centre_smoothing * std::min(1.0f, crowd);
   const Vec3f shift = delta * lambda;
   kernel.centre[0] = at.x + shift.x, kernel.centre[1] = at.y + shift.y, kernel.centre[2] = at.z + shift.z;
+  shift_[place] = shift;
   kernel.shift[0] = shift.x, kernel.shift[1] = shift.y, kernel.shift[2] = shift.z;
   kernel.crowd = std::min(1.0f, 0.5f * crowd);
   Vec3f reach;

@@ -35,6 +35,7 @@ class ParticleKernels {
   std::span<const std::uint8_t> at_surface() const { return at_surface_; }
 
  private:
+  void calm_shift(std::uint32_t place, std::span<const std::uint32_t> list);
   void find_at(std::uint32_t place, std::span<const std::uint32_t> list, std::size_t count);
   Vec3f place_ball(kernels::ParticleKernel& kernel, float radius) const;
   Vec3f place_ellipsoid(kernels::ParticleKernel& kernel, const kernels::Moments& moments) const;
@@ -44,6 +45,7 @@ class ParticleKernels {
   float variance_;  // of the neighbours of a particle inside the fluid, along an axis [m^2]
   std::vector<Vec4f> records_;
   std::vector<kernels::ParticleKernel> kernels_;
+  std::vector<Vec3f> shift_;  // of a centre from its particle
   std::vector<KernelBox> boxes_;
   std::vector<std::uint8_t> at_surface_;
 };

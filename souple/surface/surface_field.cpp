@@ -139,7 +139,8 @@ void SurfaceField::choose_first() {
 
 void SurfaceField::evaluate(const CellOrder& order, const ParticleKernels& particles, Threads& threads) {
   // Blocks end where this round does.
-  for (std::size_t k = evaluated_count_; k < list_.size(); ++k) place_[list_[k]] = static_cast<std::uint32_t>(k);
+  for (std::size_t k = evaluated_count_; k < list_.size(); ++k)
+    place_[list_[k]] = static_cast<std::uint32_t>(k);
   const std::size_t first_block = evaluated_count_ / block_size;
   const std::size_t blocks = (list_.size() + block_size - 1) / block_size;
   if (gathered_.size() < blocks) gathered_.resize(blocks);
@@ -193,9 +194,8 @@ void SurfaceField::gather(const CellOrder& order, const ParticleKernels& particl
   const auto rows_end = rows.end() - 1;
   auto row = rows.begin();
   for (std::int32_t z = first[2]; z <= last[2]; ++z) {
-    row = std::partition_point(row, rows_end, [&](const CellOrder::Row& r) {
-      return r.z != z ? r.z < z : r.y < first[1];
-    });
+    row = std::partition_point(row, rows_end,
+                               [&](const CellOrder::Row& r) { return r.z != z ? r.z < z : r.y < first[1]; });
     for (; row != rows_end && row->z == z && row->y <= last[1]; ++row) {
       const auto end = cells.begin() + (row + 1)->begin;
       auto cell = std::partition_point(cells.begin() + row->begin, end,

@@ -68,8 +68,8 @@ class SurfaceField {
   const kernels::SurfaceKernels* functions_ = nullptr;
   const kernels::ParticleKernel* particle_kernels_ = nullptr;
   std::vector<KernelBox> cell_boxes_, surface_boxes_;  // by cell of the order: of all, of some
-  std::array<double, 3> furthest_{};             // that a kernel reaches from its particle [m]
-  double cell_size_ = 0;                         // of the order
+  std::array<double, 3> furthest_{};                   // that a kernel reaches from its particle [m]
+  double cell_size_ = 0;                               // of the order
   Bricks bricks_;
   std::vector<State> state_;
   std::vector<std::uint64_t> inside_;

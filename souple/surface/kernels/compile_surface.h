@@ -93,8 +93,7 @@ void surface_points(const ParticleKernel* kernels, const std::uint32_t* list, st
   for (std::size_t first = 0; first < point_count; first += Set::lanes) {
     const T x = T::load(points.at[0] + first), y = T::load(points.at[1] + first),
             z = T::load(points.at[2] + first);
-    T value(0.0f), gx(0.0f), gy(0.0f), gz(0.0f), shift_x(0.0f), shift_y(0.0f), shift_z(0.0f),
-        crowd(0.0f);
+    T value(0.0f), gx(0.0f), gy(0.0f), gz(0.0f), shift_x(0.0f), shift_y(0.0f), shift_z(0.0f), crowd(0.0f);
     for (std::size_t n = 0; n < count; ++n) {
       const ParticleKernel& p = kernels[list[n]];
       const T sx = x - T(p.centre[0]), sy = y - T(p.centre[1]), sz = z - T(p.centre[2]);

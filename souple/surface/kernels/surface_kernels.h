@@ -20,8 +20,8 @@ struct Moments {
   float xx, xy, xz, yy, yz, zz;  ///< sum w d d^T
 };
 
-/// What a particle adds to the field: weight (1 - |G (x - centre)|^2)^3 where that is positive (poly6 of Müller
-/// et al. 2003, bent by G as in Yu and Turk 2013, equation 8).
+/// What a particle adds to the field: weight (1 - |G (x - centre)|^2)^3 where that is positive (poly6 of
+/// Müller et al. 2003, bent by G as in Yu and Turk 2013, equation 8).
 struct alignas(64) ParticleKernel {
   float centre[3];               ///< m
   float weight;                  ///< V W(0), no unit
