@@ -14,7 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}
-STAGES = ["triangles", "neighbours"]  # of one stage, without a world
+STAGES = ["triangles", "neighbours", "surface"]  # of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -69,6 +69,17 @@ class Bench(unittest.TestCase):
         for threads in 2, 3:
             self.assertEqual(bench("neighbours", "--size", 20000, "--threads", threads)["hash"], result["hash"])
         self.assertEqual(bench("neighbours", "--size", 20000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
+
+    def test_surface(self):
+        result = bench("surface", "--size", 8000)
+        self.assertEqual(list(result["ms_per_stage"]), ["sort", "neighbours", "kernels", "field", "mesh"])
+        self.assertLess(abs(result["particles"] / 8000 - 1), 0.05)
+        self.assertEqual(result["triangles"] % 2, 0)  # as of every closed surface
+        self.assertGreater(result["triangles"], 4000)
+        self.assertGreater(result["ms_isotropic"], 0)
+        for threads in 2, 3:
+            self.assertEqual(bench("surface", "--size", 8000, "--threads", threads)["hash"], result["hash"])
+        self.assertEqual(bench("surface", "--size", 8000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
 
     def test_kinds_and_counts_are_those_of_the_meshes(self):
         n = 12
