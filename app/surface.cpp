@@ -49,11 +49,14 @@ struct Order {
   fs::path out;
 };
 
+/// out/dam to out/dam_surface.
 fs::path default_out(const fs::path& cache) {
-  const fs::path folder = fs::absolute(cache.filename() == "run.json" ? cache.parent_path() : cache);
-  const fs::path plain = folder.lexically_normal();
-  const fs::path named = plain.has_filename() ? plain : plain.parent_path();
-  return named.parent_path() / (named.filename().string() + "_surface");
+  fs::path folder = (cache.filename() == "run.json" ? cache.parent_path() : cache).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  if (folder.empty() || folder == "." || folder == "..") folder = fs::absolute(folder).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  folder += "_surface";
+  return folder;
 }
 
 Order order_of(const SurfaceRequest& request) {
@@ -157,7 +160,8 @@ class SurfaceFiles {
   SurfaceFiles& operator=(const SurfaceFiles&) = delete;
 
   /// `rate` of frames [1/s]. An object that is not there, or too thin for the grid, has no file.
-  void write(std::uint64_t frame, std::span<const Vec3f> positions, double rate, Threads& threads) {
+  void write(std::uint64_t frame, const Playback::Object& object, double rate, Threads& threads) {
+    const std::span<const Vec3f> positions = object.positions;
     const SurfaceMesh& mesh = surface_.build(positions, threads);
     vertices_ += mesh.positions.size();
     triangles_ += mesh.triangles.size();
@@ -176,7 +180,9 @@ class SurfaceFiles {
     }
     if (particles_ && !positions.empty()) {
       particles_->skip_to(frame);
-      particles_->append(positions, velocities(positions, static_cast<float>(rate)));
+      particles_->append(positions, object.velocities.empty()
+                                        ? differences(positions, static_cast<float>(rate))
+                                        : std::span<const Vec3f>(object.velocities));
     }
     before_.assign(positions.begin(), positions.end());
   }
@@ -193,9 +199,9 @@ class SurfaceFiles {
     options.spacing = spacing;
     return options;
   }
-  /// Caches hold positions only: the way since the frame before, over its time. 0 where there was no such
-  /// frame, or another number of particles.
-  std::span<const Vec3f> velocities(std::span<const Vec3f> positions, float rate) {
+  /// Where the cache holds positions only: the way since the frame before, over its time. 0 where there was
+  /// no such frame, or another number of particles.
+  std::span<const Vec3f> differences(std::span<const Vec3f> positions, float rate) {
     velocities_.assign(positions.size(), {});
     if (before_.size() == positions.size())
       for (std::size_t i = 0; i < positions.size(); ++i) velocities_[i] = (positions[i] - before_[i]) * rate;
@@ -243,7 +249,7 @@ class Work {
       const double before = frame > 1 ? playback_.time(frame - 1) : 0;
       const double rate = 1 / (playback_.time(frame) - before);
       for (const auto& [index, files] : objects_)
-        files->write(frame, playback_.objects()[index].positions, rate, *threads_);
+        files->write(frame, playback_.objects()[index], rate, *threads_);
       frames_ = frame;
       progress.frame_done(frame);
     }

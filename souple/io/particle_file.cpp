@@ -2,11 +2,15 @@
 
 #include "souple/error.h"
 #include "souple/io/endian.h"
+#include "souple/io/file.h"
 #include "souple/io/mesh_write.h"
 
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstdint>
+#include <iterator>
+#include <system_error>
 #include <utility>
 
 namespace souple {
@@ -76,7 +80,64 @@ std::string bgeo_bytes(std::span<const Vec3f> points, std::span<const Vec3f> vel
   return std::move(out).text();
 }
 
+/// What the header of a PLY says, as far as we wrote it.
+struct PlyOfParticles {
+  std::uint64_t points = 0;
+  std::size_t floats = 0;  ///< each has
+  std::size_t begin = 0;   ///< of the first point
+};
+
+std::optional<PlyOfParticles> parse_header(std::string_view text) {
+  constexpr std::string_view properties[] = {"x", "y", "z", "vx", "vy", "vz"};
+  constexpr std::string_view element = "element vertex ", property = "property float ";
+  PlyOfParticles found;
+  bool has_points = false;
+  for (std::size_t line_number = 0;; ++line_number) {
+    const std::size_t end = text.find('\n', found.begin);
+    if (end == std::string_view::npos) return std::nullopt;
+    const std::string_view line = text.substr(found.begin, end - found.begin);
+    found.begin = end + 1;
+    if (line_number == 0 || line_number == 1) {
+      if (line != (line_number == 0 ? "ply" : "format binary_little_endian 1.0")) return std::nullopt;
+    } else if (line.starts_with(element) && !has_points) {
+      const std::string_view count = line.substr(element.size());
+      const auto parsed = std::from_chars(count.data(), count.data() + count.size(), found.points);
+      if (parsed.ec != std::errc{} || parsed.ptr != count.data() + count.size()) return std::nullopt;
+      has_points = true;
+    } else if (line.starts_with(property) && has_points && found.floats < std::size(properties) &&
+               line.substr(property.size()) == properties[found.floats]) {
+      ++found.floats;
+    } else if (line == "end_header") {
+      return found.floats == 3 || found.floats == 6 ? std::optional(found) : std::nullopt;
+    } else if (!line.starts_with("comment")) {
+      return std::nullopt;
+    }
+  }
+}
+
 }  // namespace
+
+std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path) {
+  File file(path, File::Mode::read);
+  std::string text(file.size(), '\0');
+  file.read(0, std::as_writable_bytes(std::span(text)));
+  const std::optional<PlyOfParticles> header = parse_header(text);
+  if (!header) return std::nullopt;
+  const std::size_t bytes_each = 4 * header->floats, held = (text.size() - header->begin) / bytes_each;
+  if (held < header->points)
+    throw Error(path.string() + ": holds " + std::to_string(held) + " points, its header says " +
+                std::to_string(header->points) + "; it is damaged");
+  ParticleFrame frame;
+  frame.positions.resize(header->points);
+  if (header->floats == 6) frame.velocities.resize(header->points);
+  const std::byte* in = std::as_bytes(std::span(text)).data() + header->begin;
+  for (std::size_t i = 0; i < header->points; ++i, in += bytes_each) {
+    load_points<ByteOrder::little>(in, std::span(&frame.positions[i], 1));
+    if (!frame.velocities.empty())
+      load_points<ByteOrder::little>(in + 12, std::span(&frame.velocities[i], 1));
+  }
+  return frame;
+}
 
 std::string_view particle_format_name(ParticleFormat format) {
   switch (format) {

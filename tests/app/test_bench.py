@@ -148,7 +148,7 @@ class Bench(unittest.TestCase):
         wrong.write_text("[1]")
         for arguments, words in ((["clth"], 'did you mean "cloth"'), (["triangels"], 'did you mean "triangles"'),
                                  (["segment"], 'did you mean "segments"'), (["hepa"], 'did you mean "heap"'),
-                                 (["xyzzyxyzzy"], "cloths, cubes, heap, triangles, segments"), (["cloth", "--size", "1"], "--size 1"),
+                                 (["xyzzyxyzzy"], "heap, triangles, neighbours, surface, segments"), (["cloth", "--size", "1"], "--size 1"),
                                  (["cloth", "--solver", "gauss"], "gauss_seidel"), (["cloth", "--form", "x"], "--form"),
                                  (["cloth", "--residual", "2"], "--residual"), (["cloth", "--runs", "0"], "--runs 0"),
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),
