@@ -103,6 +103,7 @@ std::vector<std::size_t> chosen_objects(const SurfaceRequest& request, const Pla
   }
   chosen.insert(chosen.end(), grains.begin(), grains.end());
   std::vector<std::string> known;
+  known.reserve(chosen.size());
   for (const std::size_t i : chosen) known.push_back(playback.objects()[i].name);
   std::vector<std::size_t> result;
   for (const std::string& name : request.objects) {

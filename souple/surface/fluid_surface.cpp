@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -40,16 +42,9 @@ void check(const SurfaceOptions& o) {
   require(o.smoothing >= 0 && o.smoothing <= 1, "smoothing: expected 0 to 1");
 }
 
-/// Particles and what their surface is made of, up to the field.
-struct Particles {
-  CellOrder order;
-  Neighbours neighbours;
-  ParticleKernels kernels;
-};
-
 constexpr int samples = 16;  // across a lattice cell, four by four
 
-/// The field at points one above each other's sample.
+/// The field at points, each somewhere along a vertical.
 struct Samples {
   float at[3][samples], value[samples], gradient[3][samples], shift[3][samples], crowd[samples];
   kernels::FieldPoints points() {
@@ -61,50 +56,70 @@ struct Samples {
   }
 };
 
+/// A lattice without jitter, its topmost layer at z = 0, so wide and deep that nothing else is felt above its
+/// middle.
+std::vector<Vec4f> lattice_pool(const SurfaceOptions& options) {
+  const float widest = std::max(1.5f * options.kernel_radius, options.isotropic_radius);
+  const int half = static_cast<int>(std::ceil(widest + options.neighbour_radius)) + 1;
+  const auto at = [&](int k) { return static_cast<float>(k) * options.spacing; };
+  std::vector<Vec4f> points;
+  for (int k = 0; k < half; ++k)
+    for (int j = -half; j < half; ++j)
+      for (int i = -half; i < half; ++i) points.push_back({at(i), at(j), -at(k), 0});
+  return points;
+}
+
+/// The kernels of such a pool, and their field.
+class Pool {
+ public:
+  explicit Pool(const SurfaceOptions& options) : kernels_(options) {
+    const float radius = options.neighbour_radius * options.spacing;
+    const std::vector<Vec4f> points = lattice_pool(options);
+    const auto serial = make_threads(Threading::serial, 1);
+    CellOrder order;
+    Neighbours neighbours;
+    order.build(points, radius, *serial);
+    neighbours.find(order, radius, *serial);
+    kernels_.find(order, neighbours, *serial);
+    all_.resize(points.size());
+    std::iota(all_.begin(), all_.end(), 0u);
+  }
+  void look(Samples& at) const {
+    functions_.points(kernels_.kernels().data(), all_.data(), all_.size(), at.points(), samples);
+  }
+
+ private:
+  const kernels::SurfaceKernels& functions_ = kernels::find_surface_kernels(instruction_set());
+  ParticleKernels kernels_;
+  std::vector<std::uint32_t> all_;
+};
+
 /// The value that the field has where the surface of a pool belongs: half a spacing above the topmost layer
 /// of a lattice, that is, where vertices come to lie once they have gone back by the shift of the centres,
 ///
 ///   level = mean of field(z_s),   z_s - shift(z_s) = d / 2,   s over a cell of the lattice
 ///
-/// So a pool has the right height, and a body's volume is right as far as its surface is flat.
+/// So a pool has the right height, and a body's volume is right as far as its surface is flat. By halving.
 float pool_level(const SurfaceOptions& options) {
-  const float d = options.spacing, radius = options.neighbour_radius * d;
-  const float widest = std::max(1.5f * options.kernel_radius, options.isotropic_radius);
-  const int across = 2 * static_cast<int>(std::ceil(widest + options.neighbour_radius)) + 2,
-            deep = across / 2;
-  std::vector<Vec4f> lattice;
-  for (int k = 0; k < deep; ++k)
-    for (int j = 0; j < across; ++j)
-      for (int i = 0; i < across; ++i)
-        lattice.push_back({static_cast<float>(i - across / 2) * d, static_cast<float>(j - across / 2) * d,
-                           static_cast<float>(-k) * d, 0});
-  const auto serial = make_threads(Threading::serial, 1);
-  Particles pool{{}, {}, ParticleKernels(options)};
-  pool.order.build(lattice, radius, *serial);
-  pool.neighbours.find(pool.order, radius, *serial);
-  pool.kernels.find(pool.order, pool.neighbours, *serial);
-  std::vector<std::uint32_t> all(lattice.size());
-  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
-
+  const float d = options.spacing;
+  const Pool pool(options);
   Samples sample;
   float low[samples], high[samples];
   for (int s = 0; s < samples; ++s) {
+    const int row = s / 4;
     sample.at[0][s] = (static_cast<float>(s % 4) + 0.5f) * d / 4;
-    sample.at[1][s] = (static_cast<float>(s / 4) + 0.5f) * d / 4;
+    sample.at[1][s] = (static_cast<float>(row) + 0.5f) * d / 4;
     low[s] = -2 * d, high[s] = 2 * d;
   }
-  const auto& functions = kernels::find_surface_kernels(instruction_set());
   for (int halving = 0; halving < 24; ++halving) {
     for (int s = 0; s < samples; ++s) sample.at[2][s] = 0.5f * (low[s] + high[s]);
-    functions.points(pool.kernels.kernels().data(), all.data(), all.size(), sample.points(), samples);
+    pool.look(sample);
     for (int s = 0; s < samples; ++s) {
       const float lies = sample.at[2][s] - sample.shift[2][s];
       (lies > 0.5f * d ? high[s] : low[s]) = sample.at[2][s];
     }
   }
-  float sum = 0;
-  for (const float value : sample.value) sum += value;
-  return sum / samples;
+  return std::accumulate(std::begin(sample.value), std::end(sample.value), 0.0f) / samples;
 }
 
 SurfaceOptions completed(SurfaceOptions options) {

@@ -132,7 +132,7 @@ std::uint64_t shifted(std::uint64_t nodes, std::uint64_t next) {
 std::array<std::uint64_t, 8> corners_inside(const std::array<std::uint64_t, 8>& bricks) {
   std::array<std::uint64_t, 8> x{}, y{}, z{};
   for (std::size_t b = 0; b < 8; b += 2) x[b] = bricks[b], x[b + 1] = shifted<0>(bricks[b], bricks[b + 1]);
-  for (const std::size_t b : {0, 1, 4, 5}) y[b] = x[b], y[b + 2] = shifted<1>(x[b], x[b + 2]);
+  for (const std::size_t b : {0u, 1u, 4u, 5u}) y[b] = x[b], y[b + 2] = shifted<1>(x[b], x[b + 2]);
   for (std::size_t b = 0; b < 4; ++b) z[b] = y[b], z[b + 4] = shifted<2>(y[b], y[b + 4]);
   return z;
 }
@@ -162,7 +162,7 @@ std::array<std::uint64_t, 8> insides(const SurfaceField& field, const std::array
 
 /// Where the edges of a brick that are cut meet the surface.
 struct CutEdges {
-  static constexpr std::size_t room = 3 * kernels::brick_nodes;
+  static constexpr std::size_t room = std::size_t{3} * kernels::brick_nodes;
 
   std::size_t count = 0;
   float start[3][room], fraction[room];  // [m]; how far along the edge, in cells

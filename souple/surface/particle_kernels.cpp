@@ -42,12 +42,6 @@ KernelBox KernelBox::none() {
   return {{far, far, far}, {-far, -far, -far}};
 }
 
-bool KernelBox::overlaps(const KernelBox& other) const {
-  bool result = true;
-  for (int a = 0; a < 3; ++a) result = result && lo[a] <= other.hi[a] && other.lo[a] <= hi[a];
-  return result;
-}
-
 void KernelBox::add(const KernelBox& other) {
   for (int a = 0; a < 3; ++a) lo[a] = std::min(lo[a], other.lo[a]), hi[a] = std::max(hi[a], other.hi[a]);
 }

@@ -16,7 +16,12 @@ struct KernelBox {
 
   static KernelBox none();
   bool empty() const { return !(lo[0] <= hi[0]); }
-  bool overlaps(const KernelBox& other) const;
+  bool overlaps(const KernelBox& b) const {
+    // Without branches: most boxes that are asked miss, on any of six sides.
+    const bool x = (lo[0] <= b.hi[0]) & (b.lo[0] <= hi[0]), y = (lo[1] <= b.hi[1]) & (b.lo[1] <= hi[1]),
+               z = (lo[2] <= b.hi[2]) & (b.lo[2] <= hi[2]);
+    return x & y & z;
+  }
   void add(const KernelBox& other);
 };
 

@@ -44,8 +44,8 @@ void add_to_brick(const ParticleKernel& p, const float* origin, float cell, floa
   const float v0 = p.xy * sx + p.yy * sy + p.yz * sz;
   const float w0 = p.xz * sx + p.yz * sy + p.zz * sz;
   for (int n = 0; n < brick_nodes; ++n) {
-    const auto i = static_cast<float>(n % 4), j = static_cast<float>(n / 4 % 4),
-               k = static_cast<float>(n / 16);
+    const int row = n / 4, layer = n / 16;
+    const auto i = static_cast<float>(n % 4), j = static_cast<float>(row % 4), k = static_cast<float>(layer);
     const float u = u0 + i * (cell * p.xx) + j * (cell * p.xy) + k * (cell * p.xz);
     const float v = v0 + i * (cell * p.xy) + j * (cell * p.yy) + k * (cell * p.yz);
     const float w = w0 + i * (cell * p.xz) + j * (cell * p.yz) + k * (cell * p.zz);
