@@ -213,7 +213,7 @@ TEST_F(PlaybackTest, FluidsArePointsWithVelocities) {
   EXPECT_FALSE(has("out/water.pc2") || has("out/water.obj") || has("out/water_0001.obj"));
   EXPECT_TRUE(has("out/water_0003.ply"));
   Playback playback(folder / "out");
-  for (const std::uint64_t frame : {3, 1, 2}) expect_shows(playback, frame, shown);
+  for (const std::uint64_t frame : {3u, 1u, 2u}) expect_shows(playback, frame, shown);
   playback.read(3);
   const Playback::Object& object = playback.objects().front();
   EXPECT_EQ(object.kind, "fluid");
@@ -237,7 +237,7 @@ TEST_F(PlaybackTest, FluidsMayHaveOtherNumbersOfParticlesInEachFrame) {
   put("out/water_0002.ply", particle_bytes(ParticleFormat::ply, points, points));
   put("out/water_0003.ply", particle_bytes(ParticleFormat::ply, {}, {}));
   Playback playback(folder / "out");
-  for (const std::uint64_t frame : {2, 1, 3, 2}) {
+  for (const std::uint64_t frame : {2u, 1u, 3u, 2u}) {
     playback.read(frame);
     const Playback::Object& object = playback.objects().front();
     EXPECT_EQ(object.positions.size(), frame % 3);
