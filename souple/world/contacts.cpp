@@ -57,6 +57,9 @@ void append_features(const Object& object, std::uint32_t index, std::span<const 
 }
 
 Surface surface_of(const Material& material) {
+  // A fluid rubs by its viscosity, not by Coulomb's law.
+  if (const auto* fluid = std::get_if<FluidMaterial>(&material))
+    return {.friction = 0, .restitution = fluid->restitution};
   return std::visit(
       [](const auto& m) { return Surface{.friction = m.friction, .restitution = m.restitution}; }, material);
 }
