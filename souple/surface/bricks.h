@@ -29,7 +29,7 @@ class Bricks {
   std::uint32_t find(const Coordinates& at) const;
 
  private:
-  // A key's lowest bit says whether it is marked, until all are sorted.
+  // Of a table with open addressing: nothing takes its order, it only finds.
   struct Slot {
     std::uint64_t key;
     std::uint32_t brick;

@@ -205,7 +205,7 @@ CutEdges::CutEdges(const SurfaceField& field, std::uint32_t brick,
   }
 }
 
-/// A step of Newton's method, by the field's gradient; halves what is left where that leads out of it.
+/// A step of Newton's method, by the field's gradient, as far as the surface can lie.
 void CutEdges::look(const SurfaceField& field, std::uint32_t brick) {
   const std::size_t whole = (count + 15) / 16 * 16;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -223,7 +223,7 @@ void CutEdges::look(const SurfaceField& field, std::uint32_t brick) {
     float& t = fraction[k];
     ((value[k] > field.level()) == starts_inside[k] ? low[k] : high[k]) = t;
     const float next = t + (field.level() - value[k]) / (gradient[axis[k]][k] * cell);
-    t = next > low[k] && next < high[k] ? next : 0.5f * (low[k] + high[k]);
+    if (std::isfinite(next)) t = std::clamp(next, low[k], high[k]);
   }
 }
 
