@@ -45,6 +45,9 @@ scene_format::Json measure_neighbours(const BenchOptions& options);
 /// The surface of a broken dam: a mesh of its particles, by both kinds of kernels.
 scene_format::Json measure_surface(const BenchOptions& options);
 
+/// A block of water that falls apart in a tank: steps of 2 ms with 5 iterations.
+scene_format::Json measure_dam_break(const BenchOptions& options);
+
 // How the rows above write what they measured.
 
 /// The median; microseconds and less are noise.

@@ -16,6 +16,7 @@ ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .layers = 0};
   result.hits_itself = object.kind == ObjectKind::grains;
+  result.hits_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
   if (is_loose(object) && object.kind != ObjectKind::fluid) result.layers = result.hits_layers = balls;
   return result;
 }

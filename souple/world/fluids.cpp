@@ -15,6 +15,7 @@ namespace souple {
 namespace {
 
 constexpr std::size_t grain = 512;  // particles worth a thread
+constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps particles at half of one
 
 /// What the density solver asks.
 struct Boundary {
@@ -40,6 +41,16 @@ struct Boundary {
     if (bodies.skin_count() > 0) bodies.yield(surroundings, change);
   }
 };
+
+/// What is missing to `radius` before the walls near x. [m]
+Vec3f out_of_walls(const Vec3f& x, std::span<const NearPlane> planes, float radius) {
+  Vec3f way{};
+  for (const NearPlane& plane : planes) {
+    const float distance = dot(plane.normal, x + way) - plane.offset;
+    if (plane.skin == NearPlane::nobody && distance < radius) way += plane.normal * (radius - distance);
+  }
+  return way;
+}
 
 /// How a fluid feels an object; nothing when it does not.
 std::optional<Skin> skin_of(const Object& object) {
@@ -145,14 +156,17 @@ void Fluids::place(WorldState& world, Threads& threads) {
   start_.resize(particle_.size());
   const Particles& particles = world.particles;
   const ParticleView view = world.view();
+  const float radius = nearest_to_walls * spacing_;
   const bool displaced = world.settings.form == Form::displacement;
   threads.for_each(particle_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Vec4f& x = particles.position[particle_[k]];
       Vec3f at(Vec3d(x.xyz()) - origin_);
       if (displaced) at += particles.offset[particle_[k]].xyz();
-      placed_[k] = {at.x, at.y, at.z, x.w};
       start_[k] = Vec3f(start_place(view, particle_[k]) - origin_);
+      const Vec3f kept = walls_.keep_out(k, fluid_[k], start_[k], at, radius);
+      view.correct(particle_[k], kept - at);
+      placed_[k] = {kept.x, kept.y, kept.z, x.w};
     }
   });
   solver_->place(placed_, threads);
@@ -174,9 +188,9 @@ void Fluids::look_around(Threads& threads) {
 
 void Fluids::press(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
-  place(world, threads);
   world.guarded("a collider's motion",
                 [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
+  place(world, threads);
   if (bodies_.skin_count() > 0)
     bodies_.begin_substep(world.view(), world.particles.mass, placed_,
                           Surroundings::reach(solver_->smoothing()), threads);
@@ -187,7 +201,10 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) view.correct(particle_[order[k]], moved[k]);
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec3f at = solver_->positions()[k].xyz();
+      view.correct(particle_[order[k]], moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
+    }
   });
   if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);
   sum_forces(world, substep);
