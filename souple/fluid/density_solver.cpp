@@ -105,6 +105,12 @@ void DensitySolver::begin_with_smooth_part(Threads& threads) {
   });
 }
 
+double DensitySolver::mean_error() const {
+  double sum = 0;
+  for (std::size_t k = 0; k < size(); ++k) sum += std::max(0.0, static_cast<double>(samples_[k].c));
+  return size() == 0 ? 0 : sum / static_cast<double>(size());
+}
+
 void DensitySolver::relax(Threads& threads) {
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {

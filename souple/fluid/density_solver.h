@@ -48,6 +48,8 @@ class DensitySolver {
     SmoothingShape shape = SmoothingShape::wendland;
     int passes = 1;       ///< 0: the residual is added to the coarse level's lambda, which costs half
     float omega = 0.45f;  ///< of a pass; above 0.75 it need not converge
+    float tolerance = 0;  ///< > 0: more passes, until the mean of max(0, C) is below it
+    int most_passes = 50;
     friend bool operator==(const Options&, const Options&) = default;
   };
   DensitySolver(float spacing, const Options& options);
@@ -75,8 +77,10 @@ class DensitySolver {
     find_sums(boundary, threads);
     begin_with_smooth_part(threads);
     push(boundary, threads);
-    for (int pass = 0; pass < options_.passes; ++pass) {
+    for (passes_ = 0; passes_ < options_.passes || options_.tolerance > 0; ++passes_) {
       find_sums(boundary, threads);
+      if (passes_ >= options_.passes && (passes_ >= options_.most_passes || mean_error() <= options_.tolerance))
+        break;
       relax(threads);
       push(boundary, threads);
     }
@@ -91,6 +95,8 @@ class DensitySolver {
   /// C of the last look, before the last push.
   float density_error(std::size_t place) const { return samples_[place].c; }
   const Neighbours& neighbours() const { return neighbours_; }
+  double mean_error() const;             ///< of max(0, C), of the last look
+  int passes() const { return passes_; }  ///< of the last solve
   int coarse_iterations() const { return coarse_.iterations(); }
 
  private:
@@ -132,6 +138,7 @@ class DensitySolver {
   Smoothing smoothing_;
   const kernels::DensityKernels* kernels_;
   float margin_;
+  int passes_ = 0;
   CellOrder order_;
   Neighbours neighbours_;
   CoarsePressure coarse_;

@@ -141,7 +141,8 @@ void Fluids::choose_solver(const WorldState& world) {
   const Object& first = *world.objects[objects_[0]];
   const float spacing = std::get<FluidMaterial>(first.material).spacing;
   const DensitySolver::Options wanted{.shape = world.settings.fluid.kernel,
-                                      .passes = world.settings.fluid.iterations};
+                                      .passes = world.settings.fluid.iterations,
+                                      .tolerance = world.settings.fluid.tolerance};
   if (solver_ && spacing_ == spacing && options_ == wanted) return;
   solver_ = std::make_unique<DensitySolver>(spacing, wanted);
   viscosity_ = Viscosity(wanted.shape);
@@ -243,6 +244,7 @@ void Fluids::note(const Substep& substep) {
   report_.largest_density_error = largest_error;
   report_.largest_pressure = std::max(report_.largest_pressure, static_cast<double>(pressure));
   report_.coarse_iterations += solver_->coarse_iterations();
+  report_.iterations += solver_->passes();
   report_.largest_step = std::max(report_.largest_step, std::sqrt(coarsest) * static_cast<double>(substep.h) /
                                                             static_cast<double>(spacing_));
 }
@@ -335,7 +337,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
 
 FluidReport Fluids::report() const {
   FluidReport report = report_;
-  if (substeps_ > 0) report.coarse_iterations /= substeps_, report.viscosity_iterations /= substeps_;
+  if (substeps_ > 0) report.iterations /= substeps_, report.coarse_iterations /= substeps_, report.viscosity_iterations /= substeps_;
   return report;
 }
 

@@ -44,6 +44,7 @@ struct FluidReport {
   double largest_pressure = 0;    ///< Pa
   double fastest = 0;             ///< m/s
   double largest_step = 0;        ///< h max(sqrt(p / rho), v / 1.5) / spacing, to be below a third
+  double iterations = 0;            ///< of Jacobi, mean of the substeps
   double coarse_iterations = 0;     ///< of conjugate gradients for the pressure, mean of the substeps
   double viscosity_iterations = 0;  ///< the same for viscosity; 0 where it is solved without
 };

@@ -33,6 +33,7 @@ struct FluidSettings {
   /// Jacobi iterations after the coarse level, 0 to 100. With 0 the substep costs half; its residual is added
   /// to the coarse level's pressure.
   int iterations = 1;
+  float tolerance = 0;  ///< > 0: more iterations, up to 50, until the mean density error is below it
   friend bool operator==(const FluidSettings&, const FluidSettings&) = default;
 };
 

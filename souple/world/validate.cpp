@@ -66,6 +66,7 @@ void validate(const Settings& s) {
                          {"solver.colours", double(s.solver.colours), 0, 64},
                          {"drag", double(s.drag), 0, any},
                          {"fluid.iterations", double(s.fluid.iterations), 0, 100},
+                         {"fluid.tolerance", double(s.fluid.tolerance), 0, any},
                          {"sleeping.speed", double(s.sleeping.speed), 0, any},
                          {"sleeping.seconds", double(s.sleeping.seconds), smallest, any},
                          {"wind.gust", double(s.wind.gust), 0, 1},

@@ -25,7 +25,10 @@ CodecPtr<FluidSettings> fluid_settings_codec() {
                                        {"cubic_spline", SmoothingShape::cubic_spline}}),
           "how the weight of a neighbour falls with its distance")
       .key<&FluidSettings::iterations>("iterations", number<int>(within(0, 100)),
-                                       "Jacobi iterations after the coarse level; 0 is the cheapest");
+                                       "Jacobi iterations after the coarse level; 0 is the cheapest")
+      .key<&FluidSettings::tolerance>(
+          "tolerance", number<float>(unit),
+          "above 0: more iterations, up to 50, until the mean density error is below it");
   return keys;
 }
 
