@@ -1,6 +1,7 @@
 #include "render/draw_list.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace souple::render {
 
@@ -32,15 +33,25 @@ Bounds box_of(const Surface& surface) {
 
 }  // namespace
 
+Vec3f absorption_of(const Colour& left, float distance) {
+  const auto channel = [&](float c) { return -std::log(std::clamp(c, 0.005f, 1.0f)) / distance; };
+  return {channel(left.r), channel(left.g), channel(left.b)};
+}
+
 Bounds DrawList::bounds() const {
   Bounds box;
+  const auto add = [&box](std::span<const Vec3f> centres, float radius) {
+    const Bounds of_centres = box_of(centres);
+    if (of_centres.empty()) return;
+    box.add(of_centres.lo, radius);
+    box.add(of_centres.hi, radius);
+  };
+  for (const Liquid& liquid : liquids) add(liquid.centres, liquid.radius);
+  for (const Foam& foam : foams) add(foam.centres, foam.radius);
   for (const Surface& surface : surfaces) box.add(box_of(surface));
   for (const Spheres& balls : spheres) {
     if (balls.radii.empty()) {
-      const Bounds centres = box_of(balls.centres);
-      if (centres.empty()) continue;
-      box.add(centres.lo, balls.radius);
-      box.add(centres.hi, balls.radius);
+      add(balls.centres, balls.radius);
       continue;
     }
     for (std::size_t i = 0; i < std::min(balls.centres.size(), balls.radii.size()); ++i) {

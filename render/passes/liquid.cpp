@@ -1,0 +1,142 @@
+#include "render/passes/liquid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace souple::render {
+
+namespace {
+
+/// How far depth is smoothed, as the standard deviation of a Gaussian of the same effect, in radii of the
+/// balls.
+constexpr float smoothing = 1.25f;
+
+constexpr int default_flow_steps = 40, default_range_passes = 2;
+
+void clear(GLint buffer, const std::array<float, 4>& value) {
+  glClearBufferfv(GL_COLOR, buffer, value.data());
+}
+
+}  // namespace
+
+LiquidPass::Targets::Targets(int width, int height)
+    : surface(GL_R32F, width, height),
+      other_surface(GL_R32F, width, height),
+      look(GL_RGBA16F, width, height),
+      nearest(GL_DEPTH_COMPONENT32F, width, height),
+      optics(GL_RGBA16F, (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
+      glow(GL_RGBA16F, (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
+      behind(GL_RGBA16F, width, height, GL_LINEAR),
+      balls("the balls of liquids", {&surface, &look}, &nearest),
+      other_balls("the balls of liquids", {&other_surface, &look}, &nearest),
+      depth("the surface of liquids", {&surface}, nullptr),
+      other_depth("the smoothed surface of liquids", {&other_surface}, nullptr),
+      thickness("the thickness of liquids", {&optics, &glow}, nullptr),
+      copy("what is behind liquids", {&behind}, nullptr) {}
+
+void LiquidPass::Targets::swap() {
+  std::swap(surface, other_surface);
+  std::swap(balls, other_balls);
+  std::swap(depth, other_depth);
+}
+
+void LiquidPass::draw_balls(const LiquidSplats& splats) {
+  targets_->balls.bind();
+  clear(0, {});
+  clear(1, {});
+  const float far = 1;
+  glClearBufferfv(GL_DEPTH, 0, &far);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  splats.draw(SplatTarget::depth);
+  glDisable(GL_DEPTH_TEST);
+}
+
+void LiquidPass::step() {
+  targets_->surface.bind(gl::Unit::liquid_depth);
+  targets_->other_depth.bind();
+  draw_screen();
+  targets_->swap();
+}
+
+void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& nothing) {
+  targets_->look.bind(gl::Unit::liquid_look);
+  nothing.bind();
+  if (options.liquid_filter == LiquidFilter::curvature_flow) {
+    // Each step is one of diffusion: variance stability * reach^2 radii^2. The reach shrinks from step to
+    // step, so that what wide differences leave between them is smoothed by narrow ones.
+    const int steps = options.liquid_steps > 0 ? options.liquid_steps : default_flow_steps;
+    const float mean = smoothing / std::sqrt(0.4f * float(steps));
+    curvature_flow_.use();
+    for (int i = 0; i < steps; ++i) {
+      curvature_flow_.set("reach", mean * (1.6f - 1.4f * float(i) / float(std::max(steps - 1, 1))));
+      step();
+    }
+  }
+  if (options.liquid_filter == LiquidFilter::narrow_range) {
+    const int passes = options.liquid_steps > 0 ? options.liquid_steps : default_range_passes;
+    narrow_range_.use();
+    for (int i = 0; i < passes; ++i) {
+      for (const float axis : {0.0f, 1.0f}) {
+        narrow_range_.set("axis", axis);
+        narrow_range_.set("deviation", smoothing / float(1 + i));
+        step();
+      }
+    }
+  }
+}
+
+void LiquidPass::add_up(const LiquidSplats& splats, const gl::Texture& depth) {
+  targets_->thickness.bind();
+  clear(0, {});
+  clear(1, {});
+  depth.bind(gl::Unit::depth);
+  targets_->surface.bind(gl::Unit::liquid_depth);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  splats.draw(SplatTarget::thickness);
+  splats.draw(SplatTarget::foam);
+  glDisable(GL_BLEND);
+}
+
+void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing) {
+  const int width = scene.depth.width(), height = scene.depth.height();
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, scene.colour.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets_->copy.id());
+  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  scene.colour.bind();
+  glDepthMask(GL_FALSE);
+  targets_->behind.bind(gl::Unit::colour);
+  targets_->surface.bind(gl::Unit::liquid_depth);
+  targets_->look.bind(gl::Unit::liquid_look);
+  targets_->optics.bind(gl::Unit::liquid_optics);
+  targets_->glow.bind(gl::Unit::liquid_glow);
+  scene.normal.bind(gl::Unit::normal);
+  scene.depth.bind(gl::Unit::depth);
+  shadow.bind();
+  shade_.use();
+  nothing.bind();
+  draw_screen();
+  glDepthMask(GL_TRUE);
+}
+
+void LiquidPass::draw(const LiquidSplats& splats, const LitScene& scene, const RenderOptions& options,
+                      const ShadowPass& shadow, const gl::VertexArray& nothing, PassClock& clock) {
+  const int width = scene.depth.width(), height = scene.depth.height();
+  if (!targets_ || targets_->look.width() != width || targets_->look.height() != height) {
+    targets_.reset();  // frees before it takes
+    targets_.emplace(width, height);
+  }
+  draw_balls(splats);
+  clock.done("liquid depth");
+  smooth(options, nothing);
+  clock.done("liquid filter");
+  add_up(splats, scene.depth);
+  clock.done("liquid thickness");
+  shade(scene, shadow, nothing);
+  clock.done("liquid shading");
+}
+
+}  // namespace souple::render
