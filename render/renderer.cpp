@@ -376,4 +376,20 @@ PickImage Renderer::pick_image(const DrawList& list, const Camera& camera, int w
   return image;
 }
 
+LiquidImage Renderer::liquid_image(const DrawList& list, const Camera& camera, RenderOptions options,
+                                   int width, int height) {
+  LiquidImage image{width, height, {}, {}};
+  const std::size_t count = std::size_t(std::max(width, 0)) * std::size_t(std::max(height, 0));
+  options.samples = 1;
+  picture(list, camera, options, width, height);
+  if (impl_->liquid_splats.empty()) {
+    image.depth.resize(count);
+    image.thickness.resize(count);
+    return image;
+  }
+  image.depth = impl_->liquids.read_depth();
+  image.thickness = impl_->liquids.read_thickness();
+  return image;
+}
+
 }  // namespace souple::render

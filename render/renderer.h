@@ -58,6 +58,14 @@ struct PickImage {
   std::vector<float> depth;                  ///< along the view direction [m]; 0 where nothing is
 };
 
+/// The surface of all liquids as it is shaded, and how thick they are.
+struct LiquidImage {
+  int width = 0, height = 0;
+  std::vector<float> depth;      ///< along the view direction [m]; 0 where nothing is; width * height, rows
+                                 ///< from the top; opaque things before it are not looked at
+  std::vector<float> thickness;  ///< along the ray through each pixel, opaque things not looked at [m]
+};
+
 /// Draws lists with the OpenGL context that was current when it was made, which has to be current whenever it
 /// is used. Uses what OpenGL ES 3.0 has, with EXT_color_buffer_float (and EXT_float_blend for samples > 1).
 class Renderer {
@@ -83,6 +91,10 @@ class Renderer {
   /// Under the pixel (x, y), counted from the top left.
   Picked pick(const DrawList& list, const Camera& camera, int x, int y, int width, int height);
   PickImage pick_image(const DrawList& list, const Camera& camera, int width, int height);
+
+  /// Of one sample.
+  LiquidImage liquid_image(const DrawList& list, const Camera& camera, RenderOptions options, int width,
+                           int height);
 
  private:
   struct Impl;

@@ -15,8 +15,28 @@ constexpr float smoothing = 1.25f;
 
 constexpr int default_flow_steps = 40, default_range_passes = 2;
 
+/// For sums of hundreds of particles: 16 bits lose some per cent where hardware rounds down, as llvmpipe
+/// does.
+GLenum sum_format() {
+  const bool filters = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
+  return filters && gl::can_blend_floats() ? GL_RGBA32F : GL_RGBA16F;
+}
+
 void clear(GLint buffer, const std::array<float, 4>& value) {
   glClearBufferfv(GL_COLOR, buffer, value.data());
+}
+
+/// One channel of a picture of floats. OpenGL ES reads all four.
+std::vector<float> read(const gl::Framebuffer& from, std::size_t channel) {
+  const std::size_t count = std::size_t(from.width()) * std::size_t(from.height());
+  std::vector<float> texels(4 * count), result(count);
+  from.bind();
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, from.width(), from.height(), GL_RGBA, GL_FLOAT, texels.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  for (std::size_t i = 0; i < count; ++i) result[i] = texels[4 * i + channel];
+  return result;
 }
 
 }  // namespace
@@ -26,8 +46,8 @@ LiquidPass::Targets::Targets(int width, int height)
       other_surface(GL_R32F, width, height),
       look(GL_RGBA16F, width, height),
       nearest(GL_DEPTH_COMPONENT32F, width, height),
-      optics(GL_RGBA16F, (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
-      glow(GL_RGBA16F, (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
+      optics(sum_format(), (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
+      glow(sum_format(), (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
       behind(GL_RGBA16F, width, height, GL_LINEAR),
       balls("the balls of liquids", {&surface, &look}, &nearest),
       other_balls("the balls of liquids", {&other_surface, &look}, &nearest),
@@ -120,6 +140,29 @@ void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl
   nothing.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
+}
+
+std::vector<float> LiquidPass::read_depth() const {
+  const std::vector<float> rows = read(targets_->depth, 0);
+  const auto width = std::size_t(targets_->depth.width()), height = rows.size() / width;
+  std::vector<float> result;
+  result.reserve(rows.size());
+  for (std::size_t y = height; y-- > 0;) {
+    const auto row = rows.begin() + std::ptrdiff_t(y * width);
+    result.insert(result.end(), row, row + std::ptrdiff_t(width));
+  }
+  return result;
+}
+
+std::vector<float> LiquidPass::read_thickness() const {
+  const std::vector<float> half = read(targets_->thickness, 3);
+  const auto half_width = std::size_t(targets_->thickness.width());
+  const auto width = std::size_t(targets_->depth.width()), height = std::size_t(targets_->depth.height());
+  std::vector<float> result;
+  result.reserve(width * height);
+  for (std::size_t y = height; y-- > 0;)
+    for (std::size_t x = 0; x < width; ++x) result.push_back(half[y / 2 * half_width + x / 2]);
+  return result;
 }
 
 void LiquidPass::draw(const LiquidSplats& splats, const LitScene& scene, const RenderOptions& options,

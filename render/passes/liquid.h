@@ -9,6 +9,7 @@
 #include "render/renderer.h"
 
 #include <optional>
+#include <vector>
 
 namespace souple::render {
 
@@ -27,10 +28,9 @@ class LiquidPass {
   void draw(const LiquidSplats& splats, const LitScene& scene, const RenderOptions& options,
             const ShadowPass& shadow, const gl::VertexArray& nothing, PassClock& clock);
 
-  /// What the last `draw` made, to be tested: depth along the view [m], 0 where there is none; and in the
-  /// last channel thickness [m], at half the resolution.
-  const gl::Framebuffer& depth() const { return targets_->depth; }
-  const gl::Framebuffer& optics() const { return targets_->thickness; }
+  /// What the last `draw` made, as of LiquidImage.
+  std::vector<float> read_depth() const;
+  std::vector<float> read_thickness() const;
 
  private:
   struct Targets {

@@ -78,6 +78,7 @@ float opaque_depth_at(vec2 place) {
 // The way of the light that is seen through a point of the surface.
 struct Way {
   vec2 place;      // where it comes from, on the screen
+  vec2 left;       // where it leaves the liquid
   bool shown;      // or from outside the picture, or from behind something
   vec3 direction;  // in which it is looked for then
   float shorter;   // than straight on, in the liquid
@@ -98,12 +99,12 @@ Way way_through(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
   // Until it meets something opaque, which is behind the surface; w is the depth along the view.
   vec4 start = frame.projection * (frame.view * vec4(surface.point, 1.0));
   vec4 whole = frame.projection * (frame.view * vec4(bent * path, 0.0));
-  float part = 1.0, before = -1.0;
+  float part = 1.0, before = -1.0, noise = pixel_noise(gl_FragCoord.xy);
   bool met = false;
   // What is nearer by more than this is not met: the way goes past behind it.
-  float tolerance = 1.5 * path / float(march_steps) + 0.5 * look.z;
+  float tolerance = 4.0 * path / float(march_steps) + 0.5 * look.z;
   for (int i = 1; i <= march_steps; ++i) {
-    float at = float(i) / float(march_steps);
+    float at = (float(i) - noise) / float(march_steps);
     vec4 clip = start + whole * at;
     float there = opaque_depth_at(place_of(clip));
     float over = clip.w - there;
@@ -115,6 +116,7 @@ Way way_through(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
     before = min(over, -1e-6);
   }
   vec4 end = start + whole * part;
+  way.left = place_of(end);
 
   // Else it leaves through the back (Wyman 2005), where depth and thickness add up to the way; or the back mirrors it.
   float reach = clamp(2.5 * look.z / pixel_size(surface.depth), 2.0, 32.0);
@@ -132,6 +134,7 @@ Way way_through(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
   float there = opaque_depth_at(way.place);
   if (there < surface.depth || (!met && way.shown && there < end.w - tolerance)) {
     way.place = gl_FragCoord.xy * frame.size.zw;
+    way.left = way.place;
     way.shown = true;
   }
   return way;
@@ -178,9 +181,9 @@ void main() {
     Way way = way_through(surface, slope, optics.a, look);
     vec3 through = way.shown ? scene_light(texture(colour_map, way.place).rgb) : surroundings(way.direction);
     // What is dimmed is what is seen, so there is looked up how much of the liquid is before it.
-    if (depth_at(ivec2(way.place * frame.size.xy)) > 0.0) {
-      optics = texture(liquid_optics_map, way.place);
-      glow.rgb = texture(liquid_glow_map, way.place).rgb;
+    if (depth_at(ivec2(way.left * frame.size.xy)) > 0.0) {
+      optics = texture(liquid_optics_map, way.left);
+      glow.rgb = texture(liquid_glow_map, way.left).rgb;
     }
     vec3 depth = optics.rgb * way.shorter;
     vec3 left = exp(-depth);
