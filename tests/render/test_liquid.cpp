@@ -199,8 +199,7 @@ TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
     // All but the edges of waves before others.
     for (double& difference : differences) difference = std::abs(difference);
     for (double q : {.5, .8, .9, .95, .99})
-      printf("%s %g: %.5f\n", std::string(liquid_filter_name(filter)).c_str(), q, part_of(differences, q));
-    EXPECT_LT(part_of(differences, 0.95), 0.15 * double(spacing)) << liquid_filter_name(filter);
+      EXPECT_LT(part_of(differences, 0.95), 0.15 * double(spacing)) << liquid_filter_name(filter);
   }
 }
 
