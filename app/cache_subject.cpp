@@ -40,7 +40,7 @@ World stage_of(const std::optional<SceneDescription>& scene) {
 
 ObjectKind kind_of_name(std::string_view name) {
   for (const ObjectKind kind :
-       {ObjectKind::cloth, ObjectKind::soft_body, ObjectKind::rope, ObjectKind::obstacle}) {
+       {ObjectKind::cloth, ObjectKind::soft_body, ObjectKind::rope, ObjectKind::obstacle, ObjectKind::fluid}) {
     if (kind_name(kind) == name) return kind;
   }
   return ObjectKind::grains;
@@ -51,6 +51,7 @@ struct Radius {
   float operator()(const SoftBodyDescription& body) const { return body.material.thickness / 2; }
   float operator()(const RopeDescription& rope) const { return rope.material.radius; }
   float operator()(const GrainsDescription& grains) const { return grains.material.radius; }
+  float operator()(const FluidDescription& fluid) const { return fluid.material.spacing / 2; }
   float operator()(const ObstacleDescription& obstacle) const { return obstacle.material.thickness / 2; }
 };
 

@@ -40,6 +40,10 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>
               .sheen = 0.2f};
     case ObjectKind::obstacle:
       return collider_look(chosen);
+    case ObjectKind::fluid: {
+      const Colour blue = chosen.value_or(srgb(0x3f8fd0));
+      return {.colour = blue, .second = blue, .roughness = 0.2f};
+    }
     case ObjectKind::grains:
       break;
   }

@@ -4,5 +4,6 @@
 
 #include "souple/error.h"
 #include "souple/geometry/builders.h"
+#include "souple/geometry/fill.h"
 #include "souple/io/recorder.h"
 #include "souple/world/world.h"

@@ -40,6 +40,12 @@ bool preset_row(MaterialDescription<RopeMaterial>& material) {
 bool preset_row(MaterialDescription<GrainsMaterial>& material) {
   return preset_row(material, material::find_grains);
 }
+bool preset_row(MaterialDescription<FluidMaterial>& material) {
+  const float spacing = material.spacing;  // cannot be changed
+  const bool changed = preset_row(material, material::find_fluid);
+  material.spacing = spacing;
+  return changed;
+}
 bool preset_row(const ObstacleMaterial&) {
   return false;  // there is none
 }
@@ -104,6 +110,8 @@ void material_panel(Simulation& simulation, std::size_t& chosen) {
       return rows<RopeDescription>(simulation, chosen);
     case ObjectKind::grains:
       return rows<GrainsDescription>(simulation, chosen);
+    case ObjectKind::fluid:
+      return rows<FluidDescription>(simulation, chosen);
     case ObjectKind::obstacle:
       return rows<ObstacleDescription>(simulation, chosen);
   }

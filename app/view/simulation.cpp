@@ -164,6 +164,9 @@ void Simulation::set_material(std::size_t object, const MaterialDescription<Rope
 void Simulation::set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material) {
   change_material<GrainsDescription>(object, material);
 }
+void Simulation::set_material(std::size_t object, const MaterialDescription<FluidMaterial>& material) {
+  change_material<FluidDescription>(object, material);
+}
 void Simulation::set_material(std::size_t object, const ObstacleMaterial& material) {
   change_material<ObstacleDescription>(object, material);
 }

@@ -61,6 +61,7 @@ class Simulation : public Session {
   void set_material(std::size_t object, const MaterialDescription<SoftBodyMaterial>& material);
   void set_material(std::size_t object, const MaterialDescription<RopeMaterial>& material);
   void set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material);
+  void set_material(std::size_t object, const MaterialDescription<FluidMaterial>& material);
   void set_material(std::size_t object, const ObstacleMaterial& material);
   /// Position in scene().objects.
   std::size_t index_of(ObjectId object) const;

@@ -3,7 +3,9 @@
 #include "souple/solver/threads.h"
 #include "souple/state/particles.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -47,6 +49,36 @@ class CellOrder {
   std::size_t cell_count() const { return cells_.size() - 1; }
   std::size_t row_count() const { return rows_.size() - 1; }
   std::size_t bytes() const;
+
+  /// In which cell along an axis a coordinate lies, cells that are not there included.
+  std::int32_t cell(int axis, float x) const {
+    const double at = std::floor((static_cast<double>(x) - corner_[axis]) * inverse_);
+    return static_cast<std::int32_t>(std::clamp(at, -1e9, 1e9));
+  }
+  /// Calls f(first place, end) for the cells lo <= (x, y, z) <= hi, row by row.
+  template <class Function>
+  void for_each_in(const std::int32_t (&lo)[3], const std::int32_t (&hi)[3], const Function& f) const {
+    const auto first_row = [&](std::int32_t y, std::int32_t z) {
+      return std::partition_point(rows_.begin(), rows_.end() - 1, [&](const Row& row) {
+        return row.z < z || (row.z == z && row.y < y);
+      });
+    };
+    for (auto row = first_row(lo[1], lo[2]); row < rows_.end() - 1 && row->z <= hi[2];) {
+      if (row->y > hi[1]) {
+        row = first_row(lo[1], row->z + 1);
+        continue;
+      }
+      if (row->y < lo[1]) {
+        row = first_row(lo[1], row->z);
+        continue;
+      }
+      const auto begin = cells_.begin() + row->begin, end = cells_.begin() + (row + 1)->begin;
+      const auto first = std::partition_point(begin, end, [&](const Cell& cell) { return cell.x < lo[0]; });
+      const auto last = std::partition_point(first, end, [&](const Cell& cell) { return cell.x <= hi[0]; });
+      if (first != last) f(first->begin, last->begin);
+      ++row;
+    }
+  }
 
  private:
   /// A key and the particle it is of: in one number where the key has no more than 32 bits.

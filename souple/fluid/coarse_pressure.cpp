@@ -8,6 +8,7 @@ namespace souple {
 namespace {
 
 constexpr int coordinate_bits = 21;
+constexpr std::uint32_t none = ~0u;
 
 std::uint64_t node_key(std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr std::uint64_t mask = (std::uint64_t{1} << coordinate_bits) - 1;
@@ -39,6 +40,59 @@ void CoarsePressure::begin_step(std::span<const Vec4f> positions, float cell_siz
   size_ = cell_size;
   order_.build(positions, cell_size, threads);
   find_nodes();
+  cell_of_.resize(positions.size());
+  for (std::uint32_t c = 0; c < order_.cell_count(); ++c)
+    for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k)
+      cell_of_[order_.order()[k]] = c;
+  mover_count_ = 0;
+}
+
+void CoarsePressure::begin_movers(std::size_t count) {
+  if (movers_.size() < count) movers_.resize(count);
+  mover_count_ = count;
+  for (std::size_t m = 0; m < count; ++m) {
+    movers_[m].inverse_mass = 0;
+    movers_[m].nodes.clear();
+    movers_[m].pushes.clear();
+    movers_[m].slot_of_node.assign(y_.size(), none);
+  }
+}
+
+void CoarsePressure::set_mover(std::size_t mover, double inverse_mass, const Mat3d& inverse_inertia) {
+  movers_[mover].inverse_mass = inverse_mass;
+  movers_[mover].inverse_inertia = inverse_inertia;
+}
+
+void CoarsePressure::add_touch(std::size_t mover, std::uint32_t place, const Vec4f& position,
+                               const Vec3d& slope, const Vec3d& moment) {
+  Mover& body = movers_[mover];
+  const std::size_t cell = cell_of_[place];
+  const std::array<float, 8> n = weights(cell, position);
+  for (std::size_t e = 0; e < 8; ++e) {
+    std::uint32_t& slot = body.slot_of_node[corners_[cell][e]];
+    if (slot == none) {
+      slot = static_cast<std::uint32_t>(body.nodes.size());
+      body.nodes.push_back(corners_[cell][e]);
+      body.pushes.push_back({});
+    }
+    body.pushes[slot].first += slope * static_cast<double>(n[e]);
+    body.pushes[slot].second += moment * static_cast<double>(n[e]);
+  }
+}
+
+// J^T W J y
+void CoarsePressure::give_way(const std::vector<double>& y, std::vector<double>& result) const {
+  for (std::size_t m = 0; m < mover_count_; ++m) {
+    const Mover& body = movers_[m];
+    Vec3d force{}, torque{};
+    for (std::size_t k = 0; k < body.nodes.size(); ++k) {
+      force += body.pushes[k].first * y[body.nodes[k]];
+      torque += body.pushes[k].second * y[body.nodes[k]];
+    }
+    const Vec3d moved = force * body.inverse_mass, turned = body.inverse_inertia * torque;
+    for (std::size_t k = 0; k < body.nodes.size(); ++k)
+      result[body.nodes[k]] += dot(body.pushes[k].first, moved) + dot(body.pushes[k].second, turned);
+  }
 }
 
 void CoarsePressure::find_nodes() {
@@ -78,17 +132,16 @@ void CoarsePressure::find_nodes() {
   }
   for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
   terms_.resize(8 * count);
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+  next_.assign(begin_.begin(), begin_.end() - 1);
   for (std::uint32_t c = 0; c < count; ++c)
-    for (std::uint32_t e = 0; e < 8; ++e) terms_[next[corners_[c][e]]++] = 8 * c + e;
+    for (std::uint32_t e = 0; e < 8; ++e) terms_[next_[corners_[c][e]]++] = 8 * c + e;
   // A node begins with what it had in the last step; new ones with nothing.
-  std::vector<double> y(node_keys_.size(), 0);
+  y_.assign(node_keys_.size(), 0);
   for (std::size_t n = 0; n < last_keys_.size() && n < last_y_.size(); ++n) {
     const auto at = std::lower_bound(node_keys_.begin(), node_keys_.end(), last_keys_[n]);
     if (at != node_keys_.end() && *at == last_keys_[n])
-      y[static_cast<std::size_t>(at - node_keys_.begin())] = last_y_[n];
+      y_[static_cast<std::size_t>(at - node_keys_.begin())] = last_y_[n];
   }
-  y_ = std::move(y);
 }
 
 std::array<float, 8> CoarsePressure::weights(std::size_t cell, const Vec4f& position) const {
@@ -118,9 +171,10 @@ void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& re
   }
   gather(cell_sums_, result);
   for (std::size_t n = 0; n < y.size(); ++n) result[n] += diagonal_[n] * y[n];
+  give_way(y, result);
 }
 
-void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float w,
+void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples,
                            float surface, Threads& threads) {
   constexpr int most_iterations = 30;
   constexpr double tolerance = 0.02, kept = 0.9;
@@ -131,27 +185,35 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
   threads.for_each(count, 16, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c) {
       Eight b{}, diagonal{};
+      double w = 0;
       for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
         const std::uint32_t place = order_.order()[k];
         const Sample& sample = samples[place];
         const std::array<float, 8> n = weights(c, positions[place]);
         const float pushed = sample.c > -surface ? sample.c : 0;
+        w += static_cast<double>(positions[place].w);
         for (std::size_t e = 0; e < 8; ++e) {
           b[e] -= static_cast<double>(n[e] * pushed);
-          diagonal[e] += static_cast<double>(n[e] * sample.roughness);
+          diagonal[e] += static_cast<double>(n[e] * sample.diagonal);
         }
       }
-      for (double& value : diagonal) value *= 2 * static_cast<double>(w);
       cell_sums_[c] = b;
       cell_diagonals_[c] = diagonal;
-      const auto n = static_cast<double>(order_.cells()[c + 1].begin - order_.cells()[c].begin);
-      stiffness_[c] = n * static_cast<double>(w) / (static_cast<double>(size_) * static_cast<double>(size_));
+      stiffness_[c] = w / (static_cast<double>(size_) * static_cast<double>(size_));
     }
   });
   gather(cell_sums_, b_);
   gather(cell_diagonals_, diagonal_);
   for (std::size_t c = 0; c < count; ++c) cell_diagonals_[c].fill(stiffness_[c] / 3);
   gather(cell_diagonals_, preconditioner_);
+  for (std::size_t m = 0; m < mover_count_; ++m) {
+    const Mover& body = movers_[m];
+    for (std::size_t k = 0; k < body.nodes.size(); ++k) {
+      const auto& [force, torque] = body.pushes[k];
+      preconditioner_[body.nodes[k]] +=
+          dot(force, force) * body.inverse_mass + dot(torque, body.inverse_inertia * torque);
+    }
+  }
   for (std::size_t n = 0; n < y_.size(); ++n) {
     diagonal_[n] = std::max(diagonal_[n], 0.0);
     preconditioner_[n] = 1 / (preconditioner_[n] + diagonal_[n]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/fluid/cell_order.h"
+#include "souple/math/mat3.h"
 #include "souple/solver/threads.h"
 #include "souple/state/particles.h"
 
@@ -17,31 +18,40 @@ namespace souple {
 /// for at once:
 ///
 ///   A y = b,   b_a = -sum_i N_a(x_i) C_i,   lambda_i = sum_a N_a(x_i) y_a
-///   A = sum_cells n w / H^2 K + diag(2 w sum_i |2 G_i + g_i|^2 N_a(x_i))
+///   A = sum_cells (sum_i w_i) / H^2 K + diag(2 sum_i w_i |2 G_i + g_i|^2 N_a(x_i)) + sum_bodies J^T W J
 ///
-/// with n particles of inverse mass w in a cell and K the Laplacian of the unit cube's trilinear element: 1/3
+/// with w_i the inverse masses of a cell's particles and K the Laplacian of the unit cube's trilinear element: 1/3
 /// on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j grad W_ij
 /// and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G + g is
 /// large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down. Particles
-/// of a free surface (C_i below -surface) have none of b.
+/// of a free surface (C_i below -surface) have none of b. A rigid body, W = diag(1/m, I^-1), gives way to all
+/// pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the particles that touch it.
 class CoarsePressure {
  public:
   /// What a particle brings in.
   struct Sample {
-    float c = 0;          ///< C = rho / rho_0 - 1
-    float roughness = 0;  ///< |2 G + g|^2 [1/m^2]
+    float c = 0;         ///< C = rho / rho_0 - 1
+    float diagonal = 0;  ///< 2 w |2 G + g|^2 and what bodies that give way add [1/(kg m^2)]
   };
 
+  /// The next solve begins with nothing.
+  void forget() { last_keys_.clear(); }
   /// Lays the grid for a step. `positions` by place; H = cell_size > 0 [m].
   void begin_step(std::span<const Vec4f> positions, float cell_size, Threads& threads);
   /// Solves for y by conjugate gradients with diagonal preconditioning, from 0.9 times the last y, until the
-  /// residual is a fiftieth of b; `positions` and `samples` by place, w [1/kg]. In one order of sums,
-  /// whatever the threads.
-  void solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float w, float surface,
+  /// residual is a fiftieth of b; `positions` (w: inverse mass [1/kg]) and `samples` by place. In one order
+  /// of sums, whatever the threads.
+  void solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
              Threads& threads);
   /// lambda_i of each place; 0 at a free surface. [kg m^2 / ... as C over w |grad C|^2]
   void interpolate(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
                    std::span<float> lambda, Threads& threads) const;
+  /// Bodies that give way, after begin_step and before each solve.
+  void begin_movers(std::size_t count);
+  void set_mover(std::size_t mover, double inverse_mass, const Mat3d& inverse_inertia);
+  /// A particle is pushed by a mover along `slope` g, whose moment about its centre is `moment`.
+  void add_touch(std::size_t mover, std::uint32_t place, const Vec4f& position, const Vec3d& slope,
+                 const Vec3d& moment);
   int iterations() const { return iterations_; }  ///< of the last solve
   std::size_t node_count() const { return y_.size(); }
 
@@ -49,7 +59,17 @@ class CoarsePressure {
   using Corners = std::array<std::uint32_t, 8>;
   using Eight = std::array<double, 8>;
 
+  /// A rigid body: J and W.
+  struct Mover {
+    double inverse_mass = 0;
+    Mat3d inverse_inertia{};
+    std::vector<std::uint32_t> nodes;                // that have some of J
+    std::vector<std::pair<Vec3d, Vec3d>> pushes;     // their J
+    std::vector<std::uint32_t> slot_of_node;         // none: not in nodes
+  };
+
   void find_nodes();
+  void give_way(const std::vector<double>& y, std::vector<double>& result) const;
   std::array<float, 8> weights(std::size_t cell, const Vec4f& position) const;
   void gather(std::span<const Eight> of_cells, std::vector<double>& of_nodes) const;
   void apply(const std::vector<double>& y, std::vector<double>& result);
@@ -60,7 +80,11 @@ class CoarsePressure {
   std::vector<Corners> corners_;              // of each cell: its nodes
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> begin_, terms_;  // of each node: 8 cell + corner, ascending
-  std::vector<double> stiffness_;             // of each cell: n w / H^2
+  std::vector<std::uint32_t> next_;           // of each node: where its next term goes
+  std::vector<std::uint32_t> cell_of_;  // of each place
+  std::vector<Mover> movers_;
+  std::size_t mover_count_ = 0;
+  std::vector<double> stiffness_;             // of each cell: sum w / H^2
   std::vector<Eight> cell_sums_, cell_diagonals_;
   std::vector<double> y_, b_, diagonal_, preconditioner_, r_, p_, ap_;
   std::vector<std::uint64_t> node_keys_, last_keys_;

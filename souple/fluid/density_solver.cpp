@@ -32,14 +32,12 @@ void DensitySolver::for_blocks(Threads& threads, const Function& f) const {
   });
 }
 
-void DensitySolver::place(std::span<const Vec4f> positions, float w, Threads& threads) {
-  w_ = w;
+void DensitySolver::place(std::span<const Vec4f> positions, Threads& threads) {
   if (!lists_hold(positions)) find_neighbours(positions, threads);
   const auto order = order_.order();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       x_[k] = positions[order[k]];
-      x_[k].w = w_;
       lambda_[k] = 0;
       moved_[k] = {};
     }
@@ -75,35 +73,36 @@ void DensitySolver::find_neighbours(std::span<const Vec4f> positions, Threads& t
   looks_.resize(n);
   samples_.resize(n);
   lambda_.resize(n);
+  change_.resize(n);
   moved_.resize(n);
   coarse_.begin_step(this->positions(), coarse_spacings * smoothing_.spacing(), threads);
 }
 
 void DensitySolver::find_fluid_sums(Threads& threads) {
   const float V = smoothing_.volume(), d = smoothing_.spacing();
-  const float least = 1e-3f * w_ / (d * d);  // of a particle alone
+  const float least = 1e-3f / (d * d);  // of a particle alone
   for_blocks(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     const kernels::DensitySums sums =
         kernels_->sums(x_.data(), x_[k], list.data(), list.size(), smoothing_.factors());
     const Vec3f G = sums.gradient * V, g = boundary_[k].slope, whole = G + g, rough = G * 2.0f + g;
     samples_[k].c = V * (sums.density + smoothing_.centre()) + boundary_[k].value - 1;
-    samples_[k].roughness = dot(rough, rough);
-    looks_[k] = {g, w_ * dot(whole, whole) + V * V * sums.gradient_squared + least};
+    const float w = x_[k].w, response = boundary_[k].response;
+    samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary_[k].local_response;
+    looks_[k] = {g, w * dot(whole, whole) + V * V * sums.gradient_squared + least * w + response};
   });
 }
 
 void DensitySolver::begin_with_smooth_part(Threads& threads) {
-  coarse_.solve(positions(), samples_, w_, surface(), threads);
+  coarse_.solve(positions(), samples_, surface(), threads);
   coarse_.interpolate(positions(), samples_, surface(), lambda_, threads);
   const float added = options_.passes == 0 ? jacobi_share : 0;
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const float wanted = coarse_share * lambda_[k] - added * samples_[k].c / looks_[k].denominator;
-      lambda_[k] = min(wanted, 0.0f);
+      lambda_[k] = change_[k] = min(wanted, 0.0f);
       q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * smoothing_.volume()};
     }
   });
-  push(threads);
 }
 
 void DensitySolver::relax(Threads& threads) {
@@ -111,18 +110,17 @@ void DensitySolver::relax(Threads& threads) {
     for (std::size_t k = begin; k < end; ++k) {
       const float wanted = lambda_[k] - options_.omega * samples_[k].c / looks_[k].denominator;
       const float next = min(wanted, 0.0f);
-      q_[k] = {x_[k].x, x_[k].y, x_[k].z, (next - lambda_[k]) * smoothing_.volume()};
+      change_[k] = next - lambda_[k];
       lambda_[k] = next;
+      q_[k] = {x_[k].x, x_[k].y, x_[k].z, change_[k] * smoothing_.volume()};
     }
   });
-  push(threads);
 }
 
-void DensitySolver::push(Threads& threads) {
-  const float inverse_volume = 1 / smoothing_.volume();
+void DensitySolver::push_fluid(Threads& threads) {
   for_blocks(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     const Vec3f by_fluid = kernels_->push(q_.data(), q_[k], list.data(), list.size(), smoothing_.factors());
-    const Vec3f by = (by_fluid + looks_[k].slope * (q_[k].w * inverse_volume)) * w_;
+    const Vec3f by = (by_fluid + looks_[k].slope * change_[k]) * x_[k].w;
     moved_[k] = moved_[k] + by;
     x_[k].set_xyz(x_[k].xyz() + by);
   });

@@ -13,6 +13,8 @@ namespace souple {
 struct BoundarySums {
   float value = 0;  ///< added to V sum W
   Vec3f slope{};    ///< its gradient by the particle's position
+  /// What bodies that give way add to w |grad C|^2: all of them, and those that do so locally. [1/(kg m^2)]
+  float response = 0, local_response = 0;
 };
 
 /// Keeps a fluid from being compressed (Macklin & Müller 2013, "Position based fluids"): for each particle
@@ -20,9 +22,9 @@ struct BoundarySums {
 ///   C_i = V sum_j W_ij + boundary - 1 <= 0,   dx_i = w (V sum_j (lambda_i + lambda_j) grad W_ij + lambda_i
 ///   g_i)
 ///
-/// with V the volume of a particle at rest, w its inverse mass, g_i the boundary's slope and lambda_i <= 0,
-/// so that its pressure is -lambda_i / (V h^2) after a substep of h seconds. Pushes between particles are
-/// equal and opposite.
+/// with V the volume of a particle at rest, the same for all, w its inverse mass, g_i the boundary's slope
+/// and lambda_i <= 0, so that its pressure is -lambda_i / (V h^2) after a substep of h seconds. Pushes
+/// between particles are equal and opposite.
 ///
 /// The paper's Jacobi iterations alone carry pressure by a particle's spacing each. Here the smooth part of
 /// lambda comes from a coarse level (coarse_pressure.h), and `passes` of Jacobi mend the rest:
@@ -35,27 +37,57 @@ struct BoundarySums {
 class DensitySolver {
  public:
   struct Options {
-    kernels::SmoothingShape shape = kernels::SmoothingShape::wendland;
+    SmoothingShape shape = SmoothingShape::wendland;
     int passes = 1;       ///< 0: the residual is added to the coarse level's lambda, which costs half
     float omega = 0.45f;  ///< of a pass; above 0.75 it need not converge
+    friend bool operator==(const Options&, const Options&) = default;
   };
   DensitySolver(float spacing, const Options& options);
 
   const Smoothing& smoothing() const { return smoothing_; }
 
-  /// Takes the particles to where they are predicted to be [m], all of inverse mass w [1/kg]. Sorts them and
-  /// finds neighbours anew when some have moved too far, against all others, since that was done last.
-  void place(std::span<const Vec4f> positions, float w, Threads& threads);
+  /// Forgets all that was found about particles: what a step gives depends on its beginning alone.
+  void begin_step() { listed_.clear(), coarse_.forget(); }
 
-  /// By place. `boundary(begin, end, x, sums)` writes what is around the particles [begin, end).
+  /// Takes the particles to where they are predicted to be: x, y, z [m] and inverse mass w > 0 [1/kg]. Sorts
+  /// them and finds neighbours anew when some have moved too far, against all others, since that was done
+  /// last.
+  void place(std::span<const Vec4f> positions, Threads& threads);
+
+  /// What surrounds the fluid is asked, place by place and on all threads,
+  ///
+  ///   boundary.look(place, x) -> BoundarySums    where the particle is now
+  ///   boundary.respond(place, sums)              of bodies that give way
+  ///   boundary.push(place, change)               then: it was pushed by the slope times this change of lambda
+  ///
+  /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
+  /// boundary.pushed(changes of lambda).
   template <class Boundary>
-  void solve(const Boundary& boundary, Threads& threads) {
+  void solve(Boundary& boundary, Threads& threads) {
     find_sums(boundary, threads);
     begin_with_smooth_part(threads);
+    push(boundary, threads);
     for (int pass = 0; pass < options_.passes; ++pass) {
       find_sums(boundary, threads);
       relax(threads);
+      push(boundary, threads);
     }
+  }
+
+  /// f(place, V sum_j (v_j - v_i) W_ij) for all places, where particles are now. `values`: by place, and one
+  /// record more, 0.
+  template <class Function>
+  void smooth(std::span<const Vec4f> values, const Function& f, Threads& threads) const {
+    const auto blocks = neighbours_.blocks();
+    threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t b = first; b < last; ++b)
+        for (std::uint32_t k = blocks[b].begin; k < blocks[b].end; ++k) {
+          const auto list = blocks[b].padded(k);
+          f(k, kernels_->spread(x_.data(), values.data(), x_[k], values[k], list.data(), list.size(),
+                                smoothing_.factors()) *
+                   smoothing_.volume());
+        }
+    });
   }
 
   std::size_t size() const { return order_.size(); }
@@ -77,16 +109,28 @@ class DensitySolver {
   bool lists_hold(std::span<const Vec4f> positions) const;
   void find_neighbours(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
-  void find_sums(const Boundary& boundary, Threads& threads) {
+  void find_sums(Boundary& boundary, Threads& threads) {
     threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      boundary(begin, end, positions(), std::span<BoundarySums>(boundary_));
+      for (std::size_t k = begin; k < end; ++k) boundary_[k] = boundary.look(k, x_[k].xyz());
+    });
+    boundary.looked(positions(), coarse_);
+    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) boundary.respond(k, boundary_[k]);
     });
     find_fluid_sums(threads);
+  }
+  template <class Boundary>
+  void push(Boundary& boundary, Threads& threads) {
+    push_fluid(threads);
+    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) boundary.push(k, change_[k]);
+    });
+    boundary.pushed(std::span<const float>(change_));
   }
   void find_fluid_sums(Threads& threads);
   void begin_with_smooth_part(Threads& threads);
   void relax(Threads& threads);
-  void push(Threads& threads);
+  void push_fluid(Threads& threads);
   float surface() const { return 0.5f * smoothing_.wall(0.5f * smoothing_.spacing()).value; }
   template <class Function>
   void for_blocks(Threads& threads, const Function& f) const;
@@ -94,7 +138,7 @@ class DensitySolver {
   Options options_;
   Smoothing smoothing_;
   const kernels::DensityKernels* kernels_;
-  float margin_, w_ = 1;
+  float margin_;
   CellOrder order_;
   Neighbours neighbours_;
   CoarsePressure coarse_;
@@ -104,7 +148,7 @@ class DensitySolver {
   std::vector<BoundarySums> boundary_;
   std::vector<Look> looks_;
   std::vector<CoarsePressure::Sample> samples_;
-  std::vector<float> lambda_;
+  std::vector<float> lambda_, change_;  // and what the last pass added to it
   std::vector<Vec3f> moved_;
 };
 

@@ -18,7 +18,7 @@ namespace souple {
 class Smoothing {
  public:
   /// > 0 [m].
-  explicit Smoothing(float spacing, kernels::SmoothingShape shape = kernels::SmoothingShape::wendland);
+  explicit Smoothing(float spacing, SmoothingShape shape = SmoothingShape::wendland);
 
   float spacing() const { return spacing_; }
   float support() const { return factors_.h; }

@@ -217,6 +217,7 @@ std::vector<Neighbour> around_on_rope(std::span<const Vec3f> x, std::uint32_t ve
 std::vector<Neighbour> neighbours_of(const World& world, ObjectId object, std::uint32_t vertex) {
   switch (world.kind(object)) {
     case ObjectKind::grains:
+    case ObjectKind::fluid:
       return {{vertex, 0}};
     case ObjectKind::rope:
       return around_on_rope(world.positions(object), vertex);
@@ -286,7 +287,9 @@ Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbour>
 
 /// What hangs on the hand. [kg]
 double mass_of(const World& world, ObjectId object, const std::vector<Carrier>& hand) {
-  if (world.kind(object) == ObjectKind::grains) return 1 / static_cast<double>(hand.front().inverse_mass);
+  const ObjectKind kind = world.kind(object);
+  if (kind == ObjectKind::grains || kind == ObjectKind::fluid)
+    return 1 / static_cast<double>(hand.front().inverse_mass);
   return world.total_mass(object);
 }
 

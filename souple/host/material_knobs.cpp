@@ -64,6 +64,15 @@ const std::vector<Knob<G>> grains_knobs{
     {"Damping", "damping", "1/s", &G::damping, logarithmic(1e-3f, 100)},
 };
 
+// The spacing stays what it is: another one is another fluid.
+using F = FluidMaterial;
+const std::vector<Knob<F>> fluid_knobs{
+    {"Density", "density", "kg/m\xc2\xb3", &F::density, logarithmic(100, 2e4f)},
+    {"Smoothing", "xsph", "1/s", &F::xsph, logarithmic(0.1f, 1000)},
+    {"Friction", "friction", "", &F::friction, {0, 2}},
+    {"Restitution", "restitution", "", &F::restitution, fraction},
+};
+
 using O = ObstacleMaterial;
 const std::vector<Knob<O>> obstacle_knobs{
     {"Thickness", "thickness", "m", &O::thickness, logarithmic(1e-4f, 0.2f)},
@@ -87,6 +96,10 @@ const std::vector<Knob<GrainsMaterial>>& knobs(const GrainsMaterial&) {
 }
 const std::vector<Knob<ObstacleMaterial>>& knobs(const ObstacleMaterial&) {
   return obstacle_knobs;
+}
+
+const std::vector<Knob<FluidMaterial>>& knobs(const FluidMaterial&) {
+  return fluid_knobs;
 }
 
 bool uses_membrane(const ClothMaterial& material) {

@@ -33,6 +33,7 @@ const std::vector<Knob<SoftBodyMaterial>>& knobs(const SoftBodyMaterial&);
 const std::vector<Knob<RopeMaterial>>& knobs(const RopeMaterial&);
 const std::vector<Knob<GrainsMaterial>>& knobs(const GrainsMaterial&);
 const std::vector<Knob<ObstacleMaterial>>& knobs(const ObstacleMaterial&);
+const std::vector<Knob<FluidMaterial>>& knobs(const FluidMaterial&);
 
 bool uses_membrane(const ClothMaterial& material);
 template <class Material>

@@ -18,6 +18,8 @@ const char* kind_name(Kind kind) {
       return "grains";
     case Kind::obstacle:
       return "obstacle";
+    case Kind::fluid:
+      return "fluid";
   }
   return "?";
 }

@@ -19,7 +19,7 @@ namespace souple::host {
 /// Names an object of a session; never used again for another, also after another scene is opened. 0: none.
 using Handle = std::uint32_t;
 
-enum class Kind { cloth, soft_body, rope, grains, obstacle };
+enum class Kind { cloth, soft_body, rope, grains, obstacle, fluid };
 const char* kind_name(Kind kind);
 
 struct ObjectInfo {
@@ -27,8 +27,8 @@ struct ObjectInfo {
   std::string name;  ///< unique in the session
   Kind kind = Kind::cloth;
   std::size_t vertex_count = 0;    ///< that `write` fills: render vertices, or those of the scene's mesh
-  std::size_t triangle_count = 0;  ///< 0 of ropes and grains
-  float radius = 0;                ///< of ropes and grains; half the thickness of the others [m]
+  std::size_t triangle_count = 0;  ///< 0 of ropes, grains and fluids
+  float radius = 0;                ///< of ropes, grains and fluids; half the thickness of the others [m]
   bool from_scene = false;         ///< rather than from a mesh of the host
   bool has_colour = false;         ///< the scene file gives one
   std::array<float, 3> colour{};   ///< R, G, B in [0, 1], sRGB as in scene files, not linear light

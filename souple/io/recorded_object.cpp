@@ -12,7 +12,7 @@ namespace souple {
 namespace {
 
 bool is_points(ObjectKind kind) {
-  return kind == ObjectKind::rope || kind == ObjectKind::grains;
+  return kind == ObjectKind::rope || kind == ObjectKind::grains || kind == ObjectKind::fluid;
 }
 
 /// OBJ counts vertices from 1.

@@ -55,7 +55,8 @@ constexpr std::pair<Flag, const char*> flag_names[] = {{Flag::non_finite, "non_f
                                                        {Flag::large_strain, "large_strain"},
                                                        {Flag::deep_contact, "deep_contact"},
                                                        {Flag::callback_failed, "callback_failed"},
-                                                       {Flag::tangled, "tangled"}};
+                                                       {Flag::tangled, "tangled"},
+                                                       {Flag::coarse_substeps, "coarse_substeps"}};
 
 }  // namespace
 
@@ -102,6 +103,16 @@ FrameReport frame_report(std::uint64_t frame, double time, const StepReport& rep
                  {"contacts", static_cast<double>(report.contacts)},
                  {"deepest_contact", report.deepest_contact},
                  {"largest_strain", report.largest_strain}};
+  if (report.fluid.particles > 0) {
+    const FluidReport& fluid = report.fluid;
+    kept.values.emplace_back("fluid.particles", static_cast<double>(fluid.particles));
+    kept.values.emplace_back("fluid.mean_density_error", fluid.mean_density_error);
+    kept.values.emplace_back("fluid.largest_density_error", fluid.largest_density_error);
+    kept.values.emplace_back("fluid.largest_pressure", fluid.largest_pressure);
+    kept.values.emplace_back("fluid.fastest", fluid.fastest);
+    kept.values.emplace_back("fluid.largest_step", fluid.largest_step);
+    kept.values.emplace_back("fluid.coarse_iterations", fluid.coarse_iterations);
+  }
   for (const KindReport& kind : by_kind(report.kinds)) {
     kept.values.emplace_back("residual." + std::string(kind.kind), kind.largest);
     kept.values.emplace_back("mean_residual." + std::string(kind.kind), kind.mean);

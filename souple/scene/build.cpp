@@ -1,3 +1,4 @@
+#include "souple/geometry/fill.h"
 #include "souple/io/animated_points.h"
 #include "souple/scene/scene.h"
 
@@ -368,6 +369,17 @@ class Builder {
     return world_.add_grains(std::visit(maker, grains.centres), grains.material, options_of(grains));
   }
 
+  ObjectId add(const FluidDescription& fluid) {
+    const ObjectOptions options = options_of(fluid);
+    if (const auto* mesh = std::get_if<MeshDescription>(&fluid.filling))
+      return world_.add_fluid(surface_of(*mesh, scene_.folder), fluid.material, options);
+    if (const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling))
+      return world_.add_fluid(*points, fluid.material, options);
+    const auto& box = std::get<FluidBox>(fluid.filling);
+    return world_.add_fluid(fill(box.lo, box.hi, static_cast<double>(fluid.material.spacing)), fluid.material,
+                            options);
+  }
+
   ObjectId add(const ObstacleDescription& obstacle) {
     ObstacleMotion motion;
     if (!obstacle.keyframes.empty()) motion.pose = motion_of(obstacle.keyframes, obstacle.loop);
@@ -410,6 +422,7 @@ class Builder {
     if (rope.tethers) world_.add_tethers(object, rope.tethers->slack);
   }
   void finish(ObjectId, const GrainsDescription&) {}
+  void finish(ObjectId, const FluidDescription&) {}
   void finish(ObjectId, const ObstacleDescription&) {}
 
   /// Weight 1 is a pin; w < 1 a spring of compliance (1 - w) / w times that of one half. Weights are cut to

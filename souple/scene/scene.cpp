@@ -43,6 +43,7 @@ ObjectKind kind_of(const AnyObjectDescription& object) {
   if (std::holds_alternative<SoftBodyDescription>(object)) return ObjectKind::soft_body;
   if (std::holds_alternative<RopeDescription>(object)) return ObjectKind::rope;
   if (std::holds_alternative<GrainsDescription>(object)) return ObjectKind::grains;
+  if (std::holds_alternative<FluidDescription>(object)) return ObjectKind::fluid;
   return ObjectKind::obstacle;
 }
 

@@ -189,6 +189,14 @@ struct GrainsDescription : ObjectDescription {
   MaterialDescription<GrainsMaterial> material;
 };
 
+struct FluidBox {
+  Vec3d lo{}, hi{};  ///< m
+};
+struct FluidDescription : ObjectDescription {
+  std::variant<std::vector<Vec3d>, FluidBox, MeshDescription> filling;
+  MaterialDescription<FluidMaterial> material;
+};
+
 struct ObstacleSequenceDescription : SequenceDescription {
   bool loop = false;
 };
@@ -202,7 +210,7 @@ struct ObstacleDescription : ObjectDescription {
 };
 
 using AnyObjectDescription = std::variant<ClothDescription, SoftBodyDescription, RopeDescription,
-                                          GrainsDescription, ObstacleDescription>;
+                                          GrainsDescription, ObstacleDescription, FluidDescription>;
 /// What all kinds share.
 const ObjectDescription& common(const AnyObjectDescription& object);
 ObjectDescription& common(AnyObjectDescription& object);

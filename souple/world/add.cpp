@@ -2,6 +2,7 @@
 
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/embedding.h"
+#include "souple/geometry/fill.h"
 #include "souple/geometry/lattice.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/mesh_report.h"
@@ -168,6 +169,7 @@ float density(const Material& material) {
     float operator()(const SoftBodyMaterial& m) const { return m.density; }
     float operator()(const RopeMaterial& m) const { return m.density; }
     float operator()(const GrainsMaterial& m) const { return m.density; }
+    float operator()(const FluidMaterial& m) const { return m.density; }
     float operator()(const ObstacleMaterial&) const { return 1; }  // it has no mass to scale
   };
   return std::visit(Density{}, material);
@@ -179,6 +181,8 @@ float contact_radius(const Material& material) {
     float operator()(const SoftBodyMaterial& m) const { return m.thickness / 2; }
     float operator()(const RopeMaterial& m) const { return m.radius; }
     float operator()(const GrainsMaterial& m) const { return m.radius; }
+    // The density solver keeps them half a spacing from walls: contacts are for what comes through all the same.
+    float operator()(const FluidMaterial& m) const { return m.spacing / 4; }
     float operator()(const ObstacleMaterial& m) const { return m.thickness / 2; }
   };
   return std::visit(Radius{}, material);
@@ -383,6 +387,55 @@ ObjectId World::add_grains(std::span<const Vec3d> centres, const GrainsMaterial&
   grains.mass.assign(object.rest.size(),
                      static_cast<double>(material.density) * 4 / 3 * pi * radius * radius * radius);
   return enter(world, std::move(grains), options);
+}
+
+namespace {
+
+/// The density solver is made for one spacing.
+void require_same_spacing(const WorldState& world, const Object& fluid, float spacing) {
+  for (const auto& other : world.objects) {
+    const auto* material = std::get_if<FluidMaterial>(&other->material);
+    if (material && other.get() != &fluid && material->spacing != spacing)
+      throw Error(fluid.name + ": spacing is " + std::to_string(spacing) + " m, but that of " + other->name +
+                  " is " + std::to_string(material->spacing) + " m: all fluids of a world have the same");
+  }
+}
+
+void require_fluid_options(const ObjectOptions& options, const std::string& name) {
+  const auto refuse = [&](const char* option) {
+    throw Error(name + ": the option " + option + " makes no sense for a fluid");
+  };
+  if (!options.stiffness_map.empty()) refuse("stiffness_map");
+  if (!options.thickness_map.empty()) refuse("thickness_map");
+  if (options.self_collision) refuse("self_collision");
+}
+
+}  // namespace
+
+ObjectId World::add_fluid(std::span<const Vec3d> centres, const FluidMaterial& material,
+                          const ObjectOptions& options) {
+  WorldState& world = impl_->state;
+  Draft fluid = draft(world, ObjectKind::fluid, material, options);
+  Object& object = *fluid.object;
+  require_fluid_options(options, object.name);
+  require_same_spacing(world, object, material.spacing);
+  object.rest.assign(centres.begin(), centres.end());
+  place_points(object.rest, options.transform, object.name);
+  object.particle_of = object.vertex_of = identity(object.rest.size());
+  const auto d = static_cast<double>(material.spacing);
+  fluid.mass.assign(object.rest.size(), static_cast<double>(material.density) * d * d * d);
+  return enter(world, std::move(fluid), options);
+}
+
+ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& material,
+                          const ObjectOptions& options) {
+  const std::string name = options.name.empty() ? std::string(kind_name(ObjectKind::fluid)) : options.name;
+  validate(material, name);
+  TriangleMesh placed = surface;
+  place_points(placed.positions, options.transform, name);
+  ObjectOptions at_place = options;
+  at_place.transform = {};
+  return add_fluid(fill(placed, static_cast<double>(material.spacing), name), material, at_place);
 }
 
 namespace {

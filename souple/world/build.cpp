@@ -273,6 +273,7 @@ void add_object(const Object& object, const RopeMaterial& m, Kinds& kinds) {
 }
 
 void add_object(const Object&, const GrainsMaterial&, Kinds&) {}    // contacts only
+void add_object(const Object&, const FluidMaterial&, Kinds&) {}     // one solver for all, see fluids.h
 void add_object(const Object&, const ObstacleMaterial&, Kinds&) {}  // the same
 
 }  // namespace

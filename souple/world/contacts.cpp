@@ -16,7 +16,7 @@ ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .layers = 0};
   result.hits_itself = object.kind == ObjectKind::grains;
-  if (is_loose(object)) result.layers = result.hits_layers = balls;
+  if (is_loose(object) && object.kind != ObjectKind::fluid) result.layers = result.hits_layers = balls;
   return result;
 }
 
@@ -129,6 +129,7 @@ void build_contact_tables(WorldState& world) {
   });
   for (std::uint32_t a = 0; any_solid && a < world.objects.size(); ++a)
     append_features(*world.objects[a], a, tables.rope_edges[a], features);
+  world.fluids.build(world);
   features.shrink_to_fit();
   world.feature_contacts.set_features(std::move(features));
 }

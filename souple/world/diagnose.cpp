@@ -12,6 +12,7 @@ namespace souple {
 namespace {
 
 constexpr double large_strain = 0.1;
+constexpr double largest_fluid_step = 0.36;  // a third, and what a wave on a fluid at rest may add
 
 void restore_last_good(WorldState& world) {
   Particles& particles = world.particles;
@@ -56,6 +57,8 @@ void report_custom_errors(WorldState& world) {
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
   if (report.largest_strain > large_strain) world.complain(Flag::large_strain, advice(Flag::large_strain));
+  if (report.fluid.largest_step > largest_fluid_step)
+    world.complain(Flag::coarse_substeps, advice(Flag::coarse_substeps));
   if (!(report.deepest_contact > 0)) return;
   float thickest = 0;
   for (const float radius : world.particles.radius) thickest = std::max(thickest, radius);
@@ -128,6 +131,7 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   world.forget_contacts();
+  world.fluids.begin_step(world);
   world.first_bad.reset();
   report.step = ++world.steps;
   report.substeps = world.settings.substeps;
@@ -155,6 +159,7 @@ void end_step(WorldState& world, bool good) {
   world.contacts_known = true;
   world.report.time = world.time;
   report_contacts(world);
+  world.report.fluid = world.fluids.report();
   report_custom_errors(world);
   measure(world);
   if (good) raise_flags(world);

@@ -38,6 +38,10 @@ const RopeMaterial steel_wire{.radius = 0.001f, .young_modulus = 2e11f, .density
 
 // Quartz 2650 kg/m^3; angle of repose of dry sand 30-35 degrees, tan = 0.6-0.7. Grains of 1 cm stand for many.
 const GrainsMaterial sand{.radius = 0.01f, .density = 2650, .friction = 0.65f};
+
+// Water at 20 C 998 kg/m^3, sunflower oil 920 kg/m^3 (CRC handbook).
+const FluidMaterial water{.density = 998};
+const FluidMaterial oil{.density = 920};
 // clang-format on
 
 const ClothMaterial* find_cloth(std::string_view name) {
@@ -60,8 +64,13 @@ const GrainsMaterial* find_grains(std::string_view name) {
   return name == "sand" ? &sand : nullptr;
 }
 
+const FluidMaterial* find_fluid(std::string_view name) {
+  if (name == "water") return &water;
+  return name == "oil" ? &oil : nullptr;
+}
+
 std::vector<std::string> names() {
-  return {"cotton", "silk", "denim", "rubber", "jelly", "nylon", "steel_wire", "sand"};
+  return {"cotton", "silk", "denim", "rubber", "jelly", "nylon", "steel_wire", "sand", "water", "oil"};
 }
 
 }  // namespace souple::material

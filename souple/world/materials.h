@@ -89,6 +89,15 @@ struct GrainsMaterial {
   float damping = 0;  ///< 1/s
 };
 
+/// A liquid made of particles (docs/fluids.md). All fluids of a world have the same spacing.
+struct FluidMaterial {
+  float spacing = 0.02f;  ///< between particles at rest: one has the volume spacing^3 [m]
+  float density = 1000;   ///< kg/m^3
+  float xsph = 24;        ///< rate at which particles take over the velocity around them: keeps noise down [1/s]
+  float friction = 0;     ///< of its particles with colliders and surfaces
+  float restitution = 0;
+};
+
 /// The surface of a mesh that nothing moves but its own motion: it has no mass.
 struct ObstacleMaterial {
   float thickness = 0.002f;  ///< full: contacts keep half of it as distance [m]
@@ -102,12 +111,14 @@ extern const ClothMaterial cotton, silk, denim;
 extern const SoftBodyMaterial rubber, jelly;
 extern const RopeMaterial nylon, steel_wire;
 extern const GrainsMaterial sand;
+extern const FluidMaterial water, oil;
 
 /// The preset of that name, or nullptr.
 const ClothMaterial* find_cloth(std::string_view name);
 const SoftBodyMaterial* find_soft_body(std::string_view name);
 const RopeMaterial* find_rope(std::string_view name);
 const GrainsMaterial* find_grains(std::string_view name);
+const FluidMaterial* find_fluid(std::string_view name);
 /// Names of all presets of all kinds, in the order of the declarations above.
 std::vector<std::string> names();
 }  // namespace material

@@ -8,6 +8,8 @@ std::string_view stage_name(Stage stage) {
       return "broad_phase";
     case Stage::integrate:
       return "integrate";
+    case Stage::fluids:
+      return "fluids";
     case Stage::contacts:
       return "contacts";
     case Stage::solve:
@@ -35,6 +37,9 @@ std::string_view advice(Flag flag) {
     case Flag::tangled:
       return "surfaces pass through each other and are being pulled apart as far as they can move: start "
              "with them apart, lead them apart, or let them not meet";
+    case Flag::coarse_substeps:
+      return "a fluid goes further than a third of its spacing in a substep, or is so deep that its pressure "
+             "could make it: raise substeps or the spacing";
   }
   return "?";
 }

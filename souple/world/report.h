@@ -9,8 +9,8 @@
 namespace souple {
 
 /// The stages of the loop, in order; `broad_phase` runs once a step, the others each substep.
-enum class Stage { broad_phase, integrate, contacts, solve, finish, velocity };
-inline constexpr std::size_t stage_count = 6;
+enum class Stage { broad_phase, integrate, fluids, contacts, solve, finish, velocity };
+inline constexpr std::size_t stage_count = 7;
 std::string_view stage_name(Stage stage);
 
 /// What a step wants its user to know. Each names the knob that mends it (see `advice`).
@@ -22,7 +22,9 @@ enum class Flag : std::uint32_t {
       1u << 1,  ///< an edge is stretched more than 10 %: raise substeps, or compliance is what it should be
   deep_contact = 1u << 2,  ///< a contact ends the step deeper than its thickness: raise substeps or thickness
   callback_failed = 1u << 3,  ///< a user's callback threw; its effect was left out
-  tangled = 1u << 4  ///< edges pass through triangles, and are being pulled apart: start with them apart
+  tangled = 1u << 4,  ///< edges pass through triangles, and are being pulled apart: start with them apart
+  coarse_substeps =
+      1u << 5  ///< a fluid is too deep or too fast for its spacing and the substep: raise substeps
 };
 /// One line: what the flag means and which setting mends it.
 std::string_view advice(Flag flag);
@@ -32,6 +34,17 @@ struct KindReport {
   std::size_t count = 0;  ///< constraints
   double largest = 0;     ///< |C| at the end of the step, in the unit of C; inequalities only where violated
   double mean = 0;
+};
+
+/// What a step did to fluids. Density errors are of C = rho / rho_0 - 1 where that is above 0, before the last
+/// correction of the last substep.
+struct FluidReport {
+  std::size_t particles = 0;
+  double mean_density_error = 0, largest_density_error = 0;
+  double largest_pressure = 0;    ///< Pa
+  double fastest = 0;             ///< m/s
+  double largest_step = 0;        ///< h max(sqrt(p / rho), v / 1.5) / spacing, to be below a third
+  double coarse_iterations = 0;   ///< of conjugate gradients, mean of the substeps
 };
 
 /// What a step did. Returned by World::step; stays valid until the next step.
@@ -48,6 +61,7 @@ struct StepReport {
   std::size_t misplaced = 0;      ///< vertices on the wrong side of another layer then, or near such a place
   double deepest_contact = 0;     ///< m, penetration left at the end
   double largest_strain = 0;      ///< (l - l0) / l0 over distance constraints, extension only
+  FluidReport fluid;
   std::vector<KindReport> kinds;  ///< in the order they are solved
   std::uint32_t flags = 0;        ///< of Flag
   std::string bad_object;         ///< non_finite: which object went bad first

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/collision/segment_triangle/choice.h"
+#include "souple/fluid/smoothing_shape.h"
 #include "souple/math/vec3.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/solver.h"
@@ -26,6 +27,15 @@ struct Wind {
   friend bool operator==(const Wind&, const Wind&) = default;
 };
 
+/// How fluids are kept from being compressed (docs/fluids.md).
+struct FluidSettings {
+  SmoothingShape kernel = SmoothingShape::wendland;
+  /// Jacobi iterations after the coarse level, 0 to 100. With 0 the substep costs half; its residual is added
+  /// to the coarse level's pressure.
+  int iterations = 1;
+  friend bool operator==(const FluidSettings&, const FluidSettings&) = default;
+};
+
 /// Objects at rest fall asleep: they stay where they are to the bit, cost little, and hold what lies on them.
 /// They wake when something moves them or near them (docs/collisions.md).
 struct Sleeping {
@@ -48,6 +58,7 @@ struct Settings {
   bool measure_residuals = true;  ///< residuals and strain in the report: costs about one iteration a step
   std::uint64_t seed = 1;         ///< of the gusts
   SolverSettings solver{};
+  FluidSettings fluid{};
   Sleeping sleeping{};
   SegmentTest segment_test = default_segment_test;  ///< of rays against surfaces (docs/segment-triangle.md)
   int threads = 0;  ///< results do not depend on it; 0: one for each processor

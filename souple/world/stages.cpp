@@ -182,6 +182,10 @@ void integrate(WorldState& world, const Substep& substep) {
   if (world.settings.integrator != Integrator::semi_implicit) world.predicted = moving(world);
 }
 
+void press_fluids(WorldState& world, const Substep& substep) {
+  if (!world.fluids.none()) world.fluids.press(world, substep);
+}
+
 void solve(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
   const ParticleView view = world.view();
@@ -212,6 +216,7 @@ bool finish(WorldState& world, const Substep& substep) {
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
+  if (!world.fluids.none()) world.fluids.update_velocities(world, substep);
   for (const auto& object : world.objects)
     if (object->island == 0) damp(world, *object, substep.h);
 }

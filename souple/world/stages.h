@@ -13,17 +13,20 @@ void find_candidates(WorldState& world, double dt);
 /// targets.
 void integrate(WorldState& world, const Substep& substep);
 
-/// (2) Contacts along x -> p.
+/// (2) Fluids are pushed apart until they are not compressed.
+void press_fluids(WorldState& world, const Substep& substep);
+
+/// (3) Contacts along x -> p.
 void generate_contacts(WorldState& world, const Substep& substep);
 
-/// (3) Projects every constraint, `iterations` times: kind after kind, colour after colour, contacts last;
+/// (4) Projects every constraint, `iterations` times: kind after kind, colour after colour, contacts last;
 /// then shortens the ways of what would still pass through something.
 void solve(WorldState& world, const Substep& substep);
 
-/// (4) v = v* + (p - p*) / h, which is (p - x) / h when p* = x + h v*; x = p. False when a number went bad.
+/// (5) v = v* + (p - p*) / h, which is (p - x) / h when p* = x + h v*; x = p. False when a number went bad.
 bool finish(WorldState& world, const Substep& substep);
 
-/// (5) Restitution and damping.
+/// (6) Restitution, damping, viscosity.
 void update_velocities(WorldState& world, const Substep& substep);
 
 }  // namespace souple

@@ -15,6 +15,7 @@
 #include "souple/solver/projector.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
+#include "souple/world/fluids.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
@@ -31,7 +32,8 @@
 namespace souple {
 
 using Material =
-    std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial>;
+    std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
+                 FluidMaterial>;
 
 /// A particle held by a pin: it goes to target(vertex, t) + offset, or stays where it is when there is no
 /// target.
@@ -169,6 +171,7 @@ struct WorldState {
   ParticleContacts particle_contacts;
   SurfaceContacts surface_contacts;
   Untangling untangling;
+  Fluids fluids;
   bool look_for_tangles = true;  ///< something was put where nothing led it
   ContactTables tables;
   PairTable pairs;

@@ -34,6 +34,7 @@ const StepReport& World::step(double dt) {
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; good && i <= substep.count; ++i) {
     run(*this, world, Stage::integrate, [&] { integrate(world, substep); });
+    run(*this, world, Stage::fluids, [&] { press_fluids(world, substep); });
     run(*this, world, Stage::contacts, [&] { generate_contacts(world, substep); });
     run(*this, world, Stage::solve, [&] { solve(world, substep); });
     run(*this, world, Stage::finish, [&] { good = finish(world, substep); });

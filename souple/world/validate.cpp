@@ -65,6 +65,7 @@ void validate(const Settings& s) {
                          {"solver.chebyshev", double(s.solver.chebyshev), 0, 1, true},
                          {"solver.colours", double(s.solver.colours), 0, 64},
                          {"drag", double(s.drag), 0, any},
+                         {"fluid.iterations", double(s.fluid.iterations), 0, 100},
                          {"sleeping.speed", double(s.sleeping.speed), 0, any},
                          {"sleeping.seconds", double(s.sleeping.seconds), smallest, any},
                          {"wind.gust", double(s.wind.gust), 0, 1},
@@ -133,6 +134,14 @@ void validate(const GrainsMaterial& m, std::string_view owner) {
                     {"friction", double(m.friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping", double(m.damping), 0, any}});
+}
+
+void validate(const FluidMaterial& m, std::string_view owner) {
+  check_all(owner, {{"spacing", double(m.spacing), smallest, any},
+                    {"density", double(m.density), smallest, any},
+                    {"xsph", double(m.xsph), 0, any},
+                    {"friction", double(m.friction), 0, any},
+                    {"restitution", double(m.restitution), 0, 1}});
 }
 
 void validate(const ObstacleMaterial& m, std::string_view owner) {

@@ -18,6 +18,7 @@ void validate(const ClothMaterial& material, std::string_view owner);
 void validate(const SoftBodyMaterial& material, std::string_view owner);
 void validate(const RopeMaterial& material, std::string_view owner);
 void validate(const GrainsMaterial& material, std::string_view owner);
+void validate(const FluidMaterial& material, std::string_view owner);
 void validate(const ObstacleMaterial& material, std::string_view owner);
 
 /// "; did you mean 'flag'?" when one of the names is near, "; there are: a, b" when there are few, or

@@ -25,6 +25,8 @@ std::string_view kind_name(ObjectKind kind) {
       return "grains";
     case ObjectKind::obstacle:
       return "obstacle";
+    case ObjectKind::fluid:
+      return "fluid";
   }
   return "?";
 }
@@ -164,6 +166,13 @@ void World::set_material(ObjectId id, const GrainsMaterial& m) {
 void World::set_material(ObjectId id, const ObstacleMaterial& m) {
   change_material(impl_->state, id, m);
 }
+void World::set_material(ObjectId id, const FluidMaterial& m) {
+  const float spacing = fluid_material(id).spacing;
+  if (m.spacing != spacing)
+    throw Error(impl_->state.object(id).name + ": spacing is " + std::to_string(m.spacing) + " m, was " +
+                std::to_string(spacing) + " m: add the fluid anew to change it");
+  change_material(impl_->state, id, m);
+}
 const ClothMaterial& World::cloth_material(ObjectId id) const {
   return material_of<ClothMaterial>(impl_->state, id);
 }
@@ -175,6 +184,9 @@ const RopeMaterial& World::rope_material(ObjectId id) const {
 }
 const GrainsMaterial& World::grains_material(ObjectId id) const {
   return material_of<GrainsMaterial>(impl_->state, id);
+}
+const FluidMaterial& World::fluid_material(ObjectId id) const {
+  return material_of<FluidMaterial>(impl_->state, id);
 }
 const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
   return material_of<ObstacleMaterial>(impl_->state, id);
@@ -251,8 +263,19 @@ double World::total_mass(ObjectId id) const {
   return sum;
 }
 
+std::vector<float> World::pressures(ObjectId id) const {
+  material_of<FluidMaterial>(impl_->state, id);
+  const Object& object = impl_->state.object(id);
+  std::vector<float> result;
+  for (const std::uint32_t particle : object.particle_of)
+    result.push_back(impl_->state.fluids.pressure(object.begin + particle));
+  return result;
+}
+
 float World::particle_radius(ObjectId id) const {
-  return contact_radius(impl_->state.object(id).material);
+  const Object& object = impl_->state.object(id);
+  const auto* fluid = std::get_if<FluidMaterial>(&object.material);
+  return fluid ? fluid->spacing / 2 : contact_radius(object.material);
 }
 
 namespace {
@@ -444,6 +467,14 @@ ColliderId World::find_collider(std::string_view name) const {
     names.push_back(record.options.name);
   }
   throw Error("no collider is named '" + std::string(name) + "'" + nearest_name(name, names));
+}
+
+Vec3d World::fluid_force(ColliderId id) const {
+  const WorldState& world = impl_->state;
+  for (std::size_t c = 0; c < world.colliders.size(); ++c)
+    if (world.colliders[c].id == id) return world.fluids.force(c);
+  throw Error("no collider has the handle " + std::to_string(id.value) +
+              ": it was removed, or belongs to another world");
 }
 
 void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution) {

@@ -42,7 +42,7 @@ struct ProjectorId {
   std::uint32_t value = 0;
 };
 
-enum class ObjectKind { cloth, soft_body, rope, grains, obstacle };
+enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid };
 std::string_view kind_name(ObjectKind kind);
 
 /// What all objects can be given when they are added.
@@ -162,6 +162,12 @@ class World {
                     const ObjectOptions& options = {});
   ObjectId add_grains(std::span<const Vec3d> centres, const GrainsMaterial& material = {},
                       const ObjectOptions& options = {});
+  /// Particles about `spacing` apart. Of the options, maps and self_collision make no sense.
+  ObjectId add_fluid(std::span<const Vec3d> centres, const FluidMaterial& material = {},
+                     const ObjectOptions& options = {});
+  /// Fills a closed surface with particles; see fill in geometry/fill.h.
+  ObjectId add_fluid(const TriangleMesh& surface, const FluidMaterial& material = {},
+                     const ObjectOptions& options = {});
   /// A mesh that others touch and that goes where its motion says, whatever pushes at it: static, led through
   /// poses, or deforming. Open or closed; both sides are solid. It has no mass, so its energies and momentum
   /// are 0. Of the options, velocities, stiffness_map and self_collision make no sense.
@@ -179,11 +185,13 @@ class World {
   void set_material(ObjectId object, const RopeMaterial& material);
   void set_material(ObjectId object, const GrainsMaterial& material);
   void set_material(ObjectId object, const ObstacleMaterial& material);
+  void set_material(ObjectId object, const FluidMaterial& material);  ///< its spacing has to stay
   const ClothMaterial& cloth_material(ObjectId object) const;
   const SoftBodyMaterial& soft_body_material(ObjectId object) const;
   const RopeMaterial& rope_material(ObjectId object) const;
   const GrainsMaterial& grains_material(ObjectId object) const;
   const ObstacleMaterial& obstacle_material(ObjectId object) const;
+  const FluidMaterial& fluid_material(ObjectId object) const;
   /// Bit masks, as in ObjectOptions. What is in touch then and no longer meets passes through; what meets
   /// again while it overlaps is pushed out slowly, or stays tangled.
   void set_collision_groups(ObjectId object, std::uint32_t groups, std::uint32_t mask = ~0u);
@@ -206,7 +214,10 @@ class World {
   /// grains.
   const TriangleMesh& mesh(ObjectId object) const;
   double total_mass(ObjectId object) const;      ///< kg; 0 of an obstacle
-  float particle_radius(ObjectId object) const;  ///< m: of grains and ropes, half the thickness of the others
+  /// Of each particle of a fluid, user order, mean of the last step. [Pa]
+  std::vector<float> pressures(ObjectId fluid) const;
+  /// Of grains and ropes, half the thickness of the others, half the spacing of fluids. [m]
+  float particle_radius(ObjectId object) const;
 
   /// For objects whose vertices are particles. User order. Obstacles go where their motion says: neither
   /// these nor teleport, apply_impulse, pins and attachments are for them.
@@ -260,6 +271,8 @@ class World {
   const ColliderOptions& collider_options(ColliderId collider) const;
   Transform collider_pose(ColliderId collider) const;  ///< now
   ColliderId find_collider(std::string_view name) const;
+  /// With which the pressure of all fluids pushes a collider, mean of the last step. [N]
+  Vec3d fluid_force(ColliderId collider) const;
   /// Overrides the pair rules (geometric mean of frictions, larger restitution) for two names.
   void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
   /// Whether two things collide at all, whatever their groups say; they do until told otherwise. The name of

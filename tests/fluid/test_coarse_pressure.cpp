@@ -12,7 +12,7 @@ namespace {
 
 using Sample = CoarsePressure::Sample;
 
-constexpr float cell = 0.25f, w = 20, surface = 0.06f;
+constexpr float cell = 0.25f, surface = 0.06f;
 
 struct Case {
   std::vector<Vec4f> positions = test::random_cloud(600, 1, 1);
@@ -20,11 +20,11 @@ struct Case {
 
   Case() {
     test::Random random(2);
-    for (Vec4f& p : positions) p.w = w;
-    positions[0] = {0, 0, 0, w};  // the grid's corner
+    for (Vec4f& p : positions) p.w = static_cast<float>(random.uniform(10, 30));
+    positions[0] = {0, 0, 0, 20};  // the grid's corner
     for (std::size_t i = 0; i < positions.size(); ++i)
       samples.push_back(
-          {static_cast<float>(random.uniform(-0.1, 0.1)), static_cast<float>(random.uniform(0, 50))});
+          {static_cast<float>(random.uniform(-0.1, 0.1)), static_cast<float>(random.uniform(0, 2000))});
   }
   std::vector<float> multipliers(int threads) const {
     const auto pool = make_threads(Threading::pool, threads);
@@ -32,7 +32,7 @@ struct Case {
     std::vector<float> lambda(positions.size());
     coarse.begin_step(positions, cell, *pool);
     // It begins where it ended, and comes closer.
-    for (int again = 0; again < 6; ++again) coarse.solve(positions, samples, w, surface, *pool);
+    for (int again = 0; again < 6; ++again) coarse.solve(positions, samples, surface, *pool);
     coarse.interpolate(positions, samples, surface, lambda, *pool);
     return lambda;
   }
@@ -44,11 +44,11 @@ using Node = std::array<int, 3>;
 std::vector<float> by_dense_matrix(const Case& c) {
   std::map<Node, int> number;
   std::vector<std::array<std::pair<int, double>, 8>> weights;
-  std::map<Node, int> particles_in;
+  std::map<Node, double> w_in;
   for (const Vec4f& p : c.positions) {
     const double x[3] = {p.x / cell, p.y / cell, p.z / cell};
     const Node at{int(x[0]), int(x[1]), int(x[2])};
-    ++particles_in[at];
+    w_in[at] += double{p.w};
     auto& mine = weights.emplace_back();
     for (int e = 0; e < 8; ++e) {
       Node node = at;
@@ -64,7 +64,7 @@ std::vector<float> by_dense_matrix(const Case& c) {
   const auto n = Eigen::Index(number.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
-  for (const auto& [at, count] : particles_in) {
+  for (const auto& [at, w] : w_in) {
     for (int e = 0; e < 8; ++e) {
       for (int f = 0; f < 8; ++f) {
         const int apart = __builtin_popcount(unsigned(e ^ f));
@@ -72,13 +72,13 @@ std::vector<float> by_dense_matrix(const Case& c) {
         const auto node = [&at = at](int corner) {
           return Node{at[0] + (corner & 1), at[1] + (corner >> 1 & 1), at[2] + (corner >> 2)};
         };
-        A(number.at(node(e)), number.at(node(f))) += count * double{w} / (cell * cell) * k;
+        A(number.at(node(e)), number.at(node(f))) += w / (cell * cell) * k;
       }
     }
   }
   for (std::size_t i = 0; i < c.positions.size(); ++i) {
     for (const auto& [node, weight] : weights[i]) {
-      A(node, node) += 2 * double{w} * c.samples[i].roughness * weight;
+      A(node, node) += double{c.samples[i].diagonal} * weight;
       if (c.samples[i].c > -surface) b[node] -= weight * c.samples[i].c;
     }
   }
@@ -114,13 +114,13 @@ TEST(CoarsePressure, OfNothingAndOfOne) {
   const auto threads = make_threads(Threading::serial, 1);
   CoarsePressure coarse;
   coarse.begin_step({}, 1, *threads);
-  coarse.solve({}, {}, 1, 0.1f, *threads);
+  coarse.solve({}, {}, 0.1f, *threads);
   EXPECT_EQ(coarse.node_count(), 0u);
   const std::vector<Vec4f> one{{5, 6, 7, 1}};
   std::vector<float> lambda(1);
   const std::vector<Sample> sample{{0.5f, 3}};
   coarse.begin_step(one, 1, *threads);
-  coarse.solve(one, sample, 1, 0.1f, *threads);
+  coarse.solve(one, sample, 0.1f, *threads);
   coarse.interpolate(one, sample, 0.1f, lambda, *threads);
   EXPECT_LT(lambda[0], 0);
   EXPECT_TRUE(std::isfinite(lambda[0]));

@@ -9,7 +9,6 @@
 namespace souple {
 namespace {
 
-using kernels::SmoothingShape;
 
 constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::poly6_spiky,
                                      SmoothingShape::cubic_spline};

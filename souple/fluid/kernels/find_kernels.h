@@ -2,12 +2,10 @@
 
 #include "souple/fluid/kernels/density_kernels.h"
 #include "souple/fluid/kernels/neighbour_kernels.h"
+#include "souple/fluid/smoothing_shape.h"
 #include "souple/solver/instruction_set.h"
 
 namespace souple::kernels {
-
-/// Those of shapes.h.
-enum class SmoothingShape { wendland, poly6_spiky, cubic_spline };
 
 // Those of an instruction set; scalar code where there are none. Results are the same.
 

@@ -17,6 +17,8 @@ Kind kind_of_object(ObjectKind kind) {
       return Kind::rope;
     case ObjectKind::grains:
       return Kind::grains;
+    case ObjectKind::fluid:
+      return Kind::fluid;
     case ObjectKind::obstacle:
       break;
   }
@@ -37,6 +39,7 @@ ObjectId add_to(World& world, const Item& item) {
                                  {.cells = host.lattice_tets}, options);
     case Kind::rope:
     case Kind::grains:
+    case Kind::fluid:
     case Kind::obstacle:
       break;
   }

@@ -24,6 +24,8 @@ std::optional<AnyMaterial> find_preset(Kind kind, const std::string& name) {
       return copied(material::find_rope(name));
     case Kind::grains:
       return copied(material::find_grains(name));
+    case Kind::fluid:
+      return copied(material::find_fluid(name));
     case Kind::obstacle:
       break;
   }
@@ -40,6 +42,8 @@ AnyMaterial default_material(Kind kind) {
       return RopeMaterial{};
     case Kind::grains:
       return GrainsMaterial{};
+    case Kind::fluid:
+      return FluidMaterial{};
     case Kind::obstacle:
       break;
   }
@@ -58,6 +62,8 @@ AnyMaterial material_of(const World& world, ObjectId object) {
       return world.rope_material(object);
     case ObjectKind::grains:
       return world.grains_material(object);
+    case ObjectKind::fluid:
+      return world.fluid_material(object);
     case ObjectKind::obstacle:
       break;
   }

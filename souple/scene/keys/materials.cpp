@@ -169,6 +169,18 @@ CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec() {
   return keys;
 }
 
+CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec() {
+  using M = FluidMaterial;
+  auto keys = material_table<M>("fluid_material", "A liquid.", material::find_fluid);
+  keys->key<&M::spacing>("spacing", number<float>(positive(100)),
+                         "between particles at rest, the same for all fluids of a scene [m]")
+      .key<&M::density>("density", number<float>(positive(1e6)), "[kg/m^3]")
+      .key<&M::xsph>("xsph", number<float>(from_zero(1e4)),
+                     "rate at which particles take over the velocity around them [1/s]");
+  add_surface_keys(*keys);
+  return keys;
+}
+
 CodecPtr<ObstacleMaterial> obstacle_material_codec() {
   using M = ObstacleMaterial;
   auto keys = table<M>("obstacle_material", "How the surface of an obstacle is felt.");

@@ -176,6 +176,34 @@ std::shared_ptr<Table<GrainsDescription>> grains_table() {
   return keys;
 }
 
+CodecPtr<FluidBox> fluid_box_codec() {
+  auto keys = table<FluidBox>("fluid_box", "A box filled with a fluid.");
+  keys->required<&FluidBox::lo>("lo", vector3<double>(metres), "lower corner [m]")
+      .required<&FluidBox::hi>("hi", vector3<double>(metres), "upper corner [m]")
+      .check([](const FluidBox& box, const Place& place) {
+        for (int i = 0; i < 3; ++i) {
+          if (!(box.lo[i] < box.hi[i])) place.fail("\"lo\" must be below \"hi\" along every axis");
+        }
+      });
+  return keys;
+}
+
+std::shared_ptr<Table<FluidDescription>> fluid_table() {
+  using T = FluidDescription;
+  auto keys = object_table<T>("fluid", "A liquid: water, oil, honey.");
+  using V = decltype(T::filling);
+  keys->choice<&T::filling>(
+      {alternative<V>("points", list(vector3<double>(metres), 1), "where particles are [m]"),
+       alternative<V>("box", fluid_box_codec(), "fills a box"),
+       alternative<V>("mesh", mesh_codec(MeshUse::surface), "fills a closed surface")});
+  keys->key<&T::material>("material", fluid_material_codec(), "what it is made of")
+      .key<&T::transform>("transform", transform_codec(), "where it is put")
+      .key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "at the start [m/s]")
+      .key<&T::colour>("colour", maybe(colour()), "how pictures show it, as in HTML");
+  add_collision_keys(*keys);
+  return keys;
+}
+
 std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
   using T = ObstacleDescription;
   auto keys = object_table<T>(
@@ -217,6 +245,7 @@ CodecPtr<AnyObjectDescription> object_codec() {
   const auto rope = rope_table();
   const auto grains = grains_table();
   const auto obstacle = obstacle_table();
+  const auto fluid = fluid_table();
   const auto strangers_to = [&](const auto& mine) {
     std::vector<std::pair<std::string, std::string>> foreign;
     add_foreign(*cloth, "a cloth", mine, foreign);
@@ -224,6 +253,7 @@ CodecPtr<AnyObjectDescription> object_codec() {
     add_foreign(*rope, "a rope", mine, foreign);
     add_foreign(*grains, "grains", mine, foreign);
     add_foreign(*obstacle, "an obstacle", mine, foreign);
+    add_foreign(*fluid, "a fluid", mine, foreign);
     return foreign;
   };
   cloth->foreign(strangers_to(*cloth));
@@ -231,13 +261,15 @@ CodecPtr<AnyObjectDescription> object_codec() {
   rope->foreign(strangers_to(*rope));
   grains->foreign(strangers_to(*grains));
   obstacle->foreign(strangers_to(*obstacle));
+  fluid->foreign(strangers_to(*fluid));
   using V = AnyObjectDescription;
   return std::make_shared<Kinds<V>>(
       std::vector<Alternative>{alternative<V, ClothDescription>("cloth", cloth, ""),
                                alternative<V, SoftBodyDescription>("soft_body", soft_body, ""),
                                alternative<V, RopeDescription>("rope", rope, ""),
                                alternative<V, GrainsDescription>("grains", grains, ""),
-                               alternative<V, ObstacleDescription>("obstacle", obstacle, "")});
+                               alternative<V, ObstacleDescription>("obstacle", obstacle, ""),
+                               alternative<V, FluidDescription>("fluid", fluid, "")});
 }
 
 }  // namespace souple::scene_format

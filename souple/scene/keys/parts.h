@@ -99,6 +99,7 @@ CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec();
 CodecPtr<MaterialDescription<SoftBodyMaterial>> soft_body_material_codec();
 CodecPtr<MaterialDescription<RopeMaterial>> rope_material_codec();
 CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec();
+CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec();
 CodecPtr<ObstacleMaterial> obstacle_material_codec();
 
 // --- objects.cpp, colliders.cpp, ties.cpp ----------------------------------------------------------------

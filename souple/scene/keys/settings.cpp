@@ -16,6 +16,19 @@ CodecPtr<Sleeping> sleeping_codec() {
   return keys;
 }
 
+CodecPtr<FluidSettings> fluid_settings_codec() {
+  auto keys = table<FluidSettings>("fluid_settings", "How fluids are kept from being compressed.");
+  keys->key<&FluidSettings::kernel>(
+          "kernel",
+          enumeration<SmoothingShape>({{"wendland", SmoothingShape::wendland},
+                                       {"poly6_spiky", SmoothingShape::poly6_spiky},
+                                       {"cubic_spline", SmoothingShape::cubic_spline}}),
+          "how the weight of a neighbour falls with its distance")
+      .key<&FluidSettings::iterations>("iterations", number<int>(within(0, 100)),
+                                       "Jacobi iterations after the coarse level; 0 is the cheapest");
+  return keys;
+}
+
 }  // namespace
 
 CodecPtr<Wind> wind_codec() {
@@ -74,6 +87,7 @@ void add_setting_keys(Table<SceneDescription>& keys) {
           "segment_test",
           enumeration<SegmentTest>({std::begin(segment_test_names), std::end(segment_test_names)}),
           "how rays that pick are tested against triangles")
+      .key<&S::settings, &Settings::fluid>("fluid", fluid_settings_codec(), "of fluids")
       .key<&S::settings, &Settings::sleeping>("sleeping", sleeping_codec(), "what lies still costs little");
 }
 

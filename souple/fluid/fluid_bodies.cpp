@@ -1,0 +1,306 @@
+#include "souple/fluid/fluid_bodies.h"
+
+#include "souple/collision/place.h"
+#include "souple/geometry/closest_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+
+namespace {
+
+constexpr float room_spacings = 0.25f;  // of the lists of candidates, in parts of the reach
+
+Vec3f corner_mix(const Triangle& t, const Vec3f& weights, const std::vector<Vec3f>& at) {
+  return at[t[0]] * weights.x + at[t[1]] * weights.y + at[t[2]] * weights.z;
+}
+
+Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
+  return cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]);
+}
+
+}  // namespace
+
+// --- where bodies are ----------------------------------------------------------------------------------------
+
+void FluidBodies::place(const Skin& skin, State& state, const ParticleView& particles,
+                        std::span<const float> mass) const {
+  const std::size_t count = skin.particles.size();
+  state.start.resize(count);
+  state.now.resize(count);
+  state.gives.assign(count, 0);
+  state.slopes.resize(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    Vec3d before{}, after{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint32_t i = skin.particles[v][k];
+      const auto weight = static_cast<double>(skin.weights[v][k]);
+      if (weight == 0) continue;
+      before += (start_place(particles, i) - origin_) * weight;
+      after += (souple::place(particles, i) - origin_) * weight;
+      state.gives[v] += skin.weights[v][k] * skin.weights[v][k] * particles.inverse_mass(i);
+    }
+    state.start[v] = Vec3f(before);
+    state.now[v] = Vec3f(after);
+  }
+  state.moves = std::any_of(state.gives.begin(), state.gives.end(), [](float g) { return g > 0; });
+  state.inverse_mass = 0;
+  if (!state.moves || skin.yielding == Yielding::locally) return;
+  Vec3d centre{};
+  double all = 0;
+  for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
+    if (particles.inverse_mass(i) == 0) return;  // held somewhere: it does not go away as a whole
+    const auto m = static_cast<double>(mass[i]);
+    centre += (souple::place(particles, i) - origin_) * m;
+    all += m;
+  }
+  centre = centre / all;
+  Mat3d second{};
+  for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
+    const Vec3d r = souple::place(particles, i) - origin_ - centre;
+    second = second + outer(r, r) * static_cast<double>(mass[i]);
+  }
+  const double t = trace(second);
+  // A rod has no inertia about its axis: a little is added, relative to the whole.
+  const Mat3d inertia = Mat3d::identity() * (t * (1 + 1e-6)) - second;
+  state.centre = centre;
+  state.inverse_mass = 1 / all;
+  state.inverse_inertia = t > 0 ? inverse(inertia) : Mat3d{};
+}
+
+void FluidBodies::begin_substep(const ParticleView& particles, std::span<const float> mass,
+                                std::span<const Vec4f> positions, float reach, Threads& threads) {
+  states_.resize(skins_.size());
+  for (std::size_t s = 0; s < skins_.size(); ++s) place(skins_[s], states_[s], particles, mass);
+  if (!lists_hold(positions)) list(positions, reach, threads);
+}
+
+// --- who may be near -----------------------------------------------------------------------------------------
+
+bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
+  if (listed_.size() != positions.size()) return false;
+  float farthest = 0, farthest_vertex = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3f way = positions[i].xyz() - listed_[i].xyz();
+    farthest = std::max(farthest, dot(way, way));
+  }
+  for (std::size_t s = 0; s < skins_.size(); ++s)
+    for (std::size_t v = 0; v < states_[s].now.size(); ++v) {
+      const Vec3f way = states_[s].now[v] - listed_vertices_[s][v];
+      farthest_vertex = std::max(farthest_vertex, dot(way, way));
+    }
+  return std::sqrt(farthest) + std::sqrt(farthest_vertex) < listed_room_;
+}
+
+void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& threads) {
+  listed_.assign(positions.begin(), positions.end());
+  listed_room_ = room_spacings * reach;
+  listed_vertices_.resize(skins_.size());
+  found_.clear();
+  order_.build(positions, reach, threads);
+  for (std::uint32_t s = 0; s < skins_.size(); ++s) {
+    listed_vertices_[s] = states_[s].now;
+    for (std::uint32_t t = 0; t < skins_[s].triangles.size(); ++t)
+      list_triangle(s, t, positions, reach + listed_room_ + skins_[s].half_thickness);
+  }
+  first_.assign(positions.size() + 1, 0);
+  for (const Candidate& candidate : found_) ++first_[candidate.particle + 1];
+  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  candidates_.resize(found_.size());
+  for (const Candidate& candidate : found_) candidates_[first_[candidate.particle]++] = candidate;
+  for (std::size_t i = first_.size() - 1; i > 0; --i) first_[i] = first_[i - 1];
+  first_[0] = 0;
+}
+
+// Cells of the triangle's box, grown by the reach; then its bounding ball.
+void FluidBodies::list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions,
+                                float reach) {
+  const Triangle& t = skins_[skin].triangles[triangle];
+  const std::vector<Vec3f>& at = states_[skin].now;
+  const Vec3f middle = (at[t[0]] + at[t[1]] + at[t[2]]) * (1.0f / 3);
+  float radius = 0;
+  std::int32_t lo[3], hi[3];
+  for (const std::uint32_t v : t) radius = std::max(radius, length(at[v] - middle));
+  for (int axis = 0; axis < 3; ++axis) {
+    const float least = std::min({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) - reach;
+    const float most = std::max({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) + reach;
+    lo[axis] = order_.cell(axis, least);
+    hi[axis] = order_.cell(axis, most);
+  }
+  const float clear = (radius + reach) * (radius + reach);
+  order_.for_each_in(lo, hi, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const std::uint32_t i = order_.order()[k];
+      const Vec3f way = positions[i].xyz() - middle;
+      if (dot(way, way) < clear) found_.push_back({i, skin, triangle});
+    }
+  });
+}
+
+// --- what is near --------------------------------------------------------------------------------------------
+
+// Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
+// whether it is inside: the others' planes may have it on the wrong side.
+void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
+                       std::vector<NearPlane>& planes) const {
+  for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
+    const std::uint32_t s = candidates_[c].skin;
+    const Skin& skin = skins_[s];
+    const State& state = states_[s];
+    struct {
+      float distance = 0, facing = 0;
+      std::uint32_t triangle = NearPlane::nobody;
+      Vec3f weights{}, way{}, normal{};
+    } best;
+    best.distance = reach + skin.half_thickness;
+    for (; c < first_[i + 1] && candidates_[c].skin == s; ++c) {
+      const Triangle& t = skin.triangles[candidates_[c].triangle];
+      const TrianglePoint nearest = closest_on_triangle(Vec3d(x), Vec3d(state.now[t[0]]),
+                                                        Vec3d(state.now[t[1]]), Vec3d(state.now[t[2]]));
+      const Vec3f weights{static_cast<float>(nearest.a), static_cast<float>(nearest.b),
+                          static_cast<float>(nearest.c)};
+      const Vec3f way = x - corner_mix(t, weights, state.now);
+      const float distance = length(way);
+      const float same = 1e-4f * reach;
+      if (distance > best.distance + same) continue;
+      const Vec3f normal = area_normal(t, state.now);
+      const float size = length(normal);
+      if (!(size > 0)) continue;
+      const float facing = std::fabs(dot(normal, way)) / size;
+      if (distance > best.distance - same && best.triangle != NearPlane::nobody && facing <= best.facing)
+        continue;
+      best = {std::min(distance, best.distance), facing, candidates_[c].triangle, weights, way,
+              normal * (1 / size)};
+    }
+    if (best.triangle == NearPlane::nobody || meets_[fluid * skins_.size() + s] == 0) continue;
+    const Triangle& t = skin.triangles[best.triangle];
+    Vec3f outward = best.normal;
+    if (!skin.closed) {
+      // Cloth has water on both sides: a particle stays on that where it was.
+      const Vec3f before = area_normal(t, state.start);
+      if (dot(before, start - corner_mix(t, best.weights, state.start)) < 0) outward = -outward;
+    }
+    const float side = dot(outward, best.way) < 0 ? -1.0f : 1.0f;
+    const float distance = length(best.way);
+    const bool on_it = !(distance > 1e-3f * reach);
+    NearPlane plane;
+    plane.normal = on_it ? outward : best.way * (side / distance);
+    plane.motion = corner_mix(t, best.weights, state.now) - corner_mix(t, best.weights, state.start);
+    plane.skin = s;
+    plane.triangle = best.triangle;
+    plane.weights = best.weights;
+    follow(plane);
+    if (dot(plane.normal, x) - plane.offset < reach) planes.push_back(plane);
+  }
+}
+
+void FluidBodies::follow(NearPlane& plane) const {
+  if (plane.skin == NearPlane::nobody) return;
+  plane.offset = dot(plane.normal, point(plane, states_[plane.skin].now)) + skins_[plane.skin].half_thickness;
+}
+
+Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const {
+  return corner_mix(skins_[plane.skin].triangles[plane.triangle], plane.weights, vertices);
+}
+
+// --- how bodies give way -------------------------------------------------------------------------------------
+
+void FluidBodies::weigh(const Surroundings& surroundings, std::size_t places, std::span<const Vec4f> x,
+                        CoarsePressure& coarse) {
+  for (State& state : states_) {
+    std::fill(state.slopes.begin(), state.slopes.end(), 0.0f);
+    state.slope_sum = 0;
+  }
+  coarse.begin_movers(skins_.size());
+  for (std::size_t s = 0; s < skins_.size(); ++s)
+    if (states_[s].inverse_mass > 0) coarse.set_mover(s, states_[s].inverse_mass, states_[s].inverse_inertia);
+  for (std::size_t k = 0; k < places; ++k) {
+    for (const NearPlane& plane : surroundings.of(k)) {
+      if (plane.skin == NearPlane::nobody) continue;
+      State& state = states_[plane.skin];
+      if (!state.moves) continue;
+      const float slope = length(plane.slope);
+      if (state.inverse_mass > 0) {
+        state.slope_sum += slope;
+        coarse.add_touch(plane.skin, static_cast<std::uint32_t>(k), x[k], Vec3d(plane.slope),
+                         cross(Vec3d(point(plane, state.now)) - state.centre, Vec3d(plane.slope)));
+        continue;
+      }
+      const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+      for (int c = 0; c < 3; ++c) state.slopes[t[static_cast<std::size_t>(c)]] += plane.weights[c] * slope;
+    }
+  }
+}
+
+void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums) const {
+  for (const NearPlane& plane : planes) {
+    if (plane.skin == NearPlane::nobody) continue;
+    const State& state = states_[plane.skin];
+    const float slope = length(plane.slope);
+    if (state.inverse_mass > 0) {
+      sums.response += slope * state.slope_sum * static_cast<float>(state.inverse_mass);
+      continue;
+    }
+    const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t v = t[static_cast<std::size_t>(c)];
+      const float gives = slope * plane.weights[c] * state.gives[v] * state.slopes[v];
+      sums.response += gives;
+      sums.local_response += gives;
+    }
+  }
+}
+
+void FluidBodies::yield(const Surroundings& surroundings, std::span<const float> change) {
+  struct Push {
+    Vec3d force{}, torque{};
+  };
+  std::vector<Push> pushes(skins_.size());
+  for (std::size_t k = 0; k < change.size(); ++k) {
+    for (const NearPlane& plane : surroundings.of(k)) {
+      if (plane.skin == NearPlane::nobody || !states_[plane.skin].moves) continue;
+      State& state = states_[plane.skin];
+      const Vec3f push = plane.slope * -change[k];
+      if (state.inverse_mass > 0) {
+        const Vec3d arm = Vec3d(point(plane, state.now)) - state.centre;
+        pushes[plane.skin].force += Vec3d(push);
+        pushes[plane.skin].torque += cross(arm, Vec3d(push));
+        continue;
+      }
+      const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+      for (int c = 0; c < 3; ++c) {
+        const std::uint32_t v = t[static_cast<std::size_t>(c)];
+        state.now[v] += push * (plane.weights[c] * state.gives[v]);
+      }
+    }
+  }
+  for (std::size_t s = 0; s < skins_.size(); ++s) {
+    State& state = states_[s];
+    if (!(state.inverse_mass > 0)) continue;
+    const Vec3f moved(pushes[s].force * state.inverse_mass), turned(state.inverse_inertia * pushes[s].torque);
+    const Vec3f centre(state.centre);
+    for (Vec3f& x : state.now) x += moved + cross(turned, x - centre);
+  }
+}
+
+void FluidBodies::apply(const Surroundings& surroundings, std::size_t places,
+                        const ParticleView& particles) const {
+  for (std::size_t k = 0; k < places; ++k) {
+    for (const NearPlane& plane : surroundings.of(k)) {
+      if (plane.skin == NearPlane::nobody || !states_[plane.skin].moves) continue;
+      const Skin& skin = skins_[plane.skin];
+      const Triangle& t = skin.triangles[plane.triangle];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float share = plane.weights[static_cast<int>(c)];
+        for (std::size_t p = 0; p < 4; ++p) {
+          const std::uint32_t i = skin.particles[t[c]][p];
+          const float weight = share * skin.weights[t[c]][p];
+          if (weight != 0) particles.correct(i, plane.pushed * (-weight * particles.inverse_mass(i)));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace souple

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "souple/fluid/cell_order.h"
+#include "souple/fluid/coarse_pressure.h"
+#include "souple/fluid/surroundings.h"
+#include "souple/geometry/triangle_mesh.h"
+#include "souple/solver/projector.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// How a body gives way while a fluid's pressure is being solved for.
+enum class Yielding {
+  locally,  ///< every vertex by itself, as cloth does
+  rigidly   ///< as a whole: pressure deforms it only afterwards
+};
+
+/// The surface of a body as a fluid feels it: triangles over vertices, each of which hangs on up to four of
+/// the world's particles.
+struct Skin {
+  std::uint32_t begin = 0, end = 0;  ///< all particles of the body
+  std::vector<std::array<std::uint32_t, 4>> particles{};
+  std::vector<std::array<float, 4>> weights{};  ///< of each vertex; they sum to 1
+  std::vector<Triangle> triangles{};            ///< over vertices, counter-clockwise from outside
+  float half_thickness = 0;                   ///< m
+  bool closed = false;                        ///< it has an inside, where no fluid belongs
+  Yielding yielding = Yielding::locally;
+};
+
+/// Bodies in fluids. A particle near a body's surface feels it as a wall at the nearest point; what pushes
+/// the particle pushes that point back, so momentum is conserved.
+///
+/// While pressures are solved for, bodies give way: those that are stiff as a whole, by W = diag(1/m, I^-1);
+/// those that are not, each vertex by itself, of which the solver is told a bound (the sum of its row in the
+/// matrix of what the pressures of particles do to each other through the body). Without that a light body
+/// would be thrown about by pressures that were meant for one that does not move.
+class FluidBodies {
+ public:
+  /// meets[fluid * skins + s]: whether a fluid feels a skin.
+  void set_skins(std::vector<Skin> skins) { skins_ = std::move(skins); }
+  std::size_t skin_count() const { return skins_.size(); }
+
+  void begin_step(std::span<const std::uint8_t> meets, const Vec3d& origin) {
+    meets_ = meets, origin_ = origin;
+    listed_.clear();
+  }
+  /// Where bodies are predicted to be. `positions` of the fluid's particles, by number; `mass` of the world's
+  /// particles [kg]. Lists which particles may be near which triangles.
+  void begin_substep(const ParticleView& particles, std::span<const float> mass,
+                     std::span<const Vec4f> positions, float reach, Threads& threads);
+  /// Appends what is nearer than `reach` to particle i of a fluid: one plane of each skin. It is at x and was at
+  /// `start` when the substep began. Several threads may call it at a time.
+  void find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
+            std::vector<NearPlane>& planes) const;
+
+  /// A plane goes where its body has gone.
+  void follow(NearPlane& plane) const;
+  /// When all planes' slopes are known: how far bodies give way.
+  void weigh(const Surroundings& surroundings, std::size_t places, std::span<const Vec4f> x,
+             CoarsePressure& coarse);
+  /// What giving way adds to w |grad C|^2 of a particle: the sum of its row.
+  void respond(std::span<const NearPlane> planes, BoundarySums& sums) const;
+  /// Bodies give way to a push of the planes by slope times `change` [kg m].
+  void yield(const Surroundings& surroundings, std::span<const float> change);
+  /// What all planes have pushed goes to the world's particles.
+  void apply(const Surroundings& surroundings, std::size_t places, const ParticleView& particles) const;
+
+ private:
+  /// Of a skin in this substep.
+  struct State {
+    std::vector<Vec3f> start, now;      // of vertices, from the origin [m]
+    std::vector<float> gives;           // of a vertex: how much a unit of push moves it [1/kg]
+    std::vector<float> slopes;          // yielding locally: sum of |slope| that pushes it [1/m]
+    float slope_sum = 0;                // yielding rigidly: of all [1/m]
+    bool moves = false;
+    double inverse_mass = 0;            // of the whole
+    Mat3d inverse_inertia{};
+    Vec3d centre{};                     // of mass, from the origin [m]
+  };
+
+  void place(const Skin& skin, State& state, const ParticleView& particles, std::span<const float> mass) const;
+  bool lists_hold(std::span<const Vec4f> positions) const;
+  void list(std::span<const Vec4f> positions, float reach, Threads& threads);
+  void list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions, float reach);
+  Vec3f point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const;
+
+  std::vector<Skin> skins_;
+  std::vector<State> states_;
+  std::span<const std::uint8_t> meets_;
+  Vec3d origin_{};
+  CellOrder order_;
+  /// A particle and a triangle that it may be near.
+  struct Candidate {
+    std::uint32_t particle, skin, triangle;
+  };
+  std::vector<Candidate> found_, candidates_;  // as found; by particle, then as found
+  std::vector<std::uint32_t> first_;           // of each particle
+  std::vector<Vec4f> listed_;                  // where particles were when they were listed
+  float listed_room_ = 0;                      // how far things may go before they are listed anew [m]
+  std::vector<std::vector<Vec3f>> listed_vertices_;
+};
+
+}  // namespace souple

@@ -1,0 +1,66 @@
+#include "souple/fluid/fluid_walls.h"
+
+#include <limits>
+
+namespace souple {
+
+void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> meets,
+                            const Vec3d& origin, std::size_t particles, double time) {
+  colliders_ = colliders, meets_ = meets, origin_ = origin;
+  still_.clear();
+  moving_.clear();
+  for (std::uint32_t c = 0; c < colliders.size(); ++c) {
+    if (!colliders[c].enabled) continue;
+    Wall wall;
+    wall.collider = c;
+    wall.moves = !colliders[c].motion.is_static();
+    wall.ball = bounding_ball(colliders[c].shape);
+    wall.before = wall.after = pose_at(colliders[c].motion, time);
+    wall.centre = wall.after.to_world(wall.ball.center);
+    (wall.moves ? moving_ : still_).push_back(wall);
+  }
+  looked_.assign(particles, {});
+}
+
+void FluidWalls::begin_substep(double time, double h) {
+  for (Wall& wall : moving_) {
+    const auto [before, after] = poses_between(colliders_[wall.collider].motion, time, time + h);
+    wall.before = before, wall.after = after;
+    wall.centre = after.to_world(wall.ball.center);
+  }
+}
+
+double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,
+                        std::vector<NearPlane>& planes) const {
+  if (meets_[fluid * colliders_.size() + wall.collider] == 0) return std::numeric_limits<double>::infinity();
+  const Vec3d world = origin_ + Vec3d(x);
+  const double clear = length(world - wall.centre) - wall.ball.radius;
+  if (clear > double{reach}) return clear;
+  const SurfaceDistance surface =
+      surface_distance(colliders_[wall.collider].shape, wall.after.to_local(world));
+  if (surface.distance > double{reach}) return surface.distance;
+  const Vec3f normal(wall.after.rotation * surface.normal);
+  Vec3f motion{};
+  if (wall.moves) {
+    const Vec3d point = wall.after.to_local(world) - surface.normal * surface.distance;
+    motion = Vec3f(wall.after.to_world(point) - wall.before.to_world(point));
+  }
+  planes.push_back({.normal = normal,
+                    .offset = dot(normal, x) - static_cast<float>(surface.distance),
+                    .motion = motion,
+                    .collider = wall.collider});
+  return surface.distance;
+}
+
+void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach,
+                      std::vector<NearPlane>& planes) {
+  Looked& looked = looked_[i];
+  if (!(length(x - looked.at) + reach < looked.clear)) {
+    double clear = std::numeric_limits<double>::infinity();
+    for (const Wall& wall : still_) clear = min(clear, meet(wall, fluid, x, reach, planes));
+    looked = {x, static_cast<float>(min(clear, 1e30))};
+  }
+  for (const Wall& wall : moving_) meet(wall, fluid, x, reach, planes);
+}
+
+}  // namespace souple

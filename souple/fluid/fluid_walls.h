@@ -1,0 +1,51 @@
+#pragma once
+
+#include "souple/collision/collider.h"
+#include "souple/collision/rigid_pose.h"
+#include "souple/fluid/surroundings.h"
+
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// The colliders near a fluid's particles, as planes. Distances are computed in double, in the collider's own
+/// frame; a particle far from all that stand still is not looked at again before it may have come near one.
+class FluidWalls {
+ public:
+  /// `origin` [m] is that of the fluid's positions. `meets[fluid * colliders + c]`: whether a fluid feels a
+  /// collider. What is passed lives until the step ends.
+  void begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> meets,
+                  const Vec3d& origin, std::size_t particles, double time);
+  /// Poses at the end of the substep [time, time + h]. Throws what a collider's motion throws.
+  void begin_substep(double time, double h);
+  /// Appends the planes nearer than `reach` to particle i of a fluid, at x. For different particles, several
+  /// threads may call it at a time.
+  void find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach, std::vector<NearPlane>& planes);
+
+ private:
+  struct Wall {
+    std::uint32_t collider = 0;
+    bool moves = false;
+    RigidPose before, after;  // at the substep's begin and end
+    BoundingBall ball;
+    Vec3d centre{};  // of the ball, at the substep's end
+  };
+  /// Where a particle was looked at, and how far all walls that stand still were then.
+  struct Looked {
+    Vec3f at{};
+    float clear = -1;
+  };
+
+  /// Appends the plane if it is near; how far the wall is, or less.
+  double meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,
+              std::vector<NearPlane>& planes) const;
+
+  std::span<const Collider> colliders_;
+  std::span<const std::uint8_t> meets_;
+  Vec3d origin_{};
+  std::vector<Wall> still_, moving_;
+  std::vector<Looked> looked_;
+};
+
+}  // namespace souple

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "souple/fluid/density_solver.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// A surface near a particle of a fluid, as the plane it is there: distance = normal . x - offset.
+struct NearPlane {
+  static constexpr std::uint32_t nobody = ~0u;
+
+  Vec3f normal{};                ///< unit, towards the fluid
+  float offset = 0;              ///< m
+  Vec3f motion{};                ///< of the surface in this substep [m]
+  Vec3f slope{};                 ///< its part in that of the sum, of the last look [1/m]
+  Vec3f pushed{};                ///< the particle, in this substep: sum of slope times lambda [kg m]
+  std::uint32_t collider = nobody;
+  // Of a body: which skin, its triangle, and the weights of that one's corners in the nearest point.
+  std::uint32_t skin = nobody, triangle = 0;
+  Vec3f weights{};
+};
+
+/// What is near each particle of a fluid besides fluid, found once a substep.
+class Surroundings {
+ public:
+  /// Planes as far as this from a particle count. [m]
+  static float reach(const Smoothing& smoothing) { return 1.5f * smoothing.spacing(); }
+
+  /// find(place, planes) appends the planes near a place; called for all, on all threads.
+  template <class Find>
+  void look(std::size_t places, const Find& find, Threads& threads) {
+    const std::size_t blocks = (places + block_size - 1) / block_size;
+    if (blocks_.size() < blocks) blocks_.resize(blocks);
+    block_count_ = blocks;
+    threads.for_each(blocks, 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t b = first; b < last; ++b) {
+        Block& block = blocks_[b];
+        block.planes.clear();
+        for (std::size_t k = 0; k < block_size; ++k) {
+          block.first[k] = static_cast<std::uint32_t>(block.planes.size());
+          if (b * block_size + k < places) find(b * block_size + k, block.planes);
+        }
+        block.first[block_size] = static_cast<std::uint32_t>(block.planes.size());
+      }
+    });
+  }
+
+  std::span<const NearPlane> of(std::size_t place) const {
+    const Block& block = blocks_[place / block_size];
+    const std::size_t k = place % block_size;
+    return {block.planes.data() + block.first[k], block.first[k + 1] - block.first[k]};
+  }
+  std::span<NearPlane> of(std::size_t place) {
+    const auto planes = static_cast<const Surroundings&>(*this).of(place);
+    return {const_cast<NearPlane*>(planes.data()), planes.size()};  // NOLINT: of this object, which is not
+  }
+
+ private:
+  static constexpr std::size_t block_size = 256;
+  struct Block {
+    std::vector<NearPlane> planes;
+    std::array<std::uint32_t, block_size + 1> first{};
+  };
+  std::vector<Block> blocks_;
+  std::size_t block_count_ = 0;
+};
+
+/// What planes add to a particle at x; each takes down its part:
+///
+///   value = 1 - prod_k (1 - value_k),   slope = sum_k n_k slope_k prod_{j != k} (1 - value_j)
+///
+/// What one of them hides the others do not add.
+BoundarySums look_at(std::span<NearPlane> planes, const Vec3f& x, const Smoothing& smoothing);
+
+}  // namespace souple

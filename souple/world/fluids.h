@@ -1,0 +1,68 @@
+#pragma once
+
+#include "souple/fluid/fluid_bodies.h"
+#include "souple/fluid/fluid_walls.h"
+#include "souple/solver/projector.h"
+#include "souple/world/report.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+struct WorldState;
+
+/// The fluids of a world, all of them in one density solver: their particles have one spacing.
+class Fluids {
+ public:
+  /// After objects came, went or changed.
+  void build(const WorldState& world);
+  /// Finds out which particles there are. Nothing of the last step is used again.
+  void begin_step(WorldState& world);
+  bool none() const { return particle_.empty(); }
+  /// Pushes predicted particles apart until no fluid is compressed.
+  void press(WorldState& world, const Substep& substep);
+  /// After v = (p - x) / h.
+  void update_velocities(WorldState& world, const Substep& substep);
+  /// What the step did, averaged over its substeps where that makes sense.
+  FluidReport report() const;
+  /// Of a world's particle, mean of the last step [Pa]. 0 when it is no fluid's.
+  float pressure(std::uint32_t particle) const;
+  /// On a collider, by its index, mean of the last step [N]
+  Vec3d force(std::size_t collider) const;
+
+ private:
+  void choose_solver(const WorldState& world);
+  void find_particles(const WorldState& world);
+  void place(WorldState& world, Threads& threads);
+  void look_around(Threads& threads);
+  void sum_forces(const WorldState& world, const Substep& substep);
+  void note(const Substep& substep);
+
+  std::unique_ptr<DensitySolver> solver_;
+  float spacing_ = 0;  // of solver_
+  DensitySolver::Options options_{};
+  Surroundings surroundings_;
+  FluidWalls walls_;
+  FluidBodies bodies_;
+  Vec3d origin_{};                       // of the fluids' positions [m]
+  std::vector<std::uint32_t> particle_;  // of each of the fluids' particles, the world's
+  std::vector<std::uint16_t> fluid_;     // and which fluid it is of
+  std::vector<std::uint32_t> objects_;   // of each fluid
+  std::vector<float> limit_;             // of each fluid: the rate of its XSPH [1/s]
+  std::vector<std::uint8_t> meets_;      // of each fluid and collider
+  std::vector<std::uint32_t> skinned_;   // objects that are bodies to fluids
+  std::vector<std::uint8_t> feels_;      // of each fluid and body
+  std::vector<Vec4f> placed_;            // x, y, z from the origin and inverse mass
+  std::vector<Vec3f> start_;             // where they were when the substep began
+  std::vector<Vec4f> velocity_;          // by place, and one more, 0
+  std::vector<float> pressure_;          // sum over substeps [Pa]
+  std::vector<Vec3d> force_;             // on each collider [N]
+  int substeps_ = 0;
+  FluidReport report_;
+};
+
+}  // namespace souple

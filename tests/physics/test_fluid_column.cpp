@@ -1,0 +1,86 @@
+#include "souple/souple.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace souple {
+namespace {
+
+constexpr double g = 9.81, density = 1000;
+
+/// A column of water between four walls, on a floor.
+struct Column {
+  double d, width, height;
+  World world;
+  ObjectId water;
+  ColliderId floor;
+
+  Column(double spacing, int across, int layers, int substeps, const FluidSettings& settings = {})
+      : d(spacing), width(across * d), height(layers * d), world({.substeps = substeps, .fluid = settings}) {
+    const double w = 0.5 * width;
+    water = world.add_fluid(fill(Vec3d{-w, 0, -w}, Vec3d{w, height, w}, d),
+                            {.spacing = static_cast<float>(d), .density = static_cast<float>(density)});
+    floor = world.add_collider(Plane{});
+    const auto offset = static_cast<float>(-w);
+    for (const Vec3f& n : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
+      world.add_collider(Plane{n, offset});
+  }
+  void run(double seconds) {
+    for (int frame = 0; frame < seconds * 60; ++frame) world.step(1.0 / 60);
+  }
+  /// Mean pressure of the particles whose centre lies within d/2 of a height, over the hydrostatic one. [-]
+  double pressure_at(double y) const {
+    const std::vector<float> pressures = world.pressures(water);
+    double sum = 0, expected = 0;
+    for (std::size_t i = 0; i < pressures.size(); ++i) {
+      const double at = double{world.positions(water)[i].y};
+      if (std::fabs(at - y) > d / 2) continue;
+      sum += double{pressures[i]};
+      expected += density * g * (height - at);
+    }
+    return sum / expected;
+  }
+  /// Where the topmost layer's centres are, half a spacing added. [m]
+  double top() const {
+    std::vector<float> y;
+    for (const Vec3f& x : world.positions(water)) y.push_back(x.y);
+    std::sort(y.begin(), y.end());
+    const auto layer = static_cast<std::size_t>(std::lround(width / d * width / d));
+    return double{y[y.size() - layer / 2]} + d / 2;
+  }
+};
+
+// The floor carries the weight; the pressure at the bottom is rho g H, at half the height half of it.
+TEST(FluidColumn, RestsUnderItsOwnWeight) {
+  Column column(0.02, 10, 50, 8);
+  column.run(2);
+  const double early = column.world.kinetic_energy(column.water);
+  double floor = 0, bottom = 0, middle = 0, error = 0;
+  constexpr int frames = 30;
+  for (int frame = 0; frame < frames; ++frame) {
+    column.run(1.0 / 60);
+    floor += column.world.fluid_force(column.floor).y / frames;
+    bottom += column.pressure_at(column.d / 2) / frames;
+    middle += column.pressure_at(column.height / 2) / frames;
+    error = std::max(error, column.world.report().fluid.mean_density_error);
+  }
+  const double weight = column.world.total_mass(column.water) * g;
+  EXPECT_NEAR(-floor / weight, 1, 0.02);
+  EXPECT_NEAR(bottom, 1, 0.02);
+  EXPECT_NEAR(middle, 1, 0.02);
+  EXPECT_NEAR(column.top() / column.height, 1, 0.02);
+  EXPECT_LT(error, 0.01);
+  const double late = column.world.kinetic_energy(column.water);
+  EXPECT_LT(late, 1.2 * early);
+  EXPECT_LT(std::sqrt(2 * late / column.world.total_mass(column.water)), 0.003);
+  EXPECT_FALSE(column.world.report().has(Flag::coarse_substeps));
+  std::printf("floor %.4f bottom %.4f middle %.4f height %.4f error %.4f rms %.5f\n", -floor / weight, bottom,
+              middle, column.top() / column.height, error,
+              std::sqrt(2 * late / column.world.total_mass(column.water)));
+}
+
+}  // namespace
+}  // namespace souple
