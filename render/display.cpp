@@ -249,9 +249,8 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
   for (const Body& body : subject.bodies) {
     const bool balls =
         body.kind == ObjectKind::rope || body.kind == ObjectKind::grains || body.kind == ObjectKind::fluid;
-    const float radius = balls
-                             ? 1.5f * body.radius
-                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
+    const float radius =
+        balls ? 1.5f * body.radius : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
     for (const std::uint32_t v : subject.world->pinned({body.id})) {
       centres.push_back(body.positions[v]);
       pin_radii.push_back(radius);
@@ -340,6 +339,8 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
 
   list.surfaces.clear();
   list.spheres.clear();
+  list.liquids.clear();
+  list.foams.clear();
   list.lines.clear();
   list.top_lines.clear();
   list.labels.clear();
