@@ -220,6 +220,8 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
   surface.look = collider_look(collider.colour);
+  // The walls of a tank: one looks in through those that stand before it.
+  surface.one_sided = std::holds_alternative<Plane>(*collider.shape);
   surface.pick = pick;
   list.surfaces.push_back(surface);
 }

@@ -27,7 +27,7 @@ struct Look {
   float sheen = 0;                 ///< light scattered at grazing angles, as by cloth, in [0, 1]
 };
 
-/// Triangles, drawn from both sides. Buffers on the GPU are kept from picture to picture under `key`.
+/// Triangles, drawn from both sides unless told otherwise. Buffers on the GPU are kept from picture to picture under `key`.
 struct Surface {
   std::uint64_t key = 0;             ///< unique among the surfaces of all lists drawn by one renderer
   std::uint64_t topology = 0;        ///< another number: triangles and texture have changed
@@ -40,6 +40,7 @@ struct Surface {
   Transform pose{};                       ///< applied to positions and normals
   Look look{};
   bool wireframe = false;  ///< edges drawn over the surface
+  bool one_sided = false;  ///< seen (and dark to the sun, and picked) from its front only
   bool casts_shadow = true;
   std::uint32_t pick = 0;  ///< what picking returns; 0: cannot be picked
 };
