@@ -100,6 +100,13 @@ Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
   return casters.bounds();
 }
 
+Bounds bounds_of_liquids(const DrawList& list) {
+  DrawList liquids;
+  liquids.liquids = list.liquids;
+  liquids.foams = list.foams;
+  return liquids.bounds();
+}
+
 Vec4 vec4(const Vec3f& v, float w) {
   return {v.x, v.y, v.z, w};
 }
@@ -275,8 +282,8 @@ void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& contex
   draw_lighting();
   clock.done("lighting");
   if (!liquid_splats.empty())
-    liquids.draw(liquid_splats, {targets->normal, targets->depth, targets->lighting}, options, shadow,
-                 nothing, clock);
+    liquids.draw(liquid_splats, bounds_of_liquids(list), {targets->normal, targets->depth, targets->lighting},
+                 context, options, shadow, nothing, clock);
   draw_lines(list, context);
   clock.done("lines");
 }

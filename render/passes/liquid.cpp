@@ -22,8 +22,43 @@ GLenum sum_format() {
   return filters && gl::can_blend_floats() ? GL_RGBA32F : GL_RGBA16F;
 }
 
-void clear(GLint buffer, const std::array<float, 4>& value) {
-  glClearBufferfv(GL_COLOR, buffer, value.data());
+void clear_colour(GLint buffer) {
+  const std::array<float, 4> zero{};
+  glClearBufferfv(GL_COLOR, buffer, zero.data());
+}
+
+/// A part of the picture: pixels, from the bottom left.
+struct Window {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// The smallest upright one around a box, with some room.
+Window window_around(const Bounds& box, const PassContext& context) {
+  const Window all{0, 0, context.width, context.height};
+  const auto width = static_cast<float>(context.width), height = static_cast<float>(context.height);
+  float left = width, right = 0, bottom = height, top = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec4 point{(corner & 1) != 0 ? box.hi.x : box.lo.x, (corner & 2) != 0 ? box.hi.y : box.lo.y,
+                     (corner & 4) != 0 ? box.hi.z : box.lo.z, 1};
+    const Vec4 clip = context.projection * (context.view * point);
+    if (clip.z < -clip.w) return all;  // behind the near plane
+    const float x = (0.5f * clip.x / clip.w + 0.5f) * width, y = (0.5f * clip.y / clip.w + 0.5f) * height;
+    left = std::min(left, x), right = std::max(right, x);
+    bottom = std::min(bottom, y), top = std::max(top, y);
+  }
+  constexpr float room = 4;
+  const int x = static_cast<int>(std::clamp(left - room, 0.0f, width));
+  const int y = static_cast<int>(std::clamp(bottom - room, 0.0f, height));
+  return {x, y, static_cast<int>(std::clamp(right + room, 0.0f, width)) - x,
+          static_cast<int>(std::clamp(top + room, 0.0f, height)) - y};
+}
+
+/// Draws go into the part of the window at this scale.
+void keep_within(const Window& window, int scale) {
+  const int x = window.x / scale, y = window.y / scale;
+  glScissor(x, y, (window.x + window.width + scale - 1) / scale - x,
+            (window.y + window.height + scale - 1) / scale - y);
+  glEnable(GL_SCISSOR_TEST);
 }
 
 /// One channel of a picture of floats. OpenGL ES reads all four.
@@ -54,6 +89,7 @@ LiquidPass::Targets::Targets(int width, int height)
       depth("the surface of liquids", {&surface}, nullptr),
       other_depth("the smoothed surface of liquids", {&other_surface}, nullptr),
       thickness("the thickness of liquids", {&optics, &glow}, nullptr),
+      clear_thickness("the thickness of clear liquids", {&optics}, nullptr),
       copy("what is behind liquids", {&behind}, nullptr) {}
 
 void LiquidPass::Targets::swap() {
@@ -62,12 +98,22 @@ void LiquidPass::Targets::swap() {
   std::swap(depth, other_depth);
 }
 
-void LiquidPass::draw_balls(const LiquidSplats& splats) {
+/// All of them, for passes draw into and read around a part only.
+void LiquidPass::clear() {
+  targets_->other_depth.bind();
+  clear_colour(0);
+  targets_->thickness.bind();
+  clear_colour(0);
+  clear_colour(1);
   targets_->balls.bind();
-  clear(0, {});
-  clear(1, {});
+  clear_colour(0);
+  clear_colour(1);
   const float far = 1;
   glClearBufferfv(GL_DEPTH, 0, &far);
+}
+
+void LiquidPass::draw_balls(const LiquidSplats& splats) {
+  targets_->balls.bind();
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
   splats.draw(SplatTarget::depth);
@@ -109,9 +155,8 @@ void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& not
 }
 
 void LiquidPass::add_up(const LiquidSplats& splats, const gl::Texture& depth) {
-  targets_->thickness.bind();
-  clear(0, {});
-  clear(1, {});
+  // Blending is what costs here: what adds nothing is left out.
+  (splats.is_cloudy() ? targets_->thickness : targets_->clear_thickness).bind();
   depth.bind(gl::Unit::depth);
   targets_->surface.bind(gl::Unit::liquid_depth);
   glEnable(GL_BLEND);
@@ -121,11 +166,14 @@ void LiquidPass::add_up(const LiquidSplats& splats, const gl::Texture& depth) {
   glDisable(GL_BLEND);
 }
 
-void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing) {
-  const int width = scene.depth.width(), height = scene.depth.height();
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, scene.colour.id());
+void LiquidPass::copy(const gl::Framebuffer& colour) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, colour.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets_->copy.id());
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, colour.width(), colour.height(), 0, 0, colour.width(), colour.height(),
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing) {
   scene.colour.bind();
   glDepthMask(GL_FALSE);
   targets_->behind.bind(gl::Unit::colour);
@@ -165,20 +213,28 @@ std::vector<float> LiquidPass::read_thickness() const {
   return result;
 }
 
-void LiquidPass::draw(const LiquidSplats& splats, const LitScene& scene, const RenderOptions& options,
-                      const ShadowPass& shadow, const gl::VertexArray& nothing, PassClock& clock) {
-  const int width = scene.depth.width(), height = scene.depth.height();
-  if (!targets_ || targets_->look.width() != width || targets_->look.height() != height) {
+void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
+                      const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
+                      const gl::VertexArray& nothing, PassClock& clock) {
+  if (!targets_ || targets_->look.width() != context.width || targets_->look.height() != context.height) {
     targets_.reset();  // frees before it takes
-    targets_.emplace(width, height);
+    targets_.emplace(context.width, context.height);
   }
+  const Window window = window_around(bounds, context);
+  clear();
+  keep_within(window, 1);
   draw_balls(splats);
   clock.done("liquid depth");
   smooth(options, nothing);
   clock.done("liquid filter");
+  keep_within(window, 2);
   add_up(splats, scene.depth);
   clock.done("liquid thickness");
+  glDisable(GL_SCISSOR_TEST);
+  copy(scene.colour);
+  keep_within(window, 1);
   shade(scene, shadow, nothing);
+  glDisable(GL_SCISSOR_TEST);
   clock.done("liquid shading");
 }
 

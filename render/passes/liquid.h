@@ -24,9 +24,11 @@ struct LitScene {
 /// and shaded over the lit scene with how thick the liquid is.
 class LiquidPass {
  public:
-  /// Draws over `scene.colour`. The camera's uniform block is bound, the shadow map drawn.
-  void draw(const LiquidSplats& splats, const LitScene& scene, const RenderOptions& options,
-            const ShadowPass& shadow, const gl::VertexArray& nothing, PassClock& clock);
+  /// Draws over `scene.colour`. `bounds` is the box around all that splats draw. The camera's uniform block
+  /// is bound, the shadow map drawn.
+  void draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
+            const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
+            const gl::VertexArray& nothing, PassClock& clock);
 
   /// What the last `draw` made, as of LiquidImage.
   std::vector<float> read_depth() const;
@@ -37,15 +39,17 @@ class LiquidPass {
     gl::Texture surface, other_surface, look, nearest;  // of the picture's size
     gl::Texture optics, glow;                           // of half of it
     gl::Texture behind;                                 // what is seen through liquids
-    gl::Framebuffer balls, other_balls, depth, other_depth, thickness, copy;
+    gl::Framebuffer balls, other_balls, depth, other_depth, thickness, clear_thickness, copy;
     Targets(int width, int height);
     void swap();
   };
 
+  void clear();
   void draw_balls(const LiquidSplats& splats);
   void smooth(const RenderOptions& options, const gl::VertexArray& nothing);
   void step();
   void add_up(const LiquidSplats& splats, const gl::Texture& depth);
+  void copy(const gl::Framebuffer& colour);
   void shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing);
 
   gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};

@@ -129,6 +129,13 @@ bool LiquidSplats::casts_shadow() const {
                      [](const Item<Liquid>& item) { return item.thing->casts_shadow; });
 }
 
+bool LiquidSplats::is_cloudy() const {
+  return !impl_->foams.empty() ||
+         std::any_of(impl_->liquids.begin(), impl_->liquids.end(), [](const Item<Liquid>& item) {
+           return length_squared(item.thing->look.scattering) > 0;
+         });
+}
+
 void LiquidSplats::Impl::draw_depth() const {
   for (const auto& [liquid, buffers] : liquids) {
     const gl::Program& program = buffers->has_ellipsoids ? ellipsoid_depth : depth;

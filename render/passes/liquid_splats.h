@@ -28,6 +28,8 @@ class LiquidSplats {
   /// Whether there is anything to draw.
   bool empty() const;
   bool casts_shadow() const;
+  /// Whether there is foam, or a liquid that scatters light.
+  bool is_cloudy() const;
   /// Those that were given to `update`, without changing what is blended; of target sunlight those that cast
   /// a shadow, of target pick those that can be picked. The uniform block is bound; for foam and thickness
   /// the depth maps too.
