@@ -18,6 +18,20 @@ Bounds box_of(std::span<const Vec3f> points) {
   return box;
 }
 
+Bounds box_of_ellipsoids(const Liquid& liquid) {
+  Bounds box;
+  if (liquid.ellipsoids.size() != liquid.centres.size()) return box;
+  for (std::size_t i = 0; i < liquid.centres.size(); ++i) {
+    const auto& [x, y, z] = liquid.ellipsoids[i].column;
+    const Vec3f half{length(Vec3f{x.x, y.x, z.x}), length(Vec3f{x.y, y.y, z.y}),
+                     length(Vec3f{x.z, y.z, z.z})};
+    if (!is_finite(liquid.centres[i]) || !is_finite(half)) continue;
+    box.add(liquid.centres[i] - half);
+    box.add(liquid.centres[i] + half);
+  }
+  return box;
+}
+
 // The box of the posed corners: a little larger than that of the posed points.
 Bounds box_of(const Surface& surface) {
   const Bounds own = box_of(surface.positions);
@@ -46,7 +60,10 @@ Bounds DrawList::bounds() const {
     box.add(of_centres.lo, radius);
     box.add(of_centres.hi, radius);
   };
-  for (const Liquid& liquid : liquids) add(liquid.centres, liquid.radius);
+  for (const Liquid& liquid : liquids) {
+    add(liquid.centres, liquid.radius);
+    box.add(box_of_ellipsoids(liquid));
+  }
   for (const Foam& foam : foams) add(foam.centres, foam.radius);
   for (const Surface& surface : surfaces) box.add(box_of(surface));
   for (const Spheres& balls : spheres) {
