@@ -119,5 +119,39 @@ TEST(DensityKernels, GiveTheSameBits) {
   }
 }
 
+// The same for the kernels of velocities, with values of every kind.
+TEST(VelocityKernels, GiveTheSameBits) {
+  std::vector<Vec4f> records = test::random_cloud(300, 1, 1), values = test::random_cloud(300, 1, 2);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i].w = 0.1f + 0.01f * static_cast<float>(i);
+  records[7] = records[8];
+  std::vector<std::uint32_t> list;
+  for (std::uint32_t i = 0; i < 300; ++i) list.push_back(4 * i);
+  while (list.size() % 16 != 0) list.push_back(4 * 300);
+  records.push_back({1e15f, 1e15f, 1e15f, 0});
+  values.push_back({});
+  const Smoothing smoothing(0.2f);
+  for (const SmoothingShape shape : shapes) {
+    const auto& plain = kernels::find_velocity_kernels(InstructionSet::scalar, shape);
+    for (const InstructionSet set :
+         {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
+      if (set > instruction_set()) continue;
+      const auto& packed = kernels::find_velocity_kernels(set, shape);
+      for (const std::uint32_t i : {0u, 7u, 100u, 299u}) {
+        const auto sum = [&](const auto& function, const auto&... more) {
+          return function(records.data(), values.data(), records[i], values[i], list.data(), list.size(),
+                          smoothing.factors(), more...);
+        };
+        const kernels::CohesionFactors cohesion{0.3f, 0.2f};
+        EXPECT_EQ(sum(plain.exchange), sum(packed.exchange));
+        EXPECT_EQ(sum(plain.strain), sum(packed.strain));
+        EXPECT_EQ(sum(plain.curl), sum(packed.curl));
+        EXPECT_EQ(sum(plain.cohesion, cohesion), sum(packed.cohesion, cohesion));
+        EXPECT_TRUE(is_finite(sum(plain.strain)) && is_finite(sum(plain.cohesion, cohesion)));
+        EXPECT_GT(length(sum(plain.curl)), 0);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace souple

@@ -12,25 +12,36 @@ const NeighbourKernels& find_neighbour_kernels(InstructionSet set) {
 
 namespace {
 
-template <class Shape>
-const DensityKernels& find_with_shape(InstructionSet set) {
-  const DensityKernels* const packed = souple::detail::find_for(
-      set, []<class Set>(std::type_identity<Set>) { return &density_kernels<Set, Shape>(); });
-  return packed ? *packed : density_kernels<PlainLanes, Shape>();
+/// find(the shape's tag)
+template <class Find>
+auto find_for_shape(SmoothingShape shape, const Find& find) {
+  switch (shape) {
+    case SmoothingShape::poly6_spiky:
+      return find(std::type_identity<Poly6Spiky>{});
+    case SmoothingShape::cubic_spline:
+      return find(std::type_identity<CubicSpline>{});
+    case SmoothingShape::wendland:
+      break;
+  }
+  return find(std::type_identity<Wendland>{});
 }
 
 }  // namespace
 
 const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape) {
-  switch (shape) {
-    case SmoothingShape::poly6_spiky:
-      return find_with_shape<Poly6Spiky>(set);
-    case SmoothingShape::cubic_spline:
-      return find_with_shape<CubicSpline>(set);
-    case SmoothingShape::wendland:
-      break;
-  }
-  return find_with_shape<Wendland>(set);
+  return *find_for_shape(shape, [&]<class Shape>(std::type_identity<Shape>) {
+    const DensityKernels* const packed = souple::detail::find_for(
+        set, []<class Set>(std::type_identity<Set>) { return &density_kernels<Set, Shape>(); });
+    return packed ? packed : &density_kernels<PlainLanes, Shape>();
+  });
+}
+
+const VelocityKernels& find_velocity_kernels(InstructionSet set, SmoothingShape shape) {
+  return *find_for_shape(shape, [&]<class Shape>(std::type_identity<Shape>) {
+    const VelocityKernels* const packed = souple::detail::find_for(
+        set, []<class Set>(std::type_identity<Set>) { return &velocity_kernels<Set, Shape>(); });
+    return packed ? packed : &velocity_kernels<PlainLanes, Shape>();
+  });
 }
 
 }  // namespace souple::kernels

@@ -2,6 +2,7 @@
 
 #include "souple/fluid/kernels/density_kernels.h"
 #include "souple/fluid/kernels/neighbour_kernels.h"
+#include "souple/fluid/kernels/velocity_kernels.h"
 #include "souple/fluid/smoothing_shape.h"
 #include "souple/solver/instruction_set.h"
 
@@ -11,5 +12,6 @@ namespace souple::kernels {
 
 const NeighbourKernels& find_neighbour_kernels(InstructionSet set);
 const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape);
+const VelocityKernels& find_velocity_kernels(InstructionSet set, SmoothingShape shape);
 
 }  // namespace souple::kernels

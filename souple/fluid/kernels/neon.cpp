@@ -2,6 +2,7 @@
 
 #include "souple/fluid/kernels/compile_density.h"
 #include "souple/fluid/kernels/compile_neighbours.h"
+#include "souple/fluid/kernels/compile_velocity.h"
 
 namespace souple::kernels {
 
@@ -9,6 +10,9 @@ template const NeighbourKernels& neighbour_kernels<simd::Neon>();
 template const DensityKernels& density_kernels<simd::Neon, Wendland>();
 template const DensityKernels& density_kernels<simd::Neon, Poly6Spiky>();
 template const DensityKernels& density_kernels<simd::Neon, CubicSpline>();
+template const VelocityKernels& velocity_kernels<simd::Neon, Wendland>();
+template const VelocityKernels& velocity_kernels<simd::Neon, Poly6Spiky>();
+template const VelocityKernels& velocity_kernels<simd::Neon, CubicSpline>();
 
 }  // namespace souple::kernels
 

@@ -1,7 +1,6 @@
 #include "souple/fluid/kernels/density_kernels.h"
+#include "souple/fluid/kernels/plain_sums.h"
 #include "souple/fluid/kernels/shapes.h"
-
-#include <cmath>
 
 // What compile_density.h does, one neighbour after the other.
 
@@ -9,33 +8,13 @@ namespace souple::kernels {
 
 namespace {
 
-struct Near {
-  Vec3f d;
-  float r2, q;
-
-  Near(const Vec4f& at, const Vec4f& other, const SmoothingFactors& factors) {
-    d = at.xyz() - other.xyz();
-    r2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    q = std::sqrt(max(r2, 1e-30f)) * factors.inverse_h;
-  }
-};
-
-struct Sixteen {
-  float sum[16] = {};
-  float total() const {
-    float four[4];
-    for (int k = 0; k < 4; ++k) four[k] = (sum[k] + sum[k + 8]) + (sum[k + 4] + sum[k + 12]);
-    return (four[0] + four[2]) + (four[1] + four[3]);
-  }
-};
-
 template <class Shape>
 DensitySums sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                  const SmoothingFactors& factors) {
-  Sixteen density, squared, gx, gy, gz;
+  PlainSixteen density, squared, gx, gy, gz;
   for (std::size_t k = 0; k < count; ++k) {
     const Vec4f& other = records[list[k] / 4];
-    const Near near(at, other, factors);
+    const PlainNear near(at, other, factors);
     const float slope = factors.slope_factor * Shape::slope(near.q);
     density.sum[k % 16] += Shape::value(near.q);
     squared.sum[k % 16] += other.w * (slope * slope * near.r2);
@@ -49,10 +28,10 @@ DensitySums sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* lis
 template <class Shape>
 Vec3f push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
            const SmoothingFactors& factors) {
-  Sixteen px, py, pz;
+  PlainSixteen px, py, pz;
   for (std::size_t k = 0; k < count; ++k) {
     const Vec4f& other = records[list[k] / 4];
-    const Near near(at, other, factors);
+    const PlainNear near(at, other, factors);
     const float pull = (at.w + other.w) * (factors.slope_factor * Shape::slope(near.q));
     px.sum[k % 16] += pull * near.d.x;
     py.sum[k % 16] += pull * near.d.y;
@@ -64,9 +43,9 @@ Vec3f push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std
 template <class Shape>
 Vec3f spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
              const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  Sixteen vx, vy, vz;
+  PlainSixteen vx, vy, vz;
   for (std::size_t k = 0; k < count; ++k) {
-    const Near near(at, records[list[k] / 4], factors);
+    const PlainNear near(at, records[list[k] / 4], factors);
     const float weight = factors.value_factor * Shape::value(near.q);
     const Vec3f v = values[list[k] / 4].xyz() - value.xyz();
     vx.sum[k % 16] += weight * v.x;

@@ -55,4 +55,15 @@ struct CubicSpline {
   }
 };
 
+/// How strongly particles attract one another (Akinci, Akinci and Teschner 2013, equation 2), 1 where it is
+/// strongest, at q = 1/2: 64 (1 - q)^3 q^3, below 1/2 twice that less 1, so that they do not clump.
+struct Cohesion {
+  /// The force over q.
+  template <class T>
+  static T slope(T q) {
+    const T t = max(1.0f - q, T(0.0f)), a = t * q, c = 64.0f * (a * a * a);
+    return select(q < T(0.5f), 2.0f * c - 1.0f, c) / q;
+  }
+};
+
 }  // namespace souple::kernels

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "souple/fluid/neighbours.h"
+#include "souple/fluid/smoothing.h"
+
+#include <span>
+
+namespace souple {
+
+/// A fluid's particles by place, as forces see them. Both arrays have one record more than there are
+/// particles: what pads lists of neighbours, with x far away and v zero.
+struct FluidView {
+  std::span<const Vec4f> x;  ///< x, y, z [m] and the inverse mass w > 0 [1/kg]
+  std::span<Vec4f> v;        ///< velocity [m/s] and the dynamic viscosity mu >= 0 [Pa s]
+  const Neighbours& neighbours;
+  const Smoothing& smoothing;
+
+  std::size_t size() const { return x.size() - 1; }
+
+  /// f(place, its padded list), for all places.
+  template <class Function>
+  void for_lists(Threads& threads, const Function& f) const {
+    const auto blocks = neighbours.blocks();
+    threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t b = first; b < last; ++b)
+        for (std::uint32_t place = blocks[b].begin; place < blocks[b].end; ++place)
+          f(place, blocks[b].padded(place));
+    });
+  }
+};
+
+/// f(k) for k in [0, n).
+template <class Function>
+void for_places(std::size_t n, Threads& threads, const Function& f) {
+  threads.for_each(n, 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) f(k);
+  });
+}
+
+}  // namespace souple

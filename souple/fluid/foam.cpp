@@ -1,0 +1,250 @@
+#include "souple/fluid/foam.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+
+namespace {
+
+/// Numbers that depend on a key and a count alone: the finaliser of SplitMix64 (Steele, Lea and Flood 2014).
+std::uint64_t mix(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+class Chance {
+ public:
+  explicit Chance(std::uint64_t key) : key_(mix(key)) {}
+  /// In [0, 1).
+  float next() { return static_cast<float>(mix(key_ + 0x9e3779b97f4a7c15u * ++count_) >> 40) * 0x1p-24f; }
+
+ private:
+  std::uint64_t key_, count_ = 0;
+};
+
+/// How fast what is made moves away from the middle of the flow that made it, for each metre it is off [1/s].
+constexpr float spread = 10;
+
+float ramp(float value, const FoamParameters::Range& range) {
+  const float part = (value - range.low) / (range.high - range.low);
+  return min(max(part, 0.0f), 1.0f);
+}
+
+/// Two unit vectors across a unit vector, and across each other (Duff et al. 2017).
+struct Across {
+  Vec3f a, b;
+  explicit Across(const Vec3f& n) {
+    const float sign = n.z < 0 ? -1.0f : 1.0f, s = -1 / (sign + n.z), t = n.x * n.y * s;
+    a = {1 + sign * n.x * n.x * s, sign * t, -sign * n.x};
+    b = {t, sign + n.y * n.y * s, -n.y};
+  }
+};
+
+}  // namespace
+
+void Foam::add(const Vec3f& x, const Vec3f& v, float life) {
+  x_.push_back(x);
+  v_.push_back(v);
+  life_.push_back(life);
+  age_.push_back(0);
+  kind_.push_back(FoamKind::spray);
+}
+
+void Foam::clear() {
+  x_.clear(), v_.clear(), life_.clear(), age_.clear(), kind_.clear();
+  step_ = 0;
+}
+
+void Foam::find_cells(const FluidView& fluid, Threads& threads) {
+  cell_size_ = fluid.smoothing.support();
+  order_.build(fluid.x.first(fluid.size()), cell_size_, threads);
+}
+
+// The fluid's mean velocity, by the weights of smoothing, and how many particles are within its support.
+Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
+  std::int32_t cell[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double where =
+        (static_cast<double>(at[axis]) - order_.corner(axis)) / static_cast<double>(cell_size_);
+    if (!(std::abs(where) < 1e9)) return {};
+    cell[axis] = static_cast<std::int32_t>(std::floor(where));
+  }
+  const auto rows = order_.rows();
+  const auto cells = order_.cells();
+  const float inverse_h = 1 / cell_size_;
+  Around result;
+  float weights = 0;
+  const auto add = [&](std::uint32_t k) {
+    const Vec3f way{order_.component(0)[k] - at.x, order_.component(1)[k] - at.y,
+                    order_.component(2)[k] - at.z};
+    const float q = length(way) * inverse_h;
+    if (!(q < 1)) return;
+    const float weight = (1 - q) * (1 - q);
+    result.velocity += fluid.v[order_.order()[k]].xyz() * weight;
+    weights += weight;
+    ++result.neighbours;
+  };
+  for (std::int32_t z = cell[2] - 1; z <= cell[2] + 1; ++z) {
+    const auto before = [&](const CellOrder::Row& row, std::int32_t y) {
+      return row.z != z ? row.z < z : row.y < y;
+    };
+    for (auto row = std::lower_bound(rows.begin(), rows.end() - 1, cell[1] - 1, before);
+         row != rows.end() - 1 && row->z == z && row->y <= cell[1] + 1; ++row) {
+      const auto first = cells.begin() + row->begin, last = cells.begin() + (row + 1)->begin;
+      for (auto c = std::lower_bound(first, last, cell[0] - 1,
+                                     [](const CellOrder::Cell&one, std::int32_t x) { return one.x < x; });
+           c != last && c->x <= cell[0] + 1; ++c)
+        for (std::uint32_t k = c->begin; k < (c + 1)->begin; ++k) add(k);
+    }
+  }
+  if (weights > 0) result.velocity *= 1 / weights;
+  return result;
+}
+
+FoamKind Foam::kind_of(const Around& around, const FoamParameters& parameters) {
+  if (around.neighbours < parameters.spray_neighbours) return FoamKind::spray;
+  return around.neighbours > parameters.bubble_neighbours ? FoamKind::bubble : FoamKind::foam;
+}
+
+void Foam::move(const FluidView& fluid, const FoamParameters& parameters, const Vec3f& gravity, float dt,
+                Threads& threads) {
+  // dv/dt = -buoyancy g + drag (v_fluid - v)
+  const Vec3f rise = gravity * (-parameters.buoyancy / parameters.drag);
+  const float kept = std::exp(-parameters.drag * dt);
+  for_places(size(), threads, [&](std::size_t k) {
+    const Around here = around(fluid, x_[k]);
+    const Vec3f before = v_[k];
+    kind_[k] = kind_of(here, parameters);
+    if (kind_[k] == FoamKind::spray) {
+      v_[k] += gravity * dt;
+    } else if (kind_[k] == FoamKind::bubble) {
+      const Vec3f end = here.velocity + rise;
+      v_[k] = end + (v_[k] - end) * kept;
+    } else {
+      v_[k] = here.velocity;
+      life_[k] -= dt;
+    }
+    x_[k] += (kind_[k] == FoamKind::spray ? (before + v_[k]) * 0.5f : v_[k]) * dt;
+    age_[k] += dt;
+    if (age_[k] > parameters.longest_life || !is_finite(x_[k])) life_[k] = 0;
+  });
+}
+
+void Foam::dissolve() {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < size(); ++k) {
+    if (!(life_[k] > 0)) continue;
+    x_[kept] = x_[k], v_[kept] = v_[k], life_[kept] = life_[k], age_[kept] = age_[k], kind_[kept] = kind_[k];
+    ++kept;
+  }
+  report_.dissolved = size() - kept;
+  x_.resize(kept), v_.resize(kept), life_.resize(kept), age_.resize(kept), kind_.resize(kept);
+}
+
+// Outwards, of length 1, where a particle is at the surface: in the top layer of a pool 2 d |V sum grad W| is
+// about 1, in the second it is 0, and about 0.3 where particles lie in disorder.
+void Foam::find_normals(const FluidView& fluid, std::span<const Vec3f> wall_slopes, Threads& threads) {
+  const Smoothing& smoothing = fluid.smoothing;
+  normals_.resize(fluid.size());
+  fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
+    Vec3f n =
+        kernels_->sums(fluid.x.data(), fluid.x[k], list.data(), list.size(), smoothing.factors()).gradient *
+        smoothing.volume();
+    // Half of a wall's slope: it is that of a mirrored fluid which moves when the particle does.
+    if (!wall_slopes.empty()) n += wall_slopes[k] * 0.5f;
+    n *= -smoothing.support();
+    const float size = length(n);
+    normals_[k] = size > 0.75f ? n * (1 / size) : Vec3f{};
+  });
+}
+
+Foam::Potential Foam::potential(const FluidView& fluid, std::uint32_t i, std::span<const std::uint32_t> list,
+                                const FoamParameters& parameters, float dt) const {
+  const Vec3f v = fluid.v[i].xyz();
+  const float energy = ramp(0.5f * dot(v, v), parameters.energy);
+  if (!(energy > 0)) return {0, 0};
+  const float inverse_h = 1 / fluid.smoothing.support();
+  const Vec3f n = normals_[i];
+  const bool along = dot(v, n) > 0.6f * length(v);
+  float meeting = 0, bent = 0;
+  for (const std::uint32_t entry : list) {
+    const std::uint32_t j = entry / 4;
+    const Vec3f x = fluid.x[i].xyz() - fluid.x[j].xyz();
+    const float r = length(x), hat = 1 - r * inverse_h;
+    if (!(hat > 0)) continue;
+    // |v_ij| (1 - v_ij . x_ij / (|v_ij| r))
+    const Vec3f apart = v - fluid.v[j].xyz();
+    meeting += (length(apart) - dot(apart, x) / max(r, 1e-30f)) * hat;
+    const Vec3f m = normals_[j];
+    if (along && dot(x, n) > 0 && dot(m, m) > 0) bent += (1 - dot(n, m)) * hat;
+  }
+  const float rate = energy * (parameters.trapped_air_rate * ramp(meeting, parameters.trapped_air) +
+                               parameters.wave_crest_rate * ramp(bent, parameters.wave_crest));
+  return {rate * dt, rate / (parameters.trapped_air_rate + parameters.wave_crest_rate)};
+}
+
+void Foam::make(const FluidView& fluid, std::span<const std::uint32_t> particle,
+                const FoamParameters& parameters, float dt, Threads& threads) {
+  const std::size_t n = fluid.size();
+  made_.resize(n);
+  share_.resize(n);
+  const auto key_of = [&](std::size_t k) { return mix(mix(mix(parameters.seed) + step_) + particle[k]); };
+  fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
+    const Potential here = potential(fluid, k, list, parameters, dt);
+    const float whole = std::floor(here.made);
+    made_[k] = whole + (Chance(key_of(k)).next() < here.made - whole ? 1.0f : 0.0f);
+    share_[k] = here.share;
+  });
+  makers_.clear();
+  std::uint64_t total = 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    if (!(made_[k] > 0)) continue;
+    makers_.push_back({k, static_cast<std::uint32_t>(total), share_[k]});
+    total += static_cast<std::uint32_t>(made_[k]);
+  }
+  const std::uint64_t room =
+      std::min<std::uint64_t>(total, parameters.most - std::min(parameters.most, size()));
+  report_.made = room;
+  report_.thinned = total - room;
+  // Of all that is made, number k stays where k room / total steps up: evenly among the places.
+  const std::size_t old = size();
+  const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * room / total : 0; };
+  for (const Maker& maker : makers_) {
+    const auto end = maker.first + static_cast<std::uint32_t>(made_[maker.place]);
+    begin(fluid, maker, static_cast<std::uint32_t>(kept_before(end) - kept_before(maker.first)),
+          key_of(maker.place) + 1, parameters, dt);
+  }
+  for_places(size() - old, threads,
+             [&](std::size_t k) { kind_[old + k] = kind_of(around(fluid, x_[old + k]), parameters); });
+}
+
+void Foam::begin(const FluidView& fluid, const Maker& maker, std::uint32_t count, std::uint64_t key,
+                 const FoamParameters& parameters, float dt) {
+  const Vec3f x = fluid.x[maker.place].xyz(), v = fluid.v[maker.place].xyz();
+  const Across across(normalized(v));
+  const float radius = 0.5f * fluid.smoothing.spacing();
+  Chance chance(key);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    float a = 0, b = 0;
+    do {
+      a = 2 * chance.next() - 1, b = 2 * chance.next() - 1;
+    } while (a * a + b * b > 1);
+    const Vec3f off = (across.a * a + across.b * b) * radius;
+    add(x + off - v * (dt * chance.next()), v + off * spread,
+        parameters.life.low + (parameters.life.high - parameters.life.low) * maker.share);
+  }
+}
+
+Foam::Report Foam::count() const {
+  Report report = report_;
+  for (const FoamKind kind : kind_) {
+    report.spray += kind == FoamKind::spray ? 1 : 0;
+    report.foam += kind == FoamKind::foam ? 1 : 0;
+    report.bubbles += kind == FoamKind::bubble ? 1 : 0;
+  }
+  return report;
+}
+
+}  // namespace souple

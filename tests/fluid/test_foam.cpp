@@ -1,0 +1,229 @@
+#include "souple/fluid/density_solver.h"
+#include "souple/fluid/foam.h"
+#include "tests/fluid/fluid_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using test::FluidArrays;
+
+constexpr float d = 0.02f, dt = 1.0f / 60;
+constexpr Vec3f gravity{0, -9.81f, 0};
+
+void no_walls(Vec3f&, Vec3f&) {}
+
+Foam::Report step(Foam& foam, FluidArrays& fluid, const FoamParameters& parameters = {}) {
+  return foam.step(fluid.view(), fluid.order.order(), {}, parameters, gravity, dt, no_walls, *fluid.threads);
+}
+
+/// A pool of 20 x 16 x 20 spacings that moves as a whole, its middle column at x = z = 10 d.
+FluidArrays pool(const Vec3f& velocity) {
+  FluidArrays fluid(test::block_of(20, 16, 20, d, 0.1f), d, 1000, 0);
+  fluid.set_velocities([&](const Vec3f&) { return velocity; });
+  return fluid;
+}
+
+TEST(Foam, APoolAtRestMakesNone) {
+  FluidArrays fluid = pool({});
+  test::Random random(1);
+  fluid.set_velocities([&](const Vec3f&) { return Vec3f(random.point(-0.01, 0.01)); });
+  Foam foam;
+  for (int s = 0; s < 10; ++s) EXPECT_EQ(step(foam, fluid).made, 0);
+  EXPECT_EQ(foam.size(), 0);
+}
+
+TEST(Foam, SprayFallsFreely) {
+  FluidArrays fluid = pool({});
+  Foam foam;
+  foam.add({0.2f, 1, 0.2f}, {1, 3, 0}, 2);
+  for (int s = 0; s < 30; ++s) EXPECT_EQ(step(foam, fluid).spray, 1);
+  EXPECT_LT(length(foam.positions()[0] - Vec3f(0.7f, 1 + 1.5f - 0.125f * 9.81f, 0.2f)), 1e-4f);
+  EXPECT_LT(length(foam.velocities()[0] - Vec3f(1, 3 - 0.5f * 9.81f, 0)), 1e-4f);
+}
+
+TEST(Foam, MovesWithTheSurfaceAndDissolves) {
+  FluidArrays fluid = pool({0.1f, 0, 0.05f});
+  Foam foam;
+  const Vec3f start(10 * d, 16 * d, 10 * d);
+  foam.add(start, {}, 0.5f);
+  for (int s = 0; s < 29; ++s) {
+    EXPECT_EQ(step(foam, fluid).foam, 1);
+    const float t = float(s + 1) * dt;
+    EXPECT_LT(length(foam.positions()[0] - start - Vec3f(0.1f, 0, 0.05f) * t), 1e-5f);
+  }
+  step(foam, fluid);
+  step(foam, fluid);
+  EXPECT_EQ(foam.size(), 0);
+}
+
+// Upwards with buoyancy g / drag, and along with the fluid; what comes up is foam.
+TEST(Foam, BubblesRise) {
+  FluidArrays fluid = pool({0.1f, 0, 0});
+  Foam foam;
+  foam.add({8 * d, 4 * d, 10 * d}, {}, 1);
+  for (int s = 0; s < 20; ++s) EXPECT_EQ(step(foam, fluid).bubbles, 1);
+  const FoamParameters usual;
+  EXPECT_NEAR(foam.velocities()[0].y, usual.buoyancy * 9.81f / usual.drag, 1e-3f);
+  EXPECT_NEAR(foam.velocities()[0].x, 0.1f, 1e-3f);
+  for (int s = 0; s < 30; ++s) step(foam, fluid);
+  EXPECT_EQ(foam.kinds()[0], FoamKind::foam);
+  EXPECT_NEAR(foam.positions()[0].y, 16 * d, d);
+}
+
+// Streams that meet trap air; that part do not.
+TEST(Foam, StreamsThatMeetMakeIt) {
+  for (const float speed : {3.0f, -3.0f}) {
+    FluidArrays fluid = pool({});
+    fluid.set_velocities([&](const Vec3f& x) { return Vec3f(x.x < 10 * d ? speed : -speed, 0, 0); });
+    Foam foam;
+    const auto report = step(foam, fluid, {.wave_crest_rate = 0});
+    if (speed > 0) {
+      EXPECT_GT(report.made, 100);
+      for (const Vec3f& x : foam.positions()) EXPECT_LT(std::abs(x.x - 10 * d), 6 * d);
+    } else {
+      EXPECT_EQ(report.made, 0);
+    }
+  }
+}
+
+// A crest is where the surface bends and the flow goes outwards; a flat surface has none.
+TEST(Foam, CrestsMakeIt) {
+  const auto made = [](const Vec3f& velocity, const std::vector<Vec4f>& particles) {
+    FluidArrays fluid(particles, d, 1000, 0);
+    fluid.set_velocities([&](const Vec3f&) { return velocity; });
+    Foam foam;
+    return step(foam, fluid, {.trapped_air_rate = 0}).made;
+  };
+  const Vec3f slope = Vec3f(3, 3, 0);
+  EXPECT_GT(made(slope, test::block_of(20, 8, 8, d)), 0);  // out of an edge
+  const std::vector<Vec4f> wide = test::block_of(30, 6, 30, d, 0.1f);
+  FluidArrays flat(wide, d, 1000, 0);
+  flat.set_velocities([](const Vec3f& x) {
+    return std::max(std::abs(x.x - 15 * d), std::abs(x.z - 15 * d)) < 10 * d ? Vec3f(0, 4, 0) : Vec3f();
+  });
+  Foam foam;
+  EXPECT_EQ(step(foam, flat, {.trapped_air_rate = 0}).made, 0);
+}
+
+/// Water behind a gate that opens: a block of 20 x 20 x 8 spacings in a box of 40 x 8.
+struct DamBreak {
+  static constexpr int nx = 20, ny = 20, nz = 8, width = 40;
+  std::unique_ptr<Threads> threads;
+  DensitySolver solver{d, {}};
+  std::vector<Vec4f> positions = test::block_of(nx, ny, nz, d), x, v;
+  std::vector<Vec3f> velocity, slopes;
+  Foam foam;
+  Foam::Report report;
+
+  explicit DamBreak(int thread_count)
+      : threads(make_threads(Threading::pool, thread_count)),
+        x(positions.size() + 1),
+        v(positions.size() + 1),
+        velocity(positions.size()),
+        slopes(positions.size()) {
+    for (Vec4f& p : positions) p.w = 1 / (1000 * d * d * d);
+  }
+  struct Box {
+    const Smoothing& smoothing;
+    BoundarySums look(std::size_t, const Vec3f& at) const {
+      const float distance[] = {at.x, width * d - at.x, at.y, at.z, nz * d - at.z};
+      const Vec3f normal[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
+      BoundarySums sums;
+      float left = 1;
+      for (int a = 0; a < 5; ++a) {
+        const Smoothing::Wall wall = smoothing.wall(distance[a]);
+        sums.slope = sums.slope * (1 - wall.value) + normal[a] * (wall.slope * left);
+        left *= 1 - wall.value;
+      }
+      sums.value = 1 - left;
+      return sums;
+    }
+    void push(std::size_t, float) const {}
+    void pushed() const {}
+  };
+  static void keep_in(Vec3f& at, Vec3f& speed) {
+    const Vec3f low{0, 0, 0}, high{width * d, 100, nz * d};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (at[axis] < low[axis]) at[axis] = low[axis], speed[axis] = std::max(speed[axis], 0.0f);
+      if (at[axis] > high[axis]) at[axis] = high[axis], speed[axis] = std::min(speed[axis], 0.0f);
+    }
+  }
+  void substep(float h) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      velocity[i] += gravity * h;
+      Vec3f at = positions[i].xyz() + velocity[i] * h;
+      keep_in(at, velocity[i]);
+      positions[i].set_xyz(at);
+    }
+    solver.place(positions, *threads);
+    Box box{solver.smoothing()};
+    solver.solve(box, *threads);
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      const std::uint32_t i = solver.order()[k];
+      x[k] = solver.positions()[k];
+      positions[i].set_xyz(x[k].xyz());
+      velocity[i] += solver.moved()[k] * (1 / h);
+      v[k] = {velocity[i].x, velocity[i].y, velocity[i].z, 0};
+    }
+    x.back() = {1e15f, 1e15f, 1e15f, 0};
+  }
+  void frame(const FoamParameters& parameters) {
+    for (int s = 0; s < 6; ++s) substep(dt / 6);
+    const Box box{solver.smoothing()};
+    for (std::size_t k = 0; k < positions.size(); ++k) slopes[k] = box.look(k, x[k].xyz()).slope;
+    report = foam.step({x, v, solver.neighbours(), solver.smoothing()}, solver.order(), slopes, parameters,
+                       gravity, dt, keep_in, *threads);
+  }
+};
+
+// It foams where it hits the far wall, not before; all stays in the box and within the bound.
+TEST(Foam, ADamBreakFoamsWhenItHitsTheWall) {
+  DamBreak dam(2);
+  FoamParameters parameters;
+  parameters.most = 3000;
+  std::size_t before = 0, after = 0, largest = 0, thinned = 0;
+  Foam::Report seen;
+  for (int f = 0; f < 70; ++f) {
+    dam.frame(parameters);
+    if (f < 12) before += dam.report.made;
+    if (f >= 12 && f < 24) after += dam.report.made;
+    largest = std::max(largest, dam.foam.size());
+    thinned += dam.report.thinned;
+    seen.spray = std::max(seen.spray, dam.report.spray);
+    seen.foam = std::max(seen.foam, dam.report.foam);
+    seen.bubbles = std::max(seen.bubbles, dam.report.bubbles);
+    ASSERT_EQ(dam.report.spray + dam.report.foam + dam.report.bubbles, dam.foam.size());
+    for (const Vec3f& at : dam.foam.positions()) {
+      Vec3f in = at, speed{};
+      DamBreak::keep_in(in, speed);
+      ASSERT_LT(length(in - at), 0.5f * d) << f;
+    }
+  }
+  EXPECT_GT(after, 4 * before);
+  EXPECT_GT(seen.spray, 20);
+  EXPECT_GT(seen.foam, 100);
+  EXPECT_GT(seen.bubbles, 100);
+  EXPECT_EQ(largest, parameters.most);
+  EXPECT_GT(thinned, 0);
+}
+
+TEST(Foam, IsTheSameForAnyNumberOfThreads) {
+  std::vector<Vec3f> first;
+  for (const int threads : {1, 2, 8}) {
+    DamBreak dam(threads);
+    for (int f = 0; f < 30; ++f) dam.frame({});
+    if (first.empty()) first.assign(dam.foam.positions().begin(), dam.foam.positions().end());
+    ASSERT_GT(first.size(), 100);
+    ASSERT_EQ(dam.foam.size(), first.size());
+    for (std::size_t k = 0; k < first.size(); ++k) ASSERT_EQ(first[k], dam.foam.positions()[k]);
+  }
+}
+
+}  // namespace
+}  // namespace souple

@@ -1,0 +1,123 @@
+#include "souple/fluid/air_drag.h"
+#include "souple/fluid/vorticity.h"
+#include "souple/fluid/xsph.h"
+#include "tests/fluid/fluid_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using test::FluidArrays;
+
+constexpr float d = 0.02f;
+constexpr auto shape = SmoothingShape::wendland;
+
+/// A whirl around z with a core of 3 spacings (Lamb and Oseen).
+struct Whirl {
+  FluidArrays fluid{test::block_of(24, 24, 8, d, 0.1f), d, 1000, 5};  // nu = 0.005 m^2/s
+  static Vec3f flow(const Vec3f& x) {
+    const float dx = x.x - 12 * d, dy = x.y - 12 * d, r2 = dx * dx + dy * dy, core = 9 * d * d;
+    const float turn = 20 * core * (1 - std::exp(-r2 / core)) / std::max(r2, 1e-8f);
+    return {-dy * turn, dx * turn, 0};
+  }
+  Whirl() { fluid.set_velocities(flow); }
+  /// How fast particles 2 to 4 spacings from the axis go around it [1/s].
+  double turn() const {
+    double sum = 0;
+    int count = 0;
+    for (std::size_t k = 0; k < fluid.size(); ++k) {
+      const double dx = double{fluid.x[k].x - 12 * d}, dy = double{fluid.x[k].y - 12 * d};
+      const double r2 = (dx * dx + dy * dy) / double{d * d};
+      if (r2 < 4 || r2 > 16) continue;
+      sum += (dx * double{fluid.v[k].y} - dy * double{fluid.v[k].x}) / (dx * dx + dy * dy);
+      ++count;
+    }
+    return sum / count;
+  }
+  /// After 0.1 s of viscosity and confinement, over what it was.
+  double left(float epsilon) {
+    const double first = turn();
+    VorticityConfinement confinement;
+    for (int s = 0; s < 50; ++s) {
+      Xsph(shape).apply(fluid.view(), {}, 2e-3f, *fluid.threads);
+      if (epsilon > 0) confinement.apply(fluid.view(), epsilon, 2e-3f, *fluid.threads);
+    }
+    return turn() / first;
+  }
+};
+
+TEST(Vorticity, IsThatOfTheFlow) {
+  FluidArrays fluid(test::block_of(12, 12, 12, d), d, 1000, 0);
+  fluid.set_velocities([](const Vec3f& x) { return cross(Vec3f(1, 2, 3), x); });  // omega = 2 (1, 2, 3)
+  VorticityConfinement confinement;
+  confinement.apply(fluid.view(), 0, 1, *fluid.threads);
+  for (std::size_t k = 0; k < fluid.size(); ++k) {
+    const Vec3f& x = fluid.x[k].xyz();
+    if (std::max({std::abs(x.x - 6 * d), std::abs(x.y - 6 * d), std::abs(x.z - 6 * d)}) > 3 * d) continue;
+    // Gradients are 1.04 times the lattice's.
+    EXPECT_LT(length(confinement.vorticity()[k] - Vec3f(2, 4, 6) * 1.04f), 0.01f);
+  }
+}
+
+TEST(Vorticity, AWhirlLastsLongerWithConfinement) {
+  const double without = Whirl().left(0), some = Whirl().left(0.1f), more = Whirl().left(0.2f);
+  EXPECT_LT(without, 0.8);
+  EXPECT_GT(some, without + 0.05);
+  EXPECT_GT(more, some + 0.05);
+  EXPECT_LT(more, 1.2);
+}
+
+TEST(Vorticity, LeavesAloneWhatMovesAsAWhole) {
+  FluidArrays fluid(test::block_of(8, 8, 8, d, 0.1f), d, 1000, 0);
+  fluid.set_velocities([](const Vec3f&) { return Vec3f(1, -2, 3); });
+  VorticityConfinement().apply(fluid.view(), 1, 1, *fluid.threads);
+  for (std::size_t k = 0; k < fluid.size(); ++k) EXPECT_EQ(fluid.v[k].xyz(), Vec3f(1, -2, 3));
+}
+
+TEST(Vorticity, IsTheSameForAnyNumberOfThreads) {
+  std::vector<Vec4f> first;
+  for (const int threads : {1, 2, 8}) {
+    FluidArrays fluid(test::block_of(12, 12, 12, d, 0.2f), d, 1000, 0, threads);
+    fluid.set_velocities([](const Vec3f& x) { return Whirl::flow(x * 2.0f); });
+    VorticityConfinement().apply(fluid.view(), 1, 1e-2f, *fluid.threads);
+    if (first.empty()) first = fluid.v;
+    for (std::size_t k = 0; k < fluid.size(); ++k) ASSERT_EQ(first[k].xyz(), fluid.v[k].xyz());
+  }
+}
+
+// A drop of 2 mm falls at sqrt(2 m g / (rho C d^2)) in the end, and drifts with the wind.
+TEST(AirDrag, ADropFallsAtItsTerminalSpeed) {
+  constexpr float size = 0.002f, g = 9.81f, h = 1.0f / 240;
+  FluidArrays drop({{0, 0, 0, 0}}, size, 1000, 0);
+  const float covered = drop.smoothing.volume() * drop.smoothing.centre();
+  for (int s = 0; s < 2400; ++s) {
+    drop.v[0].y -= g * h;
+    apply_air_drag(drop.view(), {&covered, 1}, {.wind = {3, 0, 0}}, h, *drop.threads);
+  }
+  const float mass = 1000 * size * size * size;
+  const float terminal = std::sqrt(2 * mass * g / (1.2f * 0.47f * size * size));
+  EXPECT_NEAR(drop.v[0].y, -terminal, 0.01f * terminal);
+  EXPECT_NEAR(drop.v[0].x, 3, 0.05f);
+}
+
+// The wind takes along what it meets, no faster than itself, and nothing within.
+TEST(AirDrag, OnlyTheSurfaceFeelsTheWind) {
+  FluidArrays fluid(test::block_of(8, 8, 8, d), d, 1000, 0);
+  std::vector<float> covered(fluid.size(), 1.0f);
+  for (std::size_t k = 0; k < fluid.size(); ++k)
+    if (fluid.x[k].y > 7 * d) covered[k] = 0.88f;
+  apply_air_drag(fluid.view(), covered, {.wind = {0, 0, 50}}, 1e3f, *fluid.threads);
+  for (std::size_t k = 0; k < fluid.size(); ++k) {
+    if (fluid.x[k].y < 7 * d)
+      EXPECT_EQ(fluid.v[k].z, 0);
+    else
+      EXPECT_NEAR(fluid.v[k].z, 49, 1.0f);
+  }
+}
+
+}  // namespace
+}  // namespace souple
