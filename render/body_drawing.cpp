@@ -217,6 +217,14 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawin
   liquid.look = liquid_look(density_, 0.5f * edge, chosen_);
   liquid.pick = pick;
   drawing.list.liquids.push_back(liquid);
+  if (body.foam.empty()) return;
+  Foam foam;
+  foam.key = key_;
+  foam.version = version_;
+  foam.centres = body.foam;
+  foam.radius = 0.3f * spacing;
+  foam.opacity = 0.35f;
+  drawing.list.foams.push_back(foam);
 }
 
 void BodyDrawing::draw_grains(const Body& body, std::uint32_t pick, const Drawing& drawing) {

@@ -25,6 +25,7 @@ struct Body {
   float radius = 0.005f;           ///< of ropes and grains, half the thickness of others, half of a fluid's
                                    ///< spacing [m]
   float density = 0;               ///< of fluids; 0: not known [kg/m^3]
+  std::span<const Vec3f> foam;     ///< of fluids: spray, foam and bubbles [m]
   std::optional<Colour> colour{};  ///< if none: one of the palette
 };
 
