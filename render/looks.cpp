@@ -26,7 +26,7 @@ struct LiquidKind {
 // Refractive indices: CRC handbook.
 const LiquidKind water{srgb(0x9cd3ec), srgb(0x3f8fd0), 0, 1.333f};
 const LiquidKind oil{srgb(0xefc94a), srgb(0xd9ae2b), 0.1f, 1.47f};
-const LiquidKind honey{srgb(0xdb8a22), srgb(0xb8690f), 0.25f, 1.49f};
+const LiquidKind honey{srgb(0xe3a23a), srgb(0xc07a1a), 0.25f, 1.49f};
 
 const LiquidKind& liquid_kind(float density) {
   if (density > 1200) return honey;
