@@ -27,7 +27,8 @@ struct Look {
   float sheen = 0;                 ///< light scattered at grazing angles, as by cloth, in [0, 1]
 };
 
-/// Triangles, drawn from both sides unless told otherwise. Buffers on the GPU are kept from picture to picture under `key`.
+/// Triangles, drawn from both sides unless told otherwise. Buffers on the GPU are kept from picture to
+/// picture under `key`.
 struct Surface {
   std::uint64_t key = 0;             ///< unique among the surfaces of all lists drawn by one renderer
   std::uint64_t topology = 0;        ///< another number: triangles and texture have changed

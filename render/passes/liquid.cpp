@@ -151,6 +151,9 @@ void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& not
         step();
       }
     }
+    clean_up_.use();
+    clean_up_.set("deviation", smoothing / float(passes));
+    step();
   }
 }
 

@@ -54,6 +54,7 @@ class LiquidPass {
 
   gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};
   gl::Program narrow_range_{"screen.vert.glsl", "narrow_range.frag.glsl"};
+  gl::Program clean_up_{"screen.vert.glsl", "narrow_range.frag.glsl", {"CLEAN_UP"}};
   gl::Program shade_{"ray.vert.glsl", "liquid.frag.glsl"};
   std::optional<Targets> targets_;
 };

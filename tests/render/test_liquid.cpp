@@ -198,7 +198,7 @@ TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
     EXPECT_LT(std::abs(part_of(differences, 0.5)), 0.05 * double(spacing)) << liquid_filter_name(filter);
     // All but the edges of waves before others.
     for (double& difference : differences) difference = std::abs(difference);
-      EXPECT_LT(part_of(differences, 0.95), 0.15 * double(spacing)) << liquid_filter_name(filter);
+    EXPECT_LT(part_of(differences, 0.95), 0.15 * double(spacing)) << liquid_filter_name(filter);
   }
 }
 
