@@ -1,6 +1,7 @@
 #include "souple/collision/collider_contacts.h"
 
 #include "souple/collision/contact_law.h"
+#include "souple/collision/first_touch.h"
 #include "souple/collision/place.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
@@ -8,53 +9,12 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <optional>
 
 namespace souple {
 namespace {
 
 constexpr double far_away = std::numeric_limits<double>::infinity();
 constexpr std::size_t particle_grain = 256;  // particles worth a thread
-
-struct Touch {
-  SurfaceDistance surface;
-  Vec3d point;
-};
-
-// Where a ball of radius r whose centre goes from `from` to `to` first touches a shape: sphere tracing
-// (Hart 1996), each stride as long as the free distance. Grazing paths may need many strides; one that has
-// not passed after 64 is within a hair of the surface and counts as touching. What leaves a surface it
-// touches meets no other side of a convex shape; of any other it may, and a smaller ball goes there.
-std::optional<Touch> first_touch(const Shape& shape, const SurfaceDistance& start, const Vec3d& from,
-                                 const Vec3d& to, double r) {
-  const Vec3d motion = to - from;
-  const double path = length(motion);
-  if (start.distance <= r) {
-    if (dot(start.normal, motion) < 0) return Touch{start, from};
-    if (is_convex(shape)) return std::nullopt;
-    r = 0.5 * start.distance;
-  }
-  const double near_enough = 1e-4 * (start.distance - r);
-  Touch touch{start, from};
-  double gone = 0;
-  for (int stride = 0; stride < 64; ++stride) {
-    const double free = touch.surface.distance - r;
-    if (free <= near_enough) break;
-    gone += free;
-    if (gone >= path) return std::nullopt;
-    touch.point = from + motion * (gone / path);
-    touch.surface = surface_distance(shape, touch.point);
-  }
-  return touch;
-}
-
-// Whether the straight way between two points at these distances from a surface may lead through it: each
-// distance is the radius of a ball free of the shape. A particle that moves more than its radius takes the
-// ball it is itself into account as well.
-bool may_pass(double start, double end, double path, double r) {
-  if (end <= 0 || path >= start + end) return true;
-  return path > r && path >= start + end - 2 * r;
-}
 
 }  // namespace
 

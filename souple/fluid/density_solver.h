@@ -17,6 +17,14 @@ struct BoundarySums {
   float response = 0, local_response = 0;
 };
 
+/// What surrounds a fluid and does not move, but for look(place, x): see DensitySolver::solve.
+struct FixedBoundary {
+  void looked(std::span<const Vec4f>, CoarsePressure&) const {}
+  void respond(std::size_t, BoundarySums&) const {}
+  void push(std::size_t, float) const {}
+  void pushed(std::span<const float>) const {}
+};
+
 /// Keeps a fluid from being compressed (Macklin & Müller 2013, "Position based fluids"): for each particle
 ///
 ///   C_i = V sum_j W_ij + boundary - 1 <= 0,   dx_i = w (V sum_j (lambda_i + lambda_j) grad W_ij + lambda_i
@@ -74,25 +82,10 @@ class DensitySolver {
     }
   }
 
-  /// f(place, V sum_j (v_j - v_i) W_ij) for all places, where particles are now. `values`: by place, and one
-  /// record more, 0.
-  template <class Function>
-  void smooth(std::span<const Vec4f> values, const Function& f, Threads& threads) const {
-    const auto blocks = neighbours_.blocks();
-    threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t b = first; b < last; ++b)
-        for (std::uint32_t k = blocks[b].begin; k < blocks[b].end; ++k) {
-          const auto list = blocks[b].padded(k);
-          f(k, kernels_->spread(x_.data(), values.data(), x_[k], values[k], list.data(), list.size(),
-                                smoothing_.factors()) *
-                   smoothing_.volume());
-        }
-    });
-  }
-
   std::size_t size() const { return order_.size(); }
   std::span<const std::uint32_t> order() const { return order_.order(); }  ///< of each place, the particle
   std::span<const Vec4f> positions() const { return {x_.data(), size()}; }
+  std::span<const Vec4f> padded_positions() const { return x_; }  ///< and one more, far away
   std::span<const Vec3f> moved() const { return moved_; }  ///< by `solve` [m]
   std::span<const float> lambda() const { return lambda_; }
   /// C of the last look, before the last push.

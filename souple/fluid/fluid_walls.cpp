@@ -1,5 +1,7 @@
 #include "souple/fluid/fluid_walls.h"
 
+#include "souple/collision/first_touch.h"
+
 #include <limits>
 
 namespace souple {
@@ -32,7 +34,7 @@ void FluidWalls::begin_substep(double time, double h) {
 
 double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,
                         std::vector<NearPlane>& planes) const {
-  if (meets_[fluid * colliders_.size() + wall.collider] == 0) return std::numeric_limits<double>::infinity();
+  if (!meets(wall, fluid)) return std::numeric_limits<double>::infinity();
   const Vec3d world = origin_ + Vec3d(x);
   const double clear = length(world - wall.centre) - wall.ball.radius;
   if (clear > double{reach}) return clear;
@@ -50,6 +52,41 @@ double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, flo
                     .motion = motion,
                     .collider = wall.collider});
   return surface.distance;
+}
+
+// In the wall's own frame, where it stands still. A particle that touches on its way goes on along the plane
+// it touched.
+Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const {
+  if (length(x - wall.centre) - wall.ball.radius > radius + length(x - start) + length(wall.after.translation - wall.before.translation))
+    return x;
+  const Shape& shape = colliders_[wall.collider].shape;
+  const Vec3d from = wall.before.to_local(start), to = wall.after.to_local(x);
+  SurfaceDistance end = surface_distance(shape, to);
+  const double path = length(to - from);
+  if (end.distance > max(radius, path)) return x;
+  const SurfaceDistance begin = surface_distance(shape, from);
+  if (begin.distance > 0 && may_pass(begin.distance, end.distance, path, radius)) {
+    if (const auto touch = first_touch(shape, begin, from, to, radius))
+      end = {dot(touch->surface.normal, to - touch->point) + touch->surface.distance, touch->surface.normal};
+  }
+  if (!(end.distance < radius)) return x;
+  return wall.after.to_world(to + end.normal * (radius - end.distance));
+}
+
+// Both ends of the way in a ball that is free of walls: so is the way.
+Vec3f FluidWalls::keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x,
+                           float radius) const {
+  const Looked& looked = looked_[i];
+  const bool clear = max(length(x - looked.at), length(start - looked.at)) + radius < looked.clear;
+  if (clear && moving_.empty()) return x;
+  const Vec3d before = origin_ + Vec3d(start), predicted = origin_ + Vec3d(x);
+  Vec3d at = predicted;
+  if (!clear)
+    for (const Wall& wall : still_)
+      if (meets(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
+  for (const Wall& wall : moving_)
+    if (meets(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
+  return at == predicted ? x : Vec3f(at - origin_);
 }
 
 void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach,

@@ -160,26 +160,29 @@ void Foam::find_normals(const FluidView& fluid, std::span<const Vec3f> wall_slop
   });
 }
 
+// The sum over a crest's surface behind a place of 1 - n_i . n_j.
+float Foam::bend(const FluidView& fluid, std::uint32_t i, std::span<const std::uint32_t> list) const {
+  const Vec3f n = normals_[i];
+  const float inverse_h = 1 / fluid.smoothing.support();
+  float sum = 0;
+  for (const std::uint32_t entry : list) {
+    const std::uint32_t j = entry / 4;
+    if (j == fluid.size()) continue;
+    const Vec3f x = fluid.x[i].xyz() - fluid.x[j].xyz(), m = normals_[j];
+    if (dot(x, n) > 0 && dot(m, m) > 0) sum += (1 - dot(n, m)) * max(1 - length(x) * inverse_h, 0.0f);
+  }
+  return sum;
+}
+
 Foam::Potential Foam::potential(const FluidView& fluid, std::uint32_t i, std::span<const std::uint32_t> list,
                                 const FoamParameters& parameters, float dt) const {
   const Vec3f v = fluid.v[i].xyz();
   const float energy = ramp(0.5f * dot(v, v), parameters.energy);
   if (!(energy > 0)) return {0, 0};
-  const float inverse_h = 1 / fluid.smoothing.support();
+  const float meeting = velocity_->meeting(fluid.x.data(), fluid.v.data(), fluid.x[i], fluid.v[i],
+                                           list.data(), list.size(), fluid.smoothing.factors());
   const Vec3f n = normals_[i];
-  const bool along = dot(v, n) > 0.6f * length(v);
-  float meeting = 0, bent = 0;
-  for (const std::uint32_t entry : list) {
-    const std::uint32_t j = entry / 4;
-    const Vec3f x = fluid.x[i].xyz() - fluid.x[j].xyz();
-    const float r = length(x), hat = 1 - r * inverse_h;
-    if (!(hat > 0)) continue;
-    // |v_ij| (1 - v_ij . x_ij / (|v_ij| r))
-    const Vec3f apart = v - fluid.v[j].xyz();
-    meeting += (length(apart) - dot(apart, x) / max(r, 1e-30f)) * hat;
-    const Vec3f m = normals_[j];
-    if (along && dot(x, n) > 0 && dot(m, m) > 0) bent += (1 - dot(n, m)) * hat;
-  }
+  const float bent = dot(v, n) > 0.6f * length(v) ? bend(fluid, i, list) : 0;
   const float rate = energy * (parameters.trapped_air_rate * ramp(meeting, parameters.trapped_air) +
                                parameters.wave_crest_rate * ramp(bent, parameters.wave_crest));
   return {rate * dt, rate / (parameters.trapped_air_rate + parameters.wave_crest_rate)};

@@ -52,7 +52,8 @@ class Foam {
   };
 
   explicit Foam(SmoothingShape shape = SmoothingShape::wendland)
-      : kernels_(&kernels::find_density_kernels(instruction_set(), shape)) {}
+      : kernels_(&kernels::find_density_kernels(instruction_set(), shape)),
+        velocity_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}
 
   /// One step of dt seconds, after the fluid's: `particle` says of each place which particle is there.
   /// `wall_slopes` by place, or empty: BoundarySums::slope, which keeps walls from looking like a surface
@@ -106,6 +107,7 @@ class Foam {
             Threads& threads);
   void dissolve();
   void find_normals(const FluidView& fluid, std::span<const Vec3f> wall_slopes, Threads& threads);
+  float bend(const FluidView& fluid, std::uint32_t place, std::span<const std::uint32_t> list) const;
   Potential potential(const FluidView& fluid, std::uint32_t place, std::span<const std::uint32_t> list,
                       const FoamParameters& parameters, float dt) const;
   void make(const FluidView& fluid, std::span<const std::uint32_t> particle, const FoamParameters& parameters,
@@ -115,6 +117,7 @@ class Foam {
   Report count() const;
 
   const kernels::DensityKernels* kernels_;
+  const kernels::VelocityKernels* velocity_;
   std::vector<Vec3f> x_, v_;
   std::vector<float> life_, age_;
   std::vector<FoamKind> kind_;

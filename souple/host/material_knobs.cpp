@@ -68,8 +68,13 @@ const std::vector<Knob<G>> grains_knobs{
 using F = FluidMaterial;
 const std::vector<Knob<F>> fluid_knobs{
     {"Density", "density", "kg/m\xc2\xb3", &F::density, logarithmic(100, 2e4f)},
+    {"Viscosity", "viscosity", "Pa s", &F::viscosity, logarithmic(1e-4f, 1000)},
     {"Smoothing", "xsph", "1/s", &F::xsph, logarithmic(0.1f, 1000)},
-    {"Friction", "friction", "", &F::friction, {0, 2}},
+    {"Surface tension", "surface_tension", "N/m", &F::surface_tension, logarithmic(1e-3f, 10)},
+    {"Contact angle", "contact_angle", "degrees", &F::contact_angle, {0, 180}},
+    {"Vorticity", "vorticity", "m/s", &F::vorticity, logarithmic(1e-4f, 10)},
+    {"Air drag", "air_drag", "", &F::air_drag, {0, 2}},
+    {"Friction", "friction", "", &F::friction, fraction},
     {"Restitution", "restitution", "", &F::restitution, fraction},
 };
 

@@ -112,6 +112,7 @@ FrameReport frame_report(std::uint64_t frame, double time, const StepReport& rep
     kept.values.emplace_back("fluid.fastest", fluid.fastest);
     kept.values.emplace_back("fluid.largest_step", fluid.largest_step);
     kept.values.emplace_back("fluid.coarse_iterations", fluid.coarse_iterations);
+    kept.values.emplace_back("fluid.viscosity_iterations", fluid.viscosity_iterations);
   }
   for (const KindReport& kind : by_kind(report.kinds)) {
     kept.values.emplace_back("residual." + std::string(kind.kind), kind.largest);

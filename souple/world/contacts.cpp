@@ -16,6 +16,7 @@ ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .layers = 0};
   result.hits_itself = object.kind == ObjectKind::grains;
+  result.hits_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
   if (is_loose(object) && object.kind != ObjectKind::fluid) result.layers = result.hits_layers = balls;
   return result;
 }
@@ -57,6 +58,9 @@ void append_features(const Object& object, std::uint32_t index, std::span<const 
 }
 
 Surface surface_of(const Material& material) {
+  // A fluid rubs by its viscosity, not by Coulomb's law.
+  if (const auto* fluid = std::get_if<FluidMaterial>(&material))
+    return {.friction = 0, .restitution = fluid->restitution};
   return std::visit(
       [](const auto& m) { return Surface{.friction = m.friction, .restitution = m.restitution}; }, material);
 }

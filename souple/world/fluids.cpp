@@ -1,17 +1,21 @@
 #include "souple/world/fluids.h"
 
 #include "souple/collision/place.h"
+#include "souple/fluid/air_drag.h"
 #include "souple/world/add.h"
+#include "souple/world/forces.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace souple {
 
 namespace {
 
 constexpr std::size_t grain = 512;  // particles worth a thread
+constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps particles at half of one
 
 /// What the density solver asks.
 struct Boundary {
@@ -37,6 +41,16 @@ struct Boundary {
     if (bodies.skin_count() > 0) bodies.yield(surroundings, change);
   }
 };
+
+/// What is missing to `radius` before the walls near x. [m]
+Vec3f out_of_walls(const Vec3f& x, std::span<const NearPlane> planes, float radius) {
+  Vec3f way{};
+  for (const NearPlane& plane : planes) {
+    const float distance = dot(plane.normal, x + way) - plane.offset;
+    if (plane.skin == NearPlane::nobody && distance < radius) way += plane.normal * (radius - distance);
+  }
+  return way;
+}
 
 /// How a fluid feels an object; nothing when it does not.
 std::optional<Skin> skin_of(const Object& object) {
@@ -104,7 +118,7 @@ void Fluids::find_particles(const WorldState& world) {
   objects_.clear();
   meets_.clear();
   feels_.clear();
-  limit_.clear();
+  materials_.clear();
   for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
     const Object& object = *world.objects[o];
     const auto* material = std::get_if<FluidMaterial>(&object.material);
@@ -117,7 +131,7 @@ void Fluids::find_particles(const WorldState& world) {
     objects_.push_back(o);
     for (const std::uint32_t body : skinned_)
       feels_.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
-    limit_.push_back(material->xsph);
+    materials_.push_back(*material);
     for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
       meets_.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
   }
@@ -130,6 +144,9 @@ void Fluids::choose_solver(const WorldState& world) {
                                       .passes = world.settings.fluid.iterations};
   if (solver_ && spacing_ == spacing && options_ == wanted) return;
   solver_ = std::make_unique<DensitySolver>(spacing, wanted);
+  viscosity_ = Viscosity(wanted.shape);
+  surface_tension_ = SurfaceTension(wanted.shape);
+  vorticity_ = VorticityConfinement(wanted.shape);
   spacing_ = spacing;
   options_ = wanted;
 }
@@ -139,14 +156,17 @@ void Fluids::place(WorldState& world, Threads& threads) {
   start_.resize(particle_.size());
   const Particles& particles = world.particles;
   const ParticleView view = world.view();
+  const float radius = nearest_to_walls * spacing_;
   const bool displaced = world.settings.form == Form::displacement;
   threads.for_each(particle_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Vec4f& x = particles.position[particle_[k]];
       Vec3f at(Vec3d(x.xyz()) - origin_);
       if (displaced) at += particles.offset[particle_[k]].xyz();
-      placed_[k] = {at.x, at.y, at.z, x.w};
       start_[k] = Vec3f(start_place(view, particle_[k]) - origin_);
+      const Vec3f kept = walls_.keep_out(k, fluid_[k], start_[k], at, radius);
+      view.correct(particle_[k], kept - at);
+      placed_[k] = {kept.x, kept.y, kept.z, x.w};
     }
   });
   solver_->place(placed_, threads);
@@ -168,9 +188,9 @@ void Fluids::look_around(Threads& threads) {
 
 void Fluids::press(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
-  place(world, threads);
   world.guarded("a collider's motion",
                 [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
+  place(world, threads);
   if (bodies_.skin_count() > 0)
     bodies_.begin_substep(world.view(), world.particles.mass, placed_,
                           Surroundings::reach(solver_->smoothing()), threads);
@@ -181,7 +201,10 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) view.correct(particle_[order[k]], moved[k]);
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec3f at = solver_->positions()[k].xyz();
+      view.correct(particle_[order[k]], moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
+    }
   });
   if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);
   sum_forces(world, substep);
@@ -224,25 +247,95 @@ void Fluids::note(const Substep& substep) {
                                                             static_cast<double>(spacing_));
 }
 
+// What several walls say together, as if they hid one another.
+void Fluids::find_wall_friction(float h, Threads& threads) {
+  const auto x = solver_->positions();
+  const auto order = solver_->order();
+  wall_friction_.resize(x.size());
+  for_places(x.size(), threads, [&](std::size_t k) {
+    Vec3f motion{};
+    float sum = 0, left = 1;
+    for (const NearPlane& plane : surroundings_.of(k)) {
+      if (plane.skin != NearPlane::nobody) continue;
+      const float value = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
+      motion += plane.motion * value;
+      sum += value;
+      left *= 1 - value;
+    }
+    const Vec3f speed = sum > 0 ? motion * (1 / (sum * h)) : Vec3f{};
+    wall_friction_[k] = {speed.x, speed.y, speed.z, (1 - left) * materials_[fluid_[order[k]]].friction};
+  });
+}
+
+void Fluids::find_near_walls(Threads& threads) {
+  const auto x = solver_->positions();
+  near_walls_.resize(x.size());
+  for_places(x.size(), threads, [&](std::size_t k) {
+    near_walls_[k] = {};
+    float nearest = std::numeric_limits<float>::max();
+    for (const NearPlane& plane : surroundings_.of(k)) {
+      const float distance = dot(plane.normal, x[k].xyz()) - plane.offset;
+      if (plane.skin != NearPlane::nobody || distance >= nearest) continue;
+      nearest = distance;
+      near_walls_[k] = {plane.normal, distance};
+    }
+  });
+}
+
+// The strongest of what the fluids of a world want is done for all of them, but for viscosity and drag, which
+// each has for itself.
+void Fluids::apply_forces(const WorldState& world, const Substep& substep) {
+  Threads& threads = *world.threads;
+  const FluidView view{solver_->padded_positions(), velocity_, solver_->neighbours(), solver_->smoothing()};
+  const auto most = [&](float FluidMaterial::*value) {
+    float result = 0;
+    for (const FluidMaterial& material : materials_) result = std::max(result, material.*value);
+    return result;
+  };
+  find_wall_friction(substep.h, threads);
+  const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
+  report_.viscosity_iterations += viscous.iterations;
+  if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
+    find_near_walls(threads);
+    const float angle = materials_[0].contact_angle * static_cast<float>(pi) / 180;
+    surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h, threads);
+  }
+  if (const float epsilon = most(&FluidMaterial::vorticity); epsilon > 0)
+    vorticity_.apply(view, epsilon, substep.h, threads);
+  if (const float coefficient = most(&FluidMaterial::air_drag); coefficient > 0) {
+    covered_.resize(view.size());
+    for_places(view.size(), threads, [&](std::size_t k) { covered_[k] = 1 + solver_->density_error(k); });
+    const AirDrag air{wind_at(world.settings, world.time), world.settings.wind.air_density, coefficient};
+    apply_air_drag(view, covered_, air, substep.h, threads);
+  }
+}
+
+// XSPH is a viscosity of its own: mu = rho xsph d^2 / 6, see xsph.h.
 void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const auto order = solver_->order();
   std::vector<Vec4f>& velocity = world.particles.velocity;
   velocity_.resize(order.size() + 1);
   velocity_.back() = {};
-  threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) velocity_[k] = velocity[particle_[order[k]]];
+  for_places(order.size(), threads, [&](std::size_t k) {
+    const FluidMaterial& material = materials_[fluid_[order[k]]];
+    velocity_[k] = velocity[particle_[order[k]]];
+    velocity_[k].w = material.viscosity + material.density * material.xsph * spacing_ * spacing_ / 6;
   });
-  solver_->smooth(velocity_, [&](std::size_t k, const Vec3f& spread) {
-    const float share = -std::expm1(-limit_[fluid_[order[k]]] * substep.h);
-    Vec4f& v = velocity[particle_[order[k]]];
-    v.set_xyz(v.xyz() + spread * share);
-  }, threads);
+  apply_forces(world, substep);
+  double fastest = 0;
+  for (std::size_t k = 0; k < order.size(); ++k)
+    fastest = std::max(fastest, static_cast<double>(length_squared(velocity_[k].xyz())));
+  report_.fastest = std::max(report_.fastest, std::sqrt(fastest));
+  report_.largest_step = std::max(report_.largest_step, std::sqrt(fastest) / 1.5 * static_cast<double>(substep.h) /
+                                                            static_cast<double>(spacing_));
+  for_places(order.size(), threads,
+             [&](std::size_t k) { velocity[particle_[order[k]]].set_xyz(velocity_[k].xyz()); });
 }
 
 FluidReport Fluids::report() const {
   FluidReport report = report_;
-  if (substeps_ > 0) report.coarse_iterations /= substeps_;
+  if (substeps_ > 0) report.coarse_iterations /= substeps_, report.viscosity_iterations /= substeps_;
   return report;
 }
 

@@ -2,7 +2,11 @@
 
 #include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
+#include "souple/fluid/surface_tension.h"
+#include "souple/fluid/viscosity.h"
+#include "souple/fluid/vorticity.h"
 #include "souple/solver/projector.h"
+#include "souple/world/materials.h"
 #include "souple/world/report.h"
 
 #include <cstdint>
@@ -40,6 +44,9 @@ class Fluids {
   void place(WorldState& world, Threads& threads);
   void look_around(Threads& threads);
   void sum_forces(const WorldState& world, const Substep& substep);
+  void find_wall_friction(float h, Threads& threads);
+  void find_near_walls(Threads& threads);
+  void apply_forces(const WorldState& world, const Substep& substep);
   void note(const Substep& substep);
 
   std::unique_ptr<DensitySolver> solver_;
@@ -52,13 +59,19 @@ class Fluids {
   std::vector<std::uint32_t> particle_;  // of each of the fluids' particles, the world's
   std::vector<std::uint16_t> fluid_;     // and which fluid it is of
   std::vector<std::uint32_t> objects_;   // of each fluid
-  std::vector<float> limit_;             // of each fluid: the rate of its XSPH [1/s]
+  std::vector<FluidMaterial> materials_;  // of each fluid
   std::vector<std::uint8_t> meets_;      // of each fluid and collider
   std::vector<std::uint32_t> skinned_;   // objects that are bodies to fluids
   std::vector<std::uint8_t> feels_;      // of each fluid and body
   std::vector<Vec4f> placed_;            // x, y, z from the origin and inverse mass
   std::vector<Vec3f> start_;             // where they were when the substep began
-  std::vector<Vec4f> velocity_;          // by place, and one more, 0
+  std::vector<Vec4f> velocity_;          // by place, and the viscosity; one more, 0
+  std::vector<Vec4f> wall_friction_;     // by place
+  std::vector<NearWall> near_walls_;     // the same
+  std::vector<float> covered_;           // by place: V sum W
+  Viscosity viscosity_;
+  SurfaceTension surface_tension_;
+  VorticityConfinement vorticity_;
   std::vector<float> pressure_;          // sum over substeps [Pa]
   std::vector<Vec3d> force_;             // on each collider [N]
   int substeps_ = 0;

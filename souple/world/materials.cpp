@@ -39,9 +39,11 @@ const RopeMaterial steel_wire{.radius = 0.001f, .young_modulus = 2e11f, .density
 // Quartz 2650 kg/m^3; angle of repose of dry sand 30-35 degrees, tan = 0.6-0.7. Grains of 1 cm stand for many.
 const GrainsMaterial sand{.radius = 0.01f, .density = 2650, .friction = 0.65f};
 
-// Water at 20 C 998 kg/m^3, sunflower oil 920 kg/m^3 (CRC handbook).
-const FluidMaterial water{.density = 998};
-const FluidMaterial oil{.density = 920};
+// Water at 20 C: 998 kg/m^3, 1.0 mPa s. Sunflower oil: 920 kg/m^3, 49 mPa s at 26 C. Honey: 1420 kg/m^3, 10 Pa s
+// (CRC Handbook of Chemistry and Physics; Engineering ToolBox). Surface tension shows below a centimetre only.
+const FluidMaterial water{.density = 998, .viscosity = 0.001f};
+const FluidMaterial oil{.density = 920, .viscosity = 0.049f};
+const FluidMaterial honey{.density = 1420, .viscosity = 10};
 // clang-format on
 
 const ClothMaterial* find_cloth(std::string_view name) {
@@ -66,11 +68,12 @@ const GrainsMaterial* find_grains(std::string_view name) {
 
 const FluidMaterial* find_fluid(std::string_view name) {
   if (name == "water") return &water;
+  if (name == "honey") return &honey;
   return name == "oil" ? &oil : nullptr;
 }
 
 std::vector<std::string> names() {
-  return {"cotton", "silk", "denim", "rubber", "jelly", "nylon", "steel_wire", "sand", "water", "oil"};
+  return {"cotton", "silk", "denim", "rubber", "jelly", "nylon", "steel_wire", "sand", "water", "oil", "honey"};
 }
 
 }  // namespace souple::material

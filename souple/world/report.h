@@ -44,7 +44,8 @@ struct FluidReport {
   double largest_pressure = 0;    ///< Pa
   double fastest = 0;             ///< m/s
   double largest_step = 0;        ///< h max(sqrt(p / rho), v / 1.5) / spacing, to be below a third
-  double coarse_iterations = 0;   ///< of conjugate gradients, mean of the substeps
+  double coarse_iterations = 0;     ///< of conjugate gradients for the pressure, mean of the substeps
+  double viscosity_iterations = 0;  ///< the same for viscosity; 0 where it is solved without
 };
 
 /// What a step did. Returned by World::step; stays valid until the next step.

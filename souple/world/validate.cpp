@@ -139,8 +139,13 @@ void validate(const GrainsMaterial& m, std::string_view owner) {
 void validate(const FluidMaterial& m, std::string_view owner) {
   check_all(owner, {{"spacing", double(m.spacing), smallest, any},
                     {"density", double(m.density), smallest, any},
+                    {"viscosity", double(m.viscosity), 0, any},
                     {"xsph", double(m.xsph), 0, any},
-                    {"friction", double(m.friction), 0, any},
+                    {"surface_tension", double(m.surface_tension), 0, any},
+                    {"contact_angle", double(m.contact_angle), 0, 180},
+                    {"vorticity", double(m.vorticity), 0, any},
+                    {"air_drag", double(m.air_drag), 0, any},
+                    {"friction", double(m.friction), 0, 1},
                     {"restitution", double(m.restitution), 0, 1}});
 }
 

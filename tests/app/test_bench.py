@@ -14,7 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}
-STAGES = ["triangles", "neighbours"]  # of one stage, without a world
+STAGES = ["triangles", "dam-break", "neighbours"]  # of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -60,6 +60,14 @@ class Bench(unittest.TestCase):
         for threads in 2, 3:
             self.assertEqual(bench("triangles", "--size", 10000, "--threads", threads)["hash"], result["hash"])
         self.assertEqual(bench("triangles", "--size", 10000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
+
+    def test_dam_break(self):
+        result = bench("dam-break", "--size", 2000)
+        self.assertLess(abs(result["particles"] - 2000), 200)
+        self.assertGreater(result["ms_per_stage"]["fluids"], 0)
+        self.assertLess(result["density_error"], 0.01)
+        for threads in (1, 8):
+            self.assertEqual(bench("dam-break", "--size", 2000, "--threads", threads)["hash"], result["hash"])
 
     def test_neighbours(self):
         result = bench("neighbours", "--size", 20000)

@@ -43,13 +43,10 @@ struct Pool {
     sums.value = 1 - left;
     return sums;
   }
-  struct Walls {
+  struct Walls : FixedBoundary {
+    explicit Walls(const Pool& p) : pool(p) {}
     const Pool& pool;
     BoundarySums look(std::size_t, const Vec3f& x) const { return pool.walls(x); }
-    void looked(std::span<const Vec4f>, CoarsePressure&) const {}
-    void respond(std::size_t, BoundarySums&) const {}
-    void push(std::size_t, float) const {}
-    void pushed(std::span<const float>) const {}
   };
   void substep(float h) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -140,12 +137,8 @@ TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-struct Nothing {
+struct Nothing : FixedBoundary {
   BoundarySums look(std::size_t, const Vec3f&) const { return {}; }
-  void looked(std::span<const Vec4f>, CoarsePressure&) const {}
-  void respond(std::size_t, BoundarySums&) const {}
-  void push(std::size_t, float) const {}
-  void pushed(std::span<const float>) const {}
 };
 
 TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {

@@ -129,7 +129,8 @@ struct DamBreak {
         slopes(positions.size()) {
     for (Vec4f& p : positions) p.w = 1 / (1000 * d * d * d);
   }
-  struct Box {
+  struct Box : FixedBoundary {
+    explicit Box(const Smoothing& s) : smoothing(s) {}
     const Smoothing& smoothing;
     BoundarySums look(std::size_t, const Vec3f& at) const {
       const float distance[] = {at.x, width * d - at.x, at.y, at.z, nz * d - at.z};
@@ -144,8 +145,6 @@ struct DamBreak {
       sums.value = 1 - left;
       return sums;
     }
-    void push(std::size_t, float) const {}
-    void pushed() const {}
   };
   static void keep_in(Vec3f& at, Vec3f& speed) {
     const Vec3f low{0, 0, 0}, high{width * d, 100, nz * d};

@@ -41,15 +41,14 @@ struct Drop {
     if (adhesion >= 0) walls.resize(positions.size()), friction.resize(positions.size());
   }
   static float mass() { return density * d * d * d; }
-  struct Floor {
+  struct Floor : FixedBoundary {
+    explicit Floor(const Drop& which) : drop(which) {}
     const Drop& drop;
     BoundarySums look(std::size_t, const Vec3f& at) const {
       if (drop.walls.empty()) return {};
       const Smoothing::Wall wall = drop.solver.smoothing().wall(at.y);
       return {wall.value, {0, wall.slope, 0}};
     }
-    void push(std::size_t, float) const {}
-    void pushed() const {}
   };
   /// Of a ball as large as all particles [m].
   double radius() const { return std::cbrt(0.75 / pi * double(positions.size())) * double{d}; }

@@ -85,7 +85,10 @@ TEST(Viscosity, LetsAWaveOfShearDecayAtItsRate) {
       Periodic box(nu * density, jitter);
       const float h = 2e-3f;
       const double rate = box.rate(h, 8, [&](const FluidView& fluid, float step) {
-        ImplicitViscosity(shape, {.tolerance = 1e-3f}).apply(fluid, {}, step, *box.fluid.threads);
+        const auto report =
+            ImplicitViscosity(shape, {.tolerance = 1e-3f}).apply(fluid, {}, step, *box.fluid.threads);
+        EXPECT_LE(report.iterations, 35);
+        EXPECT_LE(report.residual, 1e-3f);
       });
       // An implicit substep divides by 1 + h nu k^2 where the wave decays by exp(-h nu k^2).
       const double once = double{h} * double{nu} * double{box.wave_number()} * double{box.wave_number()};

@@ -71,6 +71,31 @@ TEST(Vorticity, AWhirlLastsLongerWithConfinement) {
   EXPECT_LT(more, 1.2);
 }
 
+// Equations 15 and 16 of the paper, particle by particle, also where there is a surface and disorder.
+TEST(Vorticity, IsAsInThePaper) {
+  FluidArrays fluid(test::block_of(6, 6, 6, d, 0.2f), d, 1000, 0);
+  fluid.set_velocities([](const Vec3f& x) { return Whirl::flow(x * 3.0f); });
+  const std::vector<Vec4f> before = fluid.v;
+  const double V = double{fluid.smoothing.volume()}, size = 2 * double{d};
+  const std::size_t n = fluid.size();
+  const auto slope = [&](std::size_t i, std::size_t j) {
+    const Vec3d apart(fluid.x[i].xyz() - fluid.x[j].xyz());
+    const double t = std::max(1 - length(apart) / size, 0.0);
+    return apart * (double{fluid.smoothing.factors().slope_factor} * t * t * t);
+  };
+  std::vector<Vec3d> omega(n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      omega[i] += cross(slope(i, j), Vec3d(before[j].xyz() - before[i].xyz())) * V;
+  VorticityConfinement().apply(fluid.view(), 1, 1, *fluid.threads);
+  for (std::size_t i = 0; i < n; ++i) {
+    Vec3d eta{};
+    for (std::size_t j = 0; j < n; ++j) eta += slope(i, j) * (V * (length(omega[j]) - length(omega[i])));
+    const Vec3d wanted = cross(eta, omega[i]) * (1 / (length(eta) + 0.01 * length(omega[i]) / double{d}));
+    EXPECT_LT(length(Vec3d(fluid.v[i].xyz() - before[i].xyz()) - wanted), 1e-3 * length(omega[i]));
+  }
+}
+
 TEST(Vorticity, LeavesAloneWhatMovesAsAWhole) {
   FluidArrays fluid(test::block_of(8, 8, 8, d, 0.1f), d, 1000, 0);
   fluid.set_velocities([](const Vec3f&) { return Vec3f(1, -2, 3); });

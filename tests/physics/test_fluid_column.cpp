@@ -56,7 +56,7 @@ struct Column {
 // The floor carries the weight; the pressure at the bottom is rho g H, at half the height half of it.
 TEST(FluidColumn, RestsUnderItsOwnWeight) {
   Column column(0.02, 10, 50, 8);
-  column.run(2);
+  column.run(3);
   const double early = column.world.kinetic_energy(column.water);
   double floor = 0, bottom = 0, middle = 0, error = 0;
   constexpr int frames = 30;

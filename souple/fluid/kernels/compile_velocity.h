@@ -92,6 +92,21 @@ Vec3f velocity_curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, 
   return sum.total();
 }
 
+template <class Set>
+float velocity_meeting(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+                       const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+  using T = simd::Pack<Set>;
+  Sixteen<Set> sum;
+  for_pairs<Set>(records, values, at, value, list, count, factors, [&](int r, const Pair<Set>& pair) {
+    const Near<Set>& near = pair.near;
+    const T along = pair.x * near.dx + pair.y * near.dy + pair.z * near.dz;
+    const T speed = sqrt(pair.x * pair.x + pair.y * pair.y + pair.z * pair.z);
+    sum.add(r, (speed - along / (T(factors.h) * near.q)) * max(T(1.0f) - near.q, T(0.0f)));
+  });
+  const FourLanes four = sum.four();
+  return (four[0] + four[2]) + (four[1] + four[3]);
+}
+
 template <class Set, class Shape>
 Vec3f velocity_cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                         const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors,
@@ -112,7 +127,8 @@ Vec3f velocity_cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& 
 template <class Set, class Shape>
 const VelocityKernels& velocity_kernels() {
   static constexpr VelocityKernels kernels{velocity_exchange<Set, Shape>, velocity_strain<Set>,
-                                           velocity_curl<Set, Shape>, velocity_cohesion<Set, Shape>};
+                                           velocity_curl<Set, Shape>, velocity_meeting<Set>,
+                                           velocity_cohesion<Set, Shape>};
   return kernels;
 }
 

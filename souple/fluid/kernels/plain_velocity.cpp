@@ -49,6 +49,17 @@ Vec3f curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec
   });
 }
 
+float meeting(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+              const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+  PlainSixteen sum;
+  for (std::size_t k = 0; k < count; ++k) {
+    const PlainNear near(at, records[list[k] / 4], factors);
+    const Vec3f apart = value.xyz() - values[list[k] / 4].xyz();
+    sum.sum[k % 16] += (length(apart) - dot(apart, near.d) / (factors.h * near.q)) * max(1.0f - near.q, 0.0f);
+  }
+  return sum.total();
+}
+
 template <class Shape>
 Vec3f cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors,
@@ -62,7 +73,7 @@ Vec3f cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& at, const
 }
 
 template <class Shape>
-constexpr VelocityKernels plain{exchange<Shape>, strain, curl<Shape>, cohesion<Shape>};
+constexpr VelocityKernels plain{exchange<Shape>, strain, curl<Shape>, meeting, cohesion<Shape>};
 
 }  // namespace
 

@@ -175,9 +175,19 @@ CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec() {
   keys->key<&M::spacing>("spacing", number<float>(positive(100)),
                          "between particles at rest, the same for all fluids of a scene [m]")
       .key<&M::density>("density", number<float>(positive(1e6)), "[kg/m^3]")
+      .key<&M::viscosity>("viscosity", number<float>(from_zero(1e6)), "dynamic viscosity [Pa s]")
       .key<&M::xsph>("xsph", number<float>(from_zero(1e4)),
-                     "rate at which particles take over the velocity around them [1/s]");
-  add_surface_keys(*keys);
+                     "rate at which particles take over the velocity around them: keeps noise down [1/s]")
+      .key<&M::surface_tension>("surface_tension", number<float>(from_zero(1e4)), "against air [N/m]")
+      .key<&M::contact_angle>("contact_angle", number<float>(within(0, 180)),
+                              "of a drop on a wall, measured within it [degrees]")
+      .key<&M::vorticity>("vorticity", number<float>(from_zero(1e3)),
+                          "strength of vorticity confinement: adds energy to whirls [m/s]")
+      .key<&M::air_drag>("air_drag", number<float>(from_zero(1e3)),
+                         "coefficient of the drag on what meets the air; a ball has 0.47")
+      .key<&M::friction>("friction", number<float>(unit),
+                         "how walls hold it: 1 as its viscosity says, 0 it slips")
+      .key<&M::restitution>("restitution", number<float>(unit), "how much of its speed it keeps when it bounces");
   return keys;
 }
 
