@@ -16,7 +16,7 @@ uniform sampler2D liquid_look_map;
 uniform float reach;  // over how much differences are taken [radii]
 
 const float stability = 0.4;  // of dt / length^2, at most 1/2
-const float gap = 5.0;       // a larger difference in depth is the edge of something else [radii]
+const float gap = 8.0;       // a larger difference in depth is the edge of something else [radii]
 
 float depth_at(ivec2 pixel) {
   return texelFetch(liquid_depth_map, clamp(pixel, ivec2(0), textureSize(liquid_depth_map, 0) - 1), 0).r;
