@@ -24,6 +24,8 @@ constexpr std::array benches{
                97336, 1000, 4000000, measure_dam_break},
     StageBench{"neighbours", "neighbour lists of random points in motion, 29 each", "points", 100000, 100,
                20000000, measure_neighbours},
+    StageBench{"surface", "the surface of a broken dam as a mesh, cells of a particle's radius",
+               "particles, about", 98000, 100, 5000000, measure_surface},
 };
 
 void print_member(const Member& member, int indent) {

@@ -42,6 +42,9 @@ scene_format::Json measure_triangles(const BenchOptions& options);
 /// Random points in motion, in the order of the cells they were in: cells and neighbour lists.
 scene_format::Json measure_neighbours(const BenchOptions& options);
 
+/// The surface of a broken dam: a mesh of its particles, by both kinds of kernels.
+scene_format::Json measure_surface(const BenchOptions& options);
+
 /// A block of water that falls apart in a tank: steps of 2 ms with 5 iterations.
 scene_format::Json measure_dam_break(const BenchOptions& options);
 

@@ -49,6 +49,19 @@ int view(const ViewRequest& request);
 bool has_viewer();
 
 /// The words of the command line; empty: the default.
+struct SurfaceRequest {
+  std::filesystem::path cache;  ///< a run's folder, or its run.json
+  std::filesystem::path out;    ///< empty: beside it, NAME_surface
+  std::string method = "anisotropic", format = "obj", particles = "none";
+  std::vector<std::string> objects;        ///< empty: all fluids, else all grains
+  std::optional<float> spacing, cell;      ///< m
+  std::optional<std::uint32_t> smoothing;  ///< passes
+  std::optional<int> threads;              ///< none: as Settings::threads = 0
+  bool quiet = false;
+};
+int surface(const SurfaceRequest& request);
+
+/// The words of the command line; empty: the default.
 struct BenchRequest {
   std::string name;  ///< empty: list them
   std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colours;

@@ -21,6 +21,7 @@ using souple::app::fine;
 using souple::app::InfoPart;
 using souple::app::RenderRequest;
 using souple::app::RunOptions;
+using souple::app::SurfaceRequest;
 using souple::app::ViewRequest;
 
 constexpr const char* scene_help = "a scene file, or the name of a shipped scene (see `souple list`)";
@@ -34,6 +35,7 @@ constexpr const char* main_footer = R"(Examples:
   souple render out/flag --out flag.mp4        makes a film of a run
   souple view flag                             shows one in a window while it runs
   souple check my/scene.json                   reads a scene and says what it holds
+  souple surface out/dam                       makes a mesh of a fluid's particles, frame by frame
   souple bench cloth                           measures how fast this machine simulates
 
 Exit codes: 0 fine, 1 writing failed, 2 bad input, 3 the simulation went bad, 130 interrupted.)";
@@ -46,6 +48,16 @@ constexpr const char* run_footer = R"(Examples:
 
 Writes DIR/run.json and, for each object, a mesh and its cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
 the frame, writes a checkpoint and says how to go on; a second Ctrl-C ends at once.)";
+
+constexpr const char* surface_footer = R"(Examples:
+  souple surface out/dam
+  souple surface out/dam --method isotropic --format ply --out meshes
+  souple surface out/dam --particles bgeo --cell 0.005
+  souple render out/dam_surface --out dam.mp4                a film of the surface
+
+Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder. A frame in which a
+fluid has no particles has no file. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (of a cache that
+holds none, the way since the frame before over its time). Ctrl-C finishes the frame.)";
 
 constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
@@ -209,6 +221,34 @@ void add_view(CLI::App& app, std::function<int()>& action) {
   command.callback([request, &action] { action = [request] { return souple::app::view(*request); }; });
 }
 
+void add_surface(CLI::App& app, std::function<int()>& action) {
+  auto request = std::make_shared<SurfaceRequest>();
+  CLI::App& command = *app.add_subcommand("surface", "make meshes of a run's fluids");
+  command.footer(surface_footer);
+  command.add_option("CACHE", request->cache, "the folder of a run, or its run.json")->required();
+  command.add_option("--out", request->out, "folder to write [CACHE_surface]")->type_name("DIR");
+  command.add_option("--method", request->method, "anisotropic, isotropic [anisotropic]")
+      ->type_name("METHOD");
+  command.add_option("--format", request->format, "of the meshes: obj, ply [obj]")->type_name("FORMAT");
+  command
+      .add_option("--particles", request->particles,
+                  "write the particles as well: none, ply, vtk, bgeo [none]")
+      ->type_name("FORMAT");
+  command
+      .add_option("--object", request->objects,
+                  "of this one only; may be repeated [all fluids, else all grains]")
+      ->type_name("NAME");
+  command
+      .add_option("--cell", request->cell, "of the grid the mesh is cut out of, in metres [half a spacing]")
+      ->type_name("METRES");
+  command.add_option("--spacing", request->spacing, "of particles, in metres [the scene's]")
+      ->type_name("METRES");
+  command.add_option("--smoothing", request->smoothing, "passes of Laplacian smoothing [0]")->type_name("N");
+  command.add_option("--threads", request->threads, "threads; 0: one for each processor [0]")->type_name("N");
+  command.add_flag("--quiet", request->quiet, "print nothing but errors");
+  command.callback([request, &action] { action = [request] { return souple::app::surface(*request); }; });
+}
+
 void add_bench_solver(CLI::App& command, BenchRequest& request) {
   command.add_option("--solver", request.solver, "how constraints are solved, see below [gauss_seidel]")
       ->type_name("SOLVER");
@@ -355,6 +395,7 @@ int main(int argc, char** argv) {
   add_view(app, action);
   add_list(app, action);
   add_check(app, action);
+  add_surface(app, action);
   add_bench(app, action);
   add_info(app, action);
   try {

@@ -8,8 +8,21 @@ namespace souple {
 
 namespace {
 
-// Measured: see surface_tension.h. In units of sigma d.
+// Measured: see surface_tension.h. In units of sigma d, with Wendland's kernel.
 constexpr float attraction = 0.3f, flattening = 2;
+
+// What other kernels ask for, over that: their slopes make other normals.
+float share_of(SmoothingShape shape) {
+  switch (shape) {
+    case SmoothingShape::poly6_spiky:
+      return 0.56f;
+    case SmoothingShape::cubic_spline:
+      return 1.17f;
+    case SmoothingShape::wendland:
+      break;
+  }
+  return 1;
+}
 
 constexpr int wall_steps = 64;
 
@@ -36,6 +49,7 @@ std::vector<float> half_space_pull() {
 SurfaceTension::SurfaceTension(SmoothingShape shape)
     : density_(&kernels::find_density_kernels(instruction_set(), shape)),
       velocity_(&kernels::find_velocity_kernels(instruction_set(), shape)),
+      share_(share_of(shape)),
       wall_pull_(half_space_pull()) {}
 
 float SurfaceTension::longest_substep(float sigma, float density, float spacing) {
@@ -86,7 +100,7 @@ void SurfaceTension::apply(const FluidView& fluid, std::span<const NearWall> wal
                            const Parameters& parameters, float h, Threads& threads) {
   find_normals(fluid, walls, parameters.adhesion, threads);
   const Smoothing& smoothing = fluid.smoothing;
-  const float d = smoothing.spacing(), unit = parameters.sigma * d;
+  const float d = smoothing.spacing(), unit = share_ * parameters.sigma * d;
   const kernels::CohesionFactors factors{attraction * unit, flattening * unit};
   fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     Vec3f force = velocity_->cohesion(fluid.x.data(), normals_.data(), fluid.x[k], normals_[k], list.data(),

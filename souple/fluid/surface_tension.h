@@ -21,7 +21,8 @@ struct NearWall {
 /// falls from 1 to 0 at the support, where the paper lets differences of normals count all the same and then
 /// jump to nothing.
 ///
-/// The paper has a factor of its own; here both follow from sigma [N/m], a = 0.3 sigma d and b = 2 sigma d.
+/// The paper has a factor of its own; here both follow from sigma [N/m], a = 0.3 sigma d and b = 2 sigma d
+/// (both 0.56 times that with poly6 and spiky, 1.17 times with the cubic spline).
 /// Measured with them: drops of 6 to 16 spacings have a pressure of 0.85 to 1.05 times 2 sigma / R, and they
 /// swing as Rayleigh's do with a sigma within 5 %. Attraction alone (b = 0) makes cubes round, but presses no
 /// more on a small drop than on a large one; alone, b lets the surface evaporate. Attraction also presses
@@ -45,8 +46,8 @@ class SurfaceTension {
   static float longest_substep(float sigma, float density, float spacing);
 
   /// The adhesion with which a drop meets the wall at an angle [rad], measured within it, from drops of 10
-  /// spacings without gravity: 0 gives 160 degrees, 1 gives 84, 2 gives 34. Angles beyond these give the
-  /// last.
+  /// spacings without gravity, with Wendland's kernel: 0 gives 160 degrees, 1 gives 84, 2 gives 34. Angles
+  /// beyond these give the last. Other kernels are up to 16 degrees below.
   static float adhesion_of(float contact_angle);
 
   /// Changes v over h seconds. `walls` by place, or empty.
@@ -60,6 +61,7 @@ class SurfaceTension {
 
   const kernels::DensityKernels* density_;
   const kernels::VelocityKernels* velocity_;
+  float share_;
   std::vector<float> wall_pull_;  // by the distance to a wall, in units of a
   std::vector<Vec4f> normals_;    // and rho; one more, far away
 };

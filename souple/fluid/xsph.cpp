@@ -10,8 +10,9 @@ float wall_friction(const Smoothing& smoothing, float value) {
 void Xsph::apply(const FluidView& fluid, WallFriction walls, float h, Threads& threads) {
   const Smoothing& smoothing = fluid.smoothing;
   const float V = smoothing.volume(), d = smoothing.spacing();
-  // On the lattice only the two layers beside a plane lie within the support, and off it: half of W's sum
-  // over each is what half a spacing of wall hides, so m2 = 3 directions x 2 layers x d^2 value(d/2).
+  // Of the lattice's layers across an axis only the two at a distance d lie within the support, and each has
+  // V sum W = value(d/2), what a wall there hides: so along each of three axes V sum W x^2 = 2 d^2
+  // value(d/2).
   const float m2 = 6 * d * d * smoothing.wall(0.5f * d).value;
   next_.resize(fluid.size());
   fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {

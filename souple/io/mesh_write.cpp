@@ -281,4 +281,41 @@ std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velo
   return out;
 }
 
+std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
+                     std::span<const Triangle> triangles) {
+  std::string out;
+  const auto append_line = [&](const char* what, const Vec3f& v) {
+    out += what;
+    append_vector(out, v);
+    out += '\n';
+  };
+  for (const Vec3f& x : positions) append_line("v", x);
+  for (const Vec3f& n : normals) append_line("vn", n);
+  for (const Triangle& triangle : triangles) {
+    out += 'f';
+    for (const std::uint32_t corner : triangle) {
+      out += ' ';
+      append_number(out, std::uint64_t(corner) + 1);
+      out += "//";
+      append_number(out, std::uint64_t(corner) + 1);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
+                      std::span<const Triangle> triangles) {
+  std::string out = ply_header(positions.size());
+  out += "property float nx\nproperty float ny\nproperty float nz\nelement face " +
+         std::to_string(triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    append_bytes(out, positions[i]), append_bytes(out, normals[i]);
+  for (const Triangle& triangle : triangles) {
+    mesh_detail::append_little_endian(out, std::uint8_t{3});
+    for (const std::uint32_t corner : triangle) mesh_detail::append_little_endian(out, corner);
+  }
+  return out;
+}
+
 }  // namespace souple

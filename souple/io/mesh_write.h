@@ -27,6 +27,14 @@ std::string obj_topology_text(const TriangleMesh& mesh);
 /// one of its own), faces as polygons.
 std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions);
 
+/// A surface with normals, one for each position: `v`, `vn` and `f a//a` lines.
+std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
+                     std::span<const Triangle> triangles);
+
+/// The same as a binary little-endian PLY: x, y, z, nx, ny, nz.
+std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
+                      std::span<const Triangle> triangles);
+
 /// Particles: float positions and, unless empty, velocities as vx, vy, vz [m/s].
 std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities);
 

@@ -5,6 +5,7 @@
 #include "souple/io/atomic_file.h"
 #include "souple/io/mdd.h"
 #include "souple/io/mesh_file.h"
+#include "souple/io/particle_file.h"
 #include "souple/io/pc2.h"
 #include "souple/io/recorder_names.h"
 #include "souple/io/sequence.h"
@@ -139,6 +140,7 @@ void Track::read_rest(const Run& run, const ManifestObject& listed, Playback::Ob
   const ManifestFile* file = find_file(listed, "obj", true);
   if (!file && files_.empty()) return;
   const fs::path path = file ? run.folder / file->path : files_.front().path;
+  if (listed.kind == "fluid" && read_particle_ply(path)) return;  // each frame has as many as it has
   TriangleMesh mesh = read_triangle_mesh(path);
   if (mesh.positions.size() != listed.points || mesh.triangles.size() != listed.triangles)
     throw Error(path.string() + ": has " + std::to_string(mesh.positions.size()) + " vertices and " +
@@ -167,6 +169,7 @@ void Track::read(std::uint64_t frame, Playback::Object& object) {
                                      [](const SequenceFrame& f, std::uint64_t n) { return f.number < n; });
   object.positions.clear();
   object.normals.clear();
+  object.velocities.clear();
   if (cache_ && frame <= cache_frames_) {
     read_cache(frame, object);
   } else if (file != files_.end() && file->number == frame) {
@@ -193,6 +196,15 @@ void Track::read_cache(std::uint64_t frame, Playback::Object& object) {
 }
 
 void Track::read_file(const fs::path& path, Playback::Object& object) {
+  if (object.kind == "fluid" && path.extension() == ".ply") {
+    if (std::optional<ParticleFrame> frame = read_particle_ply(path)) {
+      go_home(object);
+      require_finite(frame->positions, path.string());
+      object.positions = std::move(frame->positions);
+      object.velocities = std::move(frame->velocities);
+      return;
+    }
+  }
   TriangleMesh mesh = read_triangle_mesh(path);
   for (const Vec3d& x : mesh.positions) object.positions.push_back(Vec3f(x));
   require_finite(object.positions, path.string());
@@ -278,7 +290,8 @@ void Playback::read(std::uint64_t frame) {
   try {
     for (std::size_t i = 0; i < impl.tracks.size(); ++i) impl.tracks[i].read(frame, impl.objects[i]);
   } catch (...) {
-    for (Object& object : impl.objects) object.positions.clear(), object.normals.clear();
+    for (Object& object : impl.objects)
+      object.positions.clear(), object.normals.clear(), object.velocities.clear();
     throw;
   }
   impl.frame = frame;

@@ -25,6 +25,8 @@ class Playback {
     std::vector<Vec3d> rest;  ///< m; user order. Without a rest mesh (sequences only): its first frame
     /// Of the frame that was read last. Empty where the object is not there; normals also without triangles.
     std::vector<Vec3f> positions, normals;
+    /// Of particles whose files tell them, else empty. [m/s]
+    std::vector<Vec3f> velocities;
   };
 
   /// `path` is the folder or its run.json. Throws Error when the manifest or a file it names is missing or

@@ -36,7 +36,8 @@ RecordedShape shape_of(const World& world, ObjectId object) {
 }
 
 bool same(const RecordedShape& a, const RecordedShape& b) {
-  return a.kind == b.kind && a.points == b.points && a.topology == b.topology;
+  const bool as_many = a.kind == ObjectKind::fluid || a.points == b.points;
+  return a.kind == b.kind && as_many && a.topology == b.topology;
 }
 
 std::string obj_bytes(const RecordedShape& shape, std::span<const Vec3f> positions) {
@@ -53,7 +54,9 @@ std::string ply_bytes_of(const RecordedShape& shape, std::span<const Vec3f> posi
 }  // namespace
 
 bool same_topology(const World& world, ObjectId object, const ManifestObject& known) {
-  return known.kind == kind_name(world.kind(object)) && known.points == world.positions(object).size() &&
+  const bool as_many =
+      world.kind(object) == ObjectKind::fluid || known.points == world.positions(object).size();
+  return known.kind == kind_name(world.kind(object)) && as_many &&
          known.triangles == world.triangles(object).size();
 }
 
@@ -100,7 +103,9 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
   begin_late(late.frames);
 }
 
+// The number of a fluid's particles changes: of all formats it is written as PLY.
 bool RecordedObject::wants(CacheFormat format) const {
+  if (shape_->kind == ObjectKind::fluid) return format == CacheFormat::ply;
   return std::find(plan_.formats.begin(), plan_.formats.end(), format) != plan_.formats.end();
 }
 

@@ -321,6 +321,82 @@ class Running(Case):
         self.assertFalse([n for n in self.names() if n.endswith(".part")])
 
 
+class Surface(Case):
+    SAND = dict(SMALL, objects=[SMALL["objects"][1]], frames=4)
+
+    def setUp(self):
+        super().setUp()
+        self.souple("run", self.scene(self.SAND), "--out", "out")
+
+    def test_writes_a_mesh_a_frame(self):
+        said = self.souple("surface", "out").stdout
+        self.assertRegex(said, r"out_surface: 4 frames, \d+ triangles and [\d.]+ ms each\n")
+        self.assertEqual(sorted(p.name for p in (self.folder / "out_surface").iterdir()),
+                         ["run.json", *(f"sand_000{i}.obj" for i in range(1, 5))])
+        lines = (self.folder / "out_surface/sand_0001.obj").read_text().splitlines()
+        counts = [sum(line.startswith(kind) for line in lines) for kind in ("v ", "vn ", "f ")]
+        self.assertEqual(counts[0], counts[1])
+        self.assertGreater(counts[2], 20)
+        sides = {}
+        for line in lines:
+            if line.startswith("f "):
+                corners = [int(word.split("//")[0]) for word in line.split()[1:]]
+                for a, b in zip(corners, corners[1:] + corners[:1]):
+                    sides[a, b] = sides.get((a, b), 0) + 1
+        self.assertTrue(all(n == 1 and (b, a) in sides for (a, b), n in sides.items()))  # closed
+
+    def test_threads_and_instruction_sets_change_nothing(self):
+        self.souple("surface", "out", "--out", "one", "--threads", 1)
+        self.souple("surface", "out", "--out", "three", "--threads", 3)
+        self.assert_same_contents("one", "three")
+        self.environment["SOUPLE_SIMD"] = "scalar"
+        self.souple("surface", "out", "--out", "scalar")
+        self.assert_same_contents("one", "scalar")
+
+    def test_options(self):
+        for particles in "ply", "vtk", "bgeo":
+            self.souple("surface", "out/run.json", "--out", particles, "--format", "ply", "--particles", particles,
+                        "--method", "isotropic", "--smoothing", 2, "--cell", 0.005, "--object", "sand", "--quiet")
+            self.assertTrue((self.folder / particles / "sand_0004.ply").is_file())
+            self.assertTrue((self.folder / particles / f"sand_particles_0004.{particles}").is_file())
+        # What was written is itself a folder that commands read.
+        again = self.souple("surface", "ply", "--spacing", 0.02, "--out", "again", "--quiet").stdout
+        self.assertEqual(again, "")
+
+    def test_bad_input_is_one_line(self):
+        self.souple("run", self.scene(dict(SMALL, objects=SMALL["objects"][:1], frames=1)), "--out", "cloth")
+        (self.folder / "file").write_text("")
+        for arguments, words in ((["nowhere"], "nowhere"), (["cloth"], "neither fluids nor grains"),
+                                 (["out", "--method", "isotropc"], 'did you mean "isotropic"'),
+                                 (["out", "--format", "stl"], "obj, ply"), (["out", "--particles", "vdb"], "bgeo"),
+                                 (["out", "--object", "snad"], 'did you mean "sand"'),
+                                 (["out", "--spacing", "0"], "--spacing"), (["out", "--cell", "-1"], "--cell"),
+                                 (["out", "--cell", "1e-9"], "cell"), (["out", "--out", "out"], "is read"),
+                                 (["out", "--out", "file"], "file")):
+            error = self.souple("surface", *arguments, code=2).stderr
+            self.assert_one_line(error)
+            self.assertIn(words, error)
+        self.assertFalse((self.folder / "out_surface").exists())
+
+    def test_interrupt(self):
+        self.souple("run", self.scene(dict(self.SAND, frames=600)), "--out", "long")
+        work = subprocess.Popen([PROGRAM, "surface", "long", "--cell", "0.001"], cwd=self.folder, env=self.environment,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(2000):
+            if (self.folder / "long_surface/sand_0002.obj").exists() or work.poll() is not None:
+                break
+            time.sleep(0.005)
+        work.send_signal(signal.SIGINT)
+        out, error = work.communicate(timeout=60)
+        self.assertEqual(work.returncode, 130, out + error)
+        self.assertRegex(error, r"interrupted after frame \d+ of 600; long_surface holds these\n")
+        manifest = json.loads((self.folder / "long_surface/run.json").read_text())
+        self.assertFalse(manifest["complete"])
+        files = len(list((self.folder / "long_surface").glob("sand_*.obj")))
+        self.assertEqual(manifest["frames"], files)
+        self.assertFalse([n for n in self.names() if n.endswith(".part")])
+
+
 class Stopping(Case):
     def start(self, scene, *arguments):
         return subprocess.Popen([PROGRAM, "run", scene, *map(str, arguments)], cwd=self.folder,

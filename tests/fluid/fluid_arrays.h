@@ -19,9 +19,9 @@ struct FluidArrays {
 
   /// `density` [kg/m^3], `mu` [Pa s].
   FluidArrays(const std::vector<Vec4f>& positions, float spacing, float density, float mu,
-              int thread_count = 2)
+              int thread_count = 2, SmoothingShape shape = SmoothingShape::wendland)
       : mass(density * spacing * spacing * spacing),
-        smoothing(spacing),
+        smoothing(spacing, shape),
         threads(make_threads(Threading::pool, thread_count)) {
     order.build(positions, smoothing.support(), *threads);
     neighbours.find(order, smoothing.support(), *threads);

@@ -1,5 +1,6 @@
 #include "souple/fluid/density_solver.h"
 #include "souple/fluid/foam.h"
+#include "tests/count_allocations.h"
 #include "tests/fluid/fluid_arrays.h"
 
 #include <algorithm>
@@ -210,6 +211,16 @@ TEST(Foam, ADamBreakFoamsWhenItHitsTheWall) {
   EXPECT_GT(seen.bubbles, 100);
   EXPECT_EQ(largest, parameters.most);
   EXPECT_GT(thinned, 0);
+}
+
+TEST(Foam, AllocatesNothingWhenWarm) {
+  FluidArrays fluid = pool({0.1f, 0, 0});
+  Foam foam;
+  for (int k = 0; k < 100; ++k) foam.add({0.1f, 0.05f * float(k % 8), 0.2f}, {}, 100);
+  step(foam, fluid);
+  const long before = test::allocations();
+  step(foam, fluid);
+  EXPECT_EQ(test::allocations(), before);
 }
 
 TEST(Foam, IsTheSameForAnyNumberOfThreads) {

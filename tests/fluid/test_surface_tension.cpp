@@ -1,6 +1,7 @@
 #include "souple/fluid/density_solver.h"
 #include "souple/fluid/surface_tension.h"
 #include "souple/fluid/viscosity.h"
+#include "tests/count_allocations.h"
 #include "tests/fluid/fluid_arrays.h"
 
 #include <algorithm>
@@ -28,9 +29,12 @@ struct Drop {
   double rms_speed = 0;  // after pressure, before the forces that it will answer [m/s]
 
   /// `adhesion` below 0: no floor.
-  Drop(std::vector<Vec4f> particles, float adhesion_, float nu_, int thread_count = 2)
+  Drop(std::vector<Vec4f> particles, float adhesion_, float nu_, int thread_count = 2,
+       SmoothingShape shape = SmoothingShape::wendland)
       : threads(make_threads(Threading::pool, thread_count)),
-        solver(d, {}),
+        solver(d, {.shape = shape}),
+        tension(shape),
+        viscosity(shape),
         adhesion(adhesion_),
         nu(nu_),
         positions(std::move(particles)),
@@ -179,19 +183,22 @@ TEST(SurfaceTension, PressesASmallDropMoreByLaplacesLaw) {
 TEST(SurfaceTension, ADropSwingsAsRayleighSays) {
   std::vector<Vec4f> egg = test::ball_of(10 * d, d);
   for (Vec4f& p : egg) p.set_xyz({p.x * 0.945f, p.y * 1.12f, p.z * 0.945f});
-  Drop drop(egg, -1, 1e-6f);
-  double crossings[2] = {}, last = 1;
-  int found = 0;
-  for (int s = 0; s < 1000 && found < 2; ++s) {
-    drop.substep();
-    const double now = drop.length_over_width();
-    if (now * last < 0) crossings[found++] = (s - now / (now - last)) * double{drop.h};
-    last = now;
+  for (const SmoothingShape shape :
+       {SmoothingShape::wendland, SmoothingShape::poly6_spiky, SmoothingShape::cubic_spline}) {
+    Drop drop(egg, -1, 1e-6f, 2, shape);
+    double crossings[2] = {}, last = 1;
+    int found = 0;
+    for (int s = 0; s < 1000 && found < 2; ++s) {
+      drop.substep();
+      const double now = drop.length_over_width();
+      if (now * last < 0) crossings[found++] = (s - now / (now - last)) * double{drop.h};
+      last = now;
+    }
+    ASSERT_EQ(found, 2);
+    const double omega = pi / (crossings[1] - crossings[0]);
+    const double R = drop.radius();
+    EXPECT_NEAR(omega / std::sqrt(8 * double{sigma} / (double{density} * R * R * R)), 1, 0.1);
   }
-  ASSERT_EQ(found, 2);
-  const double omega = pi / (crossings[1] - crossings[0]);
-  const double R = drop.radius();
-  EXPECT_NEAR(omega / std::sqrt(8 * double{sigma} / (double{density} * R * R * R)), 1, 0.1);
 }
 
 // The more the floor attracts, the flatter the drop lies on it; and it lies still.
@@ -214,6 +221,16 @@ TEST(SurfaceTension, KeepsMomentum) {
     largest += double{length(fluid.v[k].xyz())} * double{fluid.mass};
   EXPECT_GT(largest, 0);
   EXPECT_LT(length(fluid.momentum()) / largest, 1e-6);
+}
+
+TEST(SurfaceTension, AllocatesNothingWhenWarm) {
+  test::FluidArrays fluid(test::block_of(10, 10, 10, d), d, density, 0);
+  const std::vector<NearWall> walls(fluid.size(), {{0, 1, 0}, d});
+  SurfaceTension tension;
+  tension.apply(fluid.view(), walls, {}, 1e-4f, *fluid.threads);
+  const long before = test::allocations();
+  tension.apply(fluid.view(), walls, {}, 1e-4f, *fluid.threads);
+  EXPECT_EQ(test::allocations(), before);
 }
 
 TEST(SurfaceTension, IsTheSameForAnyNumberOfThreads) {

@@ -20,7 +20,8 @@ struct Periodic {
   FluidArrays fluid;
   std::vector<std::uint32_t> copy_of;  // by place
 
-  explicit Periodic(float mu, float jitter) : fluid(positions(jitter), d, density, mu) {
+  explicit Periodic(float mu, float jitter, SmoothingShape shape = SmoothingShape::wendland)
+      : fluid(positions(jitter), d, density, mu, 2, shape) {
     std::vector<std::uint32_t> place(fluid.size());
     for (std::uint32_t k = 0; k < fluid.size(); ++k) place[fluid.order.order()[k]] = k;
     const auto inner = [](std::uint32_t i) { return (i + n - shell) % n + shell; };
@@ -94,6 +95,17 @@ TEST(Viscosity, LetsAWaveOfShearDecayAtItsRate) {
       const double once = double{h} * double{nu} * double{box.wave_number()} * double{box.wave_number()};
       EXPECT_NEAR(std::expm1(rate * once) / once, 1, 0.1) << nu;
     }
+  }
+}
+
+TEST(Xsph, HasTheSameRateWithAllKernels) {
+  for (const SmoothingShape other : {SmoothingShape::poly6_spiky, SmoothingShape::cubic_spline}) {
+    Periodic box(1, 0, other);
+    EXPECT_NEAR(box.rate(2e-3f, 20,
+                         [&](const FluidView& fluid, float step) {
+                           Xsph(other).apply(fluid, {}, step, *box.fluid.threads);
+                         }),
+                1, 0.07);
   }
 }
 

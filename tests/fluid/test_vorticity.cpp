@@ -1,6 +1,7 @@
 #include "souple/fluid/air_drag.h"
 #include "souple/fluid/vorticity.h"
 #include "souple/fluid/xsph.h"
+#include "tests/count_allocations.h"
 #include "tests/fluid/fluid_arrays.h"
 
 #include <algorithm>
@@ -101,6 +102,15 @@ TEST(Vorticity, LeavesAloneWhatMovesAsAWhole) {
   fluid.set_velocities([](const Vec3f&) { return Vec3f(1, -2, 3); });
   VorticityConfinement().apply(fluid.view(), 1, 1, *fluid.threads);
   for (std::size_t k = 0; k < fluid.size(); ++k) EXPECT_EQ(fluid.v[k].xyz(), Vec3f(1, -2, 3));
+}
+
+TEST(Vorticity, AllocatesNothingWhenWarm) {
+  Whirl whirl;
+  VorticityConfinement confinement;
+  confinement.apply(whirl.fluid.view(), 1, 1e-3f, *whirl.fluid.threads);
+  const long before = test::allocations();
+  confinement.apply(whirl.fluid.view(), 1, 1e-3f, *whirl.fluid.threads);
+  EXPECT_EQ(test::allocations(), before);
 }
 
 TEST(Vorticity, IsTheSameForAnyNumberOfThreads) {

@@ -1,6 +1,7 @@
 #include "io_test.h"
 #include "souple/geometry/builders.h"
 #include "souple/io/manifest.h"
+#include "souple/io/particle_file.h"
 #include "souple/io/playback.h"
 #include "souple/io/recorder.h"
 
@@ -198,6 +199,50 @@ TEST_F(PlaybackTest, ObjectsComeAndGo) {
     EXPECT_EQ(count(3, 2), 16u);
   }
   EXPECT_EQ(playback.objects()[2].positions, shown[2][1]);
+}
+
+// Whatever formats were asked for: the number of a fluid's particles may change.
+TEST_F(PlaybackTest, FluidsArePointsWithVelocities) {
+  World world({.substeps = 2});
+  const std::vector<Vec3d> centres{{0, 1, 0}, {0.02, 1, 0}, {0, 1.02, 0}};
+  const ObjectId water = world.add_fluid(centres, {}, {.name = "water"});
+  Recorder recorder(world, folder / "out", {.formats = {CacheFormat::pc2, CacheFormat::obj}});
+  Shown shown;
+  run(world, recorder, 3, shown);
+  recorder.finish();
+  EXPECT_FALSE(has("out/water.pc2") || has("out/water.obj") || has("out/water_0001.obj"));
+  EXPECT_TRUE(has("out/water_0003.ply"));
+  Playback playback(folder / "out");
+  for (const std::uint64_t frame : {3u, 1u, 2u}) expect_shows(playback, frame, shown);
+  playback.read(3);
+  const Playback::Object& object = playback.objects().front();
+  EXPECT_EQ(object.kind, "fluid");
+  ASSERT_EQ(object.velocities.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(object.velocities[i], world.velocities(water)[i]);
+}
+
+// One, two and no particles: what a fluid with a source and a drain leaves.
+TEST_F(PlaybackTest, FluidsMayHaveOtherNumbersOfParticlesInEachFrame) {
+  {
+    World world({.substeps = 2});
+    const std::vector<Vec3d> centres{{0, 1, 0}, {0.02, 1, 0}, {0, 1.02, 0}};
+    world.add_fluid(centres, {}, {.name = "water"});
+    Recorder recorder(world, folder / "out", {.formats = {CacheFormat::pc2}});
+    Shown ignored;
+    run(world, recorder, 3, ignored);
+    recorder.finish();
+  }
+  const std::vector<Vec3f> points{{1, 2, 3}, {4, 5, 6}};
+  put("out/water_0001.ply", particle_bytes(ParticleFormat::ply, std::span(points).first(1), {}));
+  put("out/water_0002.ply", particle_bytes(ParticleFormat::ply, points, points));
+  put("out/water_0003.ply", particle_bytes(ParticleFormat::ply, {}, {}));
+  Playback playback(folder / "out");
+  for (const std::uint64_t frame : {2u, 1u, 3u, 2u}) {
+    playback.read(frame);
+    const Playback::Object& object = playback.objects().front();
+    EXPECT_EQ(object.positions.size(), frame % 3);
+    EXPECT_EQ(object.velocities.size(), frame == 2 ? 2u : 0u);
+  }
 }
 
 TEST_F(PlaybackTest, ARunOfNoFramesHasNone) {

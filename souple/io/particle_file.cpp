@@ -1,0 +1,170 @@
+#include "souple/io/particle_file.h"
+
+#include "souple/error.h"
+#include "souple/io/endian.h"
+#include "souple/io/file.h"
+#include "souple/io/mesh_write.h"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstdint>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+namespace souple {
+
+namespace {
+
+/// Both formats want the high byte first.
+class BigEndian {
+ public:
+  template <class Unsigned>
+  void put(Unsigned value) {
+    std::array<std::byte, sizeof(Unsigned)> bytes;
+    store<ByteOrder::big>(bytes.data(), value);
+    text_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  void put(float value) { put(std::bit_cast<std::uint32_t>(value)); }
+  void put(const Vec3f& v) { put(v.x), put(v.y), put(v.z); }
+  void put_text(std::string_view text) { text_ += text; }
+
+  std::string text() && { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+// The VTK User's Guide, "Simple legacy formats".
+std::string vtk_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
+  const std::string count = std::to_string(points.size());
+  BigEndian out;
+  out.put_text("# vtk DataFile Version 3.0\nparticles written by Souple\nBINARY\nDATASET POLYDATA\nPOINTS " +
+               count + " float\n");
+  for (const Vec3f& x : points) out.put(x);
+  out.put_text("\nVERTICES " + count + " " + std::to_string(2 * points.size()) + "\n");
+  for (std::uint32_t i = 0; i < points.size(); ++i) out.put(std::uint32_t{1}), out.put(i);
+  if (!velocities.empty()) {
+    out.put_text("\nPOINT_DATA " + count + "\nVECTORS velocity float\n");
+    for (const Vec3f& v : velocities) out.put(v);
+  }
+  out.put_text("\n");
+  return std::move(out).text();
+}
+
+// A header, what attributes points have beside their place, then the points: x, y, z, 1 and the attributes.
+std::string bgeo_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
+  constexpr std::uint32_t format_version = 5, vector_type = 5;
+  const bool has_velocities = !velocities.empty();
+  BigEndian out;
+  out.put_text("BgeoV");
+  out.put(format_version);
+  out.put(static_cast<std::uint32_t>(points.size()));
+  for (int none = 0; none < 3; ++none) out.put(std::uint32_t{0});  // primitives, groups of both
+  out.put(std::uint32_t{has_velocities ? 1u : 0u});
+  for (int none = 0; none < 3; ++none) out.put(std::uint32_t{0});  // attributes of vertices, primitives, all
+  if (has_velocities) {
+    out.put(std::uint16_t{1});  // length of the name
+    out.put_text("v");
+    out.put(std::uint16_t{3});
+    out.put(vector_type);
+    out.put(Vec3f{});  // default
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.put(points[i]);
+    out.put(1.0f);
+    if (has_velocities) out.put(velocities[i]);
+  }
+  out.put(std::uint8_t{0x00}), out.put(std::uint8_t{0xff});
+  return std::move(out).text();
+}
+
+/// What the header of a PLY says, as far as we wrote it.
+struct PlyOfParticles {
+  std::uint64_t points = 0;
+  std::size_t floats = 0;  ///< each has
+  std::size_t begin = 0;   ///< of the first point
+};
+
+std::optional<PlyOfParticles> parse_header(std::string_view text) {
+  constexpr std::string_view properties[] = {"x", "y", "z", "vx", "vy", "vz"};
+  constexpr std::string_view element = "element vertex ", property = "property float ";
+  PlyOfParticles found;
+  bool has_points = false;
+  for (std::size_t line_number = 0;; ++line_number) {
+    const std::size_t end = text.find('\n', found.begin);
+    if (end == std::string_view::npos) return std::nullopt;
+    const std::string_view line = text.substr(found.begin, end - found.begin);
+    found.begin = end + 1;
+    if (line_number == 0 || line_number == 1) {
+      if (line != (line_number == 0 ? "ply" : "format binary_little_endian 1.0")) return std::nullopt;
+    } else if (line.starts_with(element) && !has_points) {
+      const std::string_view count = line.substr(element.size());
+      const auto parsed = std::from_chars(count.data(), count.data() + count.size(), found.points);
+      if (parsed.ec != std::errc{} || parsed.ptr != count.data() + count.size()) return std::nullopt;
+      has_points = true;
+    } else if (line.starts_with(property) && has_points && found.floats < std::size(properties) &&
+               line.substr(property.size()) == properties[found.floats]) {
+      ++found.floats;
+    } else if (line == "end_header") {
+      return found.floats == 3 || found.floats == 6 ? std::optional(found) : std::nullopt;
+    } else if (!line.starts_with("comment")) {
+      return std::nullopt;
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path) {
+  File file(path, File::Mode::read);
+  std::string text(file.size(), '\0');
+  file.read(0, std::as_writable_bytes(std::span(text)));
+  const std::optional<PlyOfParticles> header = parse_header(text);
+  if (!header) return std::nullopt;
+  const std::size_t bytes_each = 4 * header->floats, held = (text.size() - header->begin) / bytes_each;
+  if (held < header->points)
+    throw Error(path.string() + ": holds " + std::to_string(held) + " points, its header says " +
+                std::to_string(header->points) + "; it is damaged");
+  ParticleFrame frame;
+  frame.positions.resize(header->points);
+  if (header->floats == 6) frame.velocities.resize(header->points);
+  const std::byte* in = std::as_bytes(std::span(text)).data() + header->begin;
+  for (std::size_t i = 0; i < header->points; ++i, in += bytes_each) {
+    load_points<ByteOrder::little>(in, std::span(&frame.positions[i], 1));
+    if (!frame.velocities.empty())
+      load_points<ByteOrder::little>(in + 12, std::span(&frame.velocities[i], 1));
+  }
+  return frame;
+}
+
+std::string_view particle_format_name(ParticleFormat format) {
+  switch (format) {
+    case ParticleFormat::vtk:
+      return "vtk";
+    case ParticleFormat::bgeo:
+      return "bgeo";
+    case ParticleFormat::ply:
+      break;
+  }
+  return "ply";
+}
+
+std::string particle_bytes(ParticleFormat format, std::span<const Vec3f> points,
+                           std::span<const Vec3f> velocities) {
+  if (!velocities.empty() && velocities.size() != points.size())
+    throw Error("writing particles: found " + std::to_string(velocities.size()) + " velocities, expected " +
+                std::to_string(points.size()) + ", one for each point, or none");
+  switch (format) {
+    case ParticleFormat::vtk:
+      return vtk_bytes(points, velocities);
+    case ParticleFormat::bgeo:
+      return bgeo_bytes(points, velocities);
+    case ParticleFormat::ply:
+      break;
+  }
+  return ply_bytes(points, velocities);
+}
+
+}  // namespace souple

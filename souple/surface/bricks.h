@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Which bricks of an endless grid are there: in order of z, then y, then x, and found by their coordinates.
+class Bricks {
+ public:
+  static constexpr std::uint32_t none = 0xffffffff;
+  /// Coordinates lie in [-limit, limit).
+  static constexpr std::int32_t limit = 1 << 20;
+
+  using Coordinates = std::array<std::int32_t, 3>;
+
+  void clear();
+  /// Adds a brick where it is not there yet, and marks it if it is to be.
+  void add(const Coordinates& at, bool marked);
+  /// Brings all into order: call once after adding.
+  void sort();
+
+  std::size_t size() const { return keys_.size(); }
+  Coordinates at(std::size_t brick) const;
+  bool marked(std::size_t brick) const { return marked_[brick] != 0; }
+  std::uint32_t find(const Coordinates& at) const;
+
+ private:
+  // Of a table with open addressing: nothing takes its order, it only finds.
+  struct Slot {
+    std::uint64_t key;
+    std::uint32_t brick;
+    std::uint32_t marked;
+  };
+  static std::uint64_t key_of(const Coordinates& at);
+  std::size_t slot_of(std::uint64_t key) const;
+  void grow();
+
+  std::vector<Slot> slots_;
+  std::size_t used_ = 0;
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::uint8_t> marked_;
+};
+
+}  // namespace souple

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "souple/surface/marching_cubes.h"
+
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Laplacian smoothing of a closed mesh: each pass moves a vertex towards the mean of those it shares an edge
+/// with,
+///
+///   x += factor weight (mean - x)
+///
+/// Weights of zero keep drops from shrinking to nothing (Löschner et al. 2023, "Weighted Laplacian smoothing
+/// for surface reconstruction of particle-based fluids").
+class MeshSmoothing {
+ public:
+  /// `weights`: one a vertex, in [0, 1]. Normals are made anew. Allocates nothing when warm.
+  void smooth(SurfaceMesh& mesh, std::span<const float> weights, int passes, float factor, Threads& threads);
+
+ private:
+  void find_neighbours(const SurfaceMesh& mesh);
+
+  std::vector<std::uint32_t> first_, neighbour_;
+  std::vector<Vec3f> before_;
+};
+
+}  // namespace souple

@@ -1,0 +1,190 @@
+#include "souple/surface/particle_kernels.h"
+
+#include "souple/math/svd.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace souple {
+
+using kernels::Moments;
+using kernels::ParticleKernel;
+
+namespace {
+
+// V W(0) h^3 / V: poly6 integrates to 1.
+constexpr float poly6_centre = 315.0f / (64.0f * static_cast<float>(pi));
+constexpr float longest_axis = 1.5f;  // of that inside: wisps do not reach further
+// Boxes are a bit larger than what they hold, for what rounding does.
+constexpr float box_room = 1.001f;
+
+/// Sum w z^2 / sum w over a cubic lattice of spacing 1, w = 1 - (r / radius)^3.
+float lattice_variance(float radius) {
+  const int n = static_cast<int>(std::ceil(radius));
+  double sum = 0, weighted = 0;
+  for (int i = -n; i <= n; ++i) {
+    for (int j = -n; j <= n; ++j) {
+      for (int k = -n; k <= n; ++k) {
+        const double r = std::sqrt(double{1} * (i * i + j * j + k * k)) / static_cast<double>(radius);
+        const double w = r < 1 ? 1 - r * r * r : 0;
+        sum += w, weighted += w * k * k;
+      }
+    }
+  }
+  return static_cast<float>(weighted / sum);
+}
+
+}  // namespace
+
+KernelBox KernelBox::none() {
+  constexpr float far = std::numeric_limits<float>::infinity();
+  return {{far, far, far}, {-far, -far, -far}};
+}
+
+void KernelBox::add(const KernelBox& other) {
+  for (int a = 0; a < 3; ++a) lo[a] = std::min(lo[a], other.lo[a]), hi[a] = std::max(hi[a], other.hi[a]);
+}
+
+ParticleKernels::ParticleKernels(const SurfaceOptions& options)
+    : options_(options),
+      variance_(lattice_variance(options.neighbour_radius) * options.spacing * options.spacing) {}
+
+void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours, Threads& threads) {
+  if (functions_ == nullptr) functions_ = &kernels::find_surface_kernels(instruction_set());
+  constexpr float far = 1e15f;  // of the record that pads lists: w comes out as 0
+  const std::size_t n = order.size();
+  records_.resize(n + 1);
+  kernels_.resize(n);
+  boxes_.resize(n);
+  shift_.resize(n);
+  at_surface_.resize(n);
+  records_[n] = {far, far, far, 0};
+  threads.for_each(n, 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      records_[i] = {order.component(0)[i], order.component(1)[i], order.component(2)[i], 0};
+  });
+  threads.for_each(neighbours.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b) {
+      const Neighbours::Block& block = neighbours.blocks()[b];
+      for (std::uint32_t i = block.begin; i < block.end; ++i) find_at(i, block.padded(i), block.of(i).size());
+    }
+  });
+  if (options_.method == SurfaceMethod::isotropic) return;
+  threads.for_each(neighbours.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b) {
+      const Neighbours::Block& block = neighbours.blocks()[b];
+      for (std::uint32_t i = block.begin; i < block.end; ++i)
+        if (at_surface_[i] != 0) calm_shift(i, block.of(i));
+    }
+  });
+}
+
+// The way back is to bring no noise with it: it is the mean of the shifts s of those around that went alike,
+//
+//   sum_j w_ij s_j / sum_j w_ij,   w_ij = max(0, 1 - |s_i - s_j|^2 / (0.4 r)^2)
+//
+// Those beyond an edge went another way.
+void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint32_t> list) {
+  const float alike = 0.4f * options_.neighbour_radius * options_.spacing;
+  const float inverse = 1 / (alike * alike);
+  const Vec3f own = shift_[place];
+  Vec3f sum = own;
+  float weight = 1;
+  for (const std::uint32_t entry : list) {
+    const Vec3f other = shift_[entry / 4], apart = other - own;
+    const float w = std::max(0.0f, 1 - dot(apart, apart) * inverse);
+    sum += other * w;
+    weight += w;
+  }
+  const Vec3f mean = sum / weight;
+  ParticleKernel& kernel = kernels_[place];
+  kernel.shift[0] = mean.x, kernel.shift[1] = mean.y, kernel.shift[2] = mean.z;
+}
+
+// Yu and Turk 2013, equations 6 and 9 to 16:
+//
+//   delta_i = sum_j w_ij (x_j - x_i) / sum_j w_ij,   centre_i = x_i + lambda delta_i
+//
+// lambda grows with the number of neighbours up to `few_neighbours`: drops of two or three particles would
+// fall together into one.
+void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t> list, std::size_t count) {
+  const Vec4f& at = records_[place];
+  ParticleKernel& kernel = kernels_[place];
+  const float radius = options_.neighbour_radius * options_.spacing;
+  const Moments m = functions_->moments(records_.data(), at, list.data(), list.size(), 1 / radius);
+  const Vec3f delta = Vec3f{m.first[0], m.first[1], m.first[2]} / m.weight;
+  const float aside = dot(delta, delta) / (radius * radius);
+  const bool few = count <= static_cast<std::size_t>(options_.few_neighbours);
+  at_surface_[place] = few || aside > 0.1f * 0.1f ? 1 : 0;
+
+  const bool isotropic = options_.method == SurfaceMethod::isotropic;
+  const float crowd = static_cast<float>(count) / static_cast<float>(std::max(1, options_.few_neighbours));
+  const float lambda = isotropic ? 0 : options_.centre_smoothing * std::min(1.0f, crowd);
+  const Vec3f shift = delta * lambda;
+  kernel.centre[0] = at.x + shift.x, kernel.centre[1] = at.y + shift.y, kernel.centre[2] = at.z + shift.z;
+  shift_[place] = shift;
+  kernel.shift[0] = shift.x, kernel.shift[1] = shift.y, kernel.shift[2] = shift.z;
+  kernel.crowd = std::min(1.0f, 0.5f * crowd);
+  Vec3f reach;
+  if (isotropic)
+    reach = place_ball(kernel, options_.isotropic_radius * options_.spacing);
+  else if (few)
+    reach = place_ball(kernel, options_.drop_radius * options_.spacing);
+  else if (aside < 0.03f * 0.03f)  // deep inside: its ellipsoid is all but a ball, and nobody sees it
+    reach = place_ball(kernel, options_.kernel_radius * options_.spacing);
+  else
+    reach = place_ellipsoid(kernel, m);
+  reach *= box_room;
+  kernel.reach_up = reach.z;
+  kernel.unused = 0;
+  KernelBox& box = boxes_[place];
+  for (int a = 0; a < 3; ++a) {
+    box.lo[a] = kernel.centre[a] - reach[a];
+    box.hi[a] = kernel.centre[a] + reach[a];
+  }
+}
+
+// G = I / h
+Vec3f ParticleKernels::place_ball(ParticleKernel& kernel, float radius) const {
+  const float inside = options_.spacing / radius;
+  kernel.weight = poly6_centre * (inside * inside * inside);
+  kernel.xx = kernel.yy = kernel.zz = 1 / radius;
+  kernel.xy = kernel.xz = kernel.yz = 0;
+  return {radius, radius, radius};
+}
+
+//   C = sum w d d^T / sum w - delta delta^T = R S R^T,   s_k = max(S_k, S_1 / k_r) / S_inside
+//   G = R diag(1 / (h s_k)) R^T
+//
+// S_inside is S of a lattice: 1 / k_s of the paper, such that kernels inside are balls of support h.
+Vec3f ParticleKernels::place_ellipsoid(ParticleKernel& kernel, const Moments& m) const {
+  const float w = 1 / (m.weight * variance_);
+  const float x = m.first[0] / m.weight, y = m.first[1] / m.weight, z = m.first[2] / m.weight;
+  const float u = 1 / variance_;
+  const float xx = m.xx * w - x * x * u, xy = m.xy * w - x * y * u, xz = m.xz * w - x * z * u;
+  const float yy = m.yy * w - y * y * u, yz = m.yz * w - y * z * u, zz = m.zz * w - z * z * u;
+  const Svd<float> parts = svd(Mat3f({xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}));
+  const float least = parts.sigma.x / options_.largest_ratio;
+  const float h = options_.kernel_radius * options_.spacing;
+  float axis[3], inverse[3];
+  for (int k = 0; k < 3; ++k) {
+    axis[k] = h * std::min(std::max(parts.sigma[k], least), longest_axis);
+    inverse[k] = 1 / axis[k];
+  }
+  float g[3][3] = {}, reach_squared[3] = {};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3f& r = parts.v.column[k];
+    for (int a = 0; a < 3; ++a) {
+      reach_squared[a] += (r[a] * axis[k]) * (r[a] * axis[k]);
+      for (int b = a; b < 3; ++b) g[a][b] += (inverse[k] * r[a]) * r[b];
+    }
+  }
+  const float d = options_.spacing;
+  kernel.weight = poly6_centre * ((d * inverse[0]) * (d * inverse[1]) * (d * inverse[2]));
+  kernel.xx = g[0][0], kernel.xy = g[0][1], kernel.xz = g[0][2];
+  kernel.yy = g[1][1], kernel.yz = g[1][2], kernel.zz = g[2][2];
+  return {std::sqrt(reach_squared[0]), std::sqrt(reach_squared[1]), std::sqrt(reach_squared[2])};
+}
+
+}  // namespace souple

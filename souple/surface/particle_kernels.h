@@ -1,0 +1,58 @@
+#pragma once
+
+#include "souple/fluid/neighbours.h"
+#include "souple/surface/kernels/surface_kernels.h"
+#include "souple/surface/surface_options.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Along the axes; empty where lo > hi.
+struct KernelBox {
+  float lo[3], hi[3];  ///< m
+
+  static KernelBox none();
+  bool empty() const { return !(lo[0] <= hi[0]); }
+  bool overlaps(const KernelBox& b) const {
+    // Without branches: most boxes that are asked miss, on any of six sides.
+    const bool x = (lo[0] <= b.hi[0]) & (b.lo[0] <= hi[0]), y = (lo[1] <= b.hi[1]) & (b.lo[1] <= hi[1]),
+               z = (lo[2] <= b.hi[2]) & (b.lo[2] <= hi[2]);
+    return x & y & z;
+  }
+  void add(const KernelBox& other);
+};
+
+/// The kernel of each particle of a fluid, by place of its CellOrder.
+class ParticleKernels {
+ public:
+  explicit ParticleKernels(const SurfaceOptions& options);
+
+  /// Replaces what was there. Allocates nothing when warm.
+  void find(const CellOrder& order, const Neighbours& neighbours, Threads& threads);
+
+  std::span<const kernels::ParticleKernel> kernels() const { return kernels_; }
+  /// What each kernel reaches.
+  std::span<const KernelBox> boxes() const { return boxes_; }
+  /// Whether the surface may be within its reach: its neighbours lie on one side, or are few.
+  std::span<const std::uint8_t> at_surface() const { return at_surface_; }
+
+ private:
+  void calm_shift(std::uint32_t place, std::span<const std::uint32_t> list);
+  void find_at(std::uint32_t place, std::span<const std::uint32_t> list, std::size_t count);
+  Vec3f place_ball(kernels::ParticleKernel& kernel, float radius) const;
+  Vec3f place_ellipsoid(kernels::ParticleKernel& kernel, const kernels::Moments& moments) const;
+
+  SurfaceOptions options_;
+  const kernels::SurfaceKernels* functions_ = nullptr;
+  float variance_;  // of the neighbours of a particle inside the fluid, along an axis [m^2]
+  std::vector<Vec4f> records_;
+  std::vector<kernels::ParticleKernel> kernels_;
+  std::vector<Vec3f> shift_;  // of a centre from its particle
+  std::vector<KernelBox> boxes_;
+  std::vector<std::uint8_t> at_surface_;
+};
+
+}  // namespace souple

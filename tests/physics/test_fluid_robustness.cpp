@@ -1,0 +1,145 @@
+#include "souple/souple.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+namespace {
+
+constexpr double d = 0.02;  // m
+constexpr FluidMaterial water{.spacing = 0.02f};
+
+void add_tank(World& world, const Vec3d& size) {
+  world.add_collider(Plane{});
+  world.add_collider(Plane{{0, -1, 0}, static_cast<float>(-size.y)});
+  world.add_collider(Plane{{1, 0, 0}, static_cast<float>(-size.x / 2)});
+  world.add_collider(Plane{{-1, 0, 0}, static_cast<float>(-size.x / 2)});
+  world.add_collider(Plane{{0, 0, 1}, static_cast<float>(-size.z / 2)});
+  world.add_collider(Plane{{0, 0, -1}, static_cast<float>(-size.z / 2)});
+}
+
+double farthest_out(const World& world, ObjectId fluid, const Vec3d& size) {
+  double out = -1e30;
+  for (const Vec3f& x : world.positions(fluid)) {
+    const Vec3d at(x);
+    out = std::max({out, std::fabs(at.x) - size.x / 2, std::fabs(at.z) - size.z / 2, -at.y, at.y - size.y});
+  }
+  return out;
+}
+
+TEST(FluidRobustness, AShakenBoxLosesNothing) {
+  const Vec3d size{20 * d, 14 * d, 10 * d};
+  World world({.substeps = 8});
+  add_tank(world, size);
+  const ObjectId fluid = world.add_fluid(
+      fill(Vec3d{-size.x / 2, 0, -size.z / 2}, Vec3d{size.x / 2, size.y / 2, size.z / 2}, d), water);
+  double error = 0;
+  for (int frame = 0; frame < 300; ++frame) {
+    Settings settings = world.settings();
+    const double t = frame / 60.0;
+    settings.gravity = {static_cast<float>(12 * std::sin(2 * pi * 1.5 * t)), -9.81f,
+                        static_cast<float>(12 * std::sin(2 * pi * 2.3 * t))};
+    world.set_settings(settings);
+    const StepReport& report = world.step(1.0 / 60);
+    ASSERT_TRUE(report.ok());
+    error = std::max(error, report.fluid.mean_density_error);
+    ASSERT_LT(farthest_out(world, fluid, size), 0);
+  }
+  EXPECT_EQ(world.positions(fluid).size(), 20u * 7 * 10);
+  EXPECT_LT(error, 0.01);
+}
+
+TEST(FluidRobustness, ThrownAtAHundredMetresASecondItStaysInside) {
+  const Vec3d size{60 * d, 40 * d, 24 * d};
+  World world({.substeps = 10});
+  add_tank(world, size);
+  world.add_collider(Box{{0.3f, 0.4f, 0}, {0.005f, 0.4f, 0.3f}});  // thin
+  const ObjectId fluid =
+      world.add_fluid(fill(Vec3d{-0.55, 0.2, -0.1}, Vec3d{-0.35, 0.4, 0.1}, d), water, {.velocity = {100, 0, 0}});
+  bool told = false;
+  for (int frame = 0; frame < 60; ++frame) {
+    const StepReport& report = world.step(1.0 / 60);
+    ASSERT_TRUE(report.ok()) << report.message;
+    told = told || report.has(Flag::coarse_substeps);
+    ASSERT_LT(farthest_out(world, fluid, size), 0) << frame;
+    for (const Vec3f& x : world.positions(fluid)) ASSERT_TRUE(frame >= 3 || x.x < 0.3f) << frame;
+  }
+  EXPECT_TRUE(told);
+  double fastest = 0;
+  for (const Vec3f& v : world.velocities(fluid)) fastest = std::max(fastest, double{length(v)});
+  EXPECT_LT(fastest, 20);
+}
+
+// No walls, no gravity: a sheared cube with a body in it.
+TEST(FluidRobustness, KeepsItsMomentum) {
+  World world({.substeps = 8, .gravity = {}});
+  std::vector<Vec3d> points;
+  for (const Vec3d& x : fill(Vec3d{-0.2, -0.2, -0.2}, Vec3d{0.2, 0.2, 0.2}, d))
+    if (std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}) > 0.06) points.push_back(x);
+  const ObjectId fluid = world.add_fluid(points, water);
+  const ObjectId body = world.add_soft_body(box({0.12, 0.12, 0.12}, 3), material::rubber,
+                                            LatticeOptions{.cells = 500}, {.velocity = {0.5f, 0, 0}});
+  std::vector<Vec3f> v;
+  for (const Vec3f& x : world.positions(fluid)) v.push_back({2 * x.y, 0, 0.3f});
+  world.set_velocities(fluid, v);
+  const auto momentum = [&] { return world.momentum(fluid) + world.momentum(body); };
+  const Vec3d before = momentum();
+  double sum = 0;
+  for (const Vec3f& u : v) sum += 1000 * d * d * d * double{length(u)};
+  for (int frame = 0; frame < 60; ++frame) world.step(1.0 / 60);
+  EXPECT_LT(length(momentum() - before), 1e-4 * sum);
+}
+
+TEST(FluidRobustness, BodiesStartedInEachOtherInWaterDoNotExplode) {
+  World world({.substeps = 8});
+  const Vec3d size{24 * d, 40 * d, 24 * d};
+  add_tank(world, size);
+  const ObjectId fluid =
+      world.add_fluid(fill(Vec3d{-0.24, 0, -0.24}, Vec3d{0.24, 0.3, 0.24}, d), water);
+  for (const double x : {-0.02, 0.03})
+    world.add_soft_body(box({0.12, 0.12, 0.12}, 3), {.young_modulus = 1e5f, .density = 500},
+                        LatticeOptions{.cells = 300}, {.transform = {.translation = {x, 0.15, 0}}});
+  for (int frame = 0; frame < 120; ++frame) {
+    ASSERT_TRUE(world.step(1.0 / 60).ok());
+    ASSERT_LT(farthest_out(world, fluid, size), 0) << frame;
+  }
+  double fastest = 0;
+  for (const Vec3f& v : world.velocities(fluid)) fastest = std::max(fastest, double{length(v)});
+  EXPECT_LT(fastest, 3);
+}
+
+TEST(FluidRobustness, IsTheSameForAnyNumberOfThreads) {
+  std::uint64_t first = 0;
+  for (const int threads : {1, 2, 8}) {
+    World world({.substeps = 6, .threads = threads});
+    add_tank(world, {0.5, 1, 0.3});
+    world.add_fluid(fill(Vec3d{-0.25, 0, -0.15}, Vec3d{0, 0.3, 0.15}, d), water);
+    world.add_soft_body(box({0.1, 0.1, 0.1}, 2), {.density = 500}, LatticeOptions{.cells = 200},
+                        {.transform = {.translation = {-0.1, 0.4, 0}}});
+    for (int frame = 0; frame < 40; ++frame) world.step(1.0 / 60);
+    if (first == 0) first = world.hash();
+    EXPECT_EQ(world.hash(), first);
+  }
+}
+
+TEST(FluidRobustness, GoesOnFromASnapshotToTheBit) {
+  const auto make = [] {
+    World world({.substeps = 6});
+    add_tank(world, {0.5, 1, 0.3});
+    world.add_fluid(fill(Vec3d{-0.25, 0, -0.15}, Vec3d{0, 0.3, 0.15}, d), water);
+    return world;
+  };
+  World world = make();
+  for (int frame = 0; frame < 20; ++frame) world.step(1.0 / 60);
+  const Snapshot snapshot = world.snapshot();
+  for (int frame = 0; frame < 20; ++frame) world.step(1.0 / 60);
+  World other = make();
+  other.restore(snapshot);
+  for (int frame = 0; frame < 20; ++frame) other.step(1.0 / 60);
+  EXPECT_EQ(other.hash(), world.hash());
+}
+
+}  // namespace
+}  // namespace souple
