@@ -39,8 +39,8 @@ World stage_of(const std::optional<SceneDescription>& scene) {
 }
 
 ObjectKind kind_of_name(std::string_view name) {
-  for (const ObjectKind kind :
-       {ObjectKind::cloth, ObjectKind::soft_body, ObjectKind::rope, ObjectKind::obstacle, ObjectKind::fluid}) {
+  for (const ObjectKind kind : {ObjectKind::cloth, ObjectKind::soft_body, ObjectKind::rope,
+                                ObjectKind::obstacle, ObjectKind::fluid}) {
     if (kind_name(kind) == name) return kind;
   }
   return ObjectKind::grains;
@@ -120,7 +120,10 @@ void CacheSubject::describe_bodies() {
     if (!object.triangles.empty()) body.rest = object.rest;
     if (scene_) {
       for (const AnyObjectDescription& description : scene_->objects) {
-        if (common(description).name == object.name) body.radius = std::visit(Radius{}, description);
+        if (common(description).name != object.name) continue;
+        body.radius = std::visit(Radius{}, description);
+        if (const auto* fluid = std::get_if<FluidDescription>(&description))
+          body.density = fluid->material.density;
       }
     }
     subject_.bodies.push_back(body);

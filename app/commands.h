@@ -29,8 +29,8 @@ struct RenderRequest {
   std::string source;  ///< a scene, a run's folder, or its run.json
   std::filesystem::path out;
   std::string frames, sheet, size, camera;
-  std::string display = "shaded", constraints = "none";
-  std::optional<std::uint32_t> samples, colours;
+  std::string display = "shaded", constraints = "none", liquid_filter;
+  std::optional<std::uint32_t> samples, colours, liquid_steps;
   std::vector<std::string> settings;  ///< path=value
   bool quiet = false;
 };

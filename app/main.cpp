@@ -191,6 +191,15 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->type_name("DISPLAY");
   command.add_option("--constraints", request->constraints, "how constraints are coloured, see below [none]")
       ->type_name("CONSTRAINTS");
+  command
+      .add_option(
+          "--liquid-filter", request->liquid_filter,
+          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
+      ->type_name("FILTER");
+  command
+      .add_option("--liquid-steps", request->liquid_steps,
+                  "steps of curvature flow or passes of the narrow-range filter [40; 2]")
+      ->type_name("N");
   add_settings(command, request->settings);
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
   command.callback(

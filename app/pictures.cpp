@@ -57,6 +57,8 @@ render::Image PictureMaker::picture(const render::Subject& subject, const render
   }
   render::RenderOptions options;
   options.samples = style.samples;
+  options.liquid_filter = style.liquid_filter;
+  options.liquid_steps = style.liquid_steps;
   return renderer_.picture(list, camera, options, style.size.width, style.size.height);
 }
 

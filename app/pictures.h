@@ -17,6 +17,8 @@ struct PictureStyle {
   PictureSize size{1280, 720};
   int samples = 16;
   render::DisplayOptions display;
+  render::LiquidFilter liquid_filter = render::LiquidFilter::narrow_range;
+  int liquid_steps = 0;  ///< as of RenderOptions
 
   float aspect() const { return static_cast<float>(size.width) / static_cast<float>(size.height); }
 };

@@ -47,6 +47,19 @@ render::ConstraintDisplay constraint_display_of(const std::string& name) {
   throw Error("--constraints \"" + name + "\": expected one of " + list);
 }
 
+void choose_liquids(const RenderRequest& request, PictureStyle& style) {
+  try {
+    if (!request.liquid_filter.empty()) style.liquid_filter = render::liquid_filter_of(request.liquid_filter);
+  } catch (const Error& error) {
+    throw Error(std::string("--liquid-filter: ") + error.what());
+  }
+  if (!request.liquid_steps) return;
+  if (*request.liquid_steps < 1 || *request.liquid_steps > render::most_liquid_steps)
+    throw Error("--liquid-steps " + std::to_string(*request.liquid_steps) + ": expected 1 to " +
+                std::to_string(render::most_liquid_steps));
+  style.liquid_steps = static_cast<int>(*request.liquid_steps);
+}
+
 PictureStyle style_of(const RenderRequest& request) {
   PictureStyle style;
   try {
@@ -56,6 +69,7 @@ PictureStyle style_of(const RenderRequest& request) {
   }
   style.display.constraints = constraint_display_of(request.constraints);
   style.display.pins = false;
+  choose_liquids(request, style);
   if (request.samples) {
     constexpr std::uint32_t most = 1024;
     if (*request.samples < 1 || *request.samples > most)

@@ -38,7 +38,8 @@ BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t ke
       vertices_(body.positions.size()),
       triangle_count_(body.triangles.size()),
       triangles_(body.triangles.data()),
-      mean_edge_(mean_edge_length(body)) {
+      mean_edge_(mean_edge_length(body)),
+      density_(body.density) {
   if (kind_ == ObjectKind::rope) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
   const bool has_creases = kind_ == ObjectKind::soft_body || kind_ == ObjectKind::obstacle;
   if (has_creases && body.rest.size() == vertices_) creased_ = CreasedSurface(body.rest, body.triangles);
@@ -62,9 +63,14 @@ bool BodyDrawing::draws_particles(const Drawing& drawing) const {
          (display == Display::lattice && kind_ == ObjectKind::soft_body && drawing.has_world);
 }
 
+bool BodyDrawing::draws_liquid(const Drawing& drawing) const {
+  return kind_ == ObjectKind::fluid && !draws_particles(drawing) && !is_measured(drawing.options.display) &&
+         drawing.options.constraints == ConstraintDisplay::none;
+}
+
 Look BodyDrawing::look(const Drawing& drawing) const {
   const Display display = drawing.options.display;
-  Look result = body_look(kind_, index_, chosen_);
+  Look result = own_look();
   if (!colours_.empty() && is_measured(display)) return measured_look();
   const bool behind_lines = drawing.options.constraints != ConstraintDisplay::none ||
                             display == Display::contacts || display == Display::lattice ||
@@ -72,6 +78,14 @@ Look BodyDrawing::look(const Drawing& drawing) const {
   if (behind_lines) return pale(result);
   if (display == Display::shaded) result.checker_size = 1;
   return result;
+}
+
+Look BodyDrawing::own_look() const {
+  // A rope's particles are seen better in a colour of the palette than in that of hemp.
+  const bool as_balls = as_particles_ && kind_ == ObjectKind::rope;
+  const std::optional<Colour> chosen =
+      kind_ == ObjectKind::fluid ? std::optional(liquid_colour(density_, chosen_)) : chosen_;
+  return body_look(as_balls ? ObjectKind::soft_body : kind_, index_, chosen);
 }
 
 void BodyDrawing::draw(const Body& body, std::uint32_t pick, std::span<const float> rope_strain,
@@ -83,6 +97,8 @@ void BodyDrawing::draw(const Body& body, std::uint32_t pick, std::span<const flo
     draw_particles(body, pick, drawing);
   } else if (kind_ == ObjectKind::rope) {
     draw_tube(pick, drawing);
+  } else if (draws_liquid(drawing)) {
+    draw_liquid(body, pick, drawing);
   } else if (kind_ == ObjectKind::grains || body.triangles.empty()) {
     draw_grains(body, pick, drawing);
   } else {
@@ -187,6 +203,30 @@ void BodyDrawing::draw_tube(std::uint32_t pick, const Drawing& drawing) {
   drawing.list.surfaces.push_back(surface);
 }
 
+void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawing& drawing) {
+  // Half the edge of a cube of all of it, so that its colour does not depend on how large the scene is or how
+  // fine; of a little liquid that is still to come some spacings.
+  const float spacing = 2 * body.radius;
+  const float edge = std::max(std::cbrt(static_cast<float>(body.positions.size())), 16.0f) * spacing;
+  Liquid liquid;
+  liquid.key = key_ + 1;
+  liquid.version = version_;
+  liquid.centres = body.positions;
+  liquid.spacing = spacing;
+  liquid.radius = 0.75f * spacing;
+  liquid.look = liquid_look(density_, 0.5f * edge, chosen_);
+  liquid.pick = pick;
+  drawing.list.liquids.push_back(liquid);
+  if (body.foam.empty()) return;
+  Foam foam;
+  foam.key = key_;
+  foam.version = version_;
+  foam.centres = body.foam;
+  foam.radius = 0.3f * spacing;
+  foam.opacity = 0.35f;
+  drawing.list.foams.push_back(foam);
+}
+
 void BodyDrawing::draw_grains(const Body& body, std::uint32_t pick, const Drawing& drawing) {
   Spheres spheres;
   spheres.key = key_ + 1;
@@ -210,7 +250,7 @@ void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const Dra
   spheres.centres = of_world ? std::span<const Vec3f>(particles_.centres) : body.positions;
   if (of_world) spheres.radii = particles_.radii;
   spheres.radius = body.radius;
-  spheres.look = body_look(kind_ == ObjectKind::rope ? ObjectKind::soft_body : kind_, index_, chosen_);
+  spheres.look = own_look();
   if (drawing.options.constraints != ConstraintDisplay::none) spheres.look = pale(spheres.look);
   spheres.pick = pick;
   drawing.list.spheres.push_back(spheres);

@@ -51,6 +51,7 @@ class BodyDrawing {
   Bounds bounds(const Body& body) const;
   float mean_edge() const { return mean_edge_; }       ///< of the mesh, 2 radii without one [m]
   bool draws_particles(const Drawing& drawing) const;  ///< of the world, instead of its surface
+  bool draws_liquid(const Drawing& drawing) const;     ///< one surface instead of particles
 
  private:
   /// What the buffers on the GPU were made from.
@@ -63,12 +64,14 @@ class BodyDrawing {
     friend bool operator==(const Shown&, const Shown&) = default;
   };
 
+  Look own_look() const;
   Look look(const Drawing& drawing) const;
   void refresh(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
   std::span<const float> values(const Body& body, std::span<const float> rope_strain, Display display);
   void set_colours(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
   void draw_surface(const Body& body, std::uint32_t pick, const Drawing& drawing);
   void draw_tube(std::uint32_t pick, const Drawing& drawing);
+  void draw_liquid(const Body& body, std::uint32_t pick, const Drawing& drawing);
   void draw_grains(const Body& body, std::uint32_t pick, const Drawing& drawing);
   void draw_particles(const Body& body, std::uint32_t pick, const Drawing& drawing);
   void draw_normals(const Body& body, DrawList& list) const;
@@ -79,7 +82,7 @@ class BodyDrawing {
   std::uint64_t key_;
   std::size_t vertices_, triangle_count_;
   const Triangle* triangles_;
-  float mean_edge_ = 0;
+  float mean_edge_ = 0, density_;
 
   std::uint64_t version_ = 0, topology_ = 0;
   Shown shown_;

@@ -220,6 +220,8 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
   surface.look = collider_look(collider.colour);
+  // The walls of a tank: one looks in through those that stand before it.
+  surface.one_sided = std::holds_alternative<Plane>(*collider.shape);
   surface.pick = pick;
   list.surfaces.push_back(surface);
 }
@@ -249,9 +251,8 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
   for (const Body& body : subject.bodies) {
     const bool balls =
         body.kind == ObjectKind::rope || body.kind == ObjectKind::grains || body.kind == ObjectKind::fluid;
-    const float radius = balls
-                             ? 1.5f * body.radius
-                             : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
+    const float radius =
+        balls ? 1.5f * body.radius : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
     for (const std::uint32_t v : subject.world->pinned({body.id})) {
       centres.push_back(body.positions[v]);
       pin_radii.push_back(radius);
@@ -340,6 +341,8 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
 
   list.surfaces.clear();
   list.spheres.clear();
+  list.liquids.clear();
+  list.foams.clear();
   list.lines.clear();
   list.top_lines.clear();
   list.labels.clear();

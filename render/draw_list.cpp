@@ -1,6 +1,7 @@
 #include "render/draw_list.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace souple::render {
 
@@ -13,6 +14,20 @@ Bounds box_of(std::span<const Vec3f> points) {
     if (!is_finite(p)) continue;
     box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y), std::min(box.lo.z, p.z)};
     box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y), std::max(box.hi.z, p.z)};
+  }
+  return box;
+}
+
+Bounds box_of_ellipsoids(const Liquid& liquid) {
+  Bounds box;
+  if (liquid.ellipsoids.size() != liquid.centres.size()) return box;
+  for (std::size_t i = 0; i < liquid.centres.size(); ++i) {
+    const auto& [x, y, z] = liquid.ellipsoids[i].column;
+    const Vec3f half{length(Vec3f{x.x, y.x, z.x}), length(Vec3f{x.y, y.y, z.y}),
+                     length(Vec3f{x.z, y.z, z.z})};
+    if (!is_finite(liquid.centres[i]) || !is_finite(half)) continue;
+    box.add(liquid.centres[i] - half);
+    box.add(liquid.centres[i] + half);
   }
   return box;
 }
@@ -32,15 +47,28 @@ Bounds box_of(const Surface& surface) {
 
 }  // namespace
 
+Vec3f absorption_of(const Colour& left, float distance) {
+  const auto channel = [&](float c) { return -std::log(std::clamp(c, 0.005f, 1.0f)) / distance; };
+  return {channel(left.r), channel(left.g), channel(left.b)};
+}
+
 Bounds DrawList::bounds() const {
   Bounds box;
+  const auto add = [&box](std::span<const Vec3f> centres, float radius) {
+    const Bounds of_centres = box_of(centres);
+    if (of_centres.empty()) return;
+    box.add(of_centres.lo, radius);
+    box.add(of_centres.hi, radius);
+  };
+  for (const Liquid& liquid : liquids) {
+    add(liquid.centres, liquid.radius);
+    box.add(box_of_ellipsoids(liquid));
+  }
+  for (const Foam& foam : foams) add(foam.centres, foam.radius);
   for (const Surface& surface : surfaces) box.add(box_of(surface));
   for (const Spheres& balls : spheres) {
     if (balls.radii.empty()) {
-      const Bounds centres = box_of(balls.centres);
-      if (centres.empty()) continue;
-      box.add(centres.lo, balls.radius);
-      box.add(centres.hi, balls.radius);
+      add(balls.centres, balls.radius);
       continue;
     }
     for (std::size_t i = 0; i < std::min(balls.centres.size(), balls.radii.size()); ++i) {

@@ -3,6 +3,7 @@
 #include "render/camera.h"
 #include "render/colour.h"
 #include "souple/geometry/triangle_mesh.h"
+#include "souple/math/mat3.h"
 #include "souple/math/transform.h"
 
 #include <array>
@@ -26,7 +27,8 @@ struct Look {
   float sheen = 0;                 ///< light scattered at grazing angles, as by cloth, in [0, 1]
 };
 
-/// Triangles, drawn from both sides. Buffers on the GPU are kept from picture to picture under `key`.
+/// Triangles, drawn from both sides unless told otherwise. Buffers on the GPU are kept from picture to
+/// picture under `key`.
 struct Surface {
   std::uint64_t key = 0;             ///< unique among the surfaces of all lists drawn by one renderer
   std::uint64_t topology = 0;        ///< another number: triangles and texture have changed
@@ -39,6 +41,7 @@ struct Surface {
   Transform pose{};                       ///< applied to positions and normals
   Look look{};
   bool wireframe = false;  ///< edges drawn over the surface
+  bool one_sided = false;  ///< seen (and dark to the sun, and picked) from its front only
   bool casts_shadow = true;
   std::uint32_t pick = 0;  ///< what picking returns; 0: cannot be picked
 };
@@ -53,6 +56,38 @@ struct Spheres {
   Look look{};
   bool casts_shadow = true;
   std::uint32_t pick = 0;
+};
+
+/// What a liquid does to light.
+struct LiquidLook {
+  Vec3f absorption{1.6f, 0.42f, 0.2f};  ///< of red, green and blue light [1/m]
+  Vec3f scattering{};                   ///< what makes it cloudy, likewise
+  float refractive_index = 1.33f;       ///< at least 1
+  float roughness = 0.08f;              ///< GGX, in (0, 1]
+};
+/// The absorption that leaves white light this colour after `distance` metres. Channels are taken to lie in
+/// [0.005, 1].
+Vec3f absorption_of(const Colour& left, float distance);
+
+/// A liquid, given by the particles that fill it: drawn as one smooth, clear body.
+struct Liquid {
+  std::uint64_t key = 0, version = 0;  ///< as of a Surface
+  std::span<const Vec3f> centres;      ///< m
+  float radius = 0.015f;  ///< of the balls whose surface is smoothed: 0.6 to 0.9 of the spacing [m]
+  float spacing = 0.02f;  ///< each particle stands for a cube with this edge [m]
+  /// Empty, or an ellipsoid instead of each ball: its half axes are the columns [m].
+  std::span<const Mat3f> ellipsoids;
+  LiquidLook look{};
+  bool casts_shadow = true;
+  std::uint32_t pick = 0;
+};
+
+/// Foam, spray and bubbles: small white things, too many to be told apart.
+struct Foam {
+  std::uint64_t key = 0, version = 0;  ///< unique among foams; as of a Surface
+  std::span<const Vec3f> centres;      ///< m
+  float radius = 0.01f;                ///< m
+  float opacity = 0.5f;                ///< of one in its middle, in [0, 1)
 };
 
 /// A line of constant width on screen.
@@ -90,13 +125,15 @@ struct Light {
 struct DrawList {
   std::vector<Surface> surfaces;
   std::vector<Spheres> spheres;
+  std::vector<Liquid> liquids;
+  std::vector<Foam> foams;
   std::vector<Line> lines;      ///< hidden by what lies before them
   std::vector<Line> top_lines;  ///< never hidden
   std::vector<Label> labels;
   Ground ground{};
   Light light{};
 
-  Bounds bounds() const;  ///< of surfaces and spheres: what shadows and depth have to enclose
+  Bounds bounds() const;  ///< of all but lines and labels: what shadows and depth have to enclose
 };
 
 }  // namespace souple::render

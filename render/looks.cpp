@@ -16,6 +16,23 @@ float noise(std::uint64_t index) {
   return static_cast<float>((z ^ (z >> 31)) >> 40) / static_cast<float>(1 << 24);
 }
 
+struct LiquidKind {
+  Colour left;       // of white light, on its way through a middling body of it
+  Colour particles;  // drawn one by one
+  float cloudiness;  // the part of light scattered on that way, about
+  float refractive_index;
+};
+
+// Refractive indices: CRC handbook.
+const LiquidKind water{srgb(0x9cd3ec), srgb(0x3f8fd0), 0, 1.333f};
+const LiquidKind oil{srgb(0xefc94a), srgb(0xd9ae2b), 0.1f, 1.47f};
+const LiquidKind honey{srgb(0xe3a23a), srgb(0xc07a1a), 0.25f, 1.49f};
+
+const LiquidKind& liquid_kind(float density) {
+  if (density > 1200) return honey;
+  return density > 0 && density < 960 ? oil : water;
+}
+
 Colour scaled(const Colour& colour, float s) {
   return {colour.r * s, colour.g * s, colour.b * s, colour.a};
 }
@@ -41,7 +58,7 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>
     case ObjectKind::obstacle:
       return collider_look(chosen);
     case ObjectKind::fluid: {
-      const Colour blue = chosen.value_or(srgb(0x3f8fd0));
+      const Colour blue = chosen.value_or(water.particles);
       return {.colour = blue, .second = blue, .roughness = 0.2f};
     }
     case ObjectKind::grains:
@@ -49,6 +66,20 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>
   }
   const Colour sand = chosen.value_or(srgb(0xd2ab6d));
   return {.colour = sand, .second = sand, .roughness = 0.9f};
+}
+
+LiquidLook liquid_look(float density, float way, const std::optional<Colour>& chosen) {
+  const LiquidKind& kind = liquid_kind(density);
+  const Colour left = chosen.value_or(kind.left);
+  LiquidLook look;
+  look.absorption = absorption_of(left, way);
+  look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness / way);
+  look.refractive_index = kind.refractive_index;
+  return look;
+}
+
+Colour liquid_colour(float density, const std::optional<Colour>& chosen) {
+  return chosen.value_or(liquid_kind(density).particles);
 }
 
 Look pale(const Look& look) {

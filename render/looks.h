@@ -21,6 +21,12 @@ Look measured_look();
 Look collider_look(const std::optional<Colour>& chosen = {});
 Look pin_look();
 
+/// What a liquid looks like in which light goes about `way` metres: `chosen` is the colour it leaves of white
+/// light; else it is that of water, or of oil or honey if it is as light or heavy as they are.
+LiquidLook liquid_look(float density, float way, const std::optional<Colour>& chosen = {});
+/// The colour of its particles.
+Colour liquid_colour(float density, const std::optional<Colour>& chosen = {});
+
 /// Grains differ a little, and each keeps its colour.
 std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index,
                                         const std::optional<Colour>& chosen = {});

@@ -7,7 +7,9 @@
 #include "render/passes/finish.h"
 #include "render/passes/labels.h"
 #include "render/passes/lines.h"
+#include "render/passes/liquid.h"
 #include "render/passes/occlusion.h"
+#include "render/passes/pass_clock.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/pick.h"
 #include "render/passes/shadow.h"
@@ -81,7 +83,8 @@ std::array<float, 2> sample_on_disk(int i, int count) {
 Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
   const auto casts = [](const auto& thing) { return thing.casts_shadow; };
   if (std::all_of(list.surfaces.begin(), list.surfaces.end(), casts) &&
-      std::all_of(list.spheres.begin(), list.spheres.end(), casts)) {
+      std::all_of(list.spheres.begin(), list.spheres.end(), casts) &&
+      std::all_of(list.liquids.begin(), list.liquids.end(), casts) && list.foams.empty()) {
     return all;
   }
   DrawList casters;
@@ -91,7 +94,17 @@ Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
   for (const Spheres& spheres : list.spheres) {
     if (spheres.casts_shadow) casters.spheres.push_back(spheres);
   }
+  for (const Liquid& liquid : list.liquids) {
+    if (liquid.casts_shadow) casters.liquids.push_back(liquid);
+  }
   return casters.bounds();
+}
+
+Bounds bounds_of_liquids(const DrawList& list) {
+  DrawList liquids;
+  liquids.liquids = list.liquids;
+  liquids.foams = list.foams;
+  return liquids.bounds();
 }
 
 Vec4 vec4(const Vec3f& v, float w) {
@@ -107,7 +120,23 @@ void require_size(int width, int height) {
               " pixels: each side has to be in [1, " + std::to_string(largest_side) + "]");
 }
 
+constexpr std::array<std::string_view, liquid_filter_count> liquid_filter_names{"none", "curvature-flow",
+                                                                                "narrow-range"};
+
 }  // namespace
+
+std::string_view liquid_filter_name(LiquidFilter filter) {
+  return liquid_filter_names[std::size_t(filter)];
+}
+
+LiquidFilter liquid_filter_of(std::string_view name) {
+  std::string known;
+  for (std::size_t i = 0; i < liquid_filter_count; ++i) {
+    if (liquid_filter_names[i] == name) return LiquidFilter(i);
+    known += (i > 0 ? ", " : "") + std::string(liquid_filter_names[i]);
+  }
+  throw Error("there is no liquid filter '" + std::string(name) + "', expected one of: " + known);
+}
 
 struct Renderer::Impl {
   Impl() { require_extensions(); }
@@ -116,14 +145,18 @@ struct Renderer::Impl {
   gl::Buffer frame_buffer;
   gl::Program ground{"ray.vert.glsl", "ground.frag.glsl"};
   gl::Program lighting{"ray.vert.glsl", "lighting.frag.glsl"};
+  gl::Program lighting_with_liquids{"ray.vert.glsl", "lighting.frag.glsl", {"LIQUIDS"}};
   SurfacesPass surfaces;
   SpheresPass spheres;
+  LiquidSplats liquid_splats;
+  LiquidPass liquids;
   LinesPass lines;
   ShadowPass shadow;
   OcclusionPass occlusion;
   FinishPass finish;
   LabelsPass labels;
   PickPass picking;
+  PassClock clock;
   std::optional<Targets> targets;
   std::optional<Canvas> canvas;
 
@@ -133,7 +166,10 @@ struct Renderer::Impl {
   void bind(const Frame& frame);
   PassContext begin_picking(const DrawList& list, const Camera& camera, int width, int height);
   void draw_material(const DrawList& list, const PassContext& context);
-  void draw_lighting(const DrawList& list, const PassContext& context);
+  void draw_lighting();
+  void draw_lines(const DrawList& list, const PassContext& context);
+  void draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
+                   const RenderOptions& options);
 };
 
 namespace {
@@ -211,7 +247,7 @@ void Renderer::Impl::draw_material(const DrawList& list, const PassContext& cont
   }
 }
 
-void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& context) {
+void Renderer::Impl::draw_lighting() {
   targets->lighting.bind();
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
@@ -220,14 +256,36 @@ void Renderer::Impl::draw_lighting(const DrawList& list, const PassContext& cont
   targets->depth.bind(gl::Unit::depth);
   shadow.bind();
   occlusion.bind(targets->normal);
-  lighting.use();
+  (liquid_splats.casts_shadow() ? lighting_with_liquids : lighting).use();
   nothing.bind();
   draw_screen();
+  glDepthMask(GL_TRUE);
+}
+
+void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context) {
+  targets->lighting.bind();
+  glDepthMask(GL_FALSE);
   glEnable(GL_DEPTH_TEST);
   lines.draw(list.lines, context);
   glDisable(GL_DEPTH_TEST);
   lines.draw(list.top_lines, context);
   glDepthMask(GL_TRUE);
+}
+
+/// One sample, from an empty buffer to linear colour. The shadow map is drawn, `frame` bound.
+void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
+                                 const RenderOptions& options) {
+  draw_material(list, context);
+  clock.done("material");
+  if (frame.sample_info.w != 0) occlusion.draw(targets->normal, targets->depth, nothing);
+  clock.done("occlusion");
+  draw_lighting();
+  clock.done("lighting");
+  if (!liquid_splats.empty())
+    liquids.draw(liquid_splats, bounds_of_liquids(list), {targets->normal, targets->depth, targets->lighting},
+                 context, options, shadow, nothing, clock);
+  draw_lines(list, context);
+  clock.done("lines");
 }
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
@@ -242,6 +300,8 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
   default_state();
   m.surfaces.update(list.surfaces);
   m.spheres.update(list.spheres);
+  m.liquid_splats.update(list.liquids, list.foams);
+  m.clock.done("upload");
   const Bounds bounds = list.bounds(), casters = bounds_of_casters(list, bounds);
   const int samples = std::max(options.samples, 1);
   for (int sample = 0; sample < samples; ++sample) {
@@ -249,15 +309,17 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     const std::array<float, 2> sun = sample_on_disk(sample, samples);
     m.shadow.aim(frame, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
     m.shadow.draw(frame, m.surfaces, m.spheres);
+    m.clock.done("shadow");
+    if (frame.shadow_size.w != 0 && m.liquid_splats.casts_shadow()) m.shadow.draw_liquids(m.liquid_splats);
+    m.clock.done("liquid shadow");
     m.bind(frame);
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
-    m.draw_material(list, context);
-    if (frame.sample_info.w != 0) m.occlusion.draw(m.targets->normal, m.targets->depth, m.nothing);
-    m.draw_lighting(list, context);
+    m.draw_sample(list, context, frame, options);
     if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
   }
   m.finish.draw(m.targets->colour, samples, framebuffer, m.nothing);
   m.labels.draw(list.labels, width, height);
+  m.clock.done("finish");
   default_state();
   glBindVertexArray(0);
   glUseProgram(0);
@@ -283,10 +345,20 @@ Image Renderer::picture(const DrawList& list, const Camera& camera, const Render
   return image;
 }
 
+std::vector<PassTime> Renderer::measure(const DrawList& list, const Camera& camera,
+                                        const RenderOptions& options, int width, int height) {
+  std::vector<PassTime> times;
+  impl_->clock.start(&times);
+  picture(list, camera, options, width, height);
+  impl_->clock.start(nullptr);
+  return times;
+}
+
 PassContext Renderer::Impl::begin_picking(const DrawList& list, const Camera& camera, int width, int height) {
   default_state();
   surfaces.update(list.surfaces);
   spheres.update(list.spheres);
+  liquid_splats.update(list.liquids, {});
   const Frame picked = frame(list, camera, {}, list.bounds(), width, height, 0);
   bind(picked);
   return {width, height, Target::pick, picked.view, picked.projection, camera.from};
@@ -297,7 +369,7 @@ Picked Renderer::pick(const DrawList& list, const Camera& camera, int x, int y, 
   require_size(width, height);
   Impl& m = *impl_;
   const PassContext context = m.begin_picking(list, camera, width, height);
-  const Picked picked = m.picking.pick(list, m.surfaces, m.spheres, context, x, y);
+  const Picked picked = m.picking.pick(list, {m.surfaces, m.spheres, m.liquid_splats}, context, x, y);
   default_state();
   return picked;
 }
@@ -306,8 +378,24 @@ PickImage Renderer::pick_image(const DrawList& list, const Camera& camera, int w
   require_size(width, height);
   Impl& m = *impl_;
   const PassContext context = m.begin_picking(list, camera, width, height);
-  PickImage image = m.picking.image(list, m.surfaces, m.spheres, context);
+  PickImage image = m.picking.image(list, {m.surfaces, m.spheres, m.liquid_splats}, context);
   default_state();
+  return image;
+}
+
+LiquidImage Renderer::liquid_image(const DrawList& list, const Camera& camera, RenderOptions options,
+                                   int width, int height) {
+  LiquidImage image{width, height, {}, {}};
+  const std::size_t count = std::size_t(std::max(width, 0)) * std::size_t(std::max(height, 0));
+  options.samples = 1;
+  picture(list, camera, options, width, height);
+  if (impl_->liquid_splats.empty()) {
+    image.depth.resize(count);
+    image.thickness.resize(count);
+    return image;
+  }
+  image.depth = impl_->liquids.read_depth();
+  image.thickness = impl_->liquids.read_thickness();
   return image;
 }
 

@@ -4,11 +4,26 @@
 #include "render/draw_list.h"
 #include "render/image.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace souple::render {
+
+/// How the depth of a liquid's particles becomes a smooth surface.
+enum class LiquidFilter {
+  none,            ///< the balls themselves
+  curvature_flow,  ///< van der Laan, Green, Sainz 2009
+  narrow_range     ///< Truong, Yuksel 2018
+};
+inline constexpr std::size_t liquid_filter_count = 3;
+std::string_view liquid_filter_name(LiquidFilter filter);
+/// Throws Error that lists the names.
+LiquidFilter liquid_filter_of(std::string_view name);
+inline constexpr int most_liquid_steps = 500;
 
 struct RenderOptions {
   bool shadows = true;
@@ -17,13 +32,23 @@ struct RenderOptions {
   /// window, 16 and more for a still without jaggies. Deterministic.
   int samples = 1;
   float exposure = 1;
+  LiquidFilter liquid_filter = LiquidFilter::narrow_range;
+  /// Of curvature flow, or passes of the narrow-range filter; 0: 40 or 2. How far the surface is smoothed
+  /// does not depend on it, nor on the size of the picture: more only makes it more exact.
+  int liquid_steps = 0;
+};
+
+struct PassTime {
+  std::string pass;
+  double seconds = 0;
 };
 
 /// What lies under a pixel.
 struct Picked {
-  std::uint32_t pick = 0;     ///< of the Surface or Spheres; 0: nothing
-  std::uint32_t element = 0;  ///< of spheres: which; of a surface: the vertex nearest to the point
-  Vec3f point{};              ///< m
+  std::uint32_t pick = 0;  ///< of the Surface, Spheres or Liquid; 0: nothing
+  std::uint32_t element =
+      0;          ///< of spheres and liquids: which; of a surface: the vertex nearest to the point
+  Vec3f point{};  ///< m
 };
 
 /// The pick buffer of a whole picture.
@@ -31,6 +56,14 @@ struct PickImage {
   int width = 0, height = 0;
   std::vector<std::uint32_t> pick, element;  ///< as of Picked; width * height, rows from the top
   std::vector<float> depth;                  ///< along the view direction [m]; 0 where nothing is
+};
+
+/// The surface of all liquids as it is shaded, and how thick they are.
+struct LiquidImage {
+  int width = 0, height = 0;
+  std::vector<float> depth;      ///< along the view direction [m]; 0 where nothing is; width * height, rows
+                                 ///< from the top; opaque things before it are not looked at
+  std::vector<float> thickness;  ///< along the ray through each pixel, opaque things not looked at [m]
 };
 
 /// Draws lists with the OpenGL context that was current when it was made, which has to be current whenever it
@@ -50,9 +83,18 @@ class Renderer {
   Image picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                 int height);
 
+  /// Draws off-screen and says how long each pass took, all of its samples together. OpenGL finishes all work
+  /// after each, so the sum is a little more than a picture takes.
+  std::vector<PassTime> measure(const DrawList& list, const Camera& camera, const RenderOptions& options,
+                                int width, int height);
+
   /// Under the pixel (x, y), counted from the top left.
   Picked pick(const DrawList& list, const Camera& camera, int x, int y, int width, int height);
   PickImage pick_image(const DrawList& list, const Camera& camera, int width, int height);
+
+  /// Of one sample.
+  LiquidImage liquid_image(const DrawList& list, const Camera& camera, RenderOptions options, int width,
+                           int height);
 
  private:
   struct Impl;

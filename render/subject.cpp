@@ -15,6 +15,7 @@ Subject subject_of(const World& world, std::uint64_t world_number) {
     body.triangles = world.triangles(id);
     body.rest = world.mesh(id).positions;
     body.radius = world.particle_radius(id);
+    if (body.kind == ObjectKind::fluid) body.density = world.fluid_material(id).density;
     subject.bodies.push_back(body);
   }
   for (const ColliderId id : world.colliders())

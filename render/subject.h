@@ -22,7 +22,10 @@ struct Body {
   std::span<const Vec3f> velocities;  ///< m/s; may be empty
   std::span<const Triangle> triangles;
   std::span<const Vec3d> rest;     ///< of the mesh; empty for ropes and grains
-  float radius = 0.005f;           ///< of ropes and grains, half the thickness of others [m]
+  float radius = 0.005f;           ///< of ropes and grains, half the thickness of others, half of a fluid's
+                                   ///< spacing [m]
+  float density = 0;               ///< of fluids; 0: not known [kg/m^3]
+  std::span<const Vec3f> foam;     ///< of fluids: spray, foam and bubbles [m]
   std::optional<Colour> colour{};  ///< if none: one of the palette
 };
 

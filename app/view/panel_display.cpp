@@ -26,10 +26,25 @@ std::vector<const char*> pointers(const std::vector<std::string>& names) {
   return list;
 }
 
+void liquid_rows(render::RenderOptions& rendering) {
+  const auto filters =
+      names_of<render::LiquidFilter>(render::liquid_filter_count, render::liquid_filter_name, false);
+  int filter = static_cast<int>(rendering.liquid_filter);
+  if (choice_row("Liquid filter", "##liquid_filter", filter, pointers(filters),
+                 "How the surface of fluids is smoothed on screen.")) {
+    rendering.liquid_filter = static_cast<render::LiquidFilter>(filter);
+    rendering.liquid_steps = 0;
+  }
+  if (rendering.liquid_filter == render::LiquidFilter::none) return;
+  const bool flow = rendering.liquid_filter == render::LiquidFilter::curvature_flow;
+  count_row("Filter steps", "##liquid_steps", rendering.liquid_steps, 0, flow ? 200 : 8,
+            flow ? "Steps of curvature flow; 0 is 40." : "Passes of the narrow-range filter; 0 is 2.");
+}
+
 }  // namespace
 
 void display_panel(render::DisplayOptions& display, render::RenderOptions& rendering, bool& half_resolution,
-                   bool has_world) {
+                   bool has_world, bool has_fluids) {
   if (!section("Display")) return;
   const auto displays = names_of<render::Display>(render::display_count, render::display_name, true);
   int shown = static_cast<int>(display.display);
@@ -50,6 +65,7 @@ void display_panel(render::DisplayOptions& display, render::RenderOptions& rende
   check_row("Colliders", "##colliders", display.colliders);
   check_row("Shadows", "##shadows", rendering.shadows);
   check_row("Occlusion", "##occlusion", rendering.ambient_occlusion);
+  if (has_fluids) liquid_rows(rendering);
   check_row("Half resolution", "##half_resolution", half_resolution);
 }
 

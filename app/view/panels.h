@@ -19,6 +19,6 @@ void material_panel(Simulation& simulation, std::size_t& chosen);
 void timing_panel(const Simulation& simulation);
 void numbers_panel(const Simulation& simulation);
 void display_panel(render::DisplayOptions& display, render::RenderOptions& rendering, bool& half_resolution,
-                   bool has_world);
+                   bool has_world, bool has_fluids);
 
 }  // namespace souple::viewer

@@ -92,6 +92,7 @@ class Viewer {
   void draw_panel();
   void scene_section();
   void transport_section();
+  bool shows_fluids() const;
   void recording_section(const Recording& recording);
   void simulation_sections(Simulation& simulation);
   void draw_status();

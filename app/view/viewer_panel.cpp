@@ -119,13 +119,18 @@ void Viewer::transport_section() {
   if (film) act(Action::film);
 }
 
+bool Viewer::shows_fluids() const {
+  return std::any_of(subject_.bodies.begin(), subject_.bodies.end(),
+                     [](const render::Body& body) { return body.kind == ObjectKind::fluid; });
+}
+
 void Viewer::simulation_sections(Simulation& simulation) {
   timing_panel(simulation);
   guarded([&] { solver_panel(simulation); });
   guarded([&] { material_panel(simulation, chosen_object_); });
   guarded([&] { forces_panel(simulation); });
   numbers_panel(simulation);
-  display_panel(display_, rendering_, options_.half_resolution, true);
+  display_panel(display_, rendering_, options_.half_resolution, true, shows_fluids());
   ImGui::Dummy({0, 6});
   if (wide_button("Copy as scene file###copy", share_of_line(1))) {
     simulation.set_camera(camera_);
@@ -142,7 +147,7 @@ void Viewer::recording_section(const Recording& recording) {
     for (const render::Body& body : recording.subject().bodies) points += body.positions.size();
     value_row("Points", std::to_string(points));
   }
-  display_panel(display_, rendering_, options_.half_resolution, false);
+  display_panel(display_, rendering_, options_.half_resolution, false, shows_fluids());
 }
 
 void Viewer::draw_status() {

@@ -6,6 +6,11 @@
 
 namespace souple::render::gl {
 
+bool can_blend_floats() {
+  // Desktop OpenGL does since 3.0.
+  return epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_EXT_float_blend");
+}
+
 Framebuffer::Framebuffer(std::string_view what, const std::vector<const Texture*>& colours,
                          const Texture* depth) {
   GLuint id = 0;

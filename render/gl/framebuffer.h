@@ -11,6 +11,9 @@ inline void delete_framebuffer(GLuint id) {
   glDeleteFramebuffers(1, &id);
 }
 
+/// Whether what is drawn can be blended into textures of 32 bit floats; into those of 16 it always can.
+bool can_blend_floats();
+
 /// Textures to draw into; they have to outlive it.
 class Framebuffer {
  public:

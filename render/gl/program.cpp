@@ -18,15 +18,21 @@ inline void delete_shader(GLuint id) {
 }
 using Shader = Handle<delete_shader>;
 
-constexpr std::array<std::pair<std::string_view, Unit>, 9> sampler_units{{{"shadow_map", Unit::shadow},
-                                                                          {"sum_map", Unit::sum},
-                                                                          {"occlusion_map", Unit::occlusion},
-                                                                          {"albedo_map", Unit::albedo},
-                                                                          {"normal_map", Unit::normal},
-                                                                          {"depth_map", Unit::depth},
-                                                                          {"colour_map", Unit::colour},
-                                                                          {"glyph_map", Unit::glyph},
-                                                                          {"pick_map", Unit::pick}}};
+constexpr std::array<std::pair<std::string_view, Unit>, 14> sampler_units{
+    {{"shadow_map", Unit::shadow},
+     {"sum_map", Unit::sum},
+     {"occlusion_map", Unit::occlusion},
+     {"albedo_map", Unit::albedo},
+     {"normal_map", Unit::normal},
+     {"depth_map", Unit::depth},
+     {"colour_map", Unit::colour},
+     {"glyph_map", Unit::glyph},
+     {"pick_map", Unit::pick},
+     {"liquid_depth_map", Unit::liquid_depth},
+     {"liquid_look_map", Unit::liquid_look},
+     {"liquid_optics_map", Unit::liquid_optics},
+     {"liquid_glow_map", Unit::liquid_glow},
+     {"liquid_light_map", Unit::liquid_light}}};
 
 // The text of a shader, with `#include "name"` lines replaced by the text they name, each once.
 std::string expand(std::string_view name, std::vector<std::string>& included) {

@@ -9,7 +9,22 @@ inline void delete_texture(GLuint id) {
 }
 
 /// Where shaders look for their textures: the sampler `shadow_map` reads unit `shadow`, and so on.
-enum class Unit : GLuint { shadow, sum, occlusion, albedo, normal, depth, colour, glyph, pick };
+enum class Unit : GLuint {
+  shadow,
+  sum,
+  occlusion,
+  albedo,
+  normal,
+  depth,
+  colour,
+  glyph,
+  pick,
+  liquid_depth,
+  liquid_look,
+  liquid_optics,
+  liquid_glow,
+  liquid_light
+};
 
 /// A picture on the GPU with one level; clamped to its edge, read without interpolation unless `filter` says
 /// otherwise.

@@ -6,11 +6,6 @@ namespace souple::render {
 
 namespace {
 
-// Desktop OpenGL blends floats since 3.0.
-bool can_blend_floats() {
-  return !gl::is_es() || epoxy_has_gl_extension("GL_EXT_float_blend");
-}
-
 bool is_size_of(const gl::Texture& texture, const gl::Texture& other) {
   return texture.width() == other.width() && texture.height() == other.height();
 }
@@ -27,7 +22,7 @@ FinishPass::Sum::Sum(int width, int height, bool two)
 FinishPass::Encoded::Encoded(int width, int height)
     : colour(GL_RGBA8, width, height, GL_LINEAR), target("a picture", {&colour}, nullptr) {}
 
-FinishPass::FinishPass() : blends_(can_blend_floats()) {}
+FinishPass::FinishPass() : blends_(gl::can_blend_floats()) {}
 
 void FinishPass::add(const gl::Texture& colour, bool first, const gl::VertexArray& nothing) {
   if (!sum_ || !is_size_of(sum_->now, colour)) {

@@ -16,6 +16,8 @@
 //   lighting   one full-screen shader lights what it finds there, with shadows and occlusion, and tone-maps
 //   it
 //              -> colour (linear)
+//   liquids    over that colour, where there are any: the depth of their particles, smoothed; how thick they
+//              are; shaded with what is behind (see liquid.h; their shadow is drawn after the other shadows)
 //   lines      over that colour, hidden by that depth
 // and at the end the samples' mean (or, of one sample, the colour with its edges smoothed) is sRGB-encoded
 // into the caller's framebuffer, and labels are drawn over it. A pass that draws geometry has one fragment

@@ -73,23 +73,21 @@ const Surface* surface_of(const DrawList& list, std::uint32_t pick) {
   for (const Surface& surface : list.surfaces) {
     if (surface.pick == pick) return &surface;
   }
-  return nullptr;  // spheres
+  return nullptr;  // spheres or a liquid
 }
 
 }  // namespace
 
 struct PickPass::Impl {
   /// Only pixels in the window are right.
-  std::vector<Texel> read(SurfacesPass& surfaces, SpheresPass& spheres, const PassContext& context,
-                          Window window);
+  std::vector<Texel> read(const Pickable& things, const PassContext& context, Window window);
 
   gl::VertexArray nothing;  // for draw_screen
   gl::Program program{"screen.vert.glsl", "pick.frag.glsl"};
   std::optional<Buffers> buffers;
 };
 
-std::vector<Texel> PickPass::Impl::read(SurfacesPass& surfaces, SpheresPass& spheres,
-                                        const PassContext& context, Window window) {
+std::vector<Texel> PickPass::Impl::read(const Pickable& things, const PassContext& context, Window window) {
   if (!buffers || buffers->who.width() != context.width || buffers->who.height() != context.height) {
     buffers.reset();  // frees before it takes
     buffers.emplace(context.width, context.height);
@@ -102,8 +100,9 @@ std::vector<Texel> PickPass::Impl::read(SurfacesPass& surfaces, SpheresPass& sph
   const float far = 1;
   glClearBufferuiv(GL_COLOR, 0, nobody.data());
   glClearBufferfv(GL_DEPTH, 0, &far);
-  surfaces.draw(context);
-  spheres.draw(context);
+  things.surfaces.draw(context);
+  things.spheres.draw(context);
+  things.liquids.draw(SplatTarget::pick);
 
   buffers->reading.bind();
   glDisable(GL_DEPTH_TEST);
@@ -126,10 +125,10 @@ std::vector<Texel> PickPass::Impl::read(SurfacesPass& surfaces, SpheresPass& sph
 PickPass::PickPass() : impl_(std::make_unique<Impl>()) {}
 PickPass::~PickPass() = default;
 
-Picked PickPass::pick(const DrawList& list, SurfacesPass& surfaces, SpheresPass& spheres,
-                      const PassContext& context, int x, int y) {
+Picked PickPass::pick(const DrawList& list, const Pickable& things, const PassContext& context, int x,
+                      int y) {
   const Window window{x, context.height - 1 - y, 1, 1};
-  const Texel texel = impl_->read(surfaces, spheres, context, window).front();
+  const Texel texel = impl_->read(things, context, window).front();
   if (texel.pick == 0) return {};
   Picked picked{texel.pick, texel.element, point_at(context, inverse(context.view), x, y, texel.depth())};
   if (const Surface* surface = surface_of(list, texel.pick))
@@ -137,15 +136,14 @@ Picked PickPass::pick(const DrawList& list, SurfacesPass& surfaces, SpheresPass&
   return picked;
 }
 
-PickImage PickPass::image(const DrawList& list, SurfacesPass& surfaces, SpheresPass& spheres,
-                          const PassContext& context) {
+PickImage PickPass::image(const DrawList& list, const Pickable& things, const PassContext& context) {
   const int width = context.width, height = context.height;
-  const std::vector<Texel> texels = impl_->read(surfaces, spheres, context, {0, 0, width, height});
+  const std::vector<Texel> texels = impl_->read(things, context, {0, 0, width, height});
   struct Found {
     const Surface* surface;
     PointTree tree;
   };
-  std::map<std::uint32_t, std::optional<Found>> found;  // by pick; none for spheres
+  std::map<std::uint32_t, std::optional<Found>> found;  // by pick; none for spheres and liquids
   const Mat4 inverse_view = inverse(context.view);
   PickImage image{width, height, {}, {}, {}};
   for (int y = 0; y < height; ++y) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/passes/liquid_splats.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/spheres.h"
 #include "render/passes/surfaces.h"
@@ -9,17 +10,21 @@
 
 namespace souple::render {
 
-/// Draws who is where into integer buffers and reads them back. Surfaces and spheres were updated, and the
-/// uniform block is the camera's.
+/// What can be picked; all of it updated.
+struct Pickable {
+  SurfacesPass& surfaces;
+  SpheresPass& spheres;
+  const LiquidSplats& liquids;
+};
+
+/// Draws who is where into integer buffers and reads them back. The uniform block is the camera's.
 class PickPass {
  public:
   PickPass();
   ~PickPass();
 
-  Picked pick(const DrawList& list, SurfacesPass& surfaces, SpheresPass& spheres, const PassContext& context,
-              int x, int y);
-  PickImage image(const DrawList& list, SurfacesPass& surfaces, SpheresPass& spheres,
-                  const PassContext& context);
+  Picked pick(const DrawList& list, const Pickable& things, const PassContext& context, int x, int y);
+  PickImage image(const DrawList& list, const Pickable& things, const PassContext& context);
 
  private:
   struct Impl;

@@ -1,13 +1,15 @@
 #include "render/passes/shadow.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace souple::render {
 
 namespace {
 
-constexpr int map_side = 2048;  // pixels
+constexpr int map_side = 2048;   // pixels
+constexpr int light_side = 256;  // of what liquids leave: it is soft
 
 // The next of 4 steps per doubling: so that the texels keep their size while things move a little.
 float stepped(float size) {
@@ -29,7 +31,10 @@ Vec3f moved(const Vec3f& to_sun, float x, float y) {
 }  // namespace
 
 ShadowPass::ShadowPass()
-    : map_(GL_DEPTH_COMPONENT32F, map_side, map_side), framebuffer_("the shadow map", {}, &map_) {}
+    : map_(GL_DEPTH_COMPONENT32F, map_side, map_side),
+      light_(GL_RGBA16F, light_side, light_side, GL_LINEAR),
+      framebuffer_("the shadow map", {}, &map_),
+      light_target_("the shadow of liquids", {&light_}, nullptr) {}
 
 void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x,
                      float offset_y) {
@@ -74,8 +79,22 @@ void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& s
   spheres.draw(context);
 }
 
+void ShadowPass::draw_liquids(const LiquidSplats& liquids) {
+  light_target_.bind();
+  const std::array<float, 4> clear{0, 0, 0, 1};
+  glClearBufferfv(GL_COLOR, 0, clear.data());
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glBlendEquationSeparate(GL_FUNC_ADD, GL_MIN);
+  liquids.draw(SplatTarget::sunlight);
+  glBlendEquation(GL_FUNC_ADD);
+  glDisable(GL_BLEND);
+}
+
 void ShadowPass::bind() const {
   map_.bind(gl::Unit::shadow);
+  light_.bind(gl::Unit::liquid_light);
 }
 
 }  // namespace souple::render

@@ -2,6 +2,7 @@
 
 #include "render/gl/buffer.h"
 #include "render/gl/framebuffer.h"
+#include "render/passes/liquid_splats.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/spheres.h"
 #include "render/passes/surfaces.h"
@@ -18,12 +19,14 @@ class ShadowPass {
   void aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x, float offset_y);
   /// Draws the map; `frame` is the one that was aimed. Leaves the sun's uniform block bound.
   void draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres);
-  /// Binds the map for sunlight.glsl.
+  /// Adds up what liquids take from the sun; right after `draw`.
+  void draw_liquids(const LiquidSplats& liquids);
+  /// Binds the map for sunlight.glsl, and that of liquids for sun_through_liquid.glsl.
   void bind() const;
 
  private:
-  gl::Texture map_;
-  gl::Framebuffer framebuffer_;
+  gl::Texture map_, light_;
+  gl::Framebuffer framebuffer_, light_target_;
   gl::Buffer frame_buffer_;
   Mat4 view_, projection_;  // of the sun
 };

@@ -157,6 +157,7 @@ void SurfacesPass::Impl::draw(const Item& item, const gl::Program& program) cons
   program.set("look", Vec4{look.roughness, look.metalness, look.sheen, checker});
   program.set("has_colours", item.buffers->has_colours ? 1.0f : 0.0f);
   program.set("has_normals", item.buffers->has_normals ? 1.0f : 0.0f);
+  (surface.one_sided ? glEnable : glDisable)(GL_CULL_FACE);
   item.buffers->array.bind();
   if (item.buffers->expanded) {
     glDrawArrays(GL_TRIANGLES, 0, item.buffers->count);
@@ -177,6 +178,7 @@ void SurfacesPass::draw(const PassContext& context) {
       }
     }
   }
+  glDisable(GL_CULL_FACE);
   glBindVertexArray(0);
 }
 

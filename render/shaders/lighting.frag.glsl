@@ -6,6 +6,9 @@
 #include "lighting.glsl"
 #include "occlusion.glsl"
 #include "sunlight.glsl"
+#ifdef LIQUIDS
+#include "sun_through_liquid.glsl"
+#endif
 #include "tone.glsl"
 
 in vec3 ray;
@@ -26,7 +29,10 @@ void main() {
   material.sheen = surface.kind == kind_surface ? fract(surface.code) / 0.9 : 0.0;
 
   float open = sky_visibility(gl_FragCoord.xy, surface.normal, ray, surface.depth);
-  float sun = sun_visibility(surface);
+  vec3 sun = vec3(sun_visibility(surface));
+#ifdef LIQUIDS
+  sun *= sun_through_liquid(surface);
+#endif
   vec3 colour = lit(material, surface.normal, to_eye, sun, open);
   float visible = surface.kind == kind_sky ? 0.0 : (surface.kind == kind_ground ? ground_visibility(surface.point) : 1.0);
   out_colour = vec4(tone_mapped(mix(sky, colour, visible)), 1.0);

@@ -35,8 +35,8 @@ float ground_visibility(vec3 point) {
   return exp(-distance * distance);
 }
 
-// The light that leaves towards `to_eye`. `sun` is how much of the sun is seen, `open` how much of the sky.
-vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
+// The light that leaves towards `to_eye`. `sun` is how much of the sun is seen, of each colour, `open` how much of the sky.
+vec3 lit(Material m, vec3 normal, vec3 to_eye, vec3 sun, float open) {
   vec3 to_sun = frame.to_sun.xyz;
   vec3 halfway = normalize(to_sun + to_eye);
   float nl = max(dot(normal, to_sun), 0.0);
@@ -62,7 +62,7 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, float sun, float open) {
   float sheen = m.sheen * (2.0 + 2.0) * sine2 / (2.0 * pi) / (4.0 * (nl + nv - nl * nv) + 1e-4);
   vec3 sheen_colour = mix(vec3(1.0), m.albedo, 0.6);
 
-  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl * sun) * sun_colour;
+  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl) * sun * sun_colour;
 
   // The sky: diffuse, and a rough mirror (Karis 2014, the analytic fit for mobile).
   vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);

@@ -11,3 +11,14 @@ vec3 tone_mapped(vec3 colour) {
   float g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
   return mix(colour, vec3(new_peak), g);
 }
+
+// The inverse: the light that a pixel was before.
+vec3 scene_light(vec3 mapped) {
+  const float start = 0.76;
+  const float desaturation = 0.15;
+  float new_peak = min(max(mapped.r, max(mapped.g, mapped.b)), 0.995);
+  float d = 1.0 - start;
+  float peak = d * d / (1.0 - new_peak) + start - d;
+  float g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
+  return new_peak < start ? mapped : (mapped - new_peak * g) / (1.0 - g) * (peak / new_peak);
+}

@@ -136,6 +136,23 @@ class Pictures(RenderCase):
         a, b = (self.folder / "a.png").stat().st_size, (self.folder / "b.png").stat().st_size
         self.assertLess(b, 0.7 * a)
 
+    def test_fluids_are_drawn_as_liquids_by_the_filter_that_is_asked_for(self):
+        pool = {"name": "pool", "kind": "fluid", "box": {"lo": [-0.3, 0, -0.3], "hi": [0.3, 0.1, 0.3]},
+                "material": {"preset": "water", "spacing": 0.03}}
+        scene = self.scene({"souple": 1, "frames": 1, "objects": [pool],
+                            "colliders": [{"name": "floor", "shape": {"plane": {}}}],
+                            "camera": {"from": [0, 0.6, 0.9], "to": [0, 0.05, 0]}})
+        pictures = {}
+        for filter_ in ("none", "curvature-flow", "narrow-range"):
+            self.souple("render", scene, "--out", filter_ + ".png", "--liquid-filter", filter_, *QUICK)
+            pictures[filter_] = (self.folder / (filter_ + ".png")).read_bytes()
+        self.souple("render", scene, "--out", "default.png", *QUICK)
+        self.assertEqual((self.folder / "default.png").read_bytes(), pictures["narrow-range"])
+        self.souple("render", scene, "--out", "steps.png", "--liquid-filter", "curvature-flow", "--liquid-steps", "2",
+                    *QUICK)
+        pictures["two steps"] = (self.folder / "steps.png").read_bytes()
+        self.assertEqual(len(set(pictures.values())), 4)
+
     def test_every_display(self):
         scene = self.scene(SCENE)
         said = self.souple("render", "--help").stdout
@@ -343,6 +360,8 @@ class Refused(RenderCase):
         for camera in "from 1,2", "1 2 3", "fov 0", "fov 180", "from 1,2,x", "to nan,0,0", "from 1,2,3 from 1,2,3":
             self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
         self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
+        self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: there is no liquid filter 'blur'")
+        self.refused(scene, "--liquid-steps", "0", said="--liquid-steps 0: expected 1 to 500")
         self.refused(scene, "--colours", "1", said="--colours 1: expected 2 to 256")
         self.refused(scene, "--colours", "9", "--out", "a.mp4", said="--colours 9: is for pictures")
         self.refused(scene, "--samples", "x", said="expected a whole number")

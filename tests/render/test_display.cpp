@@ -544,5 +544,74 @@ TEST(Display, TheCheckerOfAFlatClothHasSquareFieldsAlongItsSides) {
   EXPECT_EQ(drawing.update(subject_of(world), {.display = Display::plain}).surfaces[0].look.checker_size, 0);
 }
 
+/// A little pool of each of three fluids.
+struct Fluids {
+  World world;
+  std::vector<ObjectId> pools;
+
+  Fluids() {
+    world.add_collider(Plane{});
+    float x = 0;
+    for (const float density : {998.0f, 920.0f, 1420.0f}) {
+      std::vector<Vec3d> centres;
+      centres.reserve(64);
+      for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+          for (int k = 0; k < 4; ++k) centres.emplace_back(double(x) + 0.02 * i, 0.01 + 0.02 * j, 0.02 * k);
+      pools.push_back(world.add_fluid(centres, {.spacing = 0.02f, .density = density}));
+      x += 1;
+    }
+  }
+};
+
+TEST(Display, FluidsAreLiquidsWhereNothingIsMeasured) {
+  Fluids fluids;
+  const Subject subject = subject_of(fluids.world);
+  SubjectDrawing drawing;
+  for (std::size_t i = 0; i < display_count; ++i) {
+    const auto display = static_cast<Display>(i);
+    const DrawList& list = drawing.update(subject, {.display = display});
+    const bool by_particles = display == Display::particles || display == Display::speed ||
+                              display == Display::strain || display == Display::normals;
+    EXPECT_EQ(list.liquids.size(), by_particles ? 0u : 3u) << display_name(display);
+    for (const Liquid& liquid : list.liquids) {
+      const Body& body = subject.bodies[liquid.pick - 1];
+      EXPECT_TRUE(same(liquid.centres, body.positions));
+      EXPECT_FLOAT_EQ(liquid.spacing, 0.02f);
+      EXPECT_EQ(drawing.vertex_of(subject, liquid.pick, 7), 7u);
+    }
+    for (std::uint32_t pick = 1; pick <= 3; ++pick)
+      EXPECT_EQ(spheres_of(list, pick) != nullptr, by_particles) << display_name(display);
+  }
+  EXPECT_TRUE(drawing.update(subject, {.constraints = ConstraintDisplay::kind}).liquids.empty());
+}
+
+TEST(Display, LiquidsHaveTheColourOfTheirMaterialOrTheirOwn) {
+  Fluids fluids;
+  Subject subject = subject_of(fluids.world);
+  SubjectDrawing drawing;
+  const auto look = [&](std::size_t i) { return drawing.update(subject, {}).liquids.at(i).look; };
+  // Water takes red most, oil and honey blue; honey more of it.
+  EXPECT_GT(look(0).absorption.x, 2 * look(0).absorption.z);
+  EXPECT_GT(look(1).absorption.z, 2 * look(1).absorption.x);
+  EXPECT_GT(look(2).absorption.y, 1.5f * look(1).absorption.y);
+  EXPECT_FLOAT_EQ(look(0).refractive_index, 1.333f);
+  subject.bodies[1].colour = srgb(0xff0000);
+  EXPECT_EQ(look(1).absorption.x, 0);
+  EXPECT_GT(look(1).absorption.y, 10 * look(2).absorption.x);
+}
+
+TEST(Display, FoamIsDrawnWithItsLiquid) {
+  Fluids fluids;
+  Subject subject = subject_of(fluids.world);
+  const std::vector<Vec3f> bubbles{{0, 0.1f, 0}, {0.01f, 0.1f, 0}};
+  subject.bodies[0].foam = bubbles;
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject, {});
+  ASSERT_EQ(list.foams.size(), 1u);
+  EXPECT_TRUE(same(list.foams[0].centres, std::span<const Vec3f>(bubbles)));
+  EXPECT_TRUE(drawing.update(subject, {.display = Display::speed}).foams.empty());
+}
+
 }  // namespace
 }  // namespace souple::render

@@ -175,7 +175,18 @@ TEST(PictureOfContexts, IsTheSameInBoth) {
     const OffscreenContext context(api);
     watch_gl_errors();
     Renderer renderer;
-    Image image = renderer.picture(studio.list(), Studio::camera(), {.samples = samples}, width, height);
+    DrawList list = studio.list();
+    Liquid liquid;  // its grains once more, wet
+    liquid.key = 1;
+    liquid.centres = list.spheres[0].centres;
+    liquid.radius = 0.05f;
+    liquid.spacing = 0.07f;
+    list.liquids.push_back(liquid);
+    Foam foam;
+    foam.key = 1;
+    foam.centres = liquid.centres;
+    list.foams.push_back(foam);
+    Image image = renderer.picture(list, Studio::camera(), {.samples = samples}, width, height);
     EXPECT_NO_THROW(throw_gl_errors());
     return image;
   };

@@ -1,0 +1,244 @@
+#include "render/passes/liquid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace souple::render {
+
+namespace {
+
+/// How far depth is smoothed, as the standard deviation of a Gaussian of the same effect, in radii of the
+/// balls.
+constexpr float smoothing = 1.25f;
+
+constexpr int default_flow_steps = 40, default_range_passes = 2;
+
+/// For sums of hundreds of particles: 16 bits lose some per cent where hardware rounds down, as llvmpipe
+/// does.
+GLenum sum_format() {
+  const bool filters = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
+  return filters && gl::can_blend_floats() ? GL_RGBA32F : GL_RGBA16F;
+}
+
+void clear_colour(GLint buffer) {
+  const std::array<float, 4> zero{};
+  glClearBufferfv(GL_COLOR, buffer, zero.data());
+}
+
+/// A part of the picture: pixels, from the bottom left.
+struct Window {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// The smallest upright one around a box, with some room.
+Window window_around(const Bounds& box, const PassContext& context) {
+  const Window all{0, 0, context.width, context.height};
+  const auto width = static_cast<float>(context.width), height = static_cast<float>(context.height);
+  float left = width, right = 0, bottom = height, top = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec4 point{(corner & 1) != 0 ? box.hi.x : box.lo.x, (corner & 2) != 0 ? box.hi.y : box.lo.y,
+                     (corner & 4) != 0 ? box.hi.z : box.lo.z, 1};
+    const Vec4 clip = context.projection * (context.view * point);
+    if (clip.z < -clip.w) return all;  // behind the near plane
+    const float x = (0.5f * clip.x / clip.w + 0.5f) * width, y = (0.5f * clip.y / clip.w + 0.5f) * height;
+    left = std::min(left, x), right = std::max(right, x);
+    bottom = std::min(bottom, y), top = std::max(top, y);
+  }
+  constexpr float room = 4;
+  const int x = static_cast<int>(std::clamp(left - room, 0.0f, width));
+  const int y = static_cast<int>(std::clamp(bottom - room, 0.0f, height));
+  return {x, y, static_cast<int>(std::clamp(right + room, 0.0f, width)) - x,
+          static_cast<int>(std::clamp(top + room, 0.0f, height)) - y};
+}
+
+/// Draws go into the part of the window at this scale.
+void keep_within(const Window& window, int scale) {
+  const int x = window.x / scale, y = window.y / scale;
+  glScissor(x, y, (window.x + window.width + scale - 1) / scale - x,
+            (window.y + window.height + scale - 1) / scale - y);
+  glEnable(GL_SCISSOR_TEST);
+}
+
+/// One channel of a picture of floats. OpenGL ES reads all four.
+std::vector<float> read(const gl::Framebuffer& from, std::size_t channel) {
+  const std::size_t count = std::size_t(from.width()) * std::size_t(from.height());
+  std::vector<float> texels(4 * count), result(count);
+  from.bind();
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, from.width(), from.height(), GL_RGBA, GL_FLOAT, texels.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  for (std::size_t i = 0; i < count; ++i) result[i] = texels[4 * i + channel];
+  return result;
+}
+
+}  // namespace
+
+LiquidPass::Targets::Targets(int width, int height)
+    : surface(GL_R32F, width, height),
+      other_surface(GL_R32F, width, height),
+      look(GL_RGBA16F, width, height),
+      nearest(GL_DEPTH_COMPONENT32F, width, height),
+      optics(sum_format(), (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
+      glow(sum_format(), (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
+      behind(GL_RGBA16F, width, height, GL_LINEAR),
+      balls("the balls of liquids", {&surface, &look}, &nearest),
+      other_balls("the balls of liquids", {&other_surface, &look}, &nearest),
+      depth("the surface of liquids", {&surface}, nullptr),
+      other_depth("the smoothed surface of liquids", {&other_surface}, nullptr),
+      thickness("the thickness of liquids", {&optics, &glow}, nullptr),
+      clear_thickness("the thickness of clear liquids", {&optics}, nullptr),
+      copy("what is behind liquids", {&behind}, nullptr) {}
+
+void LiquidPass::Targets::swap() {
+  std::swap(surface, other_surface);
+  std::swap(balls, other_balls);
+  std::swap(depth, other_depth);
+}
+
+/// All of them, for passes draw into and read around a part only.
+void LiquidPass::clear() {
+  targets_->other_depth.bind();
+  clear_colour(0);
+  targets_->thickness.bind();
+  clear_colour(0);
+  clear_colour(1);
+  targets_->balls.bind();
+  clear_colour(0);
+  clear_colour(1);
+  const float far = 1;
+  glClearBufferfv(GL_DEPTH, 0, &far);
+}
+
+void LiquidPass::draw_balls(const LiquidSplats& splats) {
+  targets_->balls.bind();
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  splats.draw(SplatTarget::depth);
+  glDisable(GL_DEPTH_TEST);
+}
+
+void LiquidPass::step() {
+  targets_->surface.bind(gl::Unit::liquid_depth);
+  targets_->other_depth.bind();
+  draw_screen();
+  targets_->swap();
+}
+
+void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& nothing) {
+  targets_->look.bind(gl::Unit::liquid_look);
+  nothing.bind();
+  if (options.liquid_filter == LiquidFilter::curvature_flow) {
+    // Each step is one of diffusion: variance stability * reach^2 radii^2. The reach shrinks from step to
+    // step, so that what wide differences leave between them is smoothed by narrow ones.
+    const int steps = options.liquid_steps > 0 ? options.liquid_steps : default_flow_steps;
+    const float mean = smoothing / std::sqrt(0.4f * float(steps));
+    curvature_flow_.use();
+    for (int i = 0; i < steps; ++i) {
+      curvature_flow_.set("reach", mean * (1.6f - 1.4f * float(i) / float(std::max(steps - 1, 1))));
+      step();
+    }
+  }
+  if (options.liquid_filter == LiquidFilter::narrow_range) {
+    const int passes = options.liquid_steps > 0 ? options.liquid_steps : default_range_passes;
+    narrow_range_.use();
+    for (int i = 0; i < passes; ++i) {
+      for (const float axis : {0.0f, 1.0f}) {
+        narrow_range_.set("axis", axis);
+        narrow_range_.set("deviation", smoothing / float(1 + i));
+        step();
+      }
+    }
+    clean_up_.use();
+    clean_up_.set("deviation", smoothing / float(passes));
+    step();
+  }
+}
+
+void LiquidPass::add_up(const LiquidSplats& splats, const gl::Texture& depth) {
+  // Blending is what costs here: what adds nothing is left out.
+  (splats.is_cloudy() ? targets_->thickness : targets_->clear_thickness).bind();
+  depth.bind(gl::Unit::depth);
+  targets_->surface.bind(gl::Unit::liquid_depth);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  splats.draw(SplatTarget::thickness);
+  splats.draw(SplatTarget::foam);
+  glDisable(GL_BLEND);
+}
+
+void LiquidPass::copy(const gl::Framebuffer& colour) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, colour.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets_->copy.id());
+  glBlitFramebuffer(0, 0, colour.width(), colour.height(), 0, 0, colour.width(), colour.height(),
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing) {
+  scene.colour.bind();
+  glDepthMask(GL_FALSE);
+  targets_->behind.bind(gl::Unit::colour);
+  targets_->surface.bind(gl::Unit::liquid_depth);
+  targets_->look.bind(gl::Unit::liquid_look);
+  targets_->optics.bind(gl::Unit::liquid_optics);
+  targets_->glow.bind(gl::Unit::liquid_glow);
+  scene.normal.bind(gl::Unit::normal);
+  scene.depth.bind(gl::Unit::depth);
+  shadow.bind();
+  shade_.use();
+  nothing.bind();
+  draw_screen();
+  glDepthMask(GL_TRUE);
+}
+
+std::vector<float> LiquidPass::read_depth() const {
+  const std::vector<float> rows = read(targets_->depth, 0);
+  const auto width = std::size_t(targets_->depth.width()), height = rows.size() / width;
+  std::vector<float> result;
+  result.reserve(rows.size());
+  for (std::size_t y = height; y-- > 0;) {
+    const auto row = rows.begin() + std::ptrdiff_t(y * width);
+    result.insert(result.end(), row, row + std::ptrdiff_t(width));
+  }
+  return result;
+}
+
+std::vector<float> LiquidPass::read_thickness() const {
+  const std::vector<float> half = read(targets_->thickness, 3);
+  const auto half_width = std::size_t(targets_->thickness.width());
+  const auto width = std::size_t(targets_->depth.width()), height = std::size_t(targets_->depth.height());
+  std::vector<float> result;
+  result.reserve(width * height);
+  for (std::size_t y = height; y-- > 0;)
+    for (std::size_t x = 0; x < width; ++x) result.push_back(half[y / 2 * half_width + x / 2]);
+  return result;
+}
+
+void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
+                      const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
+                      const gl::VertexArray& nothing, PassClock& clock) {
+  if (!targets_ || targets_->look.width() != context.width || targets_->look.height() != context.height) {
+    targets_.reset();  // frees before it takes
+    targets_.emplace(context.width, context.height);
+  }
+  const Window window = window_around(bounds, context);
+  clear();
+  keep_within(window, 1);
+  draw_balls(splats);
+  clock.done("liquid depth");
+  smooth(options, nothing);
+  clock.done("liquid filter");
+  keep_within(window, 2);
+  add_up(splats, scene.depth);
+  clock.done("liquid thickness");
+  glDisable(GL_SCISSOR_TEST);
+  copy(scene.colour);
+  keep_within(window, 1);
+  shade(scene, shadow, nothing);
+  glDisable(GL_SCISSOR_TEST);
+  clock.done("liquid shading");
+}
+
+}  // namespace souple::render

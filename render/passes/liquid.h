@@ -1,0 +1,62 @@
+#pragma once
+
+#include "render/gl/framebuffer.h"
+#include "render/gl/vertex_array.h"
+#include "render/passes/liquid_splats.h"
+#include "render/passes/pass_clock.h"
+#include "render/passes/pass_context.h"
+#include "render/passes/shadow.h"
+#include "render/renderer.h"
+
+#include <optional>
+#include <vector>
+
+namespace souple::render {
+
+/// What the opaque things have left.
+struct LitScene {
+  const gl::Texture& normal;
+  const gl::Texture& depth;
+  const gl::Framebuffer& colour;  ///< with that depth
+};
+
+/// The surface of liquids on screen (van der Laan, Green, Sainz 2009): the depth of the balls is smoothed,
+/// and shaded over the lit scene with how thick the liquid is.
+class LiquidPass {
+ public:
+  /// Draws over `scene.colour`. `bounds` is the box around all that splats draw. The camera's uniform block
+  /// is bound, the shadow map drawn.
+  void draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
+            const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
+            const gl::VertexArray& nothing, PassClock& clock);
+
+  /// What the last `draw` made, as of LiquidImage.
+  std::vector<float> read_depth() const;
+  std::vector<float> read_thickness() const;
+
+ private:
+  struct Targets {
+    gl::Texture surface, other_surface, look, nearest;  // of the picture's size
+    gl::Texture optics, glow;                           // of half of it
+    gl::Texture behind;                                 // what is seen through liquids
+    gl::Framebuffer balls, other_balls, depth, other_depth, thickness, clear_thickness, copy;
+    Targets(int width, int height);
+    void swap();
+  };
+
+  void clear();
+  void draw_balls(const LiquidSplats& splats);
+  void smooth(const RenderOptions& options, const gl::VertexArray& nothing);
+  void step();
+  void add_up(const LiquidSplats& splats, const gl::Texture& depth);
+  void copy(const gl::Framebuffer& colour);
+  void shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing);
+
+  gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};
+  gl::Program narrow_range_{"screen.vert.glsl", "narrow_range.frag.glsl"};
+  gl::Program clean_up_{"screen.vert.glsl", "narrow_range.frag.glsl", {"CLEAN_UP"}};
+  gl::Program shade_{"ray.vert.glsl", "liquid.frag.glsl"};
+  std::optional<Targets> targets_;
+};
+
+}  // namespace souple::render

@@ -1,0 +1,202 @@
+#include "render/passes/liquid_splats.h"
+
+#include "render/gl/buffer.h"
+#include "render/gl/vertex_array.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <vector>
+
+namespace souple::render {
+
+namespace {
+
+enum Location : GLuint { centre, radius, colour, axis_x };
+
+constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
+/// Of the clouds whose thickness is added up, in spacings: wide enough that layers look even.
+constexpr float cloud_radius = 1.5f;
+
+/// The buffers of one liquid or foam.
+struct Buffers {
+  gl::VertexArray balls, ellipsoids;
+  gl::Buffer centres, axes;
+  std::uint64_t version = 0, last_used = 0;
+  GLsizei count = 0;
+  bool fresh = true, has_ellipsoids = false;
+};
+
+using BuffersByKey = std::unordered_map<std::uint64_t, Buffers>;
+
+template <class Thing>
+struct Item {
+  const Thing* thing = nullptr;
+  const Buffers* buffers = nullptr;
+};
+
+/// Whether they were out of date.
+bool upload_centres(Buffers& buffers, std::span<const Vec3f> centres, std::uint64_t version) {
+  const auto count = GLsizei(centres.size());
+  if (!buffers.fresh && buffers.version == version && buffers.count == count) return false;
+  buffers.fresh = false;
+  buffers.version = version;
+  buffers.count = count;
+  if (count == 0) return false;
+  buffers.centres.upload(centres);
+  buffers.balls.attribute(buffers.centres, {.location = centre, .components = 3, .divisor = 1});
+  return true;
+}
+
+void upload(Buffers& buffers, const Foam& foam) {
+  upload_centres(buffers, foam.centres, foam.version);
+}
+
+void upload(Buffers& buffers, const Liquid& liquid) {
+  if (!upload_centres(buffers, liquid.centres, liquid.version)) return;
+  buffers.has_ellipsoids = liquid.ellipsoids.size() == liquid.centres.size();
+  if (!buffers.has_ellipsoids) return;
+  buffers.axes.upload(liquid.ellipsoids);
+  buffers.ellipsoids.attribute(buffers.centres, {.location = centre, .components = 3, .divisor = 1});
+  for (GLuint k = 0; k < 3; ++k) {
+    buffers.ellipsoids.attribute(buffers.axes, {.location = axis_x + k,
+                                                .components = 3,
+                                                .stride = GLsizei(sizeof(Mat3f)),
+                                                .offset = k * sizeof(Vec3f),
+                                                .divisor = 1});
+  }
+}
+
+template <class Thing>
+void update(std::span<const Thing> things, std::uint64_t frame, BuffersByKey& known,
+            std::vector<Item<Thing>>& items) {
+  items.clear();
+  for (const Thing& thing : things) {
+    Buffers& buffers = known[thing.key];
+    buffers.last_used = frame;
+    upload(buffers, thing);
+    if (buffers.count > 0) items.push_back({&thing, &buffers});
+  }
+  std::erase_if(known, [&](const auto& entry) { return entry.second.last_used + frames_kept < frame; });
+}
+
+void draw_instances(const gl::VertexArray& array, GLsizei count) {
+  array.bind();
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+}
+
+/// k of liquid_thickness.frag.glsl: the integral of k (1 - q^2) over the ball, 8 pi k r^3 / 15, is the volume
+/// of a particle.
+constexpr float cloud_density = 15 / (8 * float(pi) * cloud_radius * cloud_radius * cloud_radius);
+
+}  // namespace
+
+struct LiquidSplats::Impl {
+  void draw_depth() const;
+  void draw_thickness(const gl::Program& program, bool from_sun) const;
+  void draw_foam() const;
+  void draw_pick() const;
+
+  gl::Program depth{"sphere.vert.glsl", "liquid_depth.frag.glsl"};
+  gl::Program ellipsoid_depth{"ellipsoid.vert.glsl", "liquid_depth.frag.glsl", {"ELLIPSOIDS"}};
+  gl::Program thickness{"sphere.vert.glsl", "liquid_thickness.frag.glsl"};
+  gl::Program sunlight{"sphere.vert.glsl", "liquid_thickness.frag.glsl", {"SUNLIGHT"}};
+  gl::Program foam{"sphere.vert.glsl", "foam.frag.glsl"};
+  gl::Program pick{"sphere.vert.glsl", "sphere.frag.glsl", {target_define(Target::pick)}};
+  BuffersByKey liquid_buffers, foam_buffers;
+  std::vector<Item<Liquid>> liquids;
+  std::vector<Item<Foam>> foams;
+  std::uint64_t frame = 0;
+};
+
+LiquidSplats::LiquidSplats() : impl_(std::make_unique<Impl>()) {}
+LiquidSplats::~LiquidSplats() = default;
+
+void LiquidSplats::update(std::span<const Liquid> liquids, std::span<const Foam> foams) {
+  Impl& m = *impl_;
+  ++m.frame;
+  render::update(liquids, m.frame, m.liquid_buffers, m.liquids);
+  render::update(foams, m.frame, m.foam_buffers, m.foams);
+}
+
+bool LiquidSplats::empty() const {
+  return impl_->liquids.empty() && impl_->foams.empty();
+}
+
+bool LiquidSplats::casts_shadow() const {
+  return std::any_of(impl_->liquids.begin(), impl_->liquids.end(),
+                     [](const Item<Liquid>& item) { return item.thing->casts_shadow; });
+}
+
+bool LiquidSplats::is_cloudy() const {
+  return !impl_->foams.empty() ||
+         std::any_of(impl_->liquids.begin(), impl_->liquids.end(), [](const Item<Liquid>& item) {
+           return length_squared(item.thing->look.scattering) > 0;
+         });
+}
+
+void LiquidSplats::Impl::draw_depth() const {
+  for (const auto& [liquid, buffers] : liquids) {
+    const gl::Program& program = buffers->has_ellipsoids ? ellipsoid_depth : depth;
+    program.use();
+    program.set("look", Vec4{liquid->look.refractive_index, liquid->look.roughness, liquid->radius, 0});
+    glVertexAttrib1f(radius, liquid->radius);
+    draw_instances(buffers->has_ellipsoids ? buffers->ellipsoids : buffers->balls, buffers->count);
+  }
+}
+
+void LiquidSplats::Impl::draw_thickness(const gl::Program& program, bool from_sun) const {
+  program.use();
+  for (const auto& [liquid, buffers] : liquids) {
+    if (from_sun && !liquid->casts_shadow) continue;
+    program.set("extinction", liquid->look.absorption + liquid->look.scattering);
+    program.set("scattering", liquid->look.scattering);
+    program.set("density", cloud_density);
+    glVertexAttrib1f(radius, cloud_radius * liquid->spacing);
+    draw_instances(buffers->balls, buffers->count);
+  }
+}
+
+void LiquidSplats::Impl::draw_foam() const {
+  foam.use();
+  for (const auto& [cloud, buffers] : foams) {
+    foam.set("strength", -std::log(1 - std::clamp(cloud->opacity, 0.0f, 0.999f)));
+    glVertexAttrib1f(radius, cloud->radius);
+    draw_instances(buffers->balls, buffers->count);
+  }
+}
+
+void LiquidSplats::Impl::draw_pick() const {
+  pick.use();
+  for (const auto& [liquid, buffers] : liquids) {
+    if (liquid->pick == 0) continue;
+    pick.set("pick", liquid->pick);
+    glVertexAttrib1f(radius, liquid->radius);
+    draw_instances(buffers->balls, buffers->count);
+  }
+}
+
+void LiquidSplats::draw(SplatTarget target) const {
+  const Impl& m = *impl_;
+  switch (target) {
+    case SplatTarget::depth:
+      m.draw_depth();
+      break;
+    case SplatTarget::thickness:
+      m.draw_thickness(m.thickness, false);
+      break;
+    case SplatTarget::sunlight:
+      m.draw_thickness(m.sunlight, true);
+      break;
+    case SplatTarget::foam:
+      m.draw_foam();
+      break;
+    case SplatTarget::pick:
+      m.draw_pick();
+      break;
+  }
+  glBindVertexArray(0);
+}
+
+}  // namespace souple::render

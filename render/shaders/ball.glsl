@@ -1,0 +1,43 @@
+// The ball (or, with ELLIPSOIDS, the ellipsoid) that a splat stands for, and what the ray through a pixel finds of it.
+flat in vec3 ball_centre;  // in view space
+#ifdef ELLIPSOIDS
+flat in mat3 to_unit_ball;  // from view space, about the centre
+#else
+flat in float ball_radius;
+#endif
+in vec2 plane_place;
+
+// Points on the ray are origin + t direction: it is inside while |t - foot| < half_length.
+struct Chord {
+  vec3 direction;
+  float foot;
+  vec3 off;            // from the centre to the foot; of an ellipsoid, in its unit ball
+  float half_squared;  // below zero: the ray misses
+};
+
+Chord chord_of_ball() {
+  bool parallel = frame.projection[3][3] == 1.0;
+  vec3 origin = parallel ? vec3(plane_place, 0.0) : vec3(0.0);
+  Chord chord;
+  chord.direction = parallel ? vec3(0.0, 0.0, -1.0) : normalize(vec3(plane_place, -1.0));
+  // From the foot of the perpendicular the two hits lie at equal distances. The usual b * b - c would lose its digits
+  // to balls that are small and far.
+  vec3 to_centre = ball_centre - origin;
+#ifdef ELLIPSOIDS
+  vec3 d = to_unit_ball * chord.direction, c = to_unit_ball * to_centre;
+  float stretch = dot(d, d);
+  chord.foot = dot(c, d) / stretch;
+  chord.off = chord.foot * d - c;
+  chord.half_squared = (1.0 - dot(chord.off, chord.off)) / stretch;
+#else
+  chord.foot = dot(to_centre, chord.direction);
+  chord.off = chord.foot * chord.direction - to_centre;
+  chord.half_squared = ball_radius * ball_radius - dot(chord.off, chord.off);
+#endif
+  return chord;
+}
+
+// z and w in clip space of what lies at z in view space.
+vec2 clip_depth(float z) {
+  return vec2(frame.projection[2][2] * z + frame.projection[3][2], frame.projection[2][3] * z + frame.projection[3][3]);
+}

@@ -1,0 +1,11 @@
+// What the shaders of liquids share.
+
+// Edge of a pixel at this depth along the view. [m]
+float pixel_size(float depth) {
+  return 2.0 * frame.size.w / frame.projection[1][1] * depth;
+}
+
+// Depth along the view of the opaque things, from the depth buffer; very far where there are none.
+float opaque_depth(float buffer) {
+  return buffer < 1.0 ? frame.projection[3][2] / (2.0 * buffer - 1.0 + frame.projection[2][2]) : 1e30;
+}

@@ -1,0 +1,19 @@
+// The nearest ball of any liquid at each pixel: its depth along the view, and what the liquid's surface is like.
+#include "frame.glsl"
+#include "ball.glsl"
+
+layout(location = 0) out float out_depth;
+layout(location = 1) out vec4 out_look;  // refractive index, roughness, radius of the balls [m]
+
+uniform vec4 look;
+
+void main() {
+  Chord chord = chord_of_ball();
+  if (chord.half_squared < 0.0) discard;
+  float z = (chord.foot - sqrt(chord.half_squared)) * chord.direction.z;
+  vec2 clip = clip_depth(z);
+  if (clip.x < -clip.y) discard;  // the eye is in it
+  gl_FragDepth = 0.5 * clip.x / clip.y + 0.5;
+  out_depth = -z;
+  out_look = look;
+}

@@ -1,0 +1,472 @@
+// Liquids on screen, against bodies whose outline, surface and thickness are known.
+#include "../expect_error.h"
+#include "gl_test.h"
+#include "ray_balls.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace souple::render {
+namespace {
+
+constexpr int width = 320, height = 240;
+constexpr float spacing = 0.025f;
+
+constexpr std::array<LiquidFilter, 2> filters{LiquidFilter::curvature_flow, LiquidFilter::narrow_range};
+
+/// Particles on a lattice, each moved a little, as far as `inside` says.
+template <class Inside>
+std::vector<Vec3f> fill(const Vec3f& lo, const Vec3f& hi, Inside inside, float jitter = 0.15f) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> moved(-jitter * spacing, jitter * spacing);
+  std::vector<Vec3f> centres;
+  for (float x = lo.x + spacing / 2; x < hi.x; x += spacing)
+    for (float y = lo.y + spacing / 2; y < hi.y; y += spacing)
+      for (float z = lo.z + spacing / 2; z < hi.z; z += spacing)
+        if (inside(Vec3f{x, y, z}))
+          centres.push_back({x + moved(random), y + moved(random), z + moved(random)});
+  return centres;
+}
+
+/// Together their cubes have the volume of a ball with this radius about the origin.
+std::vector<Vec3f> ball_of_particles(float radius) {
+  return fill({-radius, -radius, -radius}, {radius, radius, radius},
+              [&](const Vec3f& x) { return length(x) < radius; });
+}
+
+Liquid liquid_of(std::span<const Vec3f> centres) {
+  static std::uint64_t version = 0;
+  Liquid liquid;
+  liquid.key = 1;
+  liquid.version = ++version;
+  liquid.centres = centres;
+  liquid.spacing = spacing;
+  liquid.radius = 0.75f * spacing;
+  liquid.pick = 5;
+  return liquid;
+}
+
+Camera camera_at(const Vec3f& from, const Vec3f& to, float fov) {
+  Camera camera;
+  camera.from = from;
+  camera.to = to;
+  camera.fov = fov;
+  return camera;
+}
+
+double linear(std::uint8_t value) {
+  const double c = value / 255.0;
+  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+double mean(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / double(values.size());
+}
+double deviation(std::span<const double> values) {
+  const double middle = mean(values);
+  double sum = 0;
+  for (const double value : values) sum += (value - middle) * (value - middle);
+  return std::sqrt(sum / double(values.size()));
+}
+
+/// The value that a part of all do not exceed.
+double part_of(std::vector<double> values, double part) {
+  std::sort(values.begin(), values.end());
+  return values.at(std::size_t(part * double(values.size() - 1)));
+}
+
+class LiquidTest : public GlTest {
+ protected:
+  static DrawList with(const Liquid& liquid) {
+    DrawList list = without_ground();
+    list.liquids.push_back(liquid);
+    return list;
+  }
+  static RenderOptions filtered(LiquidFilter filter, int steps = 0) {
+    RenderOptions options = plain();
+    options.liquid_filter = filter;
+    options.liquid_steps = steps;
+    return options;
+  }
+  /// The points of the surface in a window around the middle of the picture.
+  static std::vector<Vec3f> surface_points(const LiquidImage& image, const Camera& camera, int reach_x,
+                                           int reach_y) {
+    std::vector<Vec3f> points;
+    for (int y = image.height / 2 - reach_y; y <= image.height / 2 + reach_y; ++y)
+      for (int x = image.width / 2 - reach_x; x <= image.width / 2 + reach_x; ++x) {
+        const Ray ray = camera.ray(float(x) + 0.5f, float(y) + 0.5f, image.width, image.height);
+        const float depth = image.depth[std::size_t(y * image.width + x)];
+        points.push_back(ray.origin + ray.direction * (depth / dot(ray.direction, camera.forward())));
+      }
+    return points;
+  }
+};
+
+TEST_F(LiquidTest, BallOfParticlesHasTheOutlineAndThicknessOfTheBall) {
+  const float radius = 0.5f;  // 20 spacings
+  const std::vector<Vec3f> centres = ball_of_particles(radius);
+  const Camera camera = camera_at({0, 0, 3}, {}, 30);
+  const std::array<Ball, 1> ball{Ball{{}, double(radius)}};
+  for (const LiquidFilter filter : {LiquidFilter::none, filters[0], filters[1]}) {
+    const LiquidImage image =
+        renderer().liquid_image(with(liquid_of(centres)), camera, filtered(filter), width, height);
+    int covered = 0, expected = 0;
+    std::vector<double> thickness_errors, depth_errors;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const auto i = std::size_t(y * width + x);
+        const BallHit hit = cast(ball, camera, x + 0.5, y + 0.5, width, height);
+        covered += image.depth[i] > 0;
+        expected += hit.ball == 0;
+        const Vec3d away = hit.point;  // from the centre
+        if (hit.ball < 0 || away.z < 0.6 * double(radius)) continue;
+        const Vec3d ray = normalized(hit.point - Vec3d(camera.from));
+        const double chord = -2 * dot(ray, away);
+        thickness_errors.push_back(std::abs(double(image.thickness[i]) / chord - 1));
+        depth_errors.push_back(std::abs(double(image.depth[i]) - hit.depth));
+      }
+    // The outermost centres lie on the ball, so the balls about them reach beyond it: by 3.75 % of its
+    // radius.
+    EXPECT_NEAR(double(covered) / expected, 1, 0.06) << liquid_filter_name(filter);
+    const auto middle = std::size_t(height / 2 * width + width / 2);
+    EXPECT_NEAR(image.thickness[middle], 2 * radius, 0.04f * radius) << liquid_filter_name(filter);
+    EXPECT_LT(part_of(thickness_errors, 0.99), 0.06) << liquid_filter_name(filter);
+    if (filter == LiquidFilter::none) continue;
+    // All but a few places where one looks deep between particles.
+    EXPECT_LT(part_of(depth_errors, 0.98), 0.75 * double(spacing)) << liquid_filter_name(filter);
+  }
+}
+
+TEST_F(LiquidTest, FlatPoolIsFlat) {
+  const std::vector<Vec3f> centres =
+      fill({-0.8f, 0, -0.8f}, {0.8f, 0.15f, 0.8f}, [](const Vec3f&) { return true; });
+  // From above, and at a grazing angle of 12 degrees.
+  for (const Vec3f& from : {Vec3f{0, 1.4f, 1.4f}, Vec3f{0.2f, 0.45f, 1.5f}}) {
+    const Camera camera = camera_at(from, {0, 0.15f, 0}, 20);
+    double rough = 0;
+    for (const LiquidFilter filter : {LiquidFilter::none, filters[0], filters[1]}) {
+      const LiquidImage image =
+          renderer().liquid_image(with(liquid_of(centres)), camera, filtered(filter), width, height);
+      const int reach_x = 40, reach_y = 12;
+      const std::vector<Vec3f> points = surface_points(image, camera, reach_x, reach_y);
+      std::vector<double> heights, up;
+      const int across = 2 * reach_x + 1;
+      for (int y = 0; y + 1 < 2 * reach_y + 1; ++y)
+        for (int x = 0; x + 1 < across; ++x) {
+          const Vec3f& a = points[std::size_t(y * across + x)];
+          const Vec3f& b = points[std::size_t(y * across + x + 1)];
+          const Vec3f& c = points[std::size_t((y + 1) * across + x)];
+          heights.push_back(double(a.y));
+          up.push_back(double(std::abs(normalized(cross(b - a, c - a)).y)));
+        }
+      const std::string where = std::string(liquid_filter_name(filter)) + ", from " + std::to_string(from.y);
+      if (filter == LiquidFilter::none) {
+        rough = deviation(heights);
+        EXPECT_GT(rough, 0.05 * double(spacing)) << "balls are no plane";
+        continue;
+      }
+      EXPECT_NEAR(mean(heights), 0.15, 0.35 * double(spacing)) << where;
+      EXPECT_LT(deviation(heights), std::min(0.1 * double(spacing), 0.6 * rough)) << where;
+      EXPECT_GT(mean(up), 0.985) << where;
+    }
+  }
+}
+
+/// The surface of a wavy pool is the same one however many pixels it is seen with.
+TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
+  const auto below_waves = [](const Vec3f& x) { return x.y < 0.2f + 0.03f * std::sin(12 * x.x + 7 * x.z); };
+  const std::vector<Vec3f> centres = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
+  const Camera camera = camera_at({0.3f, 1, 1.6f}, {0, 0.2f, 0}, 22);
+  for (const LiquidFilter filter : filters) {
+    const DrawList list = with(liquid_of(centres));
+    const LiquidImage small = renderer().liquid_image(list, camera, filtered(filter), 240, 180);
+    const LiquidImage large = renderer().liquid_image(list, camera, filtered(filter), 720, 540);
+    std::vector<double> differences;
+    for (int y = 60; y < 120; ++y)
+      for (int x = 60; x < 180; ++x) {
+        const float a = small.depth[std::size_t(y * 240 + x)];
+        const float b = large.depth[std::size_t((3 * y + 1) * 720 + 3 * x + 1)];
+        if (a > 0 && b > 0) differences.push_back(double(a - b));
+      }
+    ASSERT_GT(differences.size(), 60 * 100u);
+    EXPECT_LT(std::abs(part_of(differences, 0.5)), 0.05 * double(spacing)) << liquid_filter_name(filter);
+    // All but the edges of waves before others.
+    for (double& difference : differences) difference = std::abs(difference);
+    EXPECT_LT(part_of(differences, 0.95), 0.15 * double(spacing)) << liquid_filter_name(filter);
+  }
+}
+
+/// More steps of the same flow smooth as far, not farther.
+TEST_F(LiquidTest, StepsDoNotChangeHowFarTheSurfaceIsSmoothed) {
+  const auto below_waves = [](const Vec3f& x) { return x.y < 0.2f + 0.03f * std::sin(30 * x.x); };
+  const std::vector<Vec3f> centres = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
+  const Camera camera = camera_at({0, 1.6f, 1.2f}, {0, 0.2f, 0}, 22);
+  std::vector<double> spread;
+  for (const int steps : {20, 40, 80}) {
+    const LiquidImage image = renderer().liquid_image(
+        with(liquid_of(centres)), camera, filtered(LiquidFilter::curvature_flow, steps), width, height);
+    std::vector<double> heights;
+    for (const Vec3f& x : surface_points(image, camera, 60, 40)) heights.push_back(double(x.y));
+    spread.push_back(deviation(heights));
+  }
+  EXPECT_NEAR(spread[1] / spread[0], 1, 0.1);
+  EXPECT_NEAR(spread[2] / spread[1], 1, 0.1);
+}
+
+class LiquidAndBall : public LiquidTest {
+ protected:
+  LiquidAndBall() : centres_(ball_of_particles(0.5f)), camera_(camera_at({0, 0, 4}, {}, 25)) {}
+
+  /// The colour in the middle of the picture with an opaque ball at this depth, in linear light.
+  std::array<double, 3> middle(float z, bool wet, const Vec3f& absorption = {1.5f, 1.5f, 1.5f}) {
+    place_ = {0, 0, z};
+    DrawList list = without_ground();
+    Spheres ball;
+    ball.key = 2;
+    ball.version = ++version_;
+    ball.centres = {&place_, 1};
+    ball.radius = 0.2f;
+    ball.look.colour = srgb(0xb0b0b0);
+    list.spheres.push_back(ball);
+    list.light.to_sun = {0, 1, 0.4f};
+    if (wet) {
+      Liquid liquid = liquid_of(centres_);
+      liquid.look.absorption = absorption;
+      list.liquids.push_back(liquid);
+    }
+    const Image image =
+        renderer().picture(list, camera_, filtered(LiquidFilter::narrow_range), width, height);
+    const std::uint8_t* pixel = image.at(width / 2, height / 2);
+    return {linear(pixel[0]), linear(pixel[1]), linear(pixel[2])};
+  }
+
+  std::vector<Vec3f> centres_;
+  Camera camera_;
+  Vec3f place_{};
+  std::uint64_t version_ = 0;
+};
+
+TEST_F(LiquidAndBall, WhatStandsBeforeALiquidHidesIt) {
+  const auto dry = middle(0.8f, false), wet = middle(0.8f, true);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(wet[c], dry[c]);
+}
+
+/// By Beer and Lambert, with 2 % of the light mirrored at the surface.
+TEST_F(LiquidAndBall, WhatIsBehindOrInsideIsDimmedByTheWayInTheLiquid) {
+  struct Case {
+    float z, way;
+  };
+  for (const Case& c : {Case{-1, 1}, Case{0, 0.3f}, Case{0.1f, 0.2f}}) {
+    const auto wet = middle(c.z, true), clear = middle(c.z, true, {}),
+               black = middle(c.z, true, {99, 99, 99});
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_LT(black[k], 0.06) << c.z;
+      EXPECT_NEAR((wet[k] - black[k]) / (clear[k] - black[k]), std::exp(-1.5 * double(c.way)), 0.05) << c.z;
+    }
+  }
+}
+
+TEST_F(LiquidAndBall, EachColourIsAbsorbedByItsOwnRate) {
+  const auto clear = middle(-1, true, {}), amber = middle(-1, true, {0.1f, 0.6f, 3});
+  EXPECT_NEAR(amber[0] / clear[0], std::exp(-0.1), 0.05);
+  EXPECT_NEAR(amber[1] / clear[1], std::exp(-0.6), 0.06);
+  EXPECT_LT(amber[2], 0.2 * clear[2]);
+}
+
+TEST_F(LiquidTest, IsPickedAsItsBallsAre) {
+  const std::vector<Vec3f> centres = ball_of_particles(0.3f);
+  const Camera camera = camera_at({0.4f, 0.3f, 2}, {}, 25);
+  const DrawList liquids = with(liquid_of(centres));
+  DrawList spheres = without_ground();
+  Spheres balls;
+  balls.key = 4;
+  balls.centres = centres;
+  balls.radius = liquids.liquids[0].radius;
+  balls.pick = 5;
+  spheres.spheres.push_back(balls);
+  const PickImage a = renderer().pick_image(liquids, camera, width, height);
+  const PickImage b = renderer().pick_image(spheres, camera, width, height);
+  EXPECT_EQ(a.pick, b.pick);
+  EXPECT_EQ(a.element, b.element);
+  EXPECT_EQ(a.depth, b.depth);
+  const Picked picked = renderer().pick(liquids, camera, width / 2, height / 2, width, height);
+  EXPECT_EQ(picked.pick, 5u);
+  EXPECT_LT(length(picked.point - centres[picked.element]), 1.01f * balls.radius);
+}
+
+TEST_F(LiquidTest, ThrowsALightShadowInItsColour) {
+  const std::vector<Vec3f> centres = ball_of_particles(0.3f);
+  Liquid liquid = liquid_of(centres);
+  liquid.look.absorption = {4, 1, 0.2f};
+  DrawList list;
+  list.ground.height = -0.6f;
+  list.ground.second = list.ground.colour;
+  list.light.to_sun = {0.8f, 1, 0};
+  const Camera camera = camera_at({-0.4f, 2.5f, 2.5f}, {-0.4f, -0.6f, 0}, 40);
+  const RenderOptions options{.ambient_occlusion = false};
+  const auto colour_at = [&](const Image& image, const Vec3f& point) {
+    const auto at = camera.project(point, width, height);
+    const std::uint8_t* p = image.at(int(at->x), int(at->y));
+    return std::array<double, 3>{linear(p[0]), linear(p[1]), linear(p[2])};
+  };
+  const Vec3f shadow{-0.48f, -0.6f, 0}, lit{-0.48f, -0.6f, -0.8f};
+  list.liquids.push_back(liquid);
+  const Image wet = renderer().picture(list, camera, options, width, height);
+  DrawList solid = list;
+  solid.liquids.clear();
+  Spheres balls;
+  balls.key = 11;
+  balls.centres = centres;
+  balls.radius = liquid.radius;
+  solid.spheres.push_back(balls);
+  const Image dry = renderer().picture(solid, camera, options, width, height);
+  const auto dim = colour_at(wet, shadow), bright = colour_at(wet, lit), dark = colour_at(dry, shadow);
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_LT(dim[c], 0.93 * bright[c]) << c;
+    if (c > 0) {
+      EXPECT_GT(dim[c], 1.1 * dark[c]) << c;
+    }
+  }
+  EXPECT_LT(dim[0] / bright[0], 0.8 * dim[2] / bright[2]) << "red is what the liquid takes";
+  list.liquids[0].casts_shadow = false;
+  const Image none = renderer().picture(list, camera, options, width, height);
+  EXPECT_NEAR(colour_at(none, shadow)[0], bright[0], 0.05);
+}
+
+TEST_F(LiquidTest, EllipsoidsAreSeenAsTheyAre) {
+  // Seen from far along z: the outline of an ellipsoid with half axes 0.5, 0.2 is that of the ellipse.
+  const std::array<Vec3f, 1> centre{Vec3f{0.1f, -0.1f, 0}};
+  const float turn = 0.5f, c = std::cos(turn), s = std::sin(turn);
+  const std::array<Mat3f, 1> axes{Mat3f{{0.5f * c, 0.5f * s, 0}, {-0.2f * s, 0.2f * c, 0}, {0, 0, 0.3f}}};
+  Liquid liquid = liquid_of(centre);
+  liquid.ellipsoids = axes;
+  const Camera camera = camera_at({0, 0, 30}, {}, 3);
+  const LiquidImage image =
+      renderer().liquid_image(with(liquid), camera, filtered(LiquidFilter::none), width, height);
+  int wrong = 0, inside = 0;
+  float worst = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Ray ray = camera.ray(float(x) + 0.5f, float(y) + 0.5f, width, height);
+      const Vec3f at = ray.origin + ray.direction * (-ray.origin.z / ray.direction.z) - centre[0];
+      const float u = (c * at.x + s * at.y) / 0.5f, v = (-s * at.x + c * at.y) / 0.2f;
+      const float off = u * u + v * v;
+      if (std::abs(off - 1) < 0.06f) continue;
+      const float depth = image.depth[std::size_t(y * width + x)];
+      wrong += (off < 1) != (depth > 0);
+      if (off < 1) {
+        ++inside;
+        worst = std::max(worst, std::abs(depth - 30 + 0.3f * std::sqrt(1 - off)));
+      }
+    }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LT(worst, 0.01f) << "m";
+  EXPECT_GT(inside, 2000);
+}
+
+TEST_F(LiquidTest, BallsAsEllipsoidsAreBalls) {
+  const std::vector<Vec3f> centres = ball_of_particles(0.2f);
+  Liquid liquid = liquid_of(centres);
+  const Camera camera = camera_at({0.3f, 0.5f, 1}, {}, 60);
+  const LiquidImage balls =
+      renderer().liquid_image(with(liquid), camera, filtered(LiquidFilter::none), width, height);
+  const std::vector<Mat3f> axes(centres.size(), Mat3f::identity() * liquid.radius);
+  liquid.ellipsoids = axes;
+  ++liquid.version;
+  liquid.key = 77;
+  const LiquidImage ellipsoids =
+      renderer().liquid_image(with(liquid), camera, filtered(LiquidFilter::none), width, height);
+  int differ = 0;
+  for (std::size_t i = 0; i < balls.depth.size(); ++i)
+    differ += std::abs(balls.depth[i] - ellipsoids.depth[i]) > 1e-3f * liquid.radius;
+  EXPECT_LE(differ, 5) << "pixels on an edge";
+}
+
+TEST_F(LiquidTest, FoamIsWhiteAndHiddenByWhatIsBeforeIt) {
+  const std::vector<Vec3f> bubbles =
+      fill({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}, [](const Vec3f&) { return true; });
+  Foam foam;
+  foam.key = 1;
+  foam.centres = bubbles;
+  foam.radius = 0.02f;
+  DrawList list = without_ground();
+  const Vec3f place{0, 0, -1};
+  Spheres dark;
+  dark.key = 3;
+  dark.centres = {&place, 1};
+  dark.radius = 0.5f;
+  dark.look.colour = srgb(0x101010);
+  list.spheres.push_back(dark);
+  const Camera camera = camera_at({0, 0, 3}, {}, 25);
+  const auto middle = [&] {
+    return linear(renderer().picture(list, camera, plain(), width, height).at(width / 2, height / 2)[1]);
+  };
+  const double bare = middle();
+  list.foams.push_back(foam);
+  EXPECT_GT(middle(), bare + 0.2);
+  const Vec3f before{0, 0, 1};
+  list.spheres[0].centres = {&before, 1};
+  ++list.spheres[0].version;
+  const double front = middle();
+  list.foams.clear();
+  EXPECT_EQ(front, middle());
+}
+
+TEST_F(LiquidTest, PicturesOfManySamplesAreTheSameEachTime) {
+  const std::vector<Vec3f> centres = ball_of_particles(0.3f);
+  DrawList list = with(liquid_of(centres));
+  list.ground = Ground{.height = -0.3f};
+  const Camera camera = camera_at({0.4f, 0.6f, 2}, {}, 30);
+  const RenderOptions options{.samples = 4};
+  const Image a = renderer().picture(list, camera, options, width, height);
+  const Image b = renderer().picture(list, camera, options, width, height);
+  EXPECT_EQ(a.pixels, b.pixels);
+  // And is no other picture than that of one sample.
+  const Image one = renderer().picture(list, camera, {}, width, height);
+  double difference = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) difference += std::abs(a.pixels[i] - one.pixels[i]);
+  EXPECT_LT(difference / double(a.pixels.size()), 2);
+}
+
+TEST_F(LiquidTest, BadParticlesAreNotDrawn) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<Vec3f> centres = ball_of_particles(0.2f);
+  const Camera camera = camera_at({0, 0, 2}, {}, 30);
+  const Image good = renderer().picture(with(liquid_of(centres)), camera, plain(), width, height);
+  centres.push_back({nan, 0, 0});
+  centres.push_back({0, std::numeric_limits<float>::infinity(), 0});
+  const Image bad = renderer().picture(with(liquid_of(centres)), camera, plain(), width, height);
+  EXPECT_EQ(good.pixels, bad.pixels);
+  EXPECT_NO_THROW(renderer().picture(with(liquid_of({})), camera, plain(), width, height));
+}
+
+TEST_F(LiquidTest, IsSeenFromInsideWithoutHarm) {
+  const std::vector<Vec3f> centres = ball_of_particles(0.4f);
+  const Camera camera = camera_at({0, 0, 0.1f}, {0, 0, -1}, 60);
+  const LiquidImage image = renderer().liquid_image(with(liquid_of(centres)), camera, plain(), width, height);
+  EXPECT_NEAR(image.thickness[std::size_t(height / 2 * width + width / 2)], 0.5f, 0.03f);
+}
+
+TEST(LiquidFilters, AreKnownByName) {
+  for (std::size_t i = 0; i < liquid_filter_count; ++i) {
+    const auto filter = static_cast<LiquidFilter>(i);
+    EXPECT_EQ(liquid_filter_of(liquid_filter_name(filter)), filter);
+  }
+  expect_error([] { liquid_filter_of("median"); }, {"median", "narrow-range"});
+}
+
+TEST(LiquidColours, AreThoseOfLightThatHasGoneThatFar) {
+  const Vec3f absorption = absorption_of({0.5f, 1, 0, 1}, 0.2f);
+  EXPECT_NEAR(std::exp(-absorption.x * 0.2f), 0.5f, 1e-5f);
+  EXPECT_EQ(absorption.y, 0);
+  EXPECT_TRUE(std::isfinite(absorption.z));
+}
+
+}  // namespace
+}  // namespace souple::render
