@@ -76,25 +76,26 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
   const float inverse_h = 1 / cell_size_;
   Around result;
   float weights = 0;
+  const float *x = order_.component(0), *y = order_.component(1), *z = order_.component(2);
   const auto add = [&](std::uint32_t k) {
-    const Vec3f way{order_.component(0)[k] - at.x, order_.component(1)[k] - at.y,
-                    order_.component(2)[k] - at.z};
-    const float q = length(way) * inverse_h;
-    if (!(q < 1)) return;
+    const float dx = x[k] - at.x, dy = y[k] - at.y, dz = z[k] - at.z;
+    const float r2 = dx * dx + dy * dy + dz * dz;
+    if (!(r2 < cell_size_ * cell_size_)) return;
+    const float q = std::sqrt(r2) * inverse_h;
     const float weight = (1 - q) * (1 - q);
     result.velocity += fluid.v[order_.order()[k]].xyz() * weight;
     weights += weight;
     ++result.neighbours;
   };
-  for (std::int32_t z = cell[2] - 1; z <= cell[2] + 1; ++z) {
-    const auto before = [&](const CellOrder::Row& row, std::int32_t y) {
-      return row.z != z ? row.z < z : row.y < y;
+  for (std::int32_t layer = cell[2] - 1; layer <= cell[2] + 1; ++layer) {
+    const auto before = [&](const CellOrder::Row& row, std::int32_t y0) {
+      return row.z != layer ? row.z < layer : row.y < y0;
     };
     for (auto row = std::lower_bound(rows.begin(), rows.end() - 1, cell[1] - 1, before);
-         row != rows.end() - 1 && row->z == z && row->y <= cell[1] + 1; ++row) {
+         row != rows.end() - 1 && row->z == layer && row->y <= cell[1] + 1; ++row) {
       const auto first = cells.begin() + row->begin, last = cells.begin() + (row + 1)->begin;
       for (auto c = std::lower_bound(first, last, cell[0] - 1,
-                                     [](const CellOrder::Cell&one, std::int32_t x) { return one.x < x; });
+                                     [](const CellOrder::Cell&one, std::int32_t x0) { return one.x < x0; });
            c != last && c->x <= cell[0] + 1; ++c)
         for (std::uint32_t k = c->begin; k < (c + 1)->begin; ++k) add(k);
     }
