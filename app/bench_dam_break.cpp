@@ -12,9 +12,9 @@ using scene_format::Json;
 
 namespace {
 
-constexpr double spacing = 0.05;   // m
-constexpr double dt = 0.002;       // s: the step of SPH programs at this spacing
-constexpr int iterations = 5;      // of Jacobi, after the coarse level
+constexpr double spacing = 0.05;    // m
+constexpr double dt = 0.002;        // s: the step of SPH programs at this spacing
+constexpr int iterations = 5;       // of Jacobi, after the coarse level
 constexpr double collapsing = 0.2;  // s
 
 /// A block of water, about n x 2 n x n spacings, at one end of a tank 4 n long.

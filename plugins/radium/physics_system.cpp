@@ -131,6 +131,7 @@ host::Handle PhysicsSystem::add(const Index& render_object, host::Kind kind, hos
       break;
     case host::Kind::rope:
     case host::Kind::grains:
+    case host::Kind::fluid:
       throw Error(options.name + ": a mesh becomes a cloth, a soft body or an obstacle");
   }
   std::vector<float> normals = mesh.normals();

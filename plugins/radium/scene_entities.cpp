@@ -75,6 +75,8 @@ std::array<float, 3> colour_of(host::Kind kind) {
       return {0.76f, 0.62f, 0.40f};
     case host::Kind::grains:
       return {0.85f, 0.72f, 0.45f};
+    case host::Kind::fluid:
+      return {0.25f, 0.56f, 0.82f};
     case host::Kind::obstacle:
       break;
   }

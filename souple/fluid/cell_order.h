@@ -59,9 +59,8 @@ class CellOrder {
   template <class Function>
   void for_each_in(const std::int32_t (&lo)[3], const std::int32_t (&hi)[3], const Function& f) const {
     const auto first_row = [&](std::int32_t y, std::int32_t z) {
-      return std::partition_point(rows_.begin(), rows_.end() - 1, [&](const Row& row) {
-        return row.z < z || (row.z == z && row.y < y);
-      });
+      return std::partition_point(rows_.begin(), rows_.end() - 1,
+                                  [&](const Row& row) { return row.z < z || (row.z == z && row.y < y); });
     };
     for (auto row = first_row(lo[1], lo[2]); row < rows_.end() - 1 && row->z <= hi[2];) {
       if (row->y > hi[1]) {

@@ -174,8 +174,8 @@ void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& re
   give_way(y, result);
 }
 
-void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples,
-                           float surface, Threads& threads) {
+void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
+                           Threads& threads) {
   constexpr int most_iterations = 30;
   constexpr double tolerance = 0.02, kept = 0.9;
   const std::size_t count = order_.cell_count();

@@ -20,12 +20,12 @@ namespace souple {
 ///   A y = b,   b_a = -sum_i N_a(x_i) C_i,   lambda_i = sum_a N_a(x_i) y_a
 ///   A = sum_cells (sum_i w_i) / H^2 K + diag(2 sum_i w_i |2 G_i + g_i|^2 N_a(x_i)) + sum_bodies J^T W J
 ///
-/// with w_i the inverse masses of a cell's particles and K the Laplacian of the unit cube's trilinear element: 1/3
-/// on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j grad W_ij
-/// and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G + g is
-/// large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down. Particles
-/// of a free surface (C_i below -surface) have none of b. A rigid body, W = diag(1/m, I^-1), gives way to all
-/// pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the particles that touch it.
+/// with w_i the inverse masses of a cell's particles and K the Laplacian of the unit cube's trilinear
+/// element: 1/3 on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j
+/// grad W_ij and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G
+/// + g is large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down.
+/// Particles of a free surface (C_i below -surface) have none of b. A rigid body, W = diag(1/m, I^-1), gives
+/// way to all pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the particles that touch it.
 class CoarsePressure {
  public:
   /// What a particle brings in.
@@ -63,9 +63,9 @@ class CoarsePressure {
   struct Mover {
     double inverse_mass = 0;
     Mat3d inverse_inertia{};
-    std::vector<std::uint32_t> nodes;                // that have some of J
-    std::vector<std::pair<Vec3d, Vec3d>> pushes;     // their J
-    std::vector<std::uint32_t> slot_of_node;         // none: not in nodes
+    std::vector<std::uint32_t> nodes;             // that have some of J
+    std::vector<std::pair<Vec3d, Vec3d>> pushes;  // their J
+    std::vector<std::uint32_t> slot_of_node;      // none: not in nodes
   };
 
   void find_nodes();
@@ -81,10 +81,10 @@ class CoarsePressure {
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> begin_, terms_;  // of each node: 8 cell + corner, ascending
   std::vector<std::uint32_t> next_;           // of each node: where its next term goes
-  std::vector<std::uint32_t> cell_of_;  // of each place
+  std::vector<std::uint32_t> cell_of_;        // of each place
   std::vector<Mover> movers_;
   std::size_t mover_count_ = 0;
-  std::vector<double> stiffness_;             // of each cell: sum w / H^2
+  std::vector<double> stiffness_;  // of each cell: sum w / H^2
   std::vector<Eight> cell_sums_, cell_diagonals_;
   std::vector<double> y_, b_, diagonal_, preconditioner_, r_, p_, ap_;
   std::vector<std::uint64_t> node_keys_, last_keys_;

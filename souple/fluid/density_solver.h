@@ -68,7 +68,8 @@ class DensitySolver {
   ///
   ///   boundary.look(place, x) -> BoundarySums    where the particle is now
   ///   boundary.respond(place, sums)              of bodies that give way
-  ///   boundary.push(place, change)               then: it was pushed by the slope times this change of lambda
+  ///   boundary.push(place, change)               then: it was pushed by the slope times this change of
+  ///   lambda
   ///
   /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
   /// boundary.pushed(changes of lambda).
@@ -79,7 +80,8 @@ class DensitySolver {
     push(boundary, threads);
     for (passes_ = 0; passes_ < options_.passes || options_.tolerance > 0; ++passes_) {
       find_sums(boundary, threads);
-      if (passes_ >= options_.passes && (passes_ >= options_.most_passes || mean_error() <= options_.tolerance))
+      if (passes_ >= options_.passes &&
+          (passes_ >= options_.most_passes || mean_error() <= options_.tolerance))
         break;
       relax(threads);
       push(boundary, threads);
@@ -90,12 +92,12 @@ class DensitySolver {
   std::span<const std::uint32_t> order() const { return order_.order(); }  ///< of each place, the particle
   std::span<const Vec4f> positions() const { return {x_.data(), size()}; }
   std::span<const Vec4f> padded_positions() const { return x_; }  ///< and one more, far away
-  std::span<const Vec3f> moved() const { return moved_; }  ///< by `solve` [m]
+  std::span<const Vec3f> moved() const { return moved_; }         ///< by `solve` [m]
   std::span<const float> lambda() const { return lambda_; }
   /// C of the last look, before the last push.
   float density_error(std::size_t place) const { return samples_[place].c; }
   const Neighbours& neighbours() const { return neighbours_; }
-  double mean_error() const;             ///< of max(0, C), of the last look
+  double mean_error() const;              ///< of max(0, C), of the last look
   int passes() const { return passes_; }  ///< of the last solve
   int coarse_iterations() const { return coarse_.iterations(); }
 

@@ -22,7 +22,8 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 
 }  // namespace
 
-// --- where bodies are ----------------------------------------------------------------------------------------
+// --- where bodies are
+// ----------------------------------------------------------------------------------------
 
 void FluidBodies::place(const Skin& skin, State& state, const ParticleView& particles,
                         std::span<const float> mass) const {
@@ -76,7 +77,8 @@ void FluidBodies::begin_substep(const ParticleView& particles, std::span<const f
   if (!lists_hold(positions)) list(positions, reach, threads);
 }
 
-// --- who may be near -----------------------------------------------------------------------------------------
+// --- who may be near
+// -----------------------------------------------------------------------------------------
 
 bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
   if (listed_.size() != positions.size()) return false;
@@ -138,7 +140,8 @@ void FluidBodies::list_triangle(std::uint32_t skin, std::uint32_t triangle, std:
   });
 }
 
-// --- what is near --------------------------------------------------------------------------------------------
+// --- what is near
+// --------------------------------------------------------------------------------------------
 
 // Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
 // whether it is inside: the others' planes may have it on the wrong side.
@@ -170,7 +173,11 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
       const float facing = std::fabs(dot(normal, way)) / size;
       if (distance > best.distance - same && best.triangle != NearPlane::nobody && facing <= best.facing)
         continue;
-      best = {std::min(distance, best.distance), facing, candidates_[c].triangle, weights, way,
+      best = {std::min(distance, best.distance),
+              facing,
+              candidates_[c].triangle,
+              weights,
+              way,
               normal * (1 / size)};
     }
     if (best.triangle == NearPlane::nobody || meets_[fluid * skins_.size() + s] == 0) continue;
@@ -204,7 +211,8 @@ Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& verti
   return corner_mix(skins_[plane.skin].triangles[plane.triangle], plane.weights, vertices);
 }
 
-// --- how bodies give way -------------------------------------------------------------------------------------
+// --- how bodies give way
+// -------------------------------------------------------------------------------------
 
 void FluidBodies::weigh(const Surroundings& surroundings, std::size_t places, std::span<const Vec4f> x,
                         CoarsePressure& coarse) {

@@ -26,8 +26,8 @@ struct Skin {
   std::vector<std::array<std::uint32_t, 4>> particles{};
   std::vector<std::array<float, 4>> weights{};  ///< of each vertex; they sum to 1
   std::vector<Triangle> triangles{};            ///< over vertices, counter-clockwise from outside
-  float half_thickness = 0;                   ///< m
-  bool closed = false;                        ///< it has an inside, where no fluid belongs
+  float half_thickness = 0;                     ///< m
+  bool closed = false;                          ///< it has an inside, where no fluid belongs
   Yielding yielding = Yielding::locally;
 };
 
@@ -52,8 +52,8 @@ class FluidBodies {
   /// particles [kg]. Lists which particles may be near which triangles.
   void begin_substep(const ParticleView& particles, std::span<const float> mass,
                      std::span<const Vec4f> positions, float reach, Threads& threads);
-  /// Appends what is nearer than `reach` to particle i of a fluid: one plane of each skin. It is at x and was at
-  /// `start` when the substep began. Several threads may call it at a time.
+  /// Appends what is nearer than `reach` to particle i of a fluid: one plane of each skin. It is at x and was
+  /// at `start` when the substep began. Several threads may call it at a time.
   void find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
             std::vector<NearPlane>& planes) const;
 
@@ -72,20 +72,22 @@ class FluidBodies {
  private:
   /// Of a skin in this substep.
   struct State {
-    std::vector<Vec3f> start, now;      // of vertices, from the origin [m]
-    std::vector<float> gives;           // of a vertex: how much a unit of push moves it [1/kg]
-    std::vector<float> slopes;          // yielding locally: sum of |slope| that pushes it [1/m]
-    float slope_sum = 0;                // yielding rigidly: of all [1/m]
+    std::vector<Vec3f> start, now;  // of vertices, from the origin [m]
+    std::vector<float> gives;       // of a vertex: how much a unit of push moves it [1/kg]
+    std::vector<float> slopes;      // yielding locally: sum of |slope| that pushes it [1/m]
+    float slope_sum = 0;            // yielding rigidly: of all [1/m]
     bool moves = false;
-    double inverse_mass = 0;            // of the whole
+    double inverse_mass = 0;  // of the whole
     Mat3d inverse_inertia{};
-    Vec3d centre{};                     // of mass, from the origin [m]
+    Vec3d centre{};  // of mass, from the origin [m]
   };
 
-  void place(const Skin& skin, State& state, const ParticleView& particles, std::span<const float> mass) const;
+  void place(const Skin& skin, State& state, const ParticleView& particles,
+             std::span<const float> mass) const;
   bool lists_hold(std::span<const Vec4f> positions) const;
   void list(std::span<const Vec4f> positions, float reach, Threads& threads);
-  void list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions, float reach);
+  void list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions,
+                     float reach);
   Vec3f point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const;
 
   std::vector<Skin> skins_;

@@ -57,7 +57,8 @@ double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, flo
 // In the wall's own frame, where it stands still. A particle that touches on its way goes on along the plane
 // it touched.
 Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const {
-  if (length(x - wall.centre) - wall.ball.radius > radius + length(x - start) + length(wall.after.translation - wall.before.translation))
+  if (length(x - wall.centre) - wall.ball.radius >
+      radius + length(x - start) + length(wall.after.translation - wall.before.translation))
     return x;
   const Shape& shape = colliders_[wall.collider].shape;
   const Vec3d from = wall.before.to_local(start), to = wall.after.to_local(x);

@@ -19,8 +19,9 @@ class FluidWalls {
                   const Vec3d& origin, std::size_t particles, double time);
   /// Poses at the end of the substep [time, time + h]. Throws what a collider's motion throws.
   void begin_substep(double time, double h);
-  /// Where particle i comes that was at `start` when the substep began and is predicted at x: before the walls it
-  /// would have gone into or through, at least `radius` away. What is inside a wall already comes out.
+  /// Where particle i comes that was at `start` when the substep began and is predicted at x: before the
+  /// walls it would have gone into or through, at least `radius` away. What is inside a wall already comes
+  /// out.
   Vec3f keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const;
   /// Appends the planes nearer than `reach` to particle i of a fluid, at x. For different particles, several
   /// threads may call it at a time.

@@ -10,7 +10,6 @@ namespace souple {
 
 namespace {
 
-
 /// A shape's functions of q, and the constants that were measured for it (columns of 25 to 75 layers at
 /// rest).
 struct Shape {

@@ -12,11 +12,11 @@ namespace souple {
 struct NearPlane {
   static constexpr std::uint32_t nobody = ~0u;
 
-  Vec3f normal{};                ///< unit, towards the fluid
-  float offset = 0;              ///< m
-  Vec3f motion{};                ///< of the surface in this substep [m]
-  Vec3f slope{};                 ///< its part in that of the sum, of the last look [1/m]
-  Vec3f pushed{};                ///< the particle, in this substep: sum of slope times lambda [kg m]
+  Vec3f normal{};    ///< unit, towards the fluid
+  float offset = 0;  ///< m
+  Vec3f motion{};    ///< of the surface in this substep [m]
+  Vec3f slope{};     ///< its part in that of the sum, of the last look [1/m]
+  Vec3f pushed{};    ///< the particle, in this substep: sum of slope times lambda [kg m]
   std::uint32_t collider = nobody;
   // Of a body: which skin, its triangle, and the weights of that one's corners in the nearest point.
   std::uint32_t skin = nobody, triangle = 0;

@@ -85,7 +85,8 @@ class Crossings {
     const double y = at.y + 3.1e-7 * rows_.spacing, z = at.z + 4.7e-7 * rows_.spacing;
     const double u = side(b, c, y, z), v = side(c, a, y, z), w = side(a, b, y, z);
     const bool positive = u > 0 && v > 0 && w > 0, negative = u <= 0 && v <= 0 && w <= 0 && u + v + w < 0;
-    if (positive || negative) of(j, k).push_back({(a.x * u + b.x * v + c.x * w) / (u + v + w), positive ? -1 : 1});
+    if (positive || negative)
+      of(j, k).push_back({(a.x * u + b.x * v + c.x * w) / (u + v + w), positive ? -1 : 1});
   }
 
   const Rows& rows_;

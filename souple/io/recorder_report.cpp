@@ -51,12 +51,10 @@ const char* word(Integrator integrator) {
   return "unknown";
 }
 
-constexpr std::pair<Flag, const char*> flag_names[] = {{Flag::non_finite, "non_finite"},
-                                                       {Flag::large_strain, "large_strain"},
-                                                       {Flag::deep_contact, "deep_contact"},
-                                                       {Flag::callback_failed, "callback_failed"},
-                                                       {Flag::tangled, "tangled"},
-                                                       {Flag::coarse_substeps, "coarse_substeps"}};
+constexpr std::pair<Flag, const char*> flag_names[] = {
+    {Flag::non_finite, "non_finite"},     {Flag::large_strain, "large_strain"},
+    {Flag::deep_contact, "deep_contact"}, {Flag::callback_failed, "callback_failed"},
+    {Flag::tangled, "tangled"},           {Flag::coarse_substeps, "coarse_substeps"}};
 
 }  // namespace
 

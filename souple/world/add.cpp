@@ -181,7 +181,8 @@ float contact_radius(const Material& material) {
     float operator()(const SoftBodyMaterial& m) const { return m.thickness / 2; }
     float operator()(const RopeMaterial& m) const { return m.radius; }
     float operator()(const GrainsMaterial& m) const { return m.radius; }
-    // The density solver keeps them half a spacing from walls: contacts are for what comes through all the same.
+    // The density solver keeps them half a spacing from walls: contacts are for what comes through all the
+    // same.
     float operator()(const FluidMaterial& m) const { return m.spacing / 4; }
     float operator()(const ObstacleMaterial& m) const { return m.thickness / 2; }
   };

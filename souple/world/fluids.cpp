@@ -14,7 +14,7 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t grain = 512;  // particles worth a thread
+constexpr std::size_t grain = 512;         // particles worth a thread
 constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps particles at half of one
 
 /// What the density solver asks.
@@ -204,7 +204,8 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Vec3f at = solver_->positions()[k].xyz();
-      view.correct(particle_[order[k]], moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
+      view.correct(particle_[order[k]],
+                   moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
     }
   });
   if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);
@@ -300,7 +301,8 @@ void Fluids::apply_forces(const WorldState& world, const Substep& substep) {
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
     const float angle = materials_[0].contact_angle * static_cast<float>(pi) / 180;
-    surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h, threads);
+    surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h,
+                           threads);
   }
   if (const float epsilon = most(&FluidMaterial::vorticity); epsilon > 0)
     vorticity_.apply(view, epsilon, substep.h, threads);
@@ -312,32 +314,36 @@ void Fluids::apply_forces(const WorldState& world, const Substep& substep) {
   }
 }
 
-// XSPH is a viscosity of its own: mu = rho xsph d^2 / 6, see xsph.h.
+// XSPH as a viscosity: of the rate c it has nu = c m2 / 6, m2 = 6 d^2 wall(d/2).value; see xsph.h.
 void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const auto order = solver_->order();
   std::vector<Vec4f>& velocity = world.particles.velocity;
   velocity_.resize(order.size() + 1);
   velocity_.back() = {};
+  const float exchange = spacing_ * spacing_ * solver_->smoothing().wall(spacing_ / 2).value;
   for_places(order.size(), threads, [&](std::size_t k) {
     const FluidMaterial& material = materials_[fluid_[order[k]]];
     velocity_[k] = velocity[particle_[order[k]]];
-    velocity_[k].w = material.viscosity + material.density * material.xsph * spacing_ * spacing_ / 6;
+    velocity_[k].w = material.viscosity + material.density * material.xsph * exchange;
   });
   apply_forces(world, substep);
   double fastest = 0;
   for (std::size_t k = 0; k < order.size(); ++k)
     fastest = std::max(fastest, static_cast<double>(length_squared(velocity_[k].xyz())));
   report_.fastest = std::max(report_.fastest, std::sqrt(fastest));
-  report_.largest_step = std::max(report_.largest_step, std::sqrt(fastest) / 1.5 * static_cast<double>(substep.h) /
-                                                            static_cast<double>(spacing_));
+  report_.largest_step =
+      std::max(report_.largest_step,
+               std::sqrt(fastest) / 1.5 * static_cast<double>(substep.h) / static_cast<double>(spacing_));
   for_places(order.size(), threads,
              [&](std::size_t k) { velocity[particle_[order[k]]].set_xyz(velocity_[k].xyz()); });
 }
 
 FluidReport Fluids::report() const {
   FluidReport report = report_;
-  if (substeps_ > 0) report.iterations /= substeps_, report.coarse_iterations /= substeps_, report.viscosity_iterations /= substeps_;
+  if (substeps_ > 0)
+    report.iterations /= substeps_, report.coarse_iterations /= substeps_,
+        report.viscosity_iterations /= substeps_;
   return report;
 }
 

@@ -55,25 +55,25 @@ class Fluids {
   Surroundings surroundings_;
   FluidWalls walls_;
   FluidBodies bodies_;
-  Vec3d origin_{};                       // of the fluids' positions [m]
-  std::vector<std::uint32_t> particle_;  // of each of the fluids' particles, the world's
-  std::vector<std::uint16_t> fluid_;     // and which fluid it is of
-  std::vector<std::uint32_t> objects_;   // of each fluid
+  Vec3d origin_{};                        // of the fluids' positions [m]
+  std::vector<std::uint32_t> particle_;   // of each of the fluids' particles, the world's
+  std::vector<std::uint16_t> fluid_;      // and which fluid it is of
+  std::vector<std::uint32_t> objects_;    // of each fluid
   std::vector<FluidMaterial> materials_;  // of each fluid
-  std::vector<std::uint8_t> meets_;      // of each fluid and collider
-  std::vector<std::uint32_t> skinned_;   // objects that are bodies to fluids
-  std::vector<std::uint8_t> feels_;      // of each fluid and body
-  std::vector<Vec4f> placed_;            // x, y, z from the origin and inverse mass
-  std::vector<Vec3f> start_;             // where they were when the substep began
-  std::vector<Vec4f> velocity_;          // by place, and the viscosity; one more, 0
-  std::vector<Vec4f> wall_friction_;     // by place
-  std::vector<NearWall> near_walls_;     // the same
-  std::vector<float> covered_;           // by place: V sum W
+  std::vector<std::uint8_t> meets_;       // of each fluid and collider
+  std::vector<std::uint32_t> skinned_;    // objects that are bodies to fluids
+  std::vector<std::uint8_t> feels_;       // of each fluid and body
+  std::vector<Vec4f> placed_;             // x, y, z from the origin and inverse mass
+  std::vector<Vec3f> start_;              // where they were when the substep began
+  std::vector<Vec4f> velocity_;           // by place, and the viscosity; one more, 0
+  std::vector<Vec4f> wall_friction_;      // by place
+  std::vector<NearWall> near_walls_;      // the same
+  std::vector<float> covered_;            // by place: V sum W
   Viscosity viscosity_;
   SurfaceTension surface_tension_;
   VorticityConfinement vorticity_;
-  std::vector<float> pressure_;          // sum over substeps [Pa]
-  std::vector<Vec3d> force_;             // on each collider [N]
+  std::vector<float> pressure_;  // sum over substeps [Pa]
+  std::vector<Vec3d> force_;     // on each collider [N]
   int substeps_ = 0;
   FluidReport report_;
 };

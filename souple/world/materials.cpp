@@ -73,7 +73,8 @@ const FluidMaterial* find_fluid(std::string_view name) {
 }
 
 std::vector<std::string> names() {
-  return {"cotton", "silk", "denim", "rubber", "jelly", "nylon", "steel_wire", "sand", "water", "oil", "honey"};
+  return {"cotton",     "silk", "denim", "rubber", "jelly", "nylon",
+          "steel_wire", "sand", "water", "oil",    "honey"};
 }
 
 }  // namespace souple::material

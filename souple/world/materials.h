@@ -91,16 +91,16 @@ struct GrainsMaterial {
 
 /// A liquid made of particles (docs/fluids.md). All fluids of a world have the same spacing.
 struct FluidMaterial {
-  float spacing = 0.02f;  ///< between particles at rest: one has the volume spacing^3 [m]
-  float density = 1000;   ///< kg/m^3
-  float viscosity = 0.001f;    ///< dynamic, mu [Pa s]
-  float xsph = 24;             ///< rate at which particles take over the velocity around them, beside what
-                               ///< the viscosity does: it keeps noise down [1/s]
-  float surface_tension = 0;   ///< sigma, against air [N/m]; see docs/fluids.md for how it limits substeps
-  float contact_angle = 90;    ///< of a drop on a wall, measured within it; needs surface tension [degrees]
-  float vorticity = 0;         ///< strength of vorticity confinement: adds energy to whirls [m/s]
-  float air_drag = 0;          ///< coefficient of the drag on what meets the air; 0.47 is a ball's
-  float friction = 1;          ///< how walls hold it: 1 its viscosity does, 0 it slips. In [0, 1]
+  float spacing = 0.02f;      ///< between particles at rest: one has the volume spacing^3 [m]
+  float density = 1000;       ///< kg/m^3
+  float viscosity = 0.001f;   ///< dynamic, mu [Pa s]
+  float xsph = 24;            ///< rate at which particles take over the velocity around them, beside what
+                              ///< the viscosity does: it keeps noise down [1/s]
+  float surface_tension = 0;  ///< sigma, against air [N/m]; see docs/fluids.md for how it limits substeps
+  float contact_angle = 90;   ///< of a drop on a wall, measured within it; needs surface tension [degrees]
+  float vorticity = 0;        ///< strength of vorticity confinement: adds energy to whirls [m/s]
+  float air_drag = 0;         ///< coefficient of the drag on what meets the air; 0.47 is a ball's
+  float friction = 1;         ///< how walls hold it: 1 its viscosity does, 0 it slips. In [0, 1]
   float restitution = 0;
 };
 

@@ -36,14 +36,14 @@ struct KindReport {
   double mean = 0;
 };
 
-/// What a step did to fluids. Density errors are of C = rho / rho_0 - 1 where that is above 0, before the last
-/// correction of the last substep.
+/// What a step did to fluids. Density errors are of C = rho / rho_0 - 1 where that is above 0, before the
+/// last correction of the last substep.
 struct FluidReport {
   std::size_t particles = 0;
   double mean_density_error = 0, largest_density_error = 0;
-  double largest_pressure = 0;    ///< Pa
-  double fastest = 0;             ///< m/s
-  double largest_step = 0;        ///< h max(sqrt(p / rho), v / 1.5) / spacing, to be below a third
+  double largest_pressure = 0;      ///< Pa
+  double fastest = 0;               ///< m/s
+  double largest_step = 0;          ///< h max(sqrt(p / rho), v / 1.5) / spacing, to be below a third
   double iterations = 0;            ///< of Jacobi, mean of the substeps
   double coarse_iterations = 0;     ///< of conjugate gradients for the pressure, mean of the substeps
   double viscosity_iterations = 0;  ///< the same for viscosity; 0 where it is solved without
@@ -56,13 +56,13 @@ struct StepReport {
   int substeps = 0, iterations = 0;
   std::array<double, stage_count> milliseconds{};  ///< per Stage
   std::size_t particles = 0, constraints = 0;
-  std::size_t contacts = 0;       ///< that pushed in the last substep
-  std::size_t asleep = 0;         ///< objects, at the end of the step
-  std::size_t kept_apart = 0;     ///< times that two features were stopped before they passed each other
-  std::size_t tangles = 0;        ///< edges that passed through triangles when the step began
-  std::size_t misplaced = 0;      ///< vertices on the wrong side of another layer then, or near such a place
-  double deepest_contact = 0;     ///< m, penetration left at the end
-  double largest_strain = 0;      ///< (l - l0) / l0 over distance constraints, extension only
+  std::size_t contacts = 0;    ///< that pushed in the last substep
+  std::size_t asleep = 0;      ///< objects, at the end of the step
+  std::size_t kept_apart = 0;  ///< times that two features were stopped before they passed each other
+  std::size_t tangles = 0;     ///< edges that passed through triangles when the step began
+  std::size_t misplaced = 0;   ///< vertices on the wrong side of another layer then, or near such a place
+  double deepest_contact = 0;  ///< m, penetration left at the end
+  double largest_strain = 0;   ///< (l - l0) / l0 over distance constraints, extension only
   FluidReport fluid;
   std::vector<KindReport> kinds;  ///< in the order they are solved
   std::uint32_t flags = 0;        ///< of Flag

@@ -31,9 +31,8 @@
 
 namespace souple {
 
-using Material =
-    std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
-                 FluidMaterial>;
+using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
+                              FluidMaterial>;
 
 /// A particle held by a pin: it goes to target(vertex, t) + offset, or stays where it is when there is no
 /// target.

@@ -213,7 +213,7 @@ class World {
   /// The mesh as it was given (faces, UVs, groups), placed at rest by its transform; empty for ropes and
   /// grains.
   const TriangleMesh& mesh(ObjectId object) const;
-  double total_mass(ObjectId object) const;      ///< kg; 0 of an obstacle
+  double total_mass(ObjectId object) const;  ///< kg; 0 of an obstacle
   /// Of each particle of a fluid, user order, mean of the last step. [Pa]
   std::vector<float> pressures(ObjectId fluid) const;
   /// Of grains and ropes, half the thickness of the others, half the spacing of fluids. [m]

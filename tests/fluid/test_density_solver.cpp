@@ -24,7 +24,8 @@ struct Pool {
     for (int j = 0; j < ny; ++j)
       for (int k = 0; k < nz; ++k)
         for (int i = 0; i < nx; ++i)
-          positions.push_back({(float(i) + 0.5f) * d, (float(j) + 0.5f) * d, (float(k) + 0.5f) * d, 1 / mass()});
+          positions.push_back(
+              {(float(i) + 0.5f) * d, (float(j) + 0.5f) * d, (float(k) + 0.5f) * d, 1 / mass()});
     velocity.resize(positions.size());
     smoothed.resize(positions.size());
   }

@@ -9,7 +9,6 @@
 namespace souple {
 namespace {
 
-
 constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::poly6_spiky,
                                      SmoothingShape::cubic_spline};
 

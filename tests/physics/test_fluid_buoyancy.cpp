@@ -1,10 +1,10 @@
 #include "souple/souple.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
+
+#include <gtest/gtest.h>
 
 namespace souple {
 namespace {
@@ -30,15 +30,17 @@ struct Basin {
     const auto half = 0.5 * edge;
     std::vector<Vec3d> points;
     for (const Vec3d& x : fill(Vec3d{-side / 2, 0, -side / 2}, Vec3d{side / 2, depth, side / 2}, d))
-      if (std::fabs(x.x) > half || std::fabs(x.z) > half || x.y < bottom || x.y > bottom + edge) points.push_back(x);
+      if (std::fabs(x.x) > half || std::fabs(x.z) > half || x.y < bottom || x.y > bottom + edge)
+        points.push_back(x);
     water = world.add_fluid(points, {.spacing = static_cast<float>(d), .density = float(water_density)});
     SoftBodyMaterial material{.young_modulus = model == SoftBodyModel::shape_matching ? 1e10f : 1e6f,
                               .poisson_ratio = 0.3f,
                               .density = static_cast<float>(density),
                               .thickness = 0,
                               .model = model};
-    body = world.add_soft_body(box(Vec3d{edge, edge, edge}, {8, 8, 8}), material, LatticeOptions{.cells = 3000},
-                               {.transform = {.translation = {0, bottom + half, 0}}});
+    body =
+        world.add_soft_body(box(Vec3d{edge, edge, edge}, {8, 8, 8}), material, LatticeOptions{.cells = 3000},
+                            {.transform = {.translation = {0, bottom + half, 0}}});
   }
   void run(double seconds) {
     for (int frame = 0; frame < seconds * 60; ++frame) world.step(1.0 / 60);
@@ -69,9 +71,10 @@ void floats(double density, SoftBodyModel model) {
     basin.run(1.0 / 60);
     sunk += (basin.level() - basin.lowest()) / frames;
   }
-  std::printf("density %g: sunk %.4f of %.4f, error %.2f %% of the height; level %.3f bottom %.3f mean err %.4f\n",
-              density, sunk, immersed, 100 * (sunk - immersed) / basin.edge, basin.level(), basin.lowest(),
-              basin.world.report().fluid.mean_density_error);
+  std::printf(
+      "density %g: sunk %.4f of %.4f, error %.2f %% of the height; level %.3f bottom %.3f mean err %.4f\n",
+      density, sunk, immersed, 100 * (sunk - immersed) / basin.edge, basin.level(), basin.lowest(),
+      basin.world.report().fluid.mean_density_error);
   EXPECT_NEAR(sunk, immersed, 0.03 * basin.edge);
 }
 
@@ -81,16 +84,28 @@ TEST(FluidBuoyancy, Trace) {
   for (int i = 0; i < 16; ++i) {
     basin.run(0.25);
     std::vector<float> tops;
-    for (const Vec3f& x : basin.world.positions(basin.water)) if (std::fabs(x.x) > 0.25f && std::fabs(x.z) > 0.25f) tops.push_back(x.y);
+    for (const Vec3f& x : basin.world.positions(basin.water))
+      if (std::fabs(x.x) > 0.25f && std::fabs(x.z) > 0.25f) tops.push_back(x.y);
     std::sort(tops.begin(), tops.end());
     const auto& r = basin.world.report();
-    std::printf("%.2f sunk %.4f level %.4f top %.4f vy %.5f p %.0f ke %.4f\n", basin.world.time(), basin.level() - basin.lowest(), basin.level(), tops[tops.size() - 72] + 0.01, basin.world.momentum(basin.body).y / basin.world.total_mass(basin.body), r.fluid.largest_pressure, basin.world.kinetic_energy(basin.water));
+    std::printf("%.2f sunk %.4f level %.4f top %.4f vy %.5f p %.0f ke %.4f\n", basin.world.time(),
+                basin.level() - basin.lowest(), basin.level(), tops[tops.size() - 72] + 0.01,
+                basin.world.momentum(basin.body).y / basin.world.total_mass(basin.body),
+                r.fluid.largest_pressure, basin.world.kinetic_energy(basin.water));
   }
 }
-TEST(FluidBuoyancy, Stiff03) { floats(300, SoftBodyModel::shape_matching); }
-TEST(FluidBuoyancy, Stiff06) { floats(600, SoftBodyModel::shape_matching); }
-TEST(FluidBuoyancy, Soft06) { floats(600, SoftBodyModel::neo_hookean); }
-TEST(FluidBuoyancy, Stiff09) { floats(900, SoftBodyModel::shape_matching); }
+TEST(FluidBuoyancy, Stiff03) {
+  floats(300, SoftBodyModel::shape_matching);
+}
+TEST(FluidBuoyancy, Stiff06) {
+  floats(600, SoftBodyModel::shape_matching);
+}
+TEST(FluidBuoyancy, Soft06) {
+  floats(600, SoftBodyModel::neo_hookean);
+}
+TEST(FluidBuoyancy, Stiff09) {
+  floats(900, SoftBodyModel::shape_matching);
+}
 
 }  // namespace
 }  // namespace souple

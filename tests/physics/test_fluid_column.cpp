@@ -1,10 +1,10 @@
 #include "souple/souple.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
+
+#include <gtest/gtest.h>
 
 namespace souple {
 namespace {

@@ -1,9 +1,9 @@
 #include "souple/souple.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 namespace souple {
 namespace {
@@ -56,8 +56,8 @@ TEST(FluidRobustness, ThrownAtAHundredMetresASecondItStaysInside) {
   World world({.substeps = 10});
   add_tank(world, size);
   world.add_collider(Box{{0.3f, 0.4f, 0}, {0.005f, 0.4f, 0.3f}});  // thin
-  const ObjectId fluid =
-      world.add_fluid(fill(Vec3d{-0.55, 0.2, -0.1}, Vec3d{-0.35, 0.4, 0.1}, d), water, {.velocity = {100, 0, 0}});
+  const ObjectId fluid = world.add_fluid(fill(Vec3d{-0.55, 0.2, -0.1}, Vec3d{-0.35, 0.4, 0.1}, d), water,
+                                         {.velocity = {100, 0, 0}});
   bool told = false;
   for (int frame = 0; frame < 60; ++frame) {
     const StepReport& report = world.step(1.0 / 60);
@@ -108,8 +108,7 @@ TEST(FluidRobustness, BodiesStartedInEachOtherInWaterDoNotExplode) {
   World world({.substeps = 8});
   const Vec3d size{24 * d, 40 * d, 24 * d};
   add_tank(world, size);
-  const ObjectId fluid =
-      world.add_fluid(fill(Vec3d{-0.24, 0, -0.24}, Vec3d{0.24, 0.3, 0.24}, d), water);
+  const ObjectId fluid = world.add_fluid(fill(Vec3d{-0.24, 0, -0.24}, Vec3d{0.24, 0.3, 0.24}, d), water);
   for (const double x : {-0.02, 0.03})
     world.add_soft_body(box({0.12, 0.12, 0.12}, 3), {.young_modulus = 1e5f, .density = 500},
                         LatticeOptions{.cells = 300}, {.transform = {.translation = {x, 0.15, 0}}});

@@ -191,6 +191,14 @@ std::size_t size_of(const GrainsDescription& grains) {
   return count < 1e9 ? static_cast<std::size_t>(count) : std::size_t{1000000000};
 }
 
+std::size_t size_of(const FluidDescription& fluid) {
+  const auto* box = std::get_if<FluidBox>(&fluid.filling);
+  if (box == nullptr) return 1000;
+  const Vec3d across = (box->hi - box->lo) / static_cast<double>(fluid.material.spacing);
+  const double count = std::fabs(across.x * across.y * across.z);
+  return count < 1e9 ? static_cast<std::size_t>(count) : std::size_t{1000000000};
+}
+
 /// Small enough to be built a thousand times. What asks for millions may be fine as well; it is not tested.
 bool is_small(const SceneDescription& scene) {
   if (scene.settings.substeps > 20 || scene.settings.iterations > 20) return false;

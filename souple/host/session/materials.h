@@ -7,9 +7,8 @@
 
 namespace souple::host {
 
-using AnyMaterial =
-    std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
-                 FluidMaterial>;
+using AnyMaterial = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial,
+                                 ObstacleMaterial, FluidMaterial>;
 
 AnyMaterial material_of(const World& world, ObjectId object);
 void set_material(World& world, ObjectId object, const AnyMaterial& material);

@@ -187,7 +187,8 @@ CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec() {
                          "coefficient of the drag on what meets the air; a ball has 0.47")
       .key<&M::friction>("friction", number<float>(unit),
                          "how walls hold it: 1 as its viscosity says, 0 it slips")
-      .key<&M::restitution>("restitution", number<float>(unit), "how much of its speed it keeps when it bounces");
+      .key<&M::restitution>("restitution", number<float>(unit),
+                            "how much of its speed it keeps when it bounces");
   return keys;
 }
 
