@@ -384,8 +384,8 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error, int argc, cha
 int main(int argc, char** argv) {
   std::function<int()> action;
   CLI::App app(
-      "Souple simulates cloth, soft bodies, ropes and grains from scene files, and writes caches that "
-      "Blender and Houdini open.",
+      "Souple simulates cloth, soft bodies, ropes, grains and fluids from scene files, and writes caches "
+      "that Blender and Houdini open.",
       "souple");
   app.footer(main_footer);
   app.set_version_flag("--version", std::string("souple ") + souple::version, "print the version");
