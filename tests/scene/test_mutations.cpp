@@ -137,7 +137,7 @@ TEST(Mutations, OfOverridesGiveASceneOrAnError) {
 
 /// One of everything that a scene can ask for, as small as it goes.
 const char* const full_scene = R"({
-  "souple": 1, "frames": 2, "substeps": 2, "wind": {"velocity": [1, 0, 0], "gust": 0.5}, "drag": 0.1,
+  "souple": 1, "frames": 2, "substeps": 2, "wind": {"velocity": [1, 0, 0], "gust": 0.5}, "drag": 0.1, "fluid": {"iterations": 2},
   "objects": [
     {"name": "ball", "kind": "cloth", "mesh": {"sphere": {"radius": 0.2, "subdivisions": 1}}, "pressure": 5,
      "material": {"preset": "silk", "stretch": "membrane", "bending": "dihedral"},
@@ -149,6 +149,8 @@ const char* const full_scene = R"({
     {"name": "rope", "kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 5, "attachments":
      [{"vertices": [0], "compliance": 0.1, "keyframes": [{"time": 0}, {"time": 1, "rotate": [0, 90, 0]}], "about": [1, 1, 1]}]},
     {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [0.1, 0.1, 0.1], "jitter": 0.5}},
+    {"name": "water", "kind": "fluid", "box": {"lo": [0, 0, 0], "hi": [0.1, 0.1, 0.1]}, "material": {"preset": "oil",
+     "surface_tension": 0.05, "vorticity": 0.1, "air_drag": 0.4}, "velocity": [1, 0, 0]},
     {"name": "wall", "kind": "obstacle", "mesh": {"file": "meshes/duck.obj", "scale": 0.01}, "material": {"thickness": 0.01},
      "transform": {"translate": [5, 0, 0]}, "keyframes": [{"time": 0}, {"time": 1, "rotate": [0, 90, 0]}], "loop": true}],
   "colliders": [{"name": "pole", "shape": {"capsule": {"radius": 0.1, "half_height": 1}}, "transform": {"rotate": [9, 0, 0]}}],
