@@ -10,7 +10,9 @@ namespace souple {
 
 namespace {
 
-constexpr float room_spacings = 0.25f;  // of the lists of candidates, in parts of the reach
+// In parts of the reach.
+constexpr float room_share = 0.25f;  // of the lists of candidates
+constexpr float deepest = 1.0f / 3;  // how far inside a body a particle is still pushed out
 
 Vec3f corner_mix(const Triangle& t, const Vec3f& weights, const std::vector<Vec3f>& at) {
   return at[t[0]] * weights.x + at[t[1]] * weights.y + at[t[2]] * weights.z;
@@ -97,7 +99,7 @@ bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
 
 void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& threads) {
   listed_.assign(positions.begin(), positions.end());
-  listed_room_ = room_spacings * reach;
+  listed_room_ = room_share * reach;
   listed_vertices_.resize(skins_.size());
   found_.clear();
   order_.build(positions, reach, threads);
@@ -198,7 +200,9 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
     plane.triangle = best.triangle;
     plane.weights = best.weights;
     follow(plane);
-    if (dot(plane.normal, x) - plane.offset < reach) planes.push_back(plane);
+    // What a body has swallowed it does not feel: all around is body, and nothing says where the way out is.
+    const float apart = dot(plane.normal, x) - plane.offset;
+    if (apart < reach && apart > -deepest * reach) planes.push_back(plane);
   }
 }
 

@@ -2,7 +2,7 @@
 
 #include "souple/collision/place.h"
 #include "souple/fluid/air_drag.h"
-#include "souple/world/add.h"
+#include "souple/world/fluid_skin.h"
 #include "souple/world/forces.h"
 #include "souple/world/state.h"
 
@@ -52,34 +52,6 @@ Vec3f out_of_walls(const Vec3f& x, std::span<const NearPlane> planes, float radi
   return way;
 }
 
-/// How a fluid feels an object; nothing when it does not.
-std::optional<Skin> skin_of(const Object& object) {
-  const std::vector<Triangle>& faces = object.embedding ? object.mesh.triangles : object.surface;
-  if (faces.empty()) return std::nullopt;
-  Skin skin{.begin = object.begin,
-            .end = object.end,
-            .triangles = faces,
-            .half_thickness = contact_radius(object.material),
-            .closed = object.kind == ObjectKind::soft_body,
-            .yielding = object.kind == ObjectKind::soft_body ? Yielding::rigidly : Yielding::locally};
-  if (object.embedding) {
-    for (std::size_t v = 0; v < object.mesh.positions.size(); ++v) {
-      auto& particles = skin.particles.emplace_back();
-      auto& weights = skin.weights.emplace_back();
-      for (std::size_t k = 0; k < 4; ++k) {
-        particles[k] = object.begin + object.embedding->vertices[v][k];
-        weights[k] = static_cast<float>(object.embedding->weights[v][k]);
-      }
-    }
-    return skin;
-  }
-  for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    skin.particles.push_back({i, i, i, i});
-    skin.weights.push_back({1, 0, 0, 0});
-  }
-  return skin;
-}
-
 }  // namespace
 
 void Fluids::begin_step(WorldState& world) {
@@ -102,9 +74,13 @@ void Fluids::begin_step(WorldState& world) {
 void Fluids::build(const WorldState& world) {
   skinned_.clear();
   std::vector<Skin> skins;
+  float spacing = 0;
+  for (const auto& object : world.objects)
+    if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
+  if (spacing == 0) return bodies_.set_skins({});
   for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
     if (world.objects[o]->kind == ObjectKind::fluid) continue;
-    if (std::optional<Skin> skin = skin_of(*world.objects[o])) {
+    if (std::optional<Skin> skin = fluid_skin(*world.objects[o], spacing)) {
       skins.push_back(std::move(*skin));
       skinned_.push_back(o);
     }

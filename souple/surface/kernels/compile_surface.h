@@ -82,8 +82,12 @@ void surface_brick(const ParticleKernel* kernels, const std::uint32_t* list, std
       }
     }
   }
-  for (int k = 0; k < brick_side; ++k)
-    for (int r = 0; r < registers; ++r) sum[k][r].store(values + 16 * k + r * Set::lanes);
+  for (int k = 0; k < brick_side; ++k) {
+    for (int r = 0; r < registers; ++r) {
+      const std::size_t first = 16 * static_cast<std::size_t>(k) + static_cast<std::size_t>(r * Set::lanes);
+      sum[k][r].store(values + first);
+    }
+  }
 }
 
 template <class Set>

@@ -1,0 +1,87 @@
+#include "souple/world/fluid_skin.h"
+
+#include "souple/world/add.h"
+
+#include <map>
+
+namespace souple {
+
+namespace {
+
+constexpr std::size_t most_triangles = 40000;  // of a surface that is cut finer
+
+double longest_edge(const TriangleMesh& mesh) {
+  double longest = 0;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      longest = max(longest, length(mesh.positions[t[k]] - mesh.positions[t[(k + 1) % 3]]));
+  return longest;
+}
+
+/// Each triangle cut into four at the middles of its edges.
+TriangleMesh halved(const TriangleMesh& mesh) {
+  TriangleMesh result;
+  result.positions = mesh.positions;
+  std::map<Edge, std::uint32_t> middles;
+  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [at, made] = middles.try_emplace(Edge{std::min(a, b), std::max(a, b)},
+                                                static_cast<std::uint32_t>(result.positions.size()));
+    if (made) result.positions.push_back((mesh.positions[a] + mesh.positions[b]) * 0.5);
+    return at->second;
+  };
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const Triangle& t :
+         {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c}, Triangle{ab, bc, ca}})
+      result.triangles.push_back(t);
+  }
+  return result;
+}
+
+// What pushes a triangle pushes the tets its corners lie in: with large triangles, as of a box of twelve,
+// these corners would bear all. They are cut until none is longer than three spacings.
+Skin embedded_skin(const Object& object, float spacing) {
+  TriangleMesh mesh;
+  mesh.positions = object.mesh.positions;
+  mesh.triangles = object.mesh.triangles;
+  while (longest_edge(mesh) > 3 * static_cast<double>(spacing) && 4 * mesh.triangles.size() <= most_triangles)
+    mesh = halved(mesh);
+  const Embedding embedding = embed(mesh.positions, object.tets);
+  Skin skin;
+  skin.triangles = mesh.triangles;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    auto& particles = skin.particles.emplace_back();
+    auto& weights = skin.weights.emplace_back();
+    for (std::size_t k = 0; k < 4; ++k) {
+      particles[k] = object.begin + embedding.vertices[v][k];
+      weights[k] = static_cast<float>(embedding.weights[v][k]);
+    }
+  }
+  return skin;
+}
+
+Skin particle_skin(const Object& object) {
+  Skin skin;
+  skin.triangles = object.surface;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    skin.particles.push_back({i, i, i, i});
+    skin.weights.push_back({1, 0, 0, 0});
+  }
+  return skin;
+}
+
+}  // namespace
+
+std::optional<Skin> fluid_skin(const Object& object, float spacing) {
+  if (object.kind == ObjectKind::fluid || (!object.embedding && object.surface.empty())) return std::nullopt;
+  Skin skin = object.embedding ? embedded_skin(object, spacing) : particle_skin(object);
+  const bool solid = object.kind == ObjectKind::soft_body;
+  skin.begin = object.begin;
+  skin.end = object.end;
+  skin.half_thickness = contact_radius(object.material);
+  skin.closed = solid;
+  skin.yielding = solid ? Yielding::rigidly : Yielding::locally;
+  return skin;
+}
+
+}  // namespace souple
