@@ -9,6 +9,7 @@
 #include "souple/world/materials.h"
 #include "souple/world/report.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -39,15 +40,27 @@ class Fluids {
   Vec3d force(std::size_t collider) const;
 
  private:
+  /// Of a chunk of places.
+  struct Noted {
+    double errors = 0;
+    float largest_error = 0, pressure = 0, coarsest = 0;
+
+    void add(const Noted& other) {
+      errors += other.errors;
+      largest_error = std::max(largest_error, other.largest_error);
+      pressure = std::max(pressure, other.pressure);
+      coarsest = std::max(coarsest, other.coarsest);
+    }
+  };
+
   void choose_solver(const WorldState& world);
   void find_particles(const WorldState& world);
   void place(WorldState& world, Threads& threads);
   void look_around(Threads& threads);
-  void sum_forces(const WorldState& world, const Substep& substep);
   void find_wall_friction(float h, Threads& threads);
   void find_near_walls(Threads& threads);
   void apply_forces(const WorldState& world, const Substep& substep);
-  void note(const Substep& substep);
+  void note(const WorldState& world, const Substep& substep);
 
   std::unique_ptr<DensitySolver> solver_;
   float spacing_ = 0;  // of solver_
@@ -73,7 +86,9 @@ class Fluids {
   SurfaceTension surface_tension_;
   VorticityConfinement vorticity_;
   std::vector<float> pressure_;  // sum over substeps [Pa]
-  std::vector<Vec3d> force_;     // on each collider [N]
+  std::vector<Noted> noted_;
+  std::vector<Vec3d> pushed_;  // of each chunk and collider
+  std::vector<Vec3d> force_;   // on each collider [N]
   int substeps_ = 0;
   FluidReport report_;
 };
