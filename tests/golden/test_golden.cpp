@@ -16,6 +16,7 @@
 // Every shipped scene runs 300 frames: calm, and bit for bit as when tests/golden.json was written.
 //   SOUPLE_GOLDEN_UPDATE=1   rewrites tests/golden.json (script/golden --update)
 //   SOUPLE_GOLDEN_FRAMES=30  stops there; the later hashes are not looked at
+//   SOUPLE_GOLDEN_FLUID_FRAMES=30  the same for scenes with fluids alone, which take longest
 
 namespace souple::test {
 namespace {
@@ -27,9 +28,16 @@ constexpr int hashed_frames[] = {1, 30, 300};
 const fs::path source_folder = SOUPLE_SOURCE_DIR;
 const fs::path golden_path = source_folder / "tests" / "golden.json";
 
-int frames_to_run() {
-  const char* limit = std::getenv("SOUPLE_GOLDEN_FRAMES");
+int at_most(const char* variable) {
+  const char* limit = std::getenv(variable);
   return limit ? std::clamp(std::atoi(limit), 1, 300) : 300;
+}
+
+int frames_to_run(const SceneDescription& scene) {
+  const bool fluid = std::any_of(scene.objects.begin(), scene.objects.end(), [](const auto& object) {
+    return kind_of(object) == ObjectKind::fluid;
+  });
+  return std::min(at_most("SOUPLE_GOLDEN_FRAMES"), fluid ? at_most("SOUPLE_GOLDEN_FLUID_FRAMES") : 300);
 }
 
 bool updating() {
@@ -194,7 +202,7 @@ TEST_P(GoldenScene, IsCalmAndUnchanged) {
   const double dt = 1 / scene.frame_rate;
   FrameHashes hashes;
   double worst = 0;
-  for (int frame = 1; frame <= frames_to_run(); ++frame) {
+  for (int frame = 1; frame <= frames_to_run(scene); ++frame) {
     const StepReport& report = world.step(dt);
     ASSERT_TRUE(report.ok()) << "frame " << frame << ": " << report.message;
     energies.watch(dt);
