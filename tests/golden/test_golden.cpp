@@ -34,9 +34,8 @@ int at_most(const char* variable) {
 }
 
 int frames_to_run(const SceneDescription& scene) {
-  const bool fluid = std::any_of(scene.objects.begin(), scene.objects.end(), [](const auto& object) {
-    return kind_of(object) == ObjectKind::fluid;
-  });
+  const bool fluid = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                 [](const auto& object) { return kind_of(object) == ObjectKind::fluid; });
   return std::min(at_most("SOUPLE_GOLDEN_FRAMES"), fluid ? at_most("SOUPLE_GOLDEN_FLUID_FRAMES") : 300);
 }
 
