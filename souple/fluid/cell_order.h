@@ -50,10 +50,11 @@ class CellOrder {
   std::size_t row_count() const { return rows_.size() - 1; }
   std::size_t bytes() const;
 
-  /// In which cell along an axis a coordinate lies, cells that are not there included.
+  /// In which cell along an axis a coordinate lies, cells that are not there included; what is no number lies
+  /// in none.
   std::int32_t cell(int axis, float x) const {
     const double at = std::floor((static_cast<double>(x) - corner_[axis]) * inverse_);
-    return static_cast<std::int32_t>(std::clamp(at, -1e9, 1e9));
+    return at > -1e9 ? static_cast<std::int32_t>(std::min(at, 1e9)) : -1000000000;
   }
   /// Calls f(first place, end) for the cells lo <= (x, y, z) <= hi, row by row.
   template <class Function>

@@ -183,7 +183,7 @@ void integrate(WorldState& world, const Substep& substep) {
 }
 
 void press_fluids(WorldState& world, const Substep& substep) {
-  if (!world.fluids.none()) world.fluids.press(world, substep);
+  if (!world.fluids.none() && !world.first_bad) world.fluids.press(world, substep);
 }
 
 void solve(WorldState& world, const Substep& substep) {
@@ -216,7 +216,7 @@ bool finish(WorldState& world, const Substep& substep) {
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
-  if (!world.fluids.none()) world.fluids.update_velocities(world, substep);
+  if (!world.fluids.none() && !world.first_bad) world.fluids.update_velocities(world, substep);
   for (const auto& object : world.objects)
     if (object->island == 0) damp(world, *object, substep.h);
 }
