@@ -145,7 +145,7 @@ class Window(unittest.TestCase):
         self.wait_for("the picture after that", lambda: self.next_picture(window) == (400, 300))
 
         self.hand("key", "p")
-        window = self.window_called("Souple: balls_in_a_glass")
+        window = self.window_called("Souple: crown_splash")
         self.assertIsNone(viewer.poll())
         self.hand("key", "Escape")
         output, errors = viewer.communicate(timeout=PATIENCE)
