@@ -197,7 +197,8 @@ std::size_t size_of(const FluidDescription& fluid) {
   const auto* box = std::get_if<FluidBox>(&fluid.filling);
   if (box == nullptr) return 1000;
   const Vec3d across = (box->hi - box->lo) / static_cast<double>(fluid.material.spacing);
-  const double count = 4 * std::fabs(across.x * across.y * across.z);  // a particle costs as much as a few others
+  const double count =
+      4 * std::fabs(across.x * across.y * across.z);  // a particle costs as much as a few others
   return count < 1e9 ? static_cast<std::size_t>(count) : std::size_t{1000000000};
 }
 
