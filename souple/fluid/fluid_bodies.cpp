@@ -265,10 +265,7 @@ void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums)
 }
 
 void FluidBodies::yield(const Surroundings& surroundings, std::span<const float> change) {
-  struct Push {
-    Vec3d force{}, torque{};
-  };
-  std::vector<Push> pushes(skins_.size());
+  pushes_.assign(skins_.size(), {});
   for (std::size_t k = 0; k < change.size(); ++k) {
     for (const NearPlane& plane : surroundings.of(k)) {
       if (plane.skin == NearPlane::nobody || !states_[plane.skin].moves) continue;
@@ -276,8 +273,8 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
       const Vec3f push = plane.slope * -change[k];
       if (state.inverse_mass > 0) {
         const Vec3d arm = Vec3d(point(plane, state.now)) - state.centre;
-        pushes[plane.skin].force += Vec3d(push);
-        pushes[plane.skin].torque += cross(arm, Vec3d(push));
+        pushes_[plane.skin].force += Vec3d(push);
+        pushes_[plane.skin].torque += cross(arm, Vec3d(push));
         continue;
       }
       const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
@@ -290,7 +287,8 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
   for (std::size_t s = 0; s < skins_.size(); ++s) {
     State& state = states_[s];
     if (!(state.inverse_mass > 0)) continue;
-    const Vec3f moved(pushes[s].force * state.inverse_mass), turned(state.inverse_inertia * pushes[s].torque);
+    const Vec3f moved(pushes_[s].force * state.inverse_mass),
+        turned(state.inverse_inertia * pushes_[s].torque);
     const Vec3f centre(state.centre);
     for (Vec3f& x : state.now) x += moved + cross(turned, x - centre);
   }

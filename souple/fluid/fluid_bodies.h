@@ -82,6 +82,11 @@ class FluidBodies {
     Vec3d centre{};  // of mass, from the origin [m]
   };
 
+  /// Of a fluid on a rigid body [kg m], [kg m^2].
+  struct Push {
+    Vec3d force{}, torque{};
+  };
+
   void place(const Skin& skin, State& state, const ParticleView& particles,
              std::span<const float> mass) const;
   bool lists_hold(std::span<const Vec4f> positions) const;
@@ -92,6 +97,7 @@ class FluidBodies {
 
   std::vector<Skin> skins_;
   std::vector<State> states_;
+  std::vector<Push> pushes_;
   std::span<const std::uint8_t> meets_;
   Vec3d origin_{};
   CellOrder order_;
