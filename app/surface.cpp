@@ -3,6 +3,7 @@
 #include "app/interrupt.h"
 #include "app/progress.h"
 #include "souple/error.h"
+#include "souple/io/file.h"
 #include "souple/io/mesh_write.h"
 #include "souple/io/particle_file.h"
 #include "souple/io/playback.h"
@@ -218,14 +219,6 @@ class SurfaceFiles {
   std::uint64_t vertices_ = 0, triangles_ = 0;
   double milliseconds_ = 0;
 };
-
-void create_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder))
-    throw Error(folder.string() + ": cannot be an output folder: " +
-                (error ? error.message() : "there is a file of that name") + "; choose another");
-}
 
 /// Frame by frame.
 class Work {

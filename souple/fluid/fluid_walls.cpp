@@ -9,6 +9,7 @@ namespace souple {
 void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> meets,
                             const Vec3d& origin, std::size_t particles, double time) {
   colliders_ = colliders, meets_ = meets, origin_ = origin;
+  looked_.assign(particles, {});
   still_.clear();
   moving_.clear();
   for (std::uint32_t c = 0; c < colliders.size(); ++c) {
@@ -21,7 +22,6 @@ void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const
     wall.centre = wall.after.to_world(wall.ball.center);
     (wall.moves ? moving_ : still_).push_back(wall);
   }
-  looked_.assign(particles, {});
 }
 
 void FluidWalls::begin_substep(double time, double h) {

@@ -34,7 +34,6 @@ class Surroundings {
   void look(std::size_t places, const Find& find, Threads& threads) {
     const std::size_t blocks = (places + block_size - 1) / block_size;
     if (blocks_.size() < blocks) blocks_.resize(blocks);
-    block_count_ = blocks;
     threads.for_each(blocks, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t b = first; b < last; ++b) {
         Block& block = blocks_[b];
@@ -65,7 +64,6 @@ class Surroundings {
     std::array<std::uint32_t, block_size + 1> first{};
   };
   std::vector<Block> blocks_;
-  std::size_t block_count_ = 0;
 };
 
 /// What planes add to a particle at x; each takes down its part:

@@ -146,4 +146,12 @@ std::string read_whole_file(const std::filesystem::path& path) {
   return bytes;
 }
 
+void create_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder))
+    throw Error(folder.string() + ": cannot be an output folder: " +
+                (error ? error.message() : "there is a file of that name") + "; choose another");
+}
+
 }  // namespace souple

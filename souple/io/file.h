@@ -71,4 +71,7 @@ class ByteSource {
 /// The whole of a file. Throws Error.
 std::string read_whole_file(const std::filesystem::path& path);
 
+/// Makes an output folder, and those it lies in. Throws Error when it cannot be one.
+void create_folder(const std::filesystem::path& folder);
+
 }  // namespace souple

@@ -1,6 +1,7 @@
 #include "souple/io/recorder.h"
 
 #include "souple/error.h"
+#include "souple/io/file.h"
 #include "souple/io/manifest.h"
 #include "souple/io/recorded_object.h"
 #include "souple/io/recorder_names.h"
@@ -27,14 +28,6 @@ RecordingPlan checked_plan(fs::path folder, const RecorderOptions& options) {
     throw Error("the recorder for " + folder.string() + " has a frame rate of " +
                 std::to_string(options.frame_rate) + "; expected a number > 0");
   return {std::move(folder), options.formats, options.frame_rate, options.frames};
-}
-
-void create_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder))
-    throw Error(folder.string() + ": cannot be an output folder: " +
-                (error ? error.message() : "there is a file of that name") + "; choose another");
 }
 
 }  // namespace

@@ -68,7 +68,9 @@ void Fluids::begin_step(WorldState& world) {
   const Vec3d first = world.exact_position(particle_[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
   bodies_.begin_step(feels_, origin_);
-  walls_.begin_step(world.tables.colliders, meets_, origin_, particle_.size(), world.time);
+  world.guarded("a collider's motion", [&] {
+    walls_.begin_step(world.tables.colliders, meets_, origin_, particle_.size(), world.time);
+  });
 }
 
 void Fluids::build(const WorldState& world) {

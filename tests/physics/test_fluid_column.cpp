@@ -77,9 +77,6 @@ TEST(FluidColumn, RestsUnderItsOwnWeight) {
   EXPECT_LT(late, 1.2 * early);
   EXPECT_LT(std::sqrt(2 * late / column.world.total_mass(column.water)), 0.003);
   EXPECT_FALSE(column.world.report().has(Flag::coarse_substeps));
-  std::printf("floor %.4f bottom %.4f middle %.4f height %.4f error %.4f rms %.5f\n", -floor / weight, bottom,
-              middle, column.top() / column.height, error,
-              std::sqrt(2 * late / column.world.total_mass(column.water)));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -119,6 +120,16 @@ TEST(FluidRobustness, BodiesStartedInEachOtherInWaterDoNotExplode) {
   double fastest = 0;
   for (const Vec3f& v : world.velocities(fluid)) fastest = std::max(fastest, double{length(v)});
   EXPECT_LT(fastest, 3);
+}
+
+TEST(FluidRobustness, AColliderWhoseMotionThrowsIsReported) {
+  World world;
+  world.add_fluid(fill(Vec3d{0, 0, 0}, Vec3d{0.1, 0.1, 0.1}, d), water);
+  world.add_collider(
+      Sphere{},
+      {.motion = ColliderMotion::callback([](double) -> Transform { throw std::runtime_error("no way"); })});
+  EXPECT_NO_THROW(world.step(1.0 / 60));
+  EXPECT_TRUE(world.report().has(Flag::callback_failed));
 }
 
 TEST(FluidRobustness, IsTheSameForAnyNumberOfThreads) {
