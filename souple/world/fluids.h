@@ -6,6 +6,7 @@
 #include "souple/fluid/viscosity.h"
 #include "souple/fluid/vorticity.h"
 #include "souple/solver/projector.h"
+#include "souple/world/flow.h"
 #include "souple/world/materials.h"
 #include "souple/world/report.h"
 
@@ -26,7 +27,7 @@ class Fluids {
   /// After objects came, went or changed.
   void build(const WorldState& world);
   /// Finds out which particles there are. Nothing of the last step is used again.
-  void begin_step(WorldState& world);
+  void begin_step(WorldState& world, double dt);
   bool none() const { return particle_.empty(); }
   /// Pushes predicted particles apart until no fluid is compressed.
   void press(WorldState& world, const Substep& substep);
@@ -55,7 +56,9 @@ class Fluids {
 
   void choose_solver(const WorldState& world);
   void find_particles(const WorldState& world);
-  void place(WorldState& world, Threads& threads);
+  void place(WorldState& world, float h, Threads& threads);
+  Vec3f mouth_velocity(std::size_t k) const { return Vec3f(mouths_[may_be_led_[k] - 1].velocity); }
+  Vec3f lead(const WorldState& world, std::size_t k, const Vec3f& predicted, float h);
   void look_around(Threads& threads);
   void find_wall_friction(float h, Threads& threads);
   void find_near_walls(Threads& threads);
@@ -68,20 +71,23 @@ class Fluids {
   Surroundings surroundings_;
   FluidWalls walls_;
   FluidBodies bodies_;
-  Vec3d origin_{};                        // of the fluids' positions [m]
-  std::vector<std::uint32_t> particle_;   // of each of the fluids' particles, the world's
-  std::vector<std::uint16_t> fluid_;      // and which fluid it is of
-  std::vector<std::uint32_t> objects_;    // of each fluid
-  std::vector<FluidMaterial> materials_;  // of each fluid
-  std::vector<std::uint8_t> meets_;       // of each fluid and collider
-  std::vector<std::uint32_t> skinned_;    // objects that are bodies to fluids
-  std::vector<std::uint8_t> feels_;       // of each fluid and body
-  std::vector<Vec4f> placed_;             // x, y, z from the origin and inverse mass
-  std::vector<Vec3f> start_;              // where they were when the substep began
-  std::vector<Vec4f> velocity_;           // by place, and the viscosity; one more, 0
-  std::vector<Vec4f> wall_friction_;      // by place
-  std::vector<NearWall> near_walls_;      // the same
-  std::vector<float> covered_;            // by place: V sum W
+  Vec3d origin_{};                         // of the fluids' positions [m]
+  std::vector<std::uint32_t> particle_;    // of each of the fluids' particles, the world's
+  std::vector<std::uint16_t> fluid_;       // and which fluid it is of
+  std::vector<std::uint32_t> may_be_led_;  // 0, or 1 + the emitter that may lead it in this step
+  std::vector<std::uint8_t> led_;          // whether one does in this substep
+  std::vector<Mouth> mouths_;              // of the emitters
+  std::vector<std::uint32_t> objects_;     // of each fluid
+  std::vector<FluidMaterial> materials_;   // of each fluid
+  std::vector<std::uint8_t> meets_;        // of each fluid and collider
+  std::vector<std::uint32_t> skinned_;     // objects that are bodies to fluids
+  std::vector<std::uint8_t> feels_;        // of each fluid and body
+  std::vector<Vec4f> placed_;              // x, y, z from the origin and inverse mass
+  std::vector<Vec3f> start_;               // where they were when the substep began
+  std::vector<Vec4f> velocity_;            // by place, and the viscosity; one more, 0
+  std::vector<Vec4f> wall_friction_;       // by place
+  std::vector<NearWall> near_walls_;       // the same
+  std::vector<float> covered_;             // by place: V sum W
   Viscosity viscosity_;
   SurfaceTension surface_tension_;
   VorticityConfinement vorticity_;
