@@ -6,12 +6,12 @@
 // A snapshot is: magic, shape (a hash of what the objects are), time, steps, number of frictional contacts,
 // then position (with inverse masses), offset and velocity of every particle, how far contacts pushed it of
 // late, what contacts between particles remember of friction, how long each object has been at rest and with
-// whom it sleeps, then a checksum of all before it.
+// whom it sleeps, foam, then a checksum of all before it.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x33304e53504c5553u;  // "SULPSN03"
+constexpr std::uint64_t magic = 0x34304e53504c5553u;  // "SULPSN04"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -41,7 +41,11 @@ struct Header {
   std::uint64_t magic, shape;
   double time;
   std::uint64_t steps, contacts;
+  std::uint64_t foam;  // particles
+  double foam_origin[3];
 };
+
+constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeof(FoamKind);  // of each
 
 /// Of an object.
 struct Rest {
@@ -49,9 +53,29 @@ struct Rest {
   std::uint64_t island;
 };
 
-std::size_t size_for(const WorldState& world, std::size_t contacts) {
+void put(std::vector<std::byte>& out, const FoamState& foam) {
+  put(out, foam.position.data(), foam.size());
+  put(out, foam.velocity.data(), foam.size());
+  put(out, foam.life.data(), foam.size());
+  put(out, foam.age.data(), foam.size());
+  put(out, foam.kind.data(), foam.size());
+}
+
+FoamState get_foam(std::span<const std::byte>& in, std::size_t count) {
+  FoamState foam;
+  foam.resize(count);
+  get(in, foam.position.data(), count);
+  get(in, foam.velocity.data(), count);
+  get(in, foam.life.data(), count);
+  get(in, foam.age.data(), count);
+  get(in, foam.kind.data(), count);
+  return foam;
+}
+
+std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
   return sizeof(Header) + world.particles.size() * (3 * sizeof(Vec4f) + sizeof(float)) +
-         contacts * sizeof(FrictionMemory) + world.objects.size() * sizeof(Rest) + sizeof(std::uint64_t);
+         contacts * sizeof(FrictionMemory) + world.objects.size() * sizeof(Rest) + foam * foam_bytes +
+         sizeof(std::uint64_t);
 }
 
 /// Checks everything that can be checked before the world is touched.
@@ -65,7 +89,7 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
-      bytes.size() != size_for(world, header.contacts))
+      header.foam > bytes.size() || bytes.size() != size_for(world, header.contacts, header.foam))
     throw Error(
         "restore: the snapshot is of a world with other objects; build the world in the same way first");
   return header;
@@ -77,10 +101,18 @@ Snapshot World::snapshot() const {
   const WorldState& world = impl_->state;
   const Particles& particles = world.particles;
   const std::vector<FrictionMemory> memory = world.particle_contacts.memory();
-  const Header header{magic, shape_of(world), world.time, world.steps, memory.size()};
+  const FluidFoam& foam = world.fluids.foam();
+  const Vec3d& origin = foam.origin();
+  const Header header{magic,
+                      shape_of(world),
+                      world.time,
+                      world.steps,
+                      memory.size(),
+                      foam.size(),
+                      {origin.x, origin.y, origin.z}};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(world, memory.size()));
+  out.reserve(size_for(world, memory.size(), foam.size()));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
@@ -91,6 +123,7 @@ Snapshot World::snapshot() const {
     const Rest rest{object->still_time, object->island};
     put(out, &rest, 1);
   }
+  put(out, foam.state());
   const std::uint64_t checksum = fnv1a64(out);
   put(out, &checksum, 1);
   return result;
@@ -117,6 +150,8 @@ void World::restore(const Snapshot& snapshot) {
     object->still_time = rest.still_time;
     object->island = static_cast<std::uint32_t>(rest.island);
   }
+  const auto& origin = header.foam_origin;
+  world.fluids.foam().set_state(get_foam(in, header.foam), {origin[0], origin[1], origin[2]});
   world.forget_contacts();
   world.look_for_tangles = true;
   ++world.version;
