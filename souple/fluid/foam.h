@@ -26,12 +26,12 @@ struct FoamState {
 struct FoamStep {
   const FluidView& fluid;
   std::span<const std::uint32_t> particle;  ///< of each place: a number for chance to go by
-  std::span<const Vec3f> wall_slopes{};     ///< by place, or empty: BoundarySums::slope, which keeps walls from
-                                            ///< looking like a surface [1/m]
-  std::span<const float> share{};           ///< by place, or empty: how much of the rates it makes
-  Vec3f gravity{};                          ///< m/s^2
-  float dt = 0;                             ///< s
-  std::uint64_t seed = 0;                   ///< of chance: another one in every step
+  std::span<const Vec3f> wall_slopes{};  ///< by place, or empty: BoundarySums::slope, which keeps walls from
+                                         ///< looking like a surface [1/m]
+  std::span<const float> share{};        ///< by place, or empty: how much of the rates it makes
+  Vec3f gravity{};                       ///< m/s^2
+  float dt = 0;                          ///< s
+  std::uint64_t seed = 0;                ///< of chance: another one in every step
 };
 
 /// Spray, foam and bubbles: particles that a fluid makes and carries, and that do nothing to it (Ihmsen,
@@ -46,8 +46,8 @@ struct FoamStep {
 ///   new  = I_k (k_ta I_ta + k_wc I_wc) dt                                                         (eq. 8)
 ///
 /// They begin in the cylinder that the fluid particle, as wide as d, has swept in the step. Then spray flies,
-/// foam goes with the fluid, and bubbles rise through it; foam dissolves. Chance is a function of the seed and
-/// the fluid particle: the same for any number of threads.
+/// foam goes with the fluid, and bubbles rise through it; foam dissolves. Chance is a function of the seed
+/// and the fluid particle: the same for any number of threads.
 class Foam {
  public:
   struct Report {
@@ -129,7 +129,7 @@ class Foam {
   const kernels::VelocityKernels* velocity_;
   FoamState state_;
   std::vector<Vec3f> start_;  // of what moves now, or is new: where it begins
-  CellOrder order_;  // of the fluid
+  CellOrder order_;           // of the fluid
   float cell_size_ = 0;
   std::vector<Vec3f> normals_;  // of the fluid's surface, by place; zero within
   std::vector<float> made_, share_;

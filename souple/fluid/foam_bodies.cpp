@@ -26,16 +26,15 @@ void FoamBodies::build(Threads& threads) {
       const MovingTriangle& triangle = triangles_[t];
       Bounds box{triangle.start[0], triangle.start[0]};
       for (std::size_t c = 0; c < 3; ++c)
-        box = united(united(box, {triangle.start[c], triangle.start[c]}),
-                     {triangle.end[c], triangle.end[c]});
+        box = united(united(box, {triangle.start[c], triangle.start[c]}), {triangle.end[c], triangle.end[c]});
       boxes_[t] = grown(box, triangle.gap);
     }
   });
   hash_.build(boxes_, SpatialHash::choose_cell_size(boxes_), threads);
 }
 
-// Which way is out is the way from the nearest point when they meet, not the triangle's normal: it is right at
-// edges as well, and for either side.
+// Which way is out is the way from the nearest point when they meet, not the triangle's normal: it is right
+// at edges as well, and for either side.
 FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x) {
   Moving4 motion;
   motion.x[0] = Vec3d{}, motion.p[0] = Vec3d(x - start);
@@ -53,8 +52,7 @@ FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f&
   nearest_on_triangle(at[0], at[1], at[2], at[3], weight);
   const Vec3d way = at[0] - (at[1] * weight[0] + at[2] * weight[1] + at[3] * weight[2]);
   const double distance = length(way);
-  result.normal =
-      distance > 1e-9 ? way / distance : normalized(cross(at[2] - at[1], at[3] - at[1]));
+  result.normal = distance > 1e-9 ? way / distance : normalized(cross(at[2] - at[1], at[3] - at[1]));
   result.point = Vec3d(start) + motion.p[1] * weight[0] + motion.p[2] * weight[1] + motion.p[3] * weight[2];
   return result;
 }

@@ -8,10 +8,9 @@ namespace souple {
 
 bool foams(const World& world) {
   const std::vector<ObjectId> objects = world.objects();
-  return !world.foam().positions.empty() ||
-         std::any_of(objects.begin(), objects.end(), [&](ObjectId object) {
-           return world.kind(object) == ObjectKind::fluid && world.fluid_material(object).foam > 0;
-         });
+  return !world.foam().positions.empty() || std::any_of(objects.begin(), objects.end(), [&](ObjectId object) {
+    return world.kind(object) == ObjectKind::fluid && world.fluid_material(object).foam > 0;
+  });
 }
 
 RecordedFoam::RecordedFoam(const RecordingPlan& plan, std::string file_name, std::uint64_t before,
@@ -39,8 +38,7 @@ void RecordedFoam::drop_after(std::uint64_t frames) {
 ManifestObject RecordedFoam::manifest() const {
   ManifestObject object;
   object.name = object.kind = foam_kind_name;
-  object.files.push_back(
-      {"ply", frame_file_name(file_name_, first_, "ply"), writer_.frames() + 1 - first_});
+  object.files.push_back({"ply", frame_file_name(file_name_, first_, "ply"), writer_.frames() + 1 - first_});
   return object;
 }
 

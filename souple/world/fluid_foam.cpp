@@ -12,7 +12,7 @@ namespace souple {
 
 namespace {
 
-constexpr float nearest_to_walls = 0.1f;  // to walls and bodies, of a spacing
+constexpr float nearest_to_walls = 0.1f;                     // to walls and bodies, of a spacing
 constexpr std::size_t most_reserved = std::size_t{1} << 18;  // particles: more get room when they come
 
 }  // namespace
@@ -74,15 +74,15 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, Threa
         const std::uint32_t i = skin.particles[v][k];
         const auto weight = static_cast<double>(skin.weights[v][k]);
         if (weight == 0) continue;
-        before += (Vec3d(world.good_position[i].xyz()) + Vec3d(world.good_offset[i].xyz()) - origin_) * weight;
+        before +=
+            (Vec3d(world.good_position[i].xyz()) + Vec3d(world.good_offset[i].xyz()) - origin_) * weight;
         after += (Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz()) - origin_) * weight;
       }
       start_[v] = Vec3f(before);
       end_[v] = Vec3f(after);
     });
     for (const auto& [a, b, c] : skin.triangles)
-      bodies_.add({start_[a], start_[b], start_[c]}, {end_[a], end_[b], end_[c]},
-                  skin.half_thickness + gap);
+      bodies_.add({start_[a], start_[b], start_[c]}, {end_[a], end_[b], end_[c]}, skin.half_thickness + gap);
   }
   if (!bodies_.none()) bodies_.build(threads);
 }

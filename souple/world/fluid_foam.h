@@ -15,8 +15,8 @@ namespace souple {
 
 struct WorldState;
 
-/// Spray, foam and bubbles of a world's fluids, and what they do not go through: the colliders and bodies that
-/// some fluid meets. They remember nothing of the fluids' particles from one step to the next.
+/// Spray, foam and bubbles of a world's fluids, and what they do not go through: the colliders and bodies
+/// that some fluid meets. They remember nothing of the fluids' particles from one step to the next.
 class FluidFoam {
  public:
   /// The fluids at the end of a step.

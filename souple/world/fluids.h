@@ -88,10 +88,10 @@ class Fluids {
   std::vector<NearWall> near_walls_;      // the same
   std::vector<float> covered_;            // by place: V sum W
   FluidFoam foam_;
-  std::vector<std::uint32_t> foam_particle_;            // by place: particle_
-  std::vector<float> foam_share_;                       // the same: how much of the rates it makes
-  std::vector<Vec3f> wall_slopes_;                      // the same [1/m]
-  std::vector<std::uint8_t> some_meets_, some_feels_;   // of each collider and skin: some fluid does
+  std::vector<std::uint32_t> foam_particle_;           // by place: particle_
+  std::vector<float> foam_share_;                      // the same: how much of the rates it makes
+  std::vector<Vec3f> wall_slopes_;                     // the same [1/m]
+  std::vector<std::uint8_t> some_meets_, some_feels_;  // of each collider and skin: some fluid does
   Viscosity viscosity_;
   SurfaceTension surface_tension_;
   VorticityConfinement vorticity_;

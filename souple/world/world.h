@@ -121,8 +121,8 @@ struct ContactEvent {
 /// Spray, foam and bubbles of all fluids, in no order that stays. What it looks at is valid until the next
 /// step.
 struct FoamView {
-  std::span<const Vec3f> positions;    ///< m
-  std::span<const Vec3f> velocities;   ///< m/s
+  std::span<const Vec3f> positions;   ///< m
+  std::span<const Vec3f> velocities;  ///< m/s
   std::span<const FoamKind> kinds;
 };
 

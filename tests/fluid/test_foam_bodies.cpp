@@ -90,8 +90,7 @@ TEST(FoamBodies, NothingGetsThroughAnEdge) {
     w.end.push_back(Vec3f(from + random.point(-1, 1) * 2 + Vec3d{0, 1, 0}));
   }
   bodies.keep_out(w.start, w.end, *threads);
-  for (const Vec3f& x : w.end)
-    EXPECT_LT(x.y + std::abs(x.x), 0.2f) << x.x << " " << x.y << " " << x.z;
+  for (const Vec3f& x : w.end) EXPECT_LT(x.y + std::abs(x.x), 0.2f) << x.x << " " << x.y << " " << x.z;
 }
 
 TEST(FoamBodies, WhatMeetsNothingStaysAsItIs) {

@@ -25,7 +25,8 @@ CodecPtr<FoamRange> foam_range_codec(const char* description) {
 
 CodecPtr<FoamParameters> foam_codec() {
   using F = FoamParameters;
-  auto keys = table<F>("foam_settings", "Spray, foam and bubbles of fluids whose material has `foam` above 0.");
+  auto keys =
+      table<F>("foam_settings", "Spray, foam and bubbles of fluids whose material has `foam` above 0.");
   const auto range = foam_range_codec("Between which values a part grows from none to all.");
   keys->key<&F::most>("most", number<std::size_t>(within(0, 1e8)),
                       "particles; above, what is new is thinned out")
@@ -39,7 +40,8 @@ CodecPtr<FoamParameters> foam_codec() {
       .key<&F::life>("life", range, "of foam: of what little made it, and of what much did [s]")
       .key<&F::longest_life>("longest_life", number<float>(from_zero(1e6)), "of spray and bubbles too [s]")
       .key<&F::buoyancy>("buoyancy", number<float>(from_zero(1e3)), "of bubbles, over gravity")
-      .key<&F::drag>("drag", number<float>(positive(1e6)), "how quickly bubbles take the fluid's velocity [1/s]")
+      .key<&F::drag>("drag", number<float>(positive(1e6)),
+                     "how quickly bubbles take the fluid's velocity [1/s]")
       .key<&F::spray_neighbours>("spray_neighbours", number<int>(within(0, 1000)),
                                  "with fewer fluid particles around it is spray")
       .key<&F::bubble_neighbours>("bubble_neighbours", number<int>(within(0, 1000)),
