@@ -7,6 +7,7 @@
 #include "souple/fluid/vorticity.h"
 #include "souple/solver/projector.h"
 #include "souple/world/flow.h"
+#include "souple/world/fluid_foam.h"
 #include "souple/world/materials.h"
 #include "souple/world/report.h"
 
@@ -33,6 +34,10 @@ class Fluids {
   void press(WorldState& world, const Substep& substep);
   /// After v = (p - x) / h.
   void update_velocities(WorldState& world, const Substep& substep);
+  /// Spray, foam and bubbles, after the last substep of a step of dt seconds that began at `time`.
+  void step_foam(WorldState& world, double time, double dt);
+  const FluidFoam& foam() const { return foam_; }
+  FluidFoam& foam() { return foam_; }
   /// What the step did, averaged over its substeps where that makes sense.
   FluidReport report() const;
   /// Of a world's particle, mean of the last step [Pa]. 0 when it is no fluid's.
@@ -88,6 +93,11 @@ class Fluids {
   std::vector<Vec4f> wall_friction_;       // by place
   std::vector<NearWall> near_walls_;       // the same
   std::vector<float> covered_;             // by place: V sum W
+  FluidFoam foam_;
+  std::vector<std::uint32_t> foam_particle_;           // by place: particle_
+  std::vector<float> foam_share_;                      // the same: how much of the rates it makes
+  std::vector<Vec3f> wall_slopes_;                     // the same [1/m]
+  std::vector<std::uint8_t> some_meets_, some_feels_;  // of each collider and skin: some fluid does
   Viscosity viscosity_;
   SurfaceTension surface_tension_;
   VorticityConfinement vorticity_;

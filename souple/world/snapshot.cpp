@@ -7,8 +7,8 @@
 // A snapshot is: magic, shape (a hash of what the objects are), time, steps, number of frictional contacts,
 // then position (with inverse masses), offset and velocity of every particle, how far contacts pushed it of
 // late, what contacts between particles remember of friction, how long each object has been at rest, with
-// whom it sleeps and how many particles it has, what emitters and drains have done, then a checksum of all
-// before it.
+// whom it sleeps and how many particles it has, what emitters and drains have done, foam, then a checksum of
+// all before it.
 
 namespace souple {
 namespace {
@@ -46,7 +46,11 @@ struct Header {
   std::uint64_t magic, shape;
   double time;
   std::uint64_t steps, contacts;
+  std::uint64_t foam;  // particles
+  double foam_origin[3];
 };
+
+constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeof(FoamKind);  // of each
 
 /// Of an object.
 struct Rest {
@@ -54,14 +58,33 @@ struct Rest {
   std::uint32_t island, particles;
 };
 
+void put(std::vector<std::byte>& out, const FoamState& foam) {
+  put(out, foam.position.data(), foam.size());
+  put(out, foam.velocity.data(), foam.size());
+  put(out, foam.life.data(), foam.size());
+  put(out, foam.age.data(), foam.size());
+  put(out, foam.kind.data(), foam.size());
+}
+
+FoamState get_foam(std::span<const std::byte>& in, std::size_t count) {
+  FoamState foam;
+  foam.resize(count);
+  get(in, foam.position.data(), count);
+  get(in, foam.velocity.data(), count);
+  get(in, foam.life.data(), count);
+  get(in, foam.age.data(), count);
+  get(in, foam.kind.data(), count);
+  return foam;
+}
+
 std::size_t bytes_of_particles(const WorldState& world) {
   return world.particles.size() * (3 * sizeof(Vec4f) + sizeof(float));
 }
 
-std::size_t size_for(const WorldState& world, std::size_t contacts) {
+std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
   return sizeof(Header) + bytes_of_particles(world) + contacts * sizeof(FrictionMemory) +
          world.objects.size() * sizeof(Rest) + world.emitters.size() * sizeof(EmitterRecord::layers) +
-         world.drains.size() * sizeof(DrainRecord::credit) + sizeof(std::uint64_t);
+         world.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
 }
 
 /// Checks everything that can be checked before the world is touched.
@@ -75,13 +98,13 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
-      bytes.size() != size_for(world, header.contacts))
+      header.foam > bytes.size() || bytes.size() != size_for(world, header.contacts, header.foam))
     throw Error(
         "restore: the snapshot is of a world with other objects; build the world in the same way first");
   return header;
 }
 
-void resume_objects(WorldState& world, std::span<const std::byte> in) {
+void resume_objects(WorldState& world, std::span<const std::byte>& in) {
   for (const auto& object : world.objects) {
     Rest rest{};
     get(in, &rest, 1);
@@ -100,10 +123,18 @@ Snapshot World::snapshot() const {
   const WorldState& world = impl_->state;
   const Particles& particles = world.particles;
   const std::vector<FrictionMemory> memory = world.particle_contacts.memory();
-  const Header header{magic, shape_of(world), world.time, world.steps, memory.size()};
+  const FluidFoam& foam = world.fluids.foam();
+  const Vec3d& origin = foam.origin();
+  const Header header{magic,
+                      shape_of(world),
+                      world.time,
+                      world.steps,
+                      memory.size(),
+                      foam.size(),
+                      {origin.x, origin.y, origin.z}};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(world, memory.size()));
+  out.reserve(size_for(world, memory.size(), foam.size()));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
@@ -116,6 +147,7 @@ Snapshot World::snapshot() const {
   }
   for (const EmitterRecord& record : world.emitters) put(out, &record.layers, 1);
   for (const DrainRecord& record : world.drains) put(out, &record.credit, 1);
+  put(out, foam.state());
   const std::uint64_t checksum = fnv1a64(out);
   put(out, &checksum, 1);
   return result;
@@ -129,7 +161,11 @@ void World::restore(const Snapshot& snapshot) {
   Particles& particles = world.particles;
   world.time = header.time;
   world.steps = header.steps;
-  resume_objects(world, in.subspan(bytes_of_particles(world) + header.contacts * sizeof(FrictionMemory)));
+  std::span<const std::byte> later =
+      in.subspan(bytes_of_particles(world) + header.contacts * sizeof(FrictionMemory));
+  resume_objects(world, later);
+  const auto& origin = header.foam_origin;
+  world.fluids.foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());

@@ -3,6 +3,7 @@
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
 #include "souple/error.h"
+#include "souple/fluid/foam_parameters.h"
 #include "souple/geometry/lattice.h"
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
@@ -121,6 +122,14 @@ struct ContactEvent {
   float impulse = 0;        ///< N s
 };
 
+/// Spray, foam and bubbles of all fluids, in no order that stays. What it looks at is valid until the next
+/// step.
+struct FoamView {
+  std::span<const Vec3f> positions;   ///< m
+  std::span<const Vec3f> velocities;  ///< m/s
+  std::span<const FoamKind> kinds;
+};
+
 /// Everything that moves, as bytes; see World::snapshot.
 struct Snapshot {
   std::vector<std::byte> bytes;
@@ -220,6 +229,8 @@ class World {
   double total_mass(ObjectId object) const;  ///< kg; 0 of an obstacle
   /// Of each particle of a fluid, user order, mean of the last step. [Pa]
   std::vector<float> pressures(ObjectId fluid) const;
+  /// What the fluids have made whose material's `foam` is above 0. It does nothing to anything.
+  FoamView foam() const;
   /// Of grains and ropes, half the thickness of the others, half the spacing of fluids. [m]
   float particle_radius(ObjectId object) const;
 
