@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/fluid/body_friction.h"
 #include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
 #include "souple/fluid/surface_tension.h"
@@ -59,7 +60,8 @@ class Fluids {
   void look_around(Threads& threads);
   void find_wall_friction(float h, Threads& threads);
   void find_near_walls(Threads& threads);
-  void apply_forces(const WorldState& world, const Substep& substep);
+  void pull_bodies(WorldState& world);
+  void apply_forces(WorldState& world, const Substep& substep);
   void note(const WorldState& world, const Substep& substep);
 
   std::unique_ptr<DensitySolver> solver_;
@@ -83,6 +85,7 @@ class Fluids {
   std::vector<NearWall> near_walls_;      // the same
   std::vector<float> covered_;            // by place: V sum W
   Viscosity viscosity_;
+  BodyFriction body_friction_;
   SurfaceTension surface_tension_;
   VorticityConfinement vorticity_;
   std::vector<float> pressure_;  // sum over substeps [Pa]
