@@ -90,6 +90,9 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   if (bodies_.skin_count() > 0)
     body_friction_.apply(view, surroundings_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
+  if (!small_bodies_.none())
+    small_bodies_.drag(view, solver_->order(), viscosities_, substep.h, world.particles.velocity,
+                       world.particles.position, threads);
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
     const float angle = materials_[0].contact_angle * static_cast<float>(pi) / 180;

@@ -2,6 +2,7 @@
 
 #include "souple/world/add.h"
 
+#include <cmath>
 #include <map>
 
 namespace souple {
@@ -70,7 +71,50 @@ Skin particle_skin(const Object& object) {
   return skin;
 }
 
+void append_grains(const Object& object, float radius, std::span<const float> mass, std::uint32_t number,
+                   std::vector<SmallBody>& bodies) {
+  const float volume = 4 * static_cast<float>(pi) / 3 * radius * radius * radius;
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    bodies.push_back({.particles = {i, i},
+                      .weights = {1, 0},
+                      .volume = volume,
+                      .mass = mass[i],
+                      .radius = radius,
+                      .object = number});
+}
+
+// Pieces no longer than the spacing, each in the middle of its part of a segment.
+void append_rope(const Object& object, float spacing, float radius, std::span<const float> mass,
+                 std::uint32_t number, std::vector<SmallBody>& bodies) {
+  constexpr double most_pieces = 64;  // of a segment
+  double all = 0, weight = 0;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) weight += static_cast<double>(mass[i]);
+  for (std::size_t i = 0; i + 1 < object.rest.size(); ++i) all += length(object.rest[i + 1] - object.rest[i]);
+  for (std::uint32_t i = 0; i + 1 < object.particle_count(); ++i) {
+    const double segment = length(object.rest[i + 1] - object.rest[i]);
+    const double pieces = min(std::ceil(max(segment / static_cast<double>(spacing), 1.0)), most_pieces);
+    const auto piece = static_cast<float>(segment / pieces);
+    for (double k = 0.5; k < pieces; ++k) {
+      const auto t = static_cast<float>(k / pieces);
+      bodies.push_back({.particles = {object.begin + i, object.begin + i + 1},
+                        .weights = {1 - t, t},
+                        .volume = static_cast<float>(pi) * radius * radius * piece,
+                        .mass = static_cast<float>(weight / all) * piece,
+                        .radius = radius,
+                        .length = piece,
+                        .object = number});
+    }
+  }
+}
+
 }  // namespace
+
+void append_small_bodies(const Object& object, float spacing, std::span<const float> mass,
+                         std::uint32_t number, std::vector<SmallBody>& bodies) {
+  const float radius = contact_radius(object.material);
+  if (object.kind == ObjectKind::grains) append_grains(object, radius, mass, number, bodies);
+  if (object.kind == ObjectKind::rope) append_rope(object, spacing, radius, mass, number, bodies);
+}
 
 std::optional<Skin> fluid_skin(const Object& object, float spacing) {
   if (object.kind == ObjectKind::fluid || (!object.embedding && object.surface.empty())) return std::nullopt;

@@ -3,6 +3,7 @@
 #include "souple/fluid/body_friction.h"
 #include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
+#include "souple/fluid/small_bodies.h"
 #include "souple/fluid/surface_tension.h"
 #include "souple/fluid/viscosity.h"
 #include "souple/fluid/vorticity.h"
@@ -70,20 +71,24 @@ class Fluids {
   Surroundings surroundings_;
   FluidWalls walls_;
   FluidBodies bodies_;
-  Vec3d origin_{};                        // of the fluids' positions [m]
-  std::vector<std::uint32_t> particle_;   // of each of the fluids' particles, the world's
-  std::vector<std::uint16_t> fluid_;      // and which fluid it is of
-  std::vector<std::uint32_t> objects_;    // of each fluid
-  std::vector<FluidMaterial> materials_;  // of each fluid
-  std::vector<std::uint8_t> meets_;       // of each fluid and collider
-  std::vector<std::uint32_t> skinned_;    // objects that are bodies to fluids
-  std::vector<std::uint8_t> feels_;       // of each fluid and body
-  std::vector<Vec4f> placed_;             // x, y, z from the origin and inverse mass
-  std::vector<Vec3f> start_;              // where they were when the substep began
-  std::vector<Vec4f> velocity_;           // by place, and the viscosity; one more, 0
-  std::vector<Vec4f> wall_friction_;      // by place
-  std::vector<NearWall> near_walls_;      // the same
-  std::vector<float> covered_;            // by place: V sum W
+  SmallBodies small_bodies_;
+  Vec3d origin_{};                         // of the fluids' positions [m]
+  std::vector<std::uint32_t> particle_;    // of each of the fluids' particles, the world's
+  std::vector<std::uint16_t> fluid_;       // and which fluid it is of
+  std::vector<std::uint32_t> objects_;     // of each fluid
+  std::vector<FluidMaterial> materials_;   // of each fluid
+  std::vector<std::uint8_t> meets_;        // of each fluid and collider
+  std::vector<std::uint32_t> skinned_;     // objects that are bodies to fluids
+  std::vector<std::uint8_t> feels_;        // of each fluid and body
+  std::vector<std::uint32_t> small_;       // objects that are made of small bodies
+  std::vector<std::uint8_t> feels_small_;  // of each fluid and these
+  std::vector<float> viscosities_;         // of each fluid [Pa s]
+  std::vector<Vec4f> placed_;              // x, y, z from the origin and inverse mass
+  std::vector<Vec3f> start_;               // where they were when the substep began
+  std::vector<Vec4f> velocity_;            // by place, and the viscosity; one more, 0
+  std::vector<Vec4f> wall_friction_;       // by place
+  std::vector<NearWall> near_walls_;       // the same
+  std::vector<float> covered_;             // by place: V sum W
   Viscosity viscosity_;
   BodyFriction body_friction_;
   SurfaceTension surface_tension_;
