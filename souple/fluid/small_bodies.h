@@ -12,10 +12,11 @@
 
 namespace souple {
 
-/// A grain, or a piece of a rope, that is thinner than a fluid's particles are apart.
+/// A grain, or a piece of one or of a rope, about as large as a fluid's particles are apart or less.
 struct SmallBody {
   std::array<std::uint32_t, 2> particles{};  ///< of the world, that it hangs on
   std::array<float, 2> weights{};            ///< they sum to 1
+  Vec3f offset{};                            ///< from there: things do not turn [m]
   float volume = 0;                          ///< m^3
   float mass = 0;                            ///< kg
   float radius = 0;                          ///< m

@@ -71,16 +71,36 @@ Skin particle_skin(const Object& object) {
   return skin;
 }
 
-void append_grains(const Object& object, float radius, std::span<const float> mass, std::uint32_t number,
-                   std::vector<SmallBody>& bodies) {
+/// Points inside a ball about a spacing apart; its centre where it is smaller.
+std::vector<Vec3f> points_in_ball(float radius, float spacing) {
+  constexpr float most_across = 10;
+  if (radius < spacing) return {Vec3f{}};
+  std::vector<Vec3f> result;
+  const float across = std::ceil(min(2 * radius / spacing, most_across)), pitch = 2 * radius / across;
+  for (float z = 0.5f; z < across; ++z)
+    for (float y = 0.5f; y < across; ++y)
+      for (float x = 0.5f; x < across; ++x) {
+        const Vec3f at = Vec3f{x, y, z} * pitch - Vec3f{radius, radius, radius};
+        if (dot(at, at) < radius * radius) result.push_back(at);
+      }
+  return result;
+}
+
+// The points of a large one have together its section, by which it drags.
+void append_grains(const Object& object, float spacing, float radius, std::span<const float> mass,
+                   std::uint32_t number, std::vector<SmallBody>& bodies) {
+  const std::vector<Vec3f> points = points_in_ball(radius, spacing);
+  const float part = 1 / static_cast<float>(points.size());
   const float volume = 4 * static_cast<float>(pi) / 3 * radius * radius * radius;
   for (std::uint32_t i = object.begin; i < object.end; ++i)
-    bodies.push_back({.particles = {i, i},
-                      .weights = {1, 0},
-                      .volume = volume,
-                      .mass = mass[i],
-                      .radius = radius,
-                      .object = number});
+    for (const Vec3f& point : points)
+      bodies.push_back({.particles = {i, i},
+                        .weights = {1, 0},
+                        .offset = point,
+                        .volume = volume * part,
+                        .mass = mass[i] * part,
+                        .radius = radius * std::sqrt(part),
+                        .object = number});
 }
 
 // Pieces no longer than the spacing, each in the middle of its part of a segment.
@@ -112,7 +132,7 @@ void append_rope(const Object& object, float spacing, float radius, std::span<co
 void append_small_bodies(const Object& object, float spacing, std::span<const float> mass,
                          std::uint32_t number, std::vector<SmallBody>& bodies) {
   const float radius = contact_radius(object.material);
-  if (object.kind == ObjectKind::grains) append_grains(object, radius, mass, number, bodies);
+  if (object.kind == ObjectKind::grains) append_grains(object, spacing, radius, mass, number, bodies);
   if (object.kind == ObjectKind::rope) append_rope(object, spacing, radius, mass, number, bodies);
 }
 
