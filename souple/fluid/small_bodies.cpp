@@ -72,29 +72,44 @@ void SmallBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<c
   });
   state.end = static_cast<std::uint32_t>(near.size());
   for (std::size_t n = state.begin; n < state.end; ++n) near[n].share /= sum;
-  const float all = whole * kernel_integral * reach * reach * reach;
-  state.wet = std::min(1.0f, smoothing.volume() * (sum + mirrored) / all);
+  state.near_sum = sum;
+  state.sum = sum + mirrored;
+}
+
+// What other things fill around a thing is no air: it counts as the fluid would that they displace.
+void SmallBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
+                       const Surroundings& surroundings, const Smoothing& smoothing,
+                       const ParticleView& particles, Threads& threads) {
+  place(particles);
+  const float reach = reach_spacings * smoothing.spacing();
+  const float all = kernel_integral * reach * reach * reach;
+  order_.build(x, reach, threads);
+  for_bodies(threads, [&](std::size_t b) { find_near(b, x, order, surroundings, smoothing); });
+  inverse_volume_ = 1 / smoothing.volume();
+  room_.assign(x.size(), 0);
+  shares_.assign(x.size(), 0);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const float part = bodies_[b].volume * states_[b].near_sum / all;
+    for (const Near& n : near(b)) room_[n.place] += part * n.share;
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    State& state = states_[b];
+    float fluid_part = 0;
+    for (const Near& n : near(b)) fluid_part += n.share / (1 - std::min(room_[n.place], most_taken));
+    state.wet = std::min(1.0f, smoothing.volume() * state.sum * fluid_part / (whole * all));
+    const float part = state.wet * bodies_[b].volume * inverse_volume_;
+    for (const Near& n : near(b)) shares_[n.place] += part * n.share;
+  }
 }
 
 std::span<const Vec3f> SmallBodies::press(std::span<const Vec4f> x, std::span<const Vec3f> moved,
-                                          std::span<const std::uint32_t> order,
-                                          const Surroundings& surroundings, const Smoothing& smoothing,
-                                          const ParticleView& particles, Threads& threads) {
-  place(particles);
-  order_.build(x, reach_spacings * smoothing.spacing(), threads);
-  for_bodies(threads, [&](std::size_t b) { find_near(b, x, order, surroundings, smoothing); });
-  const float inverse_volume = 1 / smoothing.volume();
-  shares_.assign(x.size(), 0);
+                                          const ParticleView& particles) {
   given_.assign(x.size(), Vec3f{});
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const float part = states_[b].wet * bodies_[b].volume * inverse_volume;
-    for (const Near& n : near(b)) shares_[n.place] += part * n.share;
-  }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const SmallBody& body = bodies_[b];
     float mass = 0;
     for (const Near& n : near(b)) mass += n.share / x[n.place].w;
-    float part = states_[b].wet * body.volume * inverse_volume;
+    float part = states_[b].wet * body.volume * inverse_volume_;
     if (part * mass > most_times * body.mass) part = most_times * body.mass / mass;
     Vec3f push{};
     for (const Near& n : near(b)) {

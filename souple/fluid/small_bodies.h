@@ -5,6 +5,7 @@
 #include "souple/fluid/surroundings.h"
 #include "souple/solver/projector.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -55,11 +56,15 @@ class SmallBodies {
                   std::span<const std::uint16_t> fluid, const Vec3d& origin) {
     meets_ = meets, objects_ = objects, fluid_ = fluid, origin_ = origin;
   }
-  /// After pressures moved the fluid's places: what these have given, times the substep [kg m]. `order`: of
-  /// each place, the particle's number. Moves the world's particles.
+  /// Where they are in the fluid: `x` by place, `order` of each place the particle's number.
+  void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order, const Surroundings& surroundings,
+            const Smoothing& smoothing, const ParticleView& particles, Threads& threads);
+  /// What they take of the room around a place: belongs to V sum W.
+  float taken(std::size_t place) const { return std::min(shares_[place], most_taken); }
+  /// After pressures moved the fluid's places: what these have given, times the substep [kg m]. Moves the
+  /// world's particles.
   std::span<const Vec3f> press(std::span<const Vec4f> x, std::span<const Vec3f> moved,
-                               std::span<const std::uint32_t> order, const Surroundings& surroundings,
-                               const Smoothing& smoothing, const ParticleView& particles, Threads& threads);
+                               const ParticleView& particles);
   /// Drag over h seconds, on what the last press found; `viscosity` of each fluid [Pa s]. `velocity` [m/s]
   /// and `inverse_mass` (w, [1/kg]) of the world's particles.
   void drag(const FluidView& fluid, std::span<const std::uint32_t> order, std::span<const float> viscosity,
@@ -74,6 +79,7 @@ class SmallBodies {
   struct State {
     std::uint32_t begin = 0, end = 0;  // in its block's `near`
     float wet = 0;                     // phi
+    float near_sum = 0, sum = 0;       // of w over particles; and their mirror images
     Vec3f at{}, axis{};                // from the origin [m]; unit, zero of a ball
     Vec3f pull{};                      // impulse of the drag [kg m/s]
     float across = 0, along = 0;       // of the drag [kg]
@@ -82,6 +88,7 @@ class SmallBodies {
     std::vector<Near> near;
   };
   static constexpr std::size_t block_size = 64;
+  static constexpr float most_taken = 0.6f;  // of the room around a particle
 
   std::span<const Near> near(std::size_t b) const {
     const State& state = states_[b];
@@ -103,6 +110,8 @@ class SmallBodies {
   std::span<const std::uint16_t> fluid_;
   Vec3d origin_{};
   CellOrder order_;
+  float inverse_volume_ = 0;   // 1/V [1/m^3]
+  std::vector<float> room_;    // by place: what things fill around it, wet or not
   std::vector<float> shares_;  // by place: sum_b phi V_b / V s_ib
   std::vector<Vec3f> given_;   // by place
   std::vector<float> grip_;    // of the world's particles, and of places [kg]

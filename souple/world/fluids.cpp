@@ -18,12 +18,15 @@ constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps pa
 struct Boundary {
   Surroundings& surroundings;
   FluidBodies& bodies;
+  const SmallBodies& small_bodies;
   const Smoothing& smoothing;
 
   BoundarySums look(std::size_t place, const Vec3f& x) const {
     const std::span<NearPlane> planes = surroundings.of(place);
     for (NearPlane& plane : planes) bodies.follow(plane);
-    return look_at(planes, x, smoothing);
+    BoundarySums sums = look_at(planes, x, smoothing);
+    if (!small_bodies.none()) sums.value += small_bodies.taken(place);
+    return sums;
   }
   void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
     if (bodies.skin_count() > 0) bodies.weigh(surroundings, x.size(), x, coarse);
@@ -183,15 +186,16 @@ void Fluids::press(WorldState& world, const Substep& substep) {
     bodies_.begin_substep(world.view(), world.particles.mass, placed_,
                           Surroundings::reach(solver_->smoothing()), threads);
   look_around(threads);
-  Boundary boundary{surroundings_, bodies_, solver_->smoothing()};
+  if (!small_bodies_.none())
+    small_bodies_.find(solver_->positions(), solver_->order(), surroundings_, solver_->smoothing(),
+                       world.view(), threads);
+  Boundary boundary{surroundings_, bodies_, small_bodies_, solver_->smoothing()};
   solver_->solve(boundary, threads);
   const ParticleView view = world.view();
   const auto order = solver_->order();
   const auto moved = solver_->moved();
-  const auto given = small_bodies_.none()
-                         ? std::span<const Vec3f>{}
-                         : small_bodies_.press(solver_->positions(), moved, order, surroundings_,
-                                               solver_->smoothing(), view, threads);
+  const auto given = small_bodies_.none() ? std::span<const Vec3f>{}
+                                          : small_bodies_.press(solver_->positions(), moved, view);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Vec3f at = solver_->positions()[k].xyz();
