@@ -18,12 +18,15 @@ constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps pa
 struct Boundary {
   Surroundings& surroundings;
   FluidBodies& bodies;
+  const SmallBodies& small_bodies;
   const Smoothing& smoothing;
 
   BoundarySums look(std::size_t place, const Vec3f& x) const {
     const std::span<NearPlane> planes = surroundings.of(place);
     for (NearPlane& plane : planes) bodies.follow(plane);
-    return look_at(planes, x, smoothing);
+    BoundarySums sums = look_at(planes, x, smoothing);
+    if (!small_bodies.none()) sums.value += small_bodies.taken(place);
+    return sums;
   }
   void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
     if (bodies.skin_count() > 0) bodies.weigh(surroundings, x.size(), x, coarse);
@@ -66,6 +69,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   const Vec3d first = world.exact_position(particle_[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
   bodies_.begin_step(feels_, origin_);
+  small_bodies_.begin_step(feels_small_, small_.size(), fluid_, origin_);
   world.guarded("a collider's motion", [&] {
     walls_.begin_step(world.tables.colliders, meets_, origin_, particle_.size(), world.time);
   });
@@ -73,19 +77,25 @@ void Fluids::begin_step(WorldState& world, double dt) {
 
 void Fluids::build(const WorldState& world) {
   skinned_.clear();
+  small_.clear();
   std::vector<Skin> skins;
+  std::vector<SmallBody> small_bodies;
   float spacing = 0;
   for (const auto& object : world.objects)
     if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
-  if (spacing == 0) return bodies_.set_skins({});
-  for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
-    if (world.objects[o]->kind == ObjectKind::fluid) continue;
+  for (std::uint32_t o = 0; spacing > 0 && o < world.objects.size(); ++o) {
     if (std::optional<Skin> skin = fluid_skin(*world.objects[o], spacing)) {
       skins.push_back(std::move(*skin));
       skinned_.push_back(o);
+      continue;
     }
+    const std::size_t before = small_bodies.size();
+    append_small_bodies(*world.objects[o], spacing, world.particles.mass,
+                        static_cast<std::uint32_t>(small_.size()), small_bodies);
+    if (small_bodies.size() > before) small_.push_back(o);
   }
   bodies_.set_skins(std::move(skins));
+  small_bodies_.set_bodies(std::move(small_bodies));
 }
 
 void Fluids::find_particles(const WorldState& world) {
@@ -94,6 +104,8 @@ void Fluids::find_particles(const WorldState& world) {
   objects_.clear();
   meets_.clear();
   feels_.clear();
+  feels_small_.clear();
+  viscosities_.clear();
   materials_.clear();
   for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
     const Object& object = *world.objects[o];
@@ -107,6 +119,9 @@ void Fluids::find_particles(const WorldState& world) {
     objects_.push_back(o);
     for (const std::uint32_t body : skinned_)
       feels_.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+    for (const std::uint32_t body : small_)
+      feels_small_.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+    viscosities_.push_back(material->viscosity);
     materials_.push_back(*material);
     for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
       meets_.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
@@ -186,17 +201,23 @@ void Fluids::press(WorldState& world, const Substep& substep) {
     bodies_.begin_substep(world.view(), world.particles.mass, placed_,
                           Surroundings::reach(solver_->smoothing()), threads);
   look_around(threads);
-  Boundary boundary{surroundings_, bodies_, solver_->smoothing()};
+  if (!small_bodies_.none())
+    small_bodies_.find(solver_->positions(), solver_->order(), surroundings_, solver_->smoothing(),
+                       world.view(), threads);
+  Boundary boundary{surroundings_, bodies_, small_bodies_, solver_->smoothing()};
   solver_->solve(boundary, threads);
   const ParticleView view = world.view();
   const auto order = solver_->order();
   const auto moved = solver_->moved();
+  const auto given = small_bodies_.none() ? std::span<const Vec3f>{}
+                                          : small_bodies_.press(solver_->positions(), moved, view);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (led_[order[k]] != 0) continue;
       const Vec3f at = solver_->positions()[k].xyz();
       view.correct(particle_[order[k]],
                    moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
+      if (!given.empty()) view.correct(particle_[order[k]], given[k] * -solver_->positions()[k].w);
     }
   });
   if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "souple/fluid/body_friction.h"
 #include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
+#include "souple/fluid/small_bodies.h"
 #include "souple/fluid/surface_tension.h"
 #include "souple/fluid/viscosity.h"
 #include "souple/fluid/vorticity.h"
@@ -67,7 +69,8 @@ class Fluids {
   void look_around(Threads& threads);
   void find_wall_friction(float h, Threads& threads);
   void find_near_walls(Threads& threads);
-  void apply_forces(const WorldState& world, const Substep& substep);
+  void pull_bodies(WorldState& world);
+  void apply_forces(WorldState& world, const Substep& substep);
   void note(const WorldState& world, const Substep& substep);
 
   std::unique_ptr<DensitySolver> solver_;
@@ -82,11 +85,15 @@ class Fluids {
   std::vector<std::uint32_t> may_be_led_;  // 0, or 1 + the emitter that may lead it in this step
   std::vector<std::uint8_t> led_;          // whether one does in this substep
   std::vector<Mouth> mouths_;              // of the emitters
+  SmallBodies small_bodies_;
   std::vector<std::uint32_t> objects_;     // of each fluid
   std::vector<FluidMaterial> materials_;   // of each fluid
   std::vector<std::uint8_t> meets_;        // of each fluid and collider
   std::vector<std::uint32_t> skinned_;     // objects that are bodies to fluids
   std::vector<std::uint8_t> feels_;        // of each fluid and body
+  std::vector<std::uint32_t> small_;       // objects that are made of small bodies
+  std::vector<std::uint8_t> feels_small_;  // of each fluid and these
+  std::vector<float> viscosities_;         // of each fluid [Pa s]
   std::vector<Vec4f> placed_;              // x, y, z from the origin and inverse mass
   std::vector<Vec3f> start_;               // where they were when the substep began
   std::vector<Vec4f> velocity_;            // by place, and the viscosity; one more, 0
@@ -99,6 +106,7 @@ class Fluids {
   std::vector<Vec3f> wall_slopes_;                     // the same [1/m]
   std::vector<std::uint8_t> some_meets_, some_feels_;  // of each collider and skin: some fluid does
   Viscosity viscosity_;
+  BodyFriction body_friction_;
   SurfaceTension surface_tension_;
   VorticityConfinement vorticity_;
   std::vector<float> pressure_;  // sum over substeps [Pa]
