@@ -82,10 +82,18 @@ TEST(FluidBuoyancy, LightAndSoftCubesFloatAsDeepAsTheirDensitySlow) {
   EXPECT_NEAR(sunk(600, SoftBodyModel::neo_hookean), 0.6, 0.03);
 }
 
+TEST(FluidBuoyancy, ALightSoftCubeFloatsAsDeepAsItsDensitySlow) {
+  EXPECT_NEAR(sunk(300, SoftBodyModel::neo_hookean), 0.3, 0.03);
+}
+
 // Water stands for a fluid in channels wide enough to hold no order of their own: in a basin of 36 spacings
 // this cube floats 5 % of its height too high.
 TEST(FluidBuoyancy, AHeavyCubeFloatsAsDeepAsItsDensitySlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 46, 32), 0.9, 0.03);
+}
+
+TEST(FluidBuoyancy, AHeavySoftCubeFloatsAsDeepAsItsDensitySlow) {
+  EXPECT_NEAR(sunk(900, SoftBodyModel::neo_hookean, 46, 32), 0.9, 0.03);
 }
 
 // Two layers of water stay below it: what is left of its weight does not press them out.
