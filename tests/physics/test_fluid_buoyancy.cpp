@@ -1,4 +1,5 @@
 #include "souple/souple.h"
+#include "validation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -102,6 +103,23 @@ TEST(FluidBuoyancy, WhatIsHeavierThanWaterSinksSlow) {
   basin.put(20, 1200, 0.2, SoftBodyModel::shape_matching);
   basin.run(2);
   EXPECT_LT(basin.lowest(), 3 * basin.d);
+}
+
+// It has ten seconds to rise or to sink. Water that is only nearly at rest pushes it about a little.
+TEST(FluidBuoyancy, WhatIsAsDenseAsWaterHoversSlow) {
+  Basin basin(0.02, 40, 36, 8);
+  const double bottom = (basin.depth - 20 * basin.d) / 2;
+  basin.put(20, water_density, bottom, SoftBodyModel::shape_matching);
+  double farthest = 0;
+  for (int frame = 0; frame < 600; ++frame) {
+    basin.run(1.0 / 60);
+    const double low = basin.lowest(), high = low + basin.edge;
+    ASSERT_GT(low, basin.d) << frame;
+    ASSERT_LT(high, basin.depth - basin.d) << frame;
+    farthest = std::max(farthest, std::fabs(low - bottom));
+  }
+  state("cube of the density of water, 20 spacings wide, left at mid-depth",
+        "farthest drift in 10 s [spacings]", farthest / basin.d);
 }
 
 }  // namespace
