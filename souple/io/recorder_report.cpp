@@ -104,6 +104,8 @@ FrameReport frame_report(std::uint64_t frame, double time, const StepReport& rep
   if (report.fluid.particles > 0) {
     const FluidReport& fluid = report.fluid;
     kept.values.emplace_back("fluid.particles", static_cast<double>(fluid.particles));
+    kept.values.emplace_back("fluid.emitted", static_cast<double>(fluid.emitted));
+    kept.values.emplace_back("fluid.drained", static_cast<double>(fluid.drained));
     kept.values.emplace_back("fluid.mean_density_error", fluid.mean_density_error);
     kept.values.emplace_back("fluid.largest_density_error", fluid.largest_density_error);
     kept.values.emplace_back("fluid.largest_pressure", fluid.largest_pressure);

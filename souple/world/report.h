@@ -40,6 +40,8 @@ struct KindReport {
 /// last correction of the last substep.
 struct FluidReport {
   std::size_t particles = 0;
+  std::size_t emitted = 0, drained = 0;  ///< particles that came and went before the step
+  std::size_t held_back = 0;             ///< that an emitter had no room for
   double mean_density_error = 0, largest_density_error = 0;
   double largest_pressure = 0;      ///< Pa
   double fastest = 0;               ///< m/s
