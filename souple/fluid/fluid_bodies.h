@@ -42,6 +42,7 @@ class FluidBodies {
  public:
   /// meets[fluid * skins + s]: whether a fluid feels a skin.
   void set_skins(std::vector<Skin> skins) { skins_ = std::move(skins); }
+  std::span<const Skin> skins() const { return skins_; }
   std::size_t skin_count() const { return skins_.size(); }
 
   void begin_step(std::span<const std::uint8_t> meets, const Vec3d& origin) {

@@ -121,6 +121,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   for_places(order.size(), threads, [&](std::size_t k) {
     const FluidMaterial& material = materials_[fluid_[order[k]]];
     velocity_[k] = velocity[particle_[order[k]]];
+    if (led_[order[k]] != 0) velocity_[k].set_xyz(mouth_velocity(order[k]));
     velocity_[k].w = material.viscosity + material.density * material.xsph * exchange;
   });
   apply_forces(world, substep);
@@ -131,8 +132,10 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   report_.largest_step =
       std::max(report_.largest_step,
                std::sqrt(fastest) / 1.5 * static_cast<double>(substep.h) / static_cast<double>(spacing_));
-  for_places(order.size(), threads,
-             [&](std::size_t k) { velocity[particle_[order[k]]].set_xyz(velocity_[k].xyz()); });
+  for_places(order.size(), threads, [&](std::size_t k) {
+    const std::uint32_t i = order[k];
+    velocity[particle_[i]].set_xyz(led_[i] != 0 ? mouth_velocity(i) : velocity_[k].xyz());
+  });
 }
 
 }  // namespace souple

@@ -54,12 +54,13 @@ Vec3f out_of_walls(const Vec3f& x, std::span<const NearPlane> planes, float radi
 
 }  // namespace
 
-void Fluids::begin_step(WorldState& world) {
+void Fluids::begin_step(WorldState& world, double dt) {
   report_ = {};
   substeps_ = 0;
   force_.clear();
   find_particles(world);
   if (none()) return;
+  world.guarded("an emitter's motion", [&] { find_led(world, dt, particle_, may_be_led_); });
   choose_solver(world);
   solver_->begin_step();
   pressure_.assign(particle_.size(), 0);
@@ -142,7 +143,20 @@ void Fluids::choose_solver(const WorldState& world) {
   options_ = wanted;
 }
 
-void Fluids::place(WorldState& world, Threads& threads) {
+// In the mouth of an emitter a particle goes straight on, whatever falls.
+Vec3f Fluids::lead(const WorldState& world, std::size_t k, const Vec3f& predicted, float h) {
+  led_[k] = 0;
+  if (may_be_led_[k] == 0) return predicted;
+  const Mouth& mouth = mouths_[may_be_led_[k] - 1];
+  const Vec3d velocity(world.particles.velocity[particle_[k]].xyz());
+  if (!mouth.leads(Vec3d(start_[k]) + origin_, velocity)) return predicted;
+  led_[k] = 1;
+  return start_[k] + Vec3f(mouth.velocity) * h;
+}
+
+void Fluids::place(WorldState& world, float h, Threads& threads) {
+  world.guarded("an emitter's motion", [&] { mouths_ = mouths_at(world, world.time); });
+  led_.resize(particle_.size());
   placed_.resize(particle_.size());
   start_.resize(particle_.size());
   const Particles& particles = world.particles;
@@ -155,7 +169,8 @@ void Fluids::place(WorldState& world, Threads& threads) {
       Vec3f at(Vec3d(x.xyz()) - origin_);
       if (displaced) at += particles.offset[particle_[k]].xyz();
       start_[k] = Vec3f(start_place(view, particle_[k]) - origin_);
-      const Vec3f kept = walls_.keep_out(k, fluid_[k], start_[k], at, radius);
+      const Vec3f aim = lead(world, k, at, h);
+      const Vec3f kept = walls_.keep_out(k, fluid_[k], start_[k], aim, radius);
       view.correct(particle_[k], kept - at);
       placed_[k] = {kept.x, kept.y, kept.z, x.w};
     }
@@ -181,7 +196,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   world.guarded("a collider's motion",
                 [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
-  place(world, threads);
+  place(world, substep.h, threads);
   if (bodies_.skin_count() > 0)
     bodies_.begin_substep(world.view(), world.particles.mass, placed_,
                           Surroundings::reach(solver_->smoothing()), threads);
@@ -198,6 +213,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
                                           : small_bodies_.press(solver_->positions(), moved, view);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
+      if (led_[order[k]] != 0) continue;
       const Vec3f at = solver_->positions()[k].xyz();
       view.correct(particle_[order[k]],
                    moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
