@@ -19,6 +19,12 @@ struct BoundarySums {
 
 /// What surrounds a fluid and does not move, but for look(place, x): see DensitySolver::solve.
 struct FixedBoundary {
+  template <class Function>
+  void for_near(std::size_t places, Threads& threads, const Function& f) const {
+    threads.for_each(places, 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) f(k);
+    });
+  }
   void looked(std::span<const Vec4f>, CoarsePressure&) const {}
   void respond(std::size_t, BoundarySums&) const {}
   void push(std::size_t, float) const {}
@@ -66,6 +72,7 @@ class DensitySolver {
 
   /// What surrounds the fluid is asked, place by place and on all threads,
   ///
+  ///   boundary.for_near(places, threads, f)      calls f(place) for those that it is near to; for these
   ///   boundary.look(place, x) -> BoundarySums    where the particle is now
   ///   boundary.respond(place, sums)              of bodies that give way
   ///   boundary.push(place, change)               then: it was pushed by the slope times this change of
@@ -102,30 +109,19 @@ class DensitySolver {
   int coarse_iterations() const { return coarse_.iterations(); }
 
  private:
-  struct Look {         // at a particle's surroundings
-    Vec3f slope;        // of the boundary
-    float denominator;  // w |grad_i C|^2 + ...
-  };
-
   bool lists_hold(std::span<const Vec4f> positions) const;
   void find_neighbours(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
   void find_sums(Boundary& boundary, Threads& threads) {
-    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) boundary_[k] = boundary.look(k, x_[k].xyz());
-    });
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary_[k] = boundary.look(k, x_[k].xyz()); });
     boundary.looked(positions(), coarse_);
-    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) boundary.respond(k, boundary_[k]);
-    });
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.respond(k, boundary_[k]); });
     find_fluid_sums(threads);
   }
   template <class Boundary>
   void push(Boundary& boundary, Threads& threads) {
     push_fluid(threads);
-    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) boundary.push(k, change_[k]);
-    });
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.push(k, change_[k]); });
     boundary.pushed(std::span<const float>(change_));
   }
   void find_fluid_sums(Threads& threads);
@@ -134,7 +130,7 @@ class DensitySolver {
   void push_fluid(Threads& threads);
   float surface() const { return 0.5f * smoothing_.wall(0.5f * smoothing_.spacing()).value; }
   template <class Function>
-  void for_blocks(Threads& threads, const Function& f) const;
+  void for_lists(Threads& threads, const Function& f) const;
 
   Options options_;
   Smoothing smoothing_;
@@ -148,7 +144,7 @@ class DensitySolver {
   std::vector<Vec4f> x_,
       q_;  // by place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away
   std::vector<BoundarySums> boundary_;
-  std::vector<Look> looks_;
+  std::vector<float> denominator_;  // w |grad_i C|^2 + ...
   std::vector<CoarsePressure::Sample> samples_;
   std::vector<float> lambda_, change_;  // and what the last pass added to it
   std::vector<Vec3f> moved_;

@@ -20,13 +20,18 @@ struct Boundary {
   FluidBodies& bodies;
   const Smoothing& smoothing;
 
+  template <class Function>
+  void for_near(std::size_t, Threads& threads, const Function& f) const {
+    const std::span<const std::uint32_t> near = surroundings.near();
+    for_places(near.size(), threads, [&](std::size_t k) { f(near[k]); });
+  }
   BoundarySums look(std::size_t place, const Vec3f& x) const {
     const std::span<NearPlane> planes = surroundings.of(place);
     for (NearPlane& plane : planes) bodies.follow(plane);
     return look_at(planes, x, smoothing);
   }
   void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
-    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x.size(), x, coarse);
+    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x, coarse);
   }
   void respond(std::size_t place, BoundarySums& sums) const {
     if (bodies.skin_count() > 0) bodies.respond(surroundings.of(place), sums);
@@ -183,7 +188,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
                    moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
     }
   });
-  if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);
+  if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, view);
   note(world, substep);
 }
 

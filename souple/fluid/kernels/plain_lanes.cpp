@@ -56,7 +56,23 @@ Vec3f spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const V
 }
 
 template <class Shape>
-constexpr DensityKernels plain{sums<Shape>, push<Shape>, spread<Shape>};
+void sums_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+             DensitySums* result) {
+  for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
+    result[k] = sums<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],
+                            lists.first[k + 1] - lists.first[k], factors);
+}
+
+template <class Shape>
+void push_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+             Vec3f* result) {
+  for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
+    result[k] = push<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],
+                            lists.first[k + 1] - lists.first[k], factors);
+}
+
+template <class Shape>
+constexpr DensityKernels plain{sums_of<Shape>, push_of<Shape>, sums<Shape>, push<Shape>, spread<Shape>};
 
 }  // namespace
 
