@@ -1,6 +1,7 @@
 #include "souple/fluid/density_solver.h"
 
 #include "souple/fluid/kernels/find_kernels.h"
+#include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/share_out.h"
 
 #include <algorithm>
@@ -14,6 +15,18 @@ constexpr float coarse_spacings = 4;     // of a cell of the coarse level
 constexpr float margin_spacings = 0.2f;  // of the lists, over the support
 constexpr float coarse_share = 0.5f;     // of the coarse level's lambda: more overshoots
 constexpr float jacobi_share = 0.25f;    // of the residual where no pass follows
+float value_at(SmoothingShape shape, float q) {
+  switch (shape) {
+    case SmoothingShape::poly6_spiky:
+      return kernels::Poly6Spiky::value(q);
+    case SmoothingShape::cubic_spline:
+      return kernels::CubicSpline::value(q);
+    case SmoothingShape::wendland:
+      break;
+  }
+  return kernels::Wendland::value(q);
+}
+
 constexpr Vec4f far_away{1e15f, 1e15f, 1e15f, 0};
 
 }  // namespace
@@ -88,6 +101,7 @@ void DensitySolver::find_neighbours(std::span<const Vec4f> positions, Threads& t
 void DensitySolver::find_fluid_sums(Threads& threads) {
   const float V = smoothing_.volume(), d = smoothing_.spacing();
   const float least = 1e-3f / (d * d);  // of a particle alone
+  const float soft = softness();
   for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
     std::array<kernels::DensitySums, together> found;
     kernels_->sums_of(x_.data(), lists, smoothing_.factors(), found.data());
@@ -97,8 +111,9 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
       const Vec3f G = sums.gradient * V, g = boundary.slope, whole = G + g, rough = G * 2.0f + g;
       samples_[k].c = V * (sums.density + smoothing_.centre()) + boundary.value - 1;
       const float w = x_[k].w;
-      samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary.local_response;
-      denominator_[k] = w * dot(whole, whole) + V * V * sums.gradient_squared + least * w + boundary.response;
+      samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary.local_response + coarse_share * soft;
+      denominator_[k] =
+          w * dot(whole, whole) + V * V * sums.gradient_squared + least * w + boundary.response + soft;
     }
   });
 }
@@ -106,12 +121,16 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
 void DensitySolver::begin_with_smooth_part(Threads& threads) {
   coarse_.solve(positions(), samples_, surface(), threads);
   coarse_.interpolate(positions(), samples_, surface(), lambda_, threads);
-  const float added = options_.passes == 0 ? jacobi_share : 0;
+  const float added = options_.passes == 0 ? jacobi_share : 0, soft = softness(), V = smoothing_.volume();
+  // W(dq) is what a shape has at q = 0.2.
+  if (options_.artificial_pressure > 0)
+    repulsion_ = {-options_.artificial_pressure * V * V * h_ * h_, 1 / value_at(options_.shape, 0.2f)};
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const float wanted = coarse_share * lambda_[k] - added * samples_[k].c / denominator_[k];
+      const float smooth = coarse_share * lambda_[k];
+      const float wanted = smooth - added * (samples_[k].c + soft * smooth) / denominator_[k];
       lambda_[k] = change_[k] = min(wanted, 0.0f);
-      q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * smoothing_.volume()};
+      q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * V};
     }
   });
 }
@@ -123,9 +142,11 @@ double DensitySolver::mean_error() const {
 }
 
 void DensitySolver::relax(Threads& threads) {
+  const float soft = softness();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const float wanted = lambda_[k] - options_.omega * samples_[k].c / denominator_[k];
+      const float wanted =
+          lambda_[k] - options_.omega * (samples_[k].c + soft * lambda_[k]) / denominator_[k];
       const float next = min(wanted, 0.0f);
       change_[k] = next - lambda_[k];
       lambda_[k] = next;
@@ -137,7 +158,10 @@ void DensitySolver::relax(Threads& threads) {
 void DensitySolver::push_fluid(Threads& threads) {
   for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
     std::array<Vec3f, together> found;
-    kernels_->push_of(q_.data(), lists, smoothing_.factors(), found.data());
+    if (repulsion_.strength == 0)
+      kernels_->push_of(q_.data(), lists, smoothing_.factors(), found.data());
+    else
+      kernels_->repel_of(q_.data(), lists, smoothing_.factors(), repulsion_, found.data());
     for (std::uint32_t k = lists.begin; k < lists.end; ++k) {
       const Vec3f by = (found[k - lists.begin] + boundary_[k].slope * change_[k]) * x_[k].w;
       moved_[k] = moved_[k] + by;

@@ -45,6 +45,15 @@ struct FixedBoundary {
 ///
 ///   lambda_i <- min(0, lambda_i - omega C_i / (w |V sum_j grad W + g|^2 + w V^2 sum_j |grad W|^2))
 ///
+/// A fluid of compressibility kappa [1/Pa] gives way, C = kappa p at rest: as Macklin et al. 2016 ("XPBD"),
+/// equation 18, with alpha~ = alpha / h^2, alpha = kappa / V, each particle a constraint of energy
+/// V C^2 / (2 kappa),
+///
+///   lambda_i <- min(0, lambda_i - omega (C_i + alpha~ lambda_i) / (w |grad_i C|^2 + ... + alpha~))
+///
+/// and the coarse level's diagonal has alpha~ too. Constraint-force mixing (Macklin and Müller 2013, equation
+/// 11) is the same alpha~, as a number of its own: there stiffness changes with h.
+///
 /// Nothing is kept from substep to substep: multipliers that are kept while a few iterations solve for them
 /// are integrated three times over, which is unstable. Substeps have a limit of their own: h sqrt(p / rho) is
 /// to stay below about a third of the spacing, p the largest pressure.
@@ -56,6 +65,10 @@ class DensitySolver {
     float omega = 0.45f;  ///< of a pass; above 0.75 it need not converge
     float tolerance = 0;  ///< > 0: more passes, until the mean of max(0, C) is below it
     int most_passes = 50;
+    float compressibility = 0;  ///< kappa [1/Pa]; 0: it gives way to nothing
+    /// Keeps particles from meeting (Macklin and Müller 2013, equation 13, n = 4, |dq| = 0.2 of the support):
+    /// pressure with which two push each other at that distance, beside that of their density [Pa].
+    float artificial_pressure = 0;
     friend bool operator==(const Options&, const Options&) = default;
   };
   DensitySolver(float spacing, const Options& options);
@@ -79,12 +92,15 @@ class DensitySolver {
   ///   lambda
   ///
   /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
-  /// boundary.pushed(changes of lambda).
+  /// boundary.pushed(changes of lambda). h > 0 [s] is the substep's length: only a fluid that gives way, or
+  /// has artificial pressure, asks for it.
   template <class Boundary>
-  void solve(Boundary& boundary, Threads& threads) {
+  void solve(Boundary& boundary, Threads& threads, float h = 1) {
+    h_ = h;
     find_sums(boundary, threads);
     begin_with_smooth_part(threads);
     push(boundary, threads);
+    repulsion_ = {};
     for (passes_ = 0; passes_ < options_.passes || options_.tolerance > 0; ++passes_) {
       find_sums(boundary, threads);
       if (passes_ >= options_.passes &&
@@ -128,6 +144,7 @@ class DensitySolver {
   void begin_with_smooth_part(Threads& threads);
   void relax(Threads& threads);
   void push_fluid(Threads& threads);
+  float softness() const { return options_.compressibility / (smoothing_.volume() * h_ * h_); }  // alpha~
   float surface() const { return 0.5f * smoothing_.wall(0.5f * smoothing_.spacing()).value; }
   template <class Function>
   void for_lists(Threads& threads, const Function& f) const;
@@ -137,6 +154,8 @@ class DensitySolver {
   const kernels::DensityKernels* kernels_;
   float margin_;
   int passes_ = 0;
+  float h_ = 1;                     // s
+  kernels::Repulsion repulsion_{};  // of the next push
   CellOrder order_;
   Neighbours neighbours_;
   CoarsePressure coarse_;

@@ -122,7 +122,9 @@ void Fluids::choose_solver(const WorldState& world) {
   const float spacing = std::get<FluidMaterial>(first.material).spacing;
   const DensitySolver::Options wanted{.shape = world.settings.fluid.kernel,
                                       .passes = world.settings.fluid.iterations,
-                                      .tolerance = world.settings.fluid.tolerance};
+                                      .tolerance = world.settings.fluid.tolerance,
+                                      .compressibility = world.settings.fluid.compressibility,
+                                      .artificial_pressure = world.settings.fluid.artificial_pressure};
   if (solver_ && spacing_ == spacing && options_ == wanted) return;
   solver_ = std::make_unique<DensitySolver>(spacing, wanted);
   viscosity_ = Viscosity(wanted.shape);
@@ -177,7 +179,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
                           Surroundings::reach(solver_->smoothing()), threads);
   look_around(threads);
   Boundary boundary{surroundings_, bodies_, solver_->smoothing()};
-  solver_->solve(boundary, threads);
+  solver_->solve(boundary, threads, substep.h);
   const ParticleView view = world.view();
   const auto order = solver_->order();
   const auto moved = solver_->moved();

@@ -111,16 +111,35 @@ SOUPLE_INLINE inline DensitySums density_sums_here(const Vec4f* records, const V
   return {factors.value_factor * four[0], (q[0] + q[2]) + (q[1] + q[3]), {four[1], four[2], four[3]}};
 }
 
-template <class Set, class Shape>
+/// What a pair adds to q_i + q_j besides.
+struct NoRepulsion {
+  template <class Shape, class T>
+  SOUPLE_INLINE T operator()(T q_sum, T) const {
+    return q_sum;
+  }
+};
+template <class Set>
+struct SomeRepulsion {
+  Repulsion repulsion;
+  template <class Shape, class T>
+  SOUPLE_INLINE T operator()(T q_sum, T q) const {
+    const T part = T(repulsion.scale) * Shape::value(q), squared = part * part;
+    return q_sum + T(repulsion.strength) * (squared * squared);
+  }
+};
+
+template <class Set, class Shape, class Repel = NoRepulsion>
 SOUPLE_INLINE inline Vec3f density_push_here(const Vec4f* records, const Vec4f& at, const std::uint32_t* list,
-                                             std::size_t count, const SmoothingFactors& factors) {
+                                             std::size_t count, const SmoothingFactors& factors,
+                                             const Repel& repel = {}) {
   using T = simd::Pack<Set>;
   Sixteen<Set> px, py, pz;
   for (std::size_t k = 0; k < count; k += 16) {
     for (int r = 0; r < Sixteen<Set>::registers; ++r) {
       const Gathered<Set> other(&records->x, list + k + static_cast<std::size_t>(r * Set::lanes));
       const Near<Set> near(other, at, factors);
-      const T pull = (T(at.w) + T(other.w)) * (T(factors.slope_factor) * Shape::slope(near.q));
+      const T q_sum = repel.template operator()<Shape, T>(T(at.w) + T(other.w), near.q);
+      const T pull = q_sum * (T(factors.slope_factor) * Shape::slope(near.q));
       px.add(r, pull * near.dx);
       py.add(r, pull * near.dy);
       pz.add(r, pull * near.dz);
@@ -163,6 +182,17 @@ void density_push_of(const Vec4f* records, const ListsOfPlaces& lists, const Smo
 }
 
 template <class Set, class Shape>
+void density_repel_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+                      const Repulsion& repulsion, Vec3f* result) {
+  const SmoothingFactors factors = given;
+  const SomeRepulsion<Set> repel{repulsion};
+  const std::uint32_t *entry = lists.entry, *first = lists.first;
+  for (std::uint32_t place = lists.begin; place < lists.end; ++place, ++first, ++result)
+    *result = density_push_here<Set, Shape>(records, records[place], entry + first[0], first[1] - first[0],
+                                            factors, repel);
+}
+
+template <class Set, class Shape>
 Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                      const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
   using T = simd::Pack<Set>;
@@ -184,9 +214,9 @@ Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at,
 
 template <class Set, class Shape>
 const DensityKernels& density_kernels() {
-  static constexpr DensityKernels kernels{density_sums_of<Set, Shape>, density_push_of<Set, Shape>,
-                                          density_sums<Set, Shape>, density_push<Set, Shape>,
-                                          density_spread<Set, Shape>};
+  static constexpr DensityKernels kernels{density_sums_of<Set, Shape>,  density_push_of<Set, Shape>,
+                                          density_repel_of<Set, Shape>, density_sums<Set, Shape>,
+                                          density_push<Set, Shape>,     density_spread<Set, Shape>};
   return kernels;
 }
 

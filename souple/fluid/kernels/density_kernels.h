@@ -27,6 +27,11 @@ struct DensitySums {
   Vec3f gradient;          ///< sum_j grad W_ij [1/m^4]
 };
 
+/// A push that keeps particles from meeting: added to q_i + q_j is strength (value(r / h) scale)^4.
+struct Repulsion {
+  float strength = 0, scale = 1;
+};
+
 /// The lists of consecutive places: of place begin + k, entry[first[k]] up to entry[first[k + 1]].
 struct ListsOfPlaces {
   const std::uint32_t *entry, *first;
@@ -41,6 +46,9 @@ struct DensityKernels {
                   DensitySums* result);
   void (*push_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
                   Vec3f* result);
+  /// The same with a repulsion of each pair.
+  void (*repel_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+                   const Repulsion& repulsion, Vec3f* result);
   /// `records`: x, y, z and the inverse mass w.
   DensitySums (*sums)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                       const SmoothingFactors& factors);
