@@ -61,14 +61,13 @@ class FluidBodies {
   /// A plane goes where its body has gone.
   void follow(NearPlane& plane) const;
   /// When all planes' slopes are known: how far bodies give way.
-  void weigh(const Surroundings& surroundings, std::size_t places, std::span<const Vec4f> x,
-             CoarsePressure& coarse);
+  void weigh(const Surroundings& surroundings, std::span<const Vec4f> x, CoarsePressure& coarse);
   /// What giving way adds to w |grad C|^2 of a particle: the sum of its row.
   void respond(std::span<const NearPlane> planes, BoundarySums& sums) const;
   /// Bodies give way to a push of the planes by slope times `change` [kg m].
   void yield(const Surroundings& surroundings, std::span<const float> change);
   /// What all planes have pushed goes to the world's particles.
-  void apply(const Surroundings& surroundings, std::size_t places, const ParticleView& particles) const;
+  void apply(const Surroundings& surroundings, const ParticleView& particles) const;
 
   /// Whether a plane is of a body that something can move.
   bool moves(const NearPlane& plane) const {

@@ -40,14 +40,23 @@ class Surroundings {
       for (std::size_t b = first; b < last; ++b) {
         Block& block = blocks_[b];
         block.planes.clear();
+        block.near.clear();
         for (std::size_t k = 0; k < block_size; ++k) {
           block.first[k] = static_cast<std::uint32_t>(block.planes.size());
-          if (b * block_size + k < places) find(b * block_size + k, block.planes);
+          const std::size_t place = b * block_size + k;
+          if (place < places) find(place, block.planes);
+          if (block.planes.size() > block.first[k]) block.near.push_back(static_cast<std::uint32_t>(place));
         }
         block.first[block_size] = static_cast<std::uint32_t>(block.planes.size());
       }
     });
+    near_.clear();
+    for (std::size_t b = 0; b < blocks; ++b)
+      near_.insert(near_.end(), blocks_[b].near.begin(), blocks_[b].near.end());
   }
+
+  /// The places that have planes, ascending.
+  std::span<const std::uint32_t> near() const { return near_; }
 
   std::span<const NearPlane> of(std::size_t place) const {
     const Block& block = blocks_[place / block_size];
@@ -63,9 +72,11 @@ class Surroundings {
   static constexpr std::size_t block_size = 256;
   struct Block {
     std::vector<NearPlane> planes;
+    std::vector<std::uint32_t> near;
     std::array<std::uint32_t, block_size + 1> first{};
   };
   std::vector<Block> blocks_;
+  std::vector<std::uint32_t> near_;
 };
 
 /// What planes add to a particle at x; each takes down its part:

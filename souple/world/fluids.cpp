@@ -21,6 +21,12 @@ struct Boundary {
   const SmallBodies& small_bodies;
   const Smoothing& smoothing;
 
+  template <class Function>
+  void for_near(std::size_t places, Threads& threads, const Function& f) const {
+    if (!small_bodies.none()) return for_places(places, threads, f);
+    const std::span<const std::uint32_t> near = surroundings.near();
+    for_places(near.size(), threads, [&](std::size_t k) { f(near[k]); });
+  }
   BoundarySums look(std::size_t place, const Vec3f& x) const {
     const std::span<NearPlane> planes = surroundings.of(place);
     for (NearPlane& plane : planes) bodies.follow(plane);
@@ -29,7 +35,7 @@ struct Boundary {
     return sums;
   }
   void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
-    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x.size(), x, coarse);
+    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x, coarse);
   }
   void respond(std::size_t place, BoundarySums& sums) const {
     if (bodies.skin_count() > 0) bodies.respond(surroundings.of(place), sums);
@@ -133,7 +139,9 @@ void Fluids::choose_solver(const WorldState& world) {
   const float spacing = std::get<FluidMaterial>(first.material).spacing;
   const DensitySolver::Options wanted{.shape = world.settings.fluid.kernel,
                                       .passes = world.settings.fluid.iterations,
-                                      .tolerance = world.settings.fluid.tolerance};
+                                      .tolerance = world.settings.fluid.tolerance,
+                                      .compressibility = world.settings.fluid.compressibility,
+                                      .artificial_pressure = world.settings.fluid.artificial_pressure};
   if (solver_ && spacing_ == spacing && options_ == wanted) return;
   solver_ = std::make_unique<DensitySolver>(spacing, wanted);
   viscosity_ = Viscosity(wanted.shape);
@@ -206,7 +214,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
     small_bodies_.find(solver_->positions(), solver_->order(), surroundings_, solver_->smoothing(),
                        world.view(), threads);
   Boundary boundary{surroundings_, bodies_, small_bodies_, solver_->smoothing()};
-  solver_->solve(boundary, threads);
+  solver_->solve(boundary, threads, substep.h);
   const ParticleView view = world.view();
   const auto order = solver_->order();
   const auto moved = solver_->moved();
@@ -221,7 +229,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
       if (!given.empty()) view.correct(particle_[order[k]], given[k] * -solver_->positions()[k].w);
     }
   });
-  if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, order.size(), view);
+  if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, view);
   note(world, substep);
 }
 

@@ -94,6 +94,8 @@ void validate(const Settings& s) {
                          {"drag", double(s.drag), 0, any},
                          {"fluid.iterations", double(s.fluid.iterations), 0, 100},
                          {"fluid.tolerance", double(s.fluid.tolerance), 0, any},
+                         {"fluid.compressibility", double(s.fluid.compressibility), 0, any},
+                         {"fluid.artificial_pressure", double(s.fluid.artificial_pressure), 0, any},
                          {"sleeping.speed", double(s.sleeping.speed), 0, any},
                          {"sleeping.seconds", double(s.sleeping.seconds), smallest, any},
                          {"wind.gust", double(s.wind.gust), 0, 1},
