@@ -34,11 +34,11 @@ struct FluidSettings {
   /// Jacobi iterations after the coarse level, 0 to 100. With 0 the substep costs half; its residual is added
   /// to the coarse level's pressure.
   int iterations = 1;
-  FoamParameters foam{};      ///< of fluids whose material's `foam` is above 0
   float tolerance = 0;        ///< > 0: more iterations, up to 50, until the mean density error is below it
   float compressibility = 0;  ///< fluids are denser by this times their pressure, >= 0 [1/Pa]
   /// Pressure with which two particles push each other that are 0.4 spacings apart, >= 0 [Pa]
   float artificial_pressure = 0;
+  FoamParameters foam{};  ///< of fluids whose material's `foam` is above 0
   friend bool operator==(const FluidSettings&, const FluidSettings&) = default;
 };
 
