@@ -109,8 +109,8 @@ void bring_up_to_date(WorldState& world) {
 
 namespace {
 
-// Whether a tie holds follows from the time alone, so a world that is restored ties again what it has to. Time
-// is a sum of steps: a billionth of a second too little is no reason to wait for another one.
+// Whether a tie holds follows from the time alone, so a world that is restored ties again what it has to.
+// Time is a sum of steps: a billionth of a second too little is no reason to wait for another one.
 void let_go_of_ties(WorldState& world) {
   constexpr double rounding = 1e-9;  // s
   for (Extra& extra : world.extras) {
