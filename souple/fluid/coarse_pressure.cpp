@@ -41,9 +41,11 @@ void CoarsePressure::begin_step(std::span<const Vec4f> positions, float cell_siz
   order_.build(positions, cell_size, threads);
   find_nodes();
   cell_of_.resize(positions.size());
-  for (std::uint32_t c = 0; c < order_.cell_count(); ++c)
-    for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k)
-      cell_of_[order_.order()[k]] = c;
+  threads.for_each(order_.cell_count(), 16, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c)
+      for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k)
+        cell_of_[order_.order()[k]] = static_cast<std::uint32_t>(c);
+  });
   mover_count_ = 0;
 }
 

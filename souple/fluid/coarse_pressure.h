@@ -30,8 +30,9 @@ class CoarsePressure {
  public:
   /// What a particle brings in.
   struct Sample {
-    float c = 0;         ///< C = rho / rho_0 - 1
-    float diagonal = 0;  ///< 2 w |2 G + g|^2 and what bodies that give way add [1/(kg m^2)]
+    float c = 0;  ///< C = rho / rho_0 - 1
+    /// 2 w |2 G + g|^2, what bodies that give way add, and a fluid that does [1/(kg m^2)]
+    float diagonal = 0;
   };
 
   /// The next solve begins with nothing.

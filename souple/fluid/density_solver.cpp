@@ -1,8 +1,11 @@
 #include "souple/fluid/density_solver.h"
 
 #include "souple/fluid/kernels/find_kernels.h"
+#include "souple/fluid/kernels/shapes.h"
+#include "souple/fluid/share_out.h"
 
 #include <algorithm>
+#include <array>
 
 namespace souple {
 
@@ -12,6 +15,18 @@ constexpr float coarse_spacings = 4;     // of a cell of the coarse level
 constexpr float margin_spacings = 0.2f;  // of the lists, over the support
 constexpr float coarse_share = 0.5f;     // of the coarse level's lambda: more overshoots
 constexpr float jacobi_share = 0.25f;    // of the residual where no pass follows
+float value_at(SmoothingShape shape, float q) {
+  switch (shape) {
+    case SmoothingShape::poly6_spiky:
+      return kernels::Poly6Spiky::value(q);
+    case SmoothingShape::cubic_spline:
+      return kernels::CubicSpline::value(q);
+    case SmoothingShape::wendland:
+      break;
+  }
+  return kernels::Wendland::value(q);
+}
+
 constexpr Vec4f far_away{1e15f, 1e15f, 1e15f, 0};
 
 }  // namespace
@@ -22,13 +37,15 @@ DensitySolver::DensitySolver(float spacing, const Options& options)
       kernels_(&kernels::find_density_kernels(instruction_set(), options.shape)),
       margin_(margin_spacings * spacing) {}
 
+/// f(lists of consecutive places), for all, at most so many at a time.
+constexpr std::uint32_t together = 128;
+
 template <class Function>
-void DensitySolver::for_blocks(Threads& threads, const Function& f) const {
+void DensitySolver::for_lists(Threads& threads, const Function& f) const {
   const auto blocks = neighbours_.blocks();
-  threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b)
-      for (std::uint32_t place = blocks[b].begin; place < blocks[b].end; ++place)
-        f(place, blocks[b].padded(place));
+  share_out(blocks.size(), threads, [&](std::size_t b) {
+    for (std::uint32_t from = blocks[b].begin; from < blocks[b].end; from += together)
+      f(blocks[b].lists(from, std::min(from + together, blocks[b].end)));
   });
 }
 
@@ -38,6 +55,7 @@ void DensitySolver::place(std::span<const Vec4f> positions, Threads& threads) {
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       x_[k] = positions[order[k]];
+      boundary_[k] = {};
       lambda_[k] = 0;
       moved_[k] = {};
     }
@@ -67,10 +85,12 @@ void DensitySolver::find_neighbours(std::span<const Vec4f> positions, Threads& t
   const std::size_t n = positions.size();
   x_.resize(n + 1);
   q_.resize(n + 1);
-  for (std::size_t k = 0; k < n; ++k) x_[k] = positions[order_.order()[k]];
+  threads.for_each(n, 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) x_[k] = positions[order_.order()[k]];
+  });
   x_[n] = q_[n] = far_away;
   boundary_.resize(n);
-  looks_.resize(n);
+  denominator_.resize(n);
   samples_.resize(n);
   lambda_.resize(n);
   change_.resize(n);
@@ -81,26 +101,36 @@ void DensitySolver::find_neighbours(std::span<const Vec4f> positions, Threads& t
 void DensitySolver::find_fluid_sums(Threads& threads) {
   const float V = smoothing_.volume(), d = smoothing_.spacing();
   const float least = 1e-3f / (d * d);  // of a particle alone
-  for_blocks(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
-    const kernels::DensitySums sums =
-        kernels_->sums(x_.data(), x_[k], list.data(), list.size(), smoothing_.factors());
-    const Vec3f G = sums.gradient * V, g = boundary_[k].slope, whole = G + g, rough = G * 2.0f + g;
-    samples_[k].c = V * (sums.density + smoothing_.centre()) + boundary_[k].value - 1;
-    const float w = x_[k].w, response = boundary_[k].response;
-    samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary_[k].local_response;
-    looks_[k] = {g, w * dot(whole, whole) + V * V * sums.gradient_squared + least * w + response};
+  const float soft = softness();
+  for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
+    std::array<kernels::DensitySums, together> found;
+    kernels_->sums_of(x_.data(), lists, smoothing_.factors(), found.data());
+    for (std::uint32_t k = lists.begin; k < lists.end; ++k) {
+      const kernels::DensitySums& sums = found[k - lists.begin];
+      const BoundarySums& boundary = boundary_[k];
+      const Vec3f G = sums.gradient * V, g = boundary.slope, whole = G + g, rough = G * 2.0f + g;
+      samples_[k].c = V * (sums.density + smoothing_.centre()) + boundary.value - 1;
+      const float w = x_[k].w;
+      samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary.local_response + coarse_share * soft;
+      denominator_[k] =
+          w * dot(whole, whole) + V * V * sums.gradient_squared + least * w + boundary.response + soft;
+    }
   });
 }
 
 void DensitySolver::begin_with_smooth_part(Threads& threads) {
   coarse_.solve(positions(), samples_, surface(), threads);
   coarse_.interpolate(positions(), samples_, surface(), lambda_, threads);
-  const float added = options_.passes == 0 ? jacobi_share : 0;
+  const float added = options_.passes == 0 ? jacobi_share : 0, soft = softness(), V = smoothing_.volume();
+  // W(dq) is what a shape has at q = 0.2.
+  if (options_.artificial_pressure > 0)
+    repulsion_ = {-options_.artificial_pressure * V * V * h_ * h_, 1 / value_at(options_.shape, 0.2f)};
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const float wanted = coarse_share * lambda_[k] - added * samples_[k].c / looks_[k].denominator;
+      const float smooth = coarse_share * lambda_[k];
+      const float wanted = smooth - added * (samples_[k].c + soft * smooth) / denominator_[k];
       lambda_[k] = change_[k] = min(wanted, 0.0f);
-      q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * smoothing_.volume()};
+      q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * V};
     }
   });
 }
@@ -112,9 +142,11 @@ double DensitySolver::mean_error() const {
 }
 
 void DensitySolver::relax(Threads& threads) {
+  const float soft = softness();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const float wanted = lambda_[k] - options_.omega * samples_[k].c / looks_[k].denominator;
+      const float wanted =
+          lambda_[k] - options_.omega * (samples_[k].c + soft * lambda_[k]) / denominator_[k];
       const float next = min(wanted, 0.0f);
       change_[k] = next - lambda_[k];
       lambda_[k] = next;
@@ -124,11 +156,17 @@ void DensitySolver::relax(Threads& threads) {
 }
 
 void DensitySolver::push_fluid(Threads& threads) {
-  for_blocks(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
-    const Vec3f by_fluid = kernels_->push(q_.data(), q_[k], list.data(), list.size(), smoothing_.factors());
-    const Vec3f by = (by_fluid + looks_[k].slope * change_[k]) * x_[k].w;
-    moved_[k] = moved_[k] + by;
-    x_[k].set_xyz(x_[k].xyz() + by);
+  for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
+    std::array<Vec3f, together> found;
+    if (repulsion_.strength == 0)
+      kernels_->push_of(q_.data(), lists, smoothing_.factors(), found.data());
+    else
+      kernels_->repel_of(q_.data(), lists, smoothing_.factors(), repulsion_, found.data());
+    for (std::uint32_t k = lists.begin; k < lists.end; ++k) {
+      const Vec3f by = (found[k - lists.begin] + boundary_[k].slope * change_[k]) * x_[k].w;
+      moved_[k] = moved_[k] + by;
+      x_[k].set_xyz(x_[k].xyz() + by);
+    }
   });
 }
 

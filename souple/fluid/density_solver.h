@@ -19,6 +19,12 @@ struct BoundarySums {
 
 /// What surrounds a fluid and does not move, but for look(place, x): see DensitySolver::solve.
 struct FixedBoundary {
+  template <class Function>
+  void for_near(std::size_t places, Threads& threads, const Function& f) const {
+    threads.for_each(places, 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) f(k);
+    });
+  }
   void looked(std::span<const Vec4f>, CoarsePressure&) const {}
   void respond(std::size_t, BoundarySums&) const {}
   void push(std::size_t, float) const {}
@@ -39,6 +45,15 @@ struct FixedBoundary {
 ///
 ///   lambda_i <- min(0, lambda_i - omega C_i / (w |V sum_j grad W + g|^2 + w V^2 sum_j |grad W|^2))
 ///
+/// A fluid of compressibility kappa [1/Pa] gives way, C = kappa p at rest: as Macklin et al. 2016 ("XPBD"),
+/// equation 18, with alpha~ = alpha / h^2, alpha = kappa / V, each particle a constraint of energy
+/// V C^2 / (2 kappa),
+///
+///   lambda_i <- min(0, lambda_i - omega (C_i + alpha~ lambda_i) / (w |grad_i C|^2 + ... + alpha~))
+///
+/// and the coarse level's diagonal has alpha~ too. Constraint-force mixing (Macklin and Müller 2013, equation
+/// 11) is the same alpha~, as a number of its own: there stiffness changes with h.
+///
 /// Nothing is kept from substep to substep: multipliers that are kept while a few iterations solve for them
 /// are integrated three times over, which is unstable. Substeps have a limit of their own: h sqrt(p / rho) is
 /// to stay below about a third of the spacing, p the largest pressure.
@@ -50,6 +65,10 @@ class DensitySolver {
     float omega = 0.45f;  ///< of a pass; above 0.75 it need not converge
     float tolerance = 0;  ///< > 0: more passes, until the mean of max(0, C) is below it
     int most_passes = 50;
+    float compressibility = 0;  ///< kappa [1/Pa]; 0: it gives way to nothing
+    /// Keeps particles from meeting (Macklin and Müller 2013, equation 13, n = 4, |dq| = 0.2 of the support):
+    /// pressure with which two push each other at that distance, beside that of their density [Pa].
+    float artificial_pressure = 0;
     friend bool operator==(const Options&, const Options&) = default;
   };
   DensitySolver(float spacing, const Options& options);
@@ -66,18 +85,22 @@ class DensitySolver {
 
   /// What surrounds the fluid is asked, place by place and on all threads,
   ///
+  ///   boundary.for_near(places, threads, f)      calls f(place) for those that it is near to; for these
   ///   boundary.look(place, x) -> BoundarySums    where the particle is now
   ///   boundary.respond(place, sums)              of bodies that give way
   ///   boundary.push(place, change)               then: it was pushed by the slope times this change of
   ///   lambda
   ///
   /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
-  /// boundary.pushed(changes of lambda).
+  /// boundary.pushed(changes of lambda). h > 0 [s] is the substep's length: only a fluid that gives way, or
+  /// has artificial pressure, asks for it.
   template <class Boundary>
-  void solve(Boundary& boundary, Threads& threads) {
+  void solve(Boundary& boundary, Threads& threads, float h = 1) {
+    h_ = h;
     find_sums(boundary, threads);
     begin_with_smooth_part(threads);
     push(boundary, threads);
+    repulsion_ = {};
     for (passes_ = 0; passes_ < options_.passes || options_.tolerance > 0; ++passes_) {
       find_sums(boundary, threads);
       if (passes_ >= options_.passes &&
@@ -102,45 +125,37 @@ class DensitySolver {
   int coarse_iterations() const { return coarse_.iterations(); }
 
  private:
-  struct Look {         // at a particle's surroundings
-    Vec3f slope;        // of the boundary
-    float denominator;  // w |grad_i C|^2 + ...
-  };
-
   bool lists_hold(std::span<const Vec4f> positions) const;
   void find_neighbours(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
   void find_sums(Boundary& boundary, Threads& threads) {
-    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) boundary_[k] = boundary.look(k, x_[k].xyz());
-    });
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary_[k] = boundary.look(k, x_[k].xyz()); });
     boundary.looked(positions(), coarse_);
-    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) boundary.respond(k, boundary_[k]);
-    });
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.respond(k, boundary_[k]); });
     find_fluid_sums(threads);
   }
   template <class Boundary>
   void push(Boundary& boundary, Threads& threads) {
     push_fluid(threads);
-    threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) boundary.push(k, change_[k]);
-    });
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.push(k, change_[k]); });
     boundary.pushed(std::span<const float>(change_));
   }
   void find_fluid_sums(Threads& threads);
   void begin_with_smooth_part(Threads& threads);
   void relax(Threads& threads);
   void push_fluid(Threads& threads);
+  float softness() const { return options_.compressibility / (smoothing_.volume() * h_ * h_); }  // alpha~
   float surface() const { return 0.5f * smoothing_.wall(0.5f * smoothing_.spacing()).value; }
   template <class Function>
-  void for_blocks(Threads& threads, const Function& f) const;
+  void for_lists(Threads& threads, const Function& f) const;
 
   Options options_;
   Smoothing smoothing_;
   const kernels::DensityKernels* kernels_;
   float margin_;
   int passes_ = 0;
+  float h_ = 1;                     // s
+  kernels::Repulsion repulsion_{};  // of the next push
   CellOrder order_;
   Neighbours neighbours_;
   CoarsePressure coarse_;
@@ -148,7 +163,7 @@ class DensitySolver {
   std::vector<Vec4f> x_,
       q_;  // by place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away
   std::vector<BoundarySums> boundary_;
-  std::vector<Look> looks_;
+  std::vector<float> denominator_;  // w |grad_i C|^2 + ...
   std::vector<CoarsePressure::Sample> samples_;
   std::vector<float> lambda_, change_;  // and what the last pass added to it
   std::vector<Vec3f> moved_;

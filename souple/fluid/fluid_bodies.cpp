@@ -218,8 +218,7 @@ Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& verti
 // --- how bodies give way
 // -------------------------------------------------------------------------------------
 
-void FluidBodies::weigh(const Surroundings& surroundings, std::size_t places, std::span<const Vec4f> x,
-                        CoarsePressure& coarse) {
+void FluidBodies::weigh(const Surroundings& surroundings, std::span<const Vec4f> x, CoarsePressure& coarse) {
   for (State& state : states_) {
     std::fill(state.slopes.begin(), state.slopes.end(), 0.0f);
     state.slope_sum = 0;
@@ -227,7 +226,7 @@ void FluidBodies::weigh(const Surroundings& surroundings, std::size_t places, st
   coarse.begin_movers(skins_.size());
   for (std::size_t s = 0; s < skins_.size(); ++s)
     if (states_[s].inverse_mass > 0) coarse.set_mover(s, states_[s].inverse_mass, states_[s].inverse_inertia);
-  for (std::size_t k = 0; k < places; ++k) {
+  for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
       if (plane.skin == NearPlane::nobody) continue;
       State& state = states_[plane.skin];
@@ -235,7 +234,7 @@ void FluidBodies::weigh(const Surroundings& surroundings, std::size_t places, st
       const float slope = length(plane.slope);
       if (state.inverse_mass > 0) {
         state.slope_sum += slope;
-        coarse.add_touch(plane.skin, static_cast<std::uint32_t>(k), x[k], Vec3d(plane.slope),
+        coarse.add_touch(plane.skin, k, x[k], Vec3d(plane.slope),
                          cross(Vec3d(point(plane, state.now)) - state.centre, Vec3d(plane.slope)));
         continue;
       }
@@ -266,9 +265,9 @@ void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums)
 
 void FluidBodies::yield(const Surroundings& surroundings, std::span<const float> change) {
   pushes_.assign(skins_.size(), {});
-  for (std::size_t k = 0; k < change.size(); ++k) {
+  for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
-      if (plane.skin == NearPlane::nobody || !states_[plane.skin].moves) continue;
+      if (!moves(plane)) continue;
       State& state = states_[plane.skin];
       const Vec3f push = plane.slope * -change[k];
       if (state.inverse_mass > 0) {
@@ -294,21 +293,13 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
   }
 }
 
-void FluidBodies::apply(const Surroundings& surroundings, std::size_t places,
-                        const ParticleView& particles) const {
-  for (std::size_t k = 0; k < places; ++k) {
+void FluidBodies::apply(const Surroundings& surroundings, const ParticleView& particles) const {
+  for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
-      if (plane.skin == NearPlane::nobody || !states_[plane.skin].moves) continue;
-      const Skin& skin = skins_[plane.skin];
-      const Triangle& t = skin.triangles[plane.triangle];
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float share = plane.weights[static_cast<int>(c)];
-        for (std::size_t p = 0; p < 4; ++p) {
-          const std::uint32_t i = skin.particles[t[c]][p];
-          const float weight = share * skin.weights[t[c]][p];
-          if (weight != 0) particles.correct(i, plane.pushed * (-weight * particles.inverse_mass(i)));
-        }
-      }
+      if (!moves(plane)) continue;
+      for_carriers(plane, [&](std::uint32_t i, float share) {
+        particles.correct(i, plane.pushed * (-share * particles.inverse_mass(i)));
+      });
     }
   }
 }

@@ -20,6 +20,12 @@ void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const
     wall.ball = bounding_ball(colliders[c].shape);
     wall.before = wall.after = pose_at(colliders[c].motion, time);
     wall.centre = wall.after.to_world(wall.ball.center);
+    if (const auto* plane = std::get_if<Plane>(&colliders[c].shape); plane && !wall.moves) {
+      const double size = length(Vec3d(plane->normal));
+      wall.is_plane = true;
+      wall.normal = wall.after.rotation * Vec3d(plane->normal) / size;
+      wall.offset = double{plane->offset} / size + dot(wall.normal, wall.after.translation - origin);
+    }
     (wall.moves ? moving_ : still_).push_back(wall);
   }
 }
@@ -35,9 +41,9 @@ void FluidWalls::begin_substep(double time, double h) {
 double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,
                         std::vector<NearPlane>& planes) const {
   if (!meets(wall, fluid)) return std::numeric_limits<double>::infinity();
-  const Vec3d world = origin_ + Vec3d(x);
-  const double clear = length(world - wall.centre) - wall.ball.radius;
+  const double clear = at_least(wall, Vec3d(x));
   if (clear > double{reach}) return clear;
+  const Vec3d world = origin_ + Vec3d(x);
   const SurfaceDistance surface =
       surface_distance(colliders_[wall.collider].shape, wall.after.to_local(world));
   if (surface.distance > double{reach}) return surface.distance;
@@ -79,12 +85,28 @@ Vec3f FluidWalls::keep_out(std::size_t i, std::size_t fluid, const Vec3f& start,
                            float radius) const {
   const Looked& looked = looked_[i];
   const bool clear = max(length(x - looked.at), length(start - looked.at)) + radius < looked.clear;
+  return keep_out(fluid, start, x, radius, clear);
+}
+
+Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const {
+  return keep_out(fluid, start, x, radius, false);
+}
+
+// `clear`: of walls that stand still.
+Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius,
+                           bool clear) const {
   if (clear && moving_.empty()) return x;
   const Vec3d before = origin_ + Vec3d(start), predicted = origin_ + Vec3d(x);
   Vec3d at = predicted;
-  if (!clear)
-    for (const Wall& wall : still_)
-      if (meets(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
+  if (!clear) {
+    // A wall further from the way's end than the way is long is not on it.
+    double room = double{radius} + length(at - before);
+    for (const Wall& wall : still_) {
+      if (!meets(wall, fluid) || at_least(wall, at - origin_) > room) continue;
+      at = stopped_by(wall, before, at, double{radius});
+      room = double{radius} + length(at - before);
+    }
+  }
   for (const Wall& wall : moving_)
     if (meets(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
   return at == predicted ? x : Vec3f(at - origin_);

@@ -23,6 +23,8 @@ class FluidWalls {
   /// walls it would have gone into or through, at least `radius` away. What is inside a wall already comes
   /// out.
   Vec3f keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const;
+  /// The same for what is no particle of the fluid.
+  Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const;
   /// Appends the planes nearer than `reach` to particle i of a fluid, at x. For different particles, several
   /// threads may call it at a time.
   void find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach, std::vector<NearPlane>& planes);
@@ -34,6 +36,10 @@ class FluidWalls {
     RigidPose before, after;  // at the substep's begin and end
     BoundingBall ball;
     Vec3d centre{};  // of the ball, at the substep's end
+    // A plane that stands still, from the origin of the fluid's positions: distance = normal . x - offset.
+    bool is_plane = false;
+    Vec3d normal{};
+    double offset = 0;  // m
   };
   /// Where a particle was looked at, and how far all walls that stand still were then.
   struct Looked {
@@ -43,6 +49,12 @@ class FluidWalls {
 
   bool meets(const Wall& wall, std::size_t fluid) const {
     return meets_[fluid * colliders_.size() + wall.collider] != 0;
+  }
+  Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius, bool clear) const;
+  /// How far a wall is from x, or less: without the rest of what a shape's distance takes.
+  double at_least(const Wall& wall, const Vec3d& x) const {
+    if (wall.is_plane) return dot(wall.normal, x) - wall.offset;
+    return length(origin_ + x - wall.centre) - wall.ball.radius;
   }
   Vec3d stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const;
   /// Appends the plane if it is near; how far the wall is, or less.

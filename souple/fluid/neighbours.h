@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/fluid/cell_order.h"
+#include "souple/fluid/kernels/density_kernels.h"
 #include "souple/fluid/kernels/neighbour_kernels.h"
 
 #include <cstdint>
@@ -33,6 +34,10 @@ class Neighbours {
     std::span<const std::uint32_t> padded(std::uint32_t place) const {
       const std::uint32_t k = place - begin;
       return {entry.data() + first[k], first[k + 1] - first[k]};
+    }
+    /// Padded, of the places [from, to) of this block.
+    kernels::ListsOfPlaces lists(std::uint32_t from, std::uint32_t to) const {
+      return {entry.data(), first.data() + (from - begin), from, to};
     }
   };
 

@@ -17,6 +17,8 @@ struct NearPlane {
   Vec3f motion{};    ///< of the surface in this substep [m]
   Vec3f slope{};     ///< its part in that of the sum, of the last look [1/m]
   Vec3f pushed{};    ///< the particle, in this substep: sum of slope times lambda [kg m]
+  float hold = 0;    ///< its part in how all of them hold a flow along them, as WallFriction says
+  Vec3f rubbed{};    ///< the body, in this substep: impulse [kg m/s]
   std::uint32_t collider = nobody;
   // Of a body: which skin, its triangle, and the weights of that one's corners in the nearest point.
   std::uint32_t skin = nobody, triangle = 0;
@@ -38,14 +40,23 @@ class Surroundings {
       for (std::size_t b = first; b < last; ++b) {
         Block& block = blocks_[b];
         block.planes.clear();
+        block.near.clear();
         for (std::size_t k = 0; k < block_size; ++k) {
           block.first[k] = static_cast<std::uint32_t>(block.planes.size());
-          if (b * block_size + k < places) find(b * block_size + k, block.planes);
+          const std::size_t place = b * block_size + k;
+          if (place < places) find(place, block.planes);
+          if (block.planes.size() > block.first[k]) block.near.push_back(static_cast<std::uint32_t>(place));
         }
         block.first[block_size] = static_cast<std::uint32_t>(block.planes.size());
       }
     });
+    near_.clear();
+    for (std::size_t b = 0; b < blocks; ++b)
+      near_.insert(near_.end(), blocks_[b].near.begin(), blocks_[b].near.end());
   }
+
+  /// The places that have planes, ascending.
+  std::span<const std::uint32_t> near() const { return near_; }
 
   std::span<const NearPlane> of(std::size_t place) const {
     const Block& block = blocks_[place / block_size];
@@ -61,9 +72,11 @@ class Surroundings {
   static constexpr std::size_t block_size = 256;
   struct Block {
     std::vector<NearPlane> planes;
+    std::vector<std::uint32_t> near;
     std::array<std::uint32_t, block_size + 1> first{};
   };
   std::vector<Block> blocks_;
+  std::vector<std::uint32_t> near_;
 };
 
 /// What planes add to a particle at x; each takes down its part:

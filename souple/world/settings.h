@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/collision/segment_triangle/choice.h"
+#include "souple/fluid/foam_parameters.h"
 #include "souple/fluid/smoothing_shape.h"
 #include "souple/math/vec3.h"
 #include "souple/solver/projector.h"
@@ -33,7 +34,11 @@ struct FluidSettings {
   /// Jacobi iterations after the coarse level, 0 to 100. With 0 the substep costs half; its residual is added
   /// to the coarse level's pressure.
   int iterations = 1;
-  float tolerance = 0;  ///< > 0: more iterations, up to 50, until the mean density error is below it
+  float tolerance = 0;        ///< > 0: more iterations, up to 50, until the mean density error is below it
+  float compressibility = 0;  ///< fluids are denser by this times their pressure, >= 0 [1/Pa]
+  /// Pressure with which two particles push each other that are 0.4 spacings apart, >= 0 [Pa]
+  float artificial_pressure = 0;
+  FoamParameters foam{};  ///< of fluids whose material's `foam` is above 0
   friend bool operator==(const FluidSettings&, const FluidSettings&) = default;
 };
 
@@ -57,7 +62,7 @@ struct Settings {
   Wind wind{};
   float drag = 0;                 ///< linear drag: f = -drag m (v - wind)  [1/s]
   bool measure_residuals = true;  ///< residuals and strain in the report: costs about one iteration a step
-  std::uint64_t seed = 1;         ///< of the gusts
+  std::uint64_t seed = 1;         ///< of the gusts, and of where fluids foam
   SolverSettings solver{};
   FluidSettings fluid{};
   Sleeping sleeping{};

@@ -56,7 +56,7 @@ struct Pool {
     }
     solver.place(positions, *threads);
     Walls boundary{*this};
-    solver.solve(boundary, *threads);
+    solver.solve(boundary, *threads, h);
     for (std::size_t k = 0; k < positions.size(); ++k) {
       const std::uint32_t i = solver.order()[k];
       positions[i].set_xyz(solver.positions()[k].xyz());
@@ -128,6 +128,30 @@ TEST(DensitySolver, AColumnRests) {
   EXPECT_LT(error, 0.005);
 }
 
+struct Nothing : FixedBoundary {
+  BoundarySums look(std::size_t, const Vec3f&) const { return {}; }
+};
+
+// Two particles at rest in a pair: nothing compresses them, and artificial pressure alone parts them.
+TEST(DensitySolver, ArtificialPressureKeepsParticlesFromMeeting) {
+  const auto threads = make_threads(Threading::serial, 1);
+  const auto way = [&](float pressure, float apart, float h) {
+    DensitySolver solver(d, {.artificial_pressure = pressure});
+    const float w = 1 / (density * d * d * d);
+    solver.place(std::vector<Vec4f>{{0, 0, 0, w}, {apart, 0, 0, w}}, *threads);
+    Nothing nothing;
+    solver.solve(nothing, *threads, h);
+    EXPECT_EQ(solver.moved()[0], solver.moved()[1] * -1.0f);
+    return solver.moved()[solver.order()[0] == 0 ? 1 : 0].x;
+  };
+  const float near = way(1000, 0.4f * d, 0.002f);
+  EXPECT_EQ(way(0, 0.4f * d, 0.002f), 0);
+  EXPECT_GT(near, 0);
+  EXPECT_NEAR(way(2000, 0.4f * d, 0.002f) / near, 2, 1e-3);
+  EXPECT_NEAR(way(1000, 0.4f * d, 0.004f) / near, 4, 1e-3);  // an acceleration
+  EXPECT_LT(way(1000, d, 0.002f), 0.01f * near);
+}
+
 TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
   std::vector<Vec4f> first;
   for (const int threads : {1, 2, 8}) {
@@ -137,10 +161,6 @@ TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
     for (std::size_t i = 0; i < first.size(); ++i) ASSERT_EQ(first[i].xyz(), pool.positions[i].xyz());
   }
 }
-
-struct Nothing : FixedBoundary {
-  BoundarySums look(std::size_t, const Vec3f&) const { return {}; }
-};
 
 TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {
   Pool pool(8, 8, 8, 2);

@@ -2,7 +2,9 @@
 #include "souple/fluid/smoothing.h"
 #include "tests/fluid/clouds.h"
 
+#include <array>
 #include <cmath>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -100,6 +102,27 @@ TEST(DensityKernels, GiveTheSameBits) {
          {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
       if (set > instruction_set()) continue;
       const auto& packed = kernels::find_density_kernels(set, shape);
+      // Places 0 to 2 with what the list begins with.
+      const std::uint32_t first[] = {0, 64, 64, 304};
+      const kernels::ListsOfPlaces lists{list.data(), first, 0, 3};
+      std::array<kernels::DensitySums, 3> sums_a{}, sums_b{};
+      std::array<Vec3f, 3> push_a{}, push_b{}, repel_a{}, repel_b{};
+      const kernels::Repulsion repulsion{-0.3f, 2};
+      for (const auto& [kernels, sums, push, repel] :
+           {std::tie(plain, sums_a, push_a, repel_a), std::tie(packed, sums_b, push_b, repel_b)}) {
+        kernels.sums_of(records.data(), lists, smoothing.factors(), sums.data());
+        kernels.push_of(records.data(), lists, smoothing.factors(), push.data());
+        kernels.repel_of(records.data(), lists, smoothing.factors(), repulsion, repel.data());
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(sums_a[k].density, sums_b[k].density);
+        EXPECT_EQ(sums_a[k].gradient, sums_b[k].gradient);
+        EXPECT_EQ(push_a[k], push_b[k]);
+        EXPECT_EQ(repel_a[k], repel_b[k]);
+        EXPECT_EQ(push_b[k], packed.push(records.data(), records[k], list.data() + first[k],
+                                         first[k + 1] - first[k], smoothing.factors()));
+      }
+      EXPECT_NE(push_a[0], repel_a[0]);
       for (const std::uint32_t i : {0u, 7u, 100u, 299u}) {
         const auto a = plain.sums(records.data(), records[i], list.data(), list.size(), smoothing.factors());
         const auto b = packed.sums(records.data(), records[i], list.data(), list.size(), smoothing.factors());

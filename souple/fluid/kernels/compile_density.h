@@ -13,7 +13,19 @@
 
 namespace souple::kernels {
 
-typedef float FourLanes __attribute__((vector_size(16)));  // NOLINT(modernize-use-using)
+typedef float FourLanes __attribute__((vector_size(16)));   // NOLINT(modernize-use-using)
+typedef float EightLanes __attribute__((vector_size(32)));  // NOLINT(modernize-use-using)
+
+/// Lanes of a, 0 to 3, and of b, 4 to 7.
+template <int I, int J, int K, int L>
+SOUPLE_INLINE inline FourLanes shuffled(FourLanes a, FourLanes b) {
+#if defined(__clang__)
+  return __builtin_shufflevector(a, b, I, J, K, L);
+#else
+  typedef int Choice __attribute__((vector_size(16)));  // NOLINT(modernize-use-using)
+  return __builtin_shuffle(a, b, Choice{I, J, K, L});
+#endif
+}
 
 /// Sixteen partial sums, in as many registers as they take.
 template <class Set>
@@ -27,17 +39,24 @@ struct Sixteen {
   SOUPLE_INLINE void add(int r, simd::Pack<Set> terms) { sum[r] += terms.v; }
   /// (k, k + 4, k + 8, k + 12) added for k = 0 to 3, pairs that are eight apart first.
   SOUPLE_INLINE FourLanes four() const {
-    FourLanes part[4];
-    std::memcpy(part, sum, sizeof part);
-    return (part[0] + part[2]) + (part[1] + part[3]);
+    if constexpr (Set::lanes == 4) {
+      return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+    } else {
+      EightLanes half[2];
+      std::memcpy(half, sum, sizeof half);
+      const EightLanes both = half[0] + half[1];
+      FourLanes part[2];
+      std::memcpy(part, &both, sizeof part);
+      return part[0] + part[1];
+    }
   }
 };
 
 /// The four lanes of each added, (0 + 2) + (1 + 3).
 SOUPLE_INLINE inline FourLanes add_lanes(FourLanes a, FourLanes b, FourLanes c, FourLanes d) {
-  const FourLanes ab0 = {a[0] + a[2], a[1] + a[3], b[0] + b[2], b[1] + b[3]};
-  const FourLanes cd0 = {c[0] + c[2], c[1] + c[3], d[0] + d[2], d[1] + d[3]};
-  return FourLanes{ab0[0] + ab0[1], ab0[2] + ab0[3], cd0[0] + cd0[1], cd0[2] + cd0[3]};
+  const FourLanes ab = shuffled<0, 4, 1, 5>(a, b) + shuffled<2, 6, 3, 7>(a, b);
+  const FourLanes cd = shuffled<0, 4, 1, 5>(c, d) + shuffled<2, 6, 3, 7>(c, d);
+  return shuffled<0, 1, 4, 5>(ab, cd) + shuffled<2, 3, 6, 7>(ab, cd);
 }
 
 /// The x, y, z and w of `lanes` records whose places times four stand at `list`.
@@ -70,8 +89,9 @@ struct Near {
 };
 
 template <class Set, class Shape>
-DensitySums density_sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
-                         const SmoothingFactors& factors) {
+SOUPLE_INLINE inline DensitySums density_sums_here(const Vec4f* records, const Vec4f& at,
+                                                   const std::uint32_t* list, std::size_t count,
+                                                   const SmoothingFactors& factors) {
   using T = simd::Pack<Set>;
   Sixteen<Set> density, squared, gx, gy, gz;
   for (std::size_t k = 0; k < count; k += 16) {
@@ -91,16 +111,35 @@ DensitySums density_sums(const Vec4f* records, const Vec4f& at, const std::uint3
   return {factors.value_factor * four[0], (q[0] + q[2]) + (q[1] + q[3]), {four[1], four[2], four[3]}};
 }
 
-template <class Set, class Shape>
-Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
-                   const SmoothingFactors& factors) {
+/// What a pair adds to q_i + q_j besides.
+struct NoRepulsion {
+  template <class Shape, class T>
+  SOUPLE_INLINE T operator()(T q_sum, T) const {
+    return q_sum;
+  }
+};
+template <class Set>
+struct SomeRepulsion {
+  Repulsion repulsion;
+  template <class Shape, class T>
+  SOUPLE_INLINE T operator()(T q_sum, T q) const {
+    const T part = T(repulsion.scale) * Shape::value(q), squared = part * part;
+    return q_sum + T(repulsion.strength) * (squared * squared);
+  }
+};
+
+template <class Set, class Shape, class Repel = NoRepulsion>
+SOUPLE_INLINE inline Vec3f density_push_here(const Vec4f* records, const Vec4f& at, const std::uint32_t* list,
+                                             std::size_t count, const SmoothingFactors& factors,
+                                             const Repel& repel = {}) {
   using T = simd::Pack<Set>;
   Sixteen<Set> px, py, pz;
   for (std::size_t k = 0; k < count; k += 16) {
     for (int r = 0; r < Sixteen<Set>::registers; ++r) {
       const Gathered<Set> other(&records->x, list + k + static_cast<std::size_t>(r * Set::lanes));
       const Near<Set> near(other, at, factors);
-      const T pull = (T(at.w) + T(other.w)) * (T(factors.slope_factor) * Shape::slope(near.q));
+      const T q_sum = repel.template operator()<Shape, T>(T(at.w) + T(other.w), near.q);
+      const T pull = q_sum * (T(factors.slope_factor) * Shape::slope(near.q));
       px.add(r, pull * near.dx);
       py.add(r, pull * near.dy);
       pz.add(r, pull * near.dz);
@@ -108,6 +147,49 @@ Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* l
   }
   const FourLanes four = add_lanes(px.four(), py.four(), pz.four(), FourLanes{});
   return {four[0], four[1], four[2]};
+}
+
+template <class Set, class Shape>
+DensitySums density_sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
+                         const SmoothingFactors& factors) {
+  return density_sums_here<Set, Shape>(records, at, list, count, factors);
+}
+
+template <class Set, class Shape>
+Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
+                   const SmoothingFactors& factors) {
+  return density_push_here<Set, Shape>(records, at, list, count, factors);
+}
+
+template <class Set, class Shape>
+void density_sums_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+                     DensitySums* result) {
+  const SmoothingFactors factors = given;
+  const std::uint32_t *entry = lists.entry, *first = lists.first;
+  for (std::uint32_t place = lists.begin; place < lists.end; ++place, ++first, ++result)
+    *result = density_sums_here<Set, Shape>(records, records[place], entry + first[0], first[1] - first[0],
+                                            factors);
+}
+
+template <class Set, class Shape>
+void density_push_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+                     Vec3f* result) {
+  const SmoothingFactors factors = given;
+  const std::uint32_t *entry = lists.entry, *first = lists.first;
+  for (std::uint32_t place = lists.begin; place < lists.end; ++place, ++first, ++result)
+    *result = density_push_here<Set, Shape>(records, records[place], entry + first[0], first[1] - first[0],
+                                            factors);
+}
+
+template <class Set, class Shape>
+void density_repel_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+                      const Repulsion& repulsion, Vec3f* result) {
+  const SmoothingFactors factors = given;
+  const SomeRepulsion<Set> repel{repulsion};
+  const std::uint32_t *entry = lists.entry, *first = lists.first;
+  for (std::uint32_t place = lists.begin; place < lists.end; ++place, ++first, ++result)
+    *result = density_push_here<Set, Shape>(records, records[place], entry + first[0], first[1] - first[0],
+                                            factors, repel);
 }
 
 template <class Set, class Shape>
@@ -132,8 +214,9 @@ Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at,
 
 template <class Set, class Shape>
 const DensityKernels& density_kernels() {
-  static constexpr DensityKernels kernels{density_sums<Set, Shape>, density_push<Set, Shape>,
-                                          density_spread<Set, Shape>};
+  static constexpr DensityKernels kernels{density_sums_of<Set, Shape>,  density_push_of<Set, Shape>,
+                                          density_repel_of<Set, Shape>, density_sums<Set, Shape>,
+                                          density_push<Set, Shape>,     density_spread<Set, Shape>};
   return kernels;
 }
 

@@ -27,9 +27,28 @@ struct DensitySums {
   Vec3f gradient;          ///< sum_j grad W_ij [1/m^4]
 };
 
+/// A push that keeps particles from meeting: added to q_i + q_j is strength (value(r / h) scale)^4.
+struct Repulsion {
+  float strength = 0, scale = 1;
+};
+
+/// The lists of consecutive places: of place begin + k, entry[first[k]] up to entry[first[k + 1]].
+struct ListsOfPlaces {
+  const std::uint32_t *entry, *first;
+  std::uint32_t begin, end;
+};
+
 /// Lists hold the place of each neighbour times four, padded to whole sixteens with that of a record so far
 /// away that its terms are zero.
 struct DensityKernels {
+  /// `sums` and `push` of place begin + k go to result[k]: without a call for each.
+  void (*sums_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+                  DensitySums* result);
+  void (*push_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+                  Vec3f* result);
+  /// The same with a repulsion of each pair.
+  void (*repel_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+                   const Repulsion& repulsion, Vec3f* result);
   /// `records`: x, y, z and the inverse mass w.
   DensitySums (*sums)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                       const SmoothingFactors& factors);

@@ -27,17 +27,26 @@ DensitySums sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* lis
 
 template <class Shape>
 Vec3f push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
-           const SmoothingFactors& factors) {
+           const SmoothingFactors& factors, const Repulsion& repulsion) {
   PlainSixteen px, py, pz;
   for (std::size_t k = 0; k < count; ++k) {
     const Vec4f& other = records[list[k] / 4];
     const PlainNear near(at, other, factors);
-    const float pull = (at.w + other.w) * (factors.slope_factor * Shape::slope(near.q));
+    const float part = repulsion.scale * Shape::value(near.q), squared = part * part;
+    const float repelled = repulsion.strength * (squared * squared);
+    const float q_sum = at.w + other.w + (repulsion.strength != 0 ? repelled : 0);
+    const float pull = q_sum * (factors.slope_factor * Shape::slope(near.q));
     px.sum[k % 16] += pull * near.d.x;
     py.sum[k % 16] += pull * near.d.y;
     pz.sum[k % 16] += pull * near.d.z;
   }
   return {px.total(), py.total(), pz.total()};
+}
+
+template <class Shape>
+Vec3f push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
+           const SmoothingFactors& factors) {
+  return push<Shape>(records, at, list, count, factors, {});
 }
 
 template <class Shape>
@@ -56,7 +65,32 @@ Vec3f spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const V
 }
 
 template <class Shape>
-constexpr DensityKernels plain{sums<Shape>, push<Shape>, spread<Shape>};
+void sums_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+             DensitySums* result) {
+  for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
+    result[k] = sums<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],
+                            lists.first[k + 1] - lists.first[k], factors);
+}
+
+template <class Shape>
+void push_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+             Vec3f* result) {
+  for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
+    result[k] = push<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],
+                            lists.first[k + 1] - lists.first[k], factors);
+}
+
+template <class Shape>
+void repel_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+              const Repulsion& repulsion, Vec3f* result) {
+  for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
+    result[k] = push<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],
+                            lists.first[k + 1] - lists.first[k], factors, repulsion);
+}
+
+template <class Shape>
+constexpr DensityKernels plain{sums_of<Shape>, push_of<Shape>, repel_of<Shape>,
+                               sums<Shape>,    push<Shape>,    spread<Shape>};
 
 }  // namespace
 

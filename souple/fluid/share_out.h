@@ -1,0 +1,37 @@
+#pragma once
+
+#include "souple/solver/threads.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+
+namespace souple {
+
+/// f(i) for i in [0, n), of which each is worth a thread's visit. A thread takes those of its own part first,
+/// in order, as Threads::for_each would give them to it, and then what others have left: parts that take
+/// equally long are rare, and a processor may be away. What f writes must not depend on who calls it.
+template <class Function>
+void share_out(std::size_t n, Threads& threads, const Function& f) {
+  constexpr std::size_t most_parts = 64;
+  struct alignas(64) Part {
+    std::atomic<std::size_t> next{0};
+    std::size_t end = 0;
+  };
+  std::array<Part, most_parts> part;
+  const std::size_t parts = std::min({n, most_parts, static_cast<std::size_t>(std::max(threads.count(), 1))});
+  for (std::size_t t = 0; t < parts; ++t) {
+    part[t].next.store(n * t / parts, std::memory_order_relaxed);
+    part[t].end = n * (t + 1) / parts;
+  }
+  threads.for_each(parts, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t t = first; t < last; ++t)
+      for (std::size_t k = 0; k < parts; ++k) {
+        Part& from = part[(t + k) % parts];
+        for (std::size_t i; (i = from.next.fetch_add(1, std::memory_order_relaxed)) < from.end;) f(i);
+      }
+  });
+}
+
+}  // namespace souple
