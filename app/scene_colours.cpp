@@ -1,6 +1,8 @@
 #include "app/scene_colours.h"
 
+#include <algorithm>
 #include <string_view>
+#include <vector>
 
 namespace souple::app {
 
@@ -14,13 +16,20 @@ void colour(Things& things, std::string_view name, const std::optional<std::uint
   }
 }
 
+void leave_out(std::vector<render::ColliderBody>& colliders, std::string_view name) {
+  const auto is_it = [&](const auto& collider) { return collider.name == name; };
+  colliders.erase(std::remove_if(colliders.begin(), colliders.end(), is_it), colliders.end());
+}
+
 }  // namespace
 
 void add_colours(const SceneDescription& scene, render::Subject& subject) {
   for (const AnyObjectDescription& object : scene.objects)
     colour(subject.bodies, common(object).name, common(object).colour);
-  for (const ColliderDescription& collider : scene.colliders)
+  for (const ColliderDescription& collider : scene.colliders) {
     colour(subject.colliders, collider.name, collider.colour);
+    if (!collider.show) leave_out(subject.colliders, collider.name);
+  }
 }
 
 }  // namespace souple::app

@@ -6,6 +6,7 @@
 namespace souple::app {
 
 /// Gives the bodies and colliders of `subject` the colours that the scene's entries of the same name ask for.
+/// Colliders that are not to be shown are left out.
 void add_colours(const SceneDescription& scene, render::Subject& subject);
 
 }  // namespace souple::app

@@ -549,7 +549,7 @@ class Builder {
       const VertexRef& a = from[from.size() == 1 ? 0 : i];
       pairs.emplace_back(a, in_order ? to[to.size() == 1 ? 0 : i] : nearest_of(to, a));
     }
-    world_.connect(pairs, connection.rest_length.value_or(-1), connection.compliance);
+    world_.connect(pairs, connection.rest_length.value_or(-1), connection.compliance, connection.until);
   }
 
   const SceneDescription& scene_;

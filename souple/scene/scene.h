@@ -245,6 +245,7 @@ struct ColliderDescription {
   float restitution = 0;
   CollisionFilter collision{};                 ///< as of an object
   std::optional<std::uint32_t> colour;         ///< the same
+  bool show = true;                            ///< in pictures; it collides all the same
   TransformDescription transform;              ///< its scale is 1
   std::vector<KeyframeDescription> keyframes;  ///< instead of the transform
   bool loop = false;
@@ -276,6 +277,7 @@ struct ConnectionDescription {
   Pairing pairing = Pairing::in_order;
   std::optional<float> rest_length;  ///< m; the distance at the start if not given
   float compliance = 0;              ///< m/N
+  std::optional<double> until;       ///< s; for ever if not given
 };
 
 struct CameraDescription {

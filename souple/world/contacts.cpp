@@ -115,7 +115,7 @@ void build_contact_tables(WorldState& world) {
   tables.against_objects = SurfaceMatrix(object_surfaces, object_surfaces, world.pairs);
   std::vector<std::array<std::uint32_t, 2>> tied;
   for (const Extra& extra : world.extras)
-    for (std::size_t i = 0; extra.tie && i < extra.tie->size(); ++i)
+    for (std::size_t i = 0; extra.tie && extra.holds && i < extra.tie->size(); ++i)
       tied.push_back(extra.tie->set().indices(i));
   world.surface_contacts.exclude(tied);
   world.untangling.exclude(tied);

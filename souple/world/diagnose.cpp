@@ -113,6 +113,23 @@ void bring_up_to_date(WorldState& world) {
   world.dirty_tables = false;
 }
 
+namespace {
+
+// Whether a tie holds follows from the time alone, so a world that is restored ties again what it has to.
+// Time is a sum of steps: a billionth of a second too little is no reason to wait for another one.
+void let_go_of_ties(WorldState& world) {
+  constexpr double rounding = 1e-9;  // s
+  for (Extra& extra : world.extras) {
+    const bool holds = !extra.until || world.time + rounding < *extra.until;
+    if (holds == extra.holds) continue;
+    extra.holds = holds;
+    world.dirty_tables = world.dirty_solver = true;  // contacts leave tied particles alone
+    wake_held(world, *extra.projector);
+  }
+}
+
+}  // namespace
+
 bool begin_step(WorldState& world, double dt) {
   StepReport& report = world.report;
   if (world.stepping) {
@@ -131,6 +148,7 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   try {
+    let_go_of_ties(world);
     bring_up_to_date(world);
   } catch (const Error& error) {
     world.complain(Flag::callback_failed, std::string(error.what()) + "; nothing was done");

@@ -180,10 +180,12 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
 }
 
 ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pairs, float rest_length,
-                           float compliance) {
+                           float compliance, std::optional<double> until) {
   WorldState& world = impl_->state;
   world.require_between_steps("connect");
   require_compliance(compliance, "connect");
+  if (until && !(std::isfinite(*until) && *until >= 0))
+    throw Error("connect: until is " + std::to_string(*until) + " s, expected a finite time >= 0");
   if (pairs.empty()) throw Error("connect: there are no pairs");
   auto projector = std::make_unique<SetProjector<Distance>>();
   for (const auto& [a, b] : pairs) {
@@ -198,6 +200,7 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
     wake_island(world, world.object(a.object)), wake_island(world, world.object(b.object));
   Extra extra;
   extra.tie = projector.get();
+  extra.until = until;
   return world.add_extra(std::move(extra), std::move(projector));
 }
 

@@ -247,7 +247,7 @@ void find_islands(WorldState& world) {
   find_touching(world);
   for (const auto& [a, b] : touching.found) unite(parent, a, b);
   for (const Extra& extra : world.extras)
-    for (std::size_t k = 0; extra.tie && k < extra.tie->set().size(); ++k) {
+    for (std::size_t k = 0; extra.tie && extra.holds && k < extra.tie->set().size(); ++k) {
       const auto ends = extra.tie->set().indices(k);
       unite(parent, world.object_of[ends[0]], world.object_of[ends[1]]);
     }

@@ -116,6 +116,8 @@ struct Extra {
   SetProjector<Attachment>* attachment = nullptr;  ///< `projector`, when it has a target
   SetProjector<Distance>* tie = nullptr;           ///< `projector`, when it ties vertices together
   bool by_user = false;                            ///< it may pull otherwise at any time
+  std::optional<double> until;                     ///< when a tie is let go of [s]
+  bool holds = true;                               ///< it was not yet when the last step began
   Target target;
   std::vector<Follower> followers;
 
@@ -235,7 +237,8 @@ struct WorldState {
   template <class Function>
   void for_each_constraint_projector(const Function& f) {
     for (const auto& projector : standard) f(*projector);
-    for (const Extra& extra : extras) f(*extra.projector);
+    for (const Extra& extra : extras)
+      if (extra.holds) f(*extra.projector);
   }
 
   ProjectorId add_extra(Extra extra, std::unique_ptr<Projector> projector);

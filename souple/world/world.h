@@ -23,6 +23,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -254,9 +255,10 @@ class World {
   std::vector<std::uint32_t> pinned(ObjectId object) const;
   /// Pulls vertices to a target (default: where they are) with a spring of compliance [m/N]; 0 is rigid.
   ProjectorId attach(ObjectId object, const Selector& selector, Target target = {}, float compliance = 0);
-  /// Ties pairs of vertices together at a rest length [m]; negative: the distance they have now.
+  /// Ties pairs of vertices together at a rest length [m]; negative: the distance they have now. They are let
+  /// go of by the first step that begins at or after `until` [s], by the world's time; never, if not given.
   ProjectorId connect(std::span<const std::pair<VertexRef, VertexRef>> pairs, float rest_length = 0,
-                      float compliance = 0);
+                      float compliance = 0, std::optional<double> until = {});
   /// Keeps every vertex within (1 + slack) times its rest distance along edges from the nearest pinned vertex
   /// (Kim 2012).
   ProjectorId add_tethers(ObjectId object, float slack = 0.02f);

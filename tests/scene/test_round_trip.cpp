@@ -39,12 +39,12 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
                    "keyframes": [{"time": 0, "translate": [0, 0.3, 0]}, {"time": 1}], "loop": true},
                   {"name": "rock", "shape": {"signed_distance_field":
                     {"mesh": {"file": "meshes/duck.obj", "scale": 0.01}, "spacing": 0.02}}},
-                  {"name": "ring", "shape": {"signed_distance_field":
+                  {"name": "ring", "show": false, "shape": {"signed_distance_field":
                     {"mesh": {"torus": {"major_radius": 1, "minor_radius": 0.25}}, "resolution": 24}}}],
     "pairs": [{"between": ["flag", "floor"], "friction": 0, "restitution": 1},
               {"between": ["flag", "flag"], "collide": false}],
     "connections": [{"from": {"object": "flag", "vertices": [0]}, "to": {"object": "line", "all": true},
-                     "pairing": "nearest", "rest_length": 0, "compliance": 0.5}]
+                     "pairing": "nearest", "rest_length": 0, "compliance": 0.5, "until": 1.25}]
   })",
                                              scenes_folder(), "test.json");
   EXPECT_EQ(scene.frame_rate, 50);
@@ -110,6 +110,8 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(std::get<Plane>(scene.colliders[0].shape).offset, 1);
   EXPECT_EQ(std::get<Capsule>(scene.colliders[1].shape).center, Vec3f(1, 0, 0));
   EXPECT_TRUE(scene.colliders[1].loop);
+  EXPECT_TRUE(scene.colliders[2].show);
+  EXPECT_FALSE(scene.colliders[3].show);
   const auto& rock = std::get<SignedDistanceFieldDescription>(scene.colliders[2].shape);
   EXPECT_EQ(std::get<FileMesh>(rock.mesh.source).file, "meshes/duck.obj");
   EXPECT_EQ(rock.mesh.import.scale, 0.01);
@@ -133,6 +135,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(scene.colliders[0].collision.mask, 19u);
   EXPECT_EQ(scene.connections[0].pairing, Pairing::nearest);
   EXPECT_EQ(scene.connections[0].rest_length, 0.0f);
+  EXPECT_EQ(scene.connections[0].until, 1.25);
 
   // Nothing is lost on the way back.
   const SceneDescription again = parse_scene(to_json(scene), scenes_folder(), "again.json");

@@ -69,6 +69,7 @@ CodecPtr<ColliderDescription> collider_codec() {
           "how much of the speed a bounce gives back; a contact has the larger of both sides")
       .key<&C::colour>("colour", maybe(colour()),
                        "how pictures show it, as in HTML; if not given: light grey")
+      .key<&C::show>("show", boolean(), "false: pictures leave it out, it collides all the same")
       .key<&C::transform>("transform", pose_codec(), "where it stands")
       .key<&C::keyframes>("keyframes", keyframes_codec(), "where it goes, instead of `transform`")
       .key<&C::loop>("loop", boolean(), "starts the keyframes over after the last")

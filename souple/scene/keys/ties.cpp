@@ -61,7 +61,9 @@ CodecPtr<ConnectionDescription> connection_codec() {
           "each of `from` to the nearest of `to`")
       .key<&C::rest_length>("rest_length", maybe(number<float>(from_zero(far_away))),
                             "[m]; if not given, the distance at the start; 0 glues them")
-      .key<&C::compliance>("compliance", number<float>(from_zero(1e6)), "[m/N]; 0 is rigid");
+      .key<&C::compliance>("compliance", number<float>(from_zero(1e6)), "[m/N]; 0 is rigid")
+      .key<&C::until>("until", maybe(number<double>(from_zero(far_away))),
+                      "when they are let go of [s]; if not given, never");
   return keys;
 }
 
