@@ -2,6 +2,7 @@
 
 #include "app/scene_colours.h"
 #include "souple/error.h"
+#include "souple/io/recorded_foam.h"
 
 #include <string_view>
 #include <utility>
@@ -100,6 +101,7 @@ void CacheSubject::find_velocities(std::uint64_t frame) {
 void CacheSubject::describe_bodies() {
   std::vector<std::size_t> shape;
   for (const Playback::Object& object : playback_.objects()) {
+    if (object.kind == foam_kind_name) continue;
     shape.push_back(object.positions.size());
     shape.push_back(object.triangles.size());
   }
@@ -108,7 +110,7 @@ void CacheSubject::describe_bodies() {
   subject_.bodies.clear();
   for (std::size_t i = 0; i < playback_.objects().size(); ++i) {
     const Playback::Object& object = playback_.objects()[i];
-    if (object.positions.empty()) continue;
+    if (object.positions.empty() || object.kind == foam_kind_name) continue;
     render::Body body;
     body.id = static_cast<std::uint32_t>(i + 1);
     body.name = object.name;
@@ -128,6 +130,8 @@ void CacheSubject::describe_bodies() {
     }
     subject_.bodies.push_back(body);
   }
+  for (const Playback::Object& object : playback_.objects())
+    if (object.kind == foam_kind_name) render::show_foam(subject_, object.positions);
 }
 
 }  // namespace souple::app

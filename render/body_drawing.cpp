@@ -222,8 +222,8 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawin
   foam.key = key_;
   foam.version = version_;
   foam.centres = body.foam;
-  foam.radius = 0.3f * spacing;
-  foam.opacity = 0.35f;
+  foam.radius = 0.2f * spacing;
+  foam.opacity = 0.4f;
   drawing.list.foams.push_back(foam);
 }
 

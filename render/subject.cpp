@@ -1,6 +1,14 @@
 #include "render/subject.h"
 
+#include <algorithm>
+
 namespace souple::render {
+
+void show_foam(Subject& subject, std::span<const Vec3f> foam) {
+  const auto fluid = std::find_if(subject.bodies.begin(), subject.bodies.end(),
+                                  [](const Body& body) { return body.kind == ObjectKind::fluid; });
+  if (fluid != subject.bodies.end()) fluid->foam = foam;
+}
 
 Subject subject_of(const World& world, std::uint64_t world_number) {
   Subject subject;
@@ -18,6 +26,7 @@ Subject subject_of(const World& world, std::uint64_t world_number) {
     if (body.kind == ObjectKind::fluid) body.density = world.fluid_material(id).density;
     subject.bodies.push_back(body);
   }
+  show_foam(subject, world.foam().positions);
   for (const ColliderId id : world.colliders())
     subject.colliders.push_back(
         {id.value, world.collider_options(id).name, &world.shape(id), world.collider_pose(id)});

@@ -25,7 +25,7 @@ struct Body {
   float radius = 0.005f;           ///< of ropes and grains, half the thickness of others, half of a fluid's
                                    ///< spacing [m]
   float density = 0;               ///< of fluids; 0: not known [kg/m^3]
-  std::span<const Vec3f> foam;     ///< of fluids: spray, foam and bubbles [m]
+  std::span<const Vec3f> foam;     ///< of the first of all fluids: their spray, foam and bubbles [m]
   std::optional<Colour> colour{};  ///< if none: one of the palette
 };
 
@@ -46,6 +46,9 @@ struct Subject {
   std::uint64_t topology = 0;    ///< another number: it is another world
   const World* world = nullptr;  ///< for constraints, contacts and lattices; none in a cache
 };
+
+/// Foam is of no fluid in particular: the first one shows it.
+void show_foam(Subject& subject, std::span<const Vec3f> foam);
 
 /// `world_number` tells one world from another that took its place.
 Subject subject_of(const World& world, std::uint64_t world_number = 0);

@@ -14,7 +14,7 @@ namespace {
 
 // Told apart by the colour-blind too; in the order of Stage.
 constexpr std::array<unsigned, stage_count> stage_colours{0x5b8def, 0x8d97a6, 0x3fb4e0, 0xf0a35e,
-                                                          0x4fb6a8, 0xd7dbe2, 0xc983d6};
+                                                          0x4fb6a8, 0xd7dbe2, 0xc983d6, 0xe0dc7a};
 
 /// "isometric_bending" as words.
 std::string spaced(std::string_view name) {

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 """Writes the meshes of the shipped scenes that are swept along a circle or a curve, beside itself: glass.obj, tube.obj,
-knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj. Metres."""
+knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj, water_balloon.obj. Metres."""
 import math
 import pathlib
 
 here = pathlib.Path(__file__).parent
 
 
-def write(name, about, vertices, triangles):
+def write(name, about, vertices, triangles, groups=None):
     lines = [f"# {about} Made by make_swept.py.", f"o {name}"]
     lines += ["v " + " ".join(f"{x + 0.0:.5g}" if abs(x) >= 5e-6 else "0" for x in v) for v in vertices]
     lines += ["f " + " ".join(str(v + 1) for v in t) for t in triangles]
+    for group, members in (groups or {}).items():
+        lines += [f"g {group}", "p " + " ".join(str(v + 1) for v in members)]
     (here / f"{name}.obj").write_text("\n".join(lines) + "\n")
     print(f"{name}: {len(vertices)} vertices, {len(triangles)} triangles")
 
@@ -118,6 +120,44 @@ def strip(name, half, across=5, width=0.08):
     write(name, "One strip of a reef knot.", vertices, quads(len(curve), across, False))
 
 
+def zipped(below, above):
+    """Triangles between two rows of vertices of different numbers, always across the shorter diagonal."""
+    triangles, i, j = [], 0, 0
+    while i + 1 < len(below) or j + 1 < len(above):
+        if j + 1 == len(above) or (i + 1 < len(below) and (i + 1) * max(len(above) - 1, 1) <= (j + 1) * max(len(below) - 1, 1)):
+            triangles.append((below[i], above[j], below[i + 1]))
+            i += 1
+        else:
+            triangles.append((below[i], above[j], above[j + 1]))
+            j += 1
+    return triangles
+
+
+def water_balloon(radius, neck, height, edge=0.02, gores=4, gap=0.0006):
+    """A balloon of separate gores around y, each a hair from the next; of every seam both sides are a group."""
+    profile = [(-radius * math.cos(a), radius * math.sin(a), 0) for a in (math.pi * k / 24 for k in range(17))]
+    profile += [(0.82 * height, 1.15 * neck, 0), (height, neck, 0)]
+    vertices, triangles, groups = [], [], {"knot": []}
+    rings = smooth(profile, edge)
+    for gore in range(gores):
+        rows = []
+        for y, r, _ in rings:
+            r = max(r, gap)
+            columns = max(1, round(2 * math.pi * r / gores / edge)) if r > gap else 0
+            margin = gap / 2 / r if columns else math.pi / gores
+            lo, hi = 2 * math.pi * gore / gores + margin, 2 * math.pi * (gore + 1) / gores - margin
+            rows.append(range(len(vertices), len(vertices) + columns + 1))
+            for c in range(columns + 1):
+                a = lo + (hi - lo) * c / max(columns, 1)
+                vertices.append((r * math.cos(a), y, r * math.sin(a)))
+        for below, above in zip(rows, rows[1:]):
+            triangles += zipped(below, above)
+        groups[f"seam{(gore - 1) % gores + 1}_b"] = [row[0] for row in rows]
+        groups[f"seam{gore + 1}_a"] = [row[-1] for row in rows]
+        groups["knot"] += rows[-1]
+    write("water_balloon", "A balloon with a neck, of four gores that hang together nowhere.", vertices, triangles, groups)
+
+
 if __name__ == "__main__":
     glass(0.16, 0.4, 0.03)
     tube(0.06, 1.3, 12)
@@ -130,3 +170,4 @@ if __name__ == "__main__":
     garment("shirt", "A shirt without sleeves, open below and at the neck.", -0.12, 0.56, 30, 48, lambda a, down: 0.012)
     garment("coat", "A coat that is half sunk into the shirt.", 0.06, 0.548, 22, 44,
             lambda a, down: 0.02 + min(4 * down, 1) * (0.009 * math.cos(3 * a + 1) - 0.007))
+    water_balloon(0.15, 0.02, 0.26)

@@ -14,7 +14,8 @@ namespace souple {
 /// What an object shows to others: triangles, loose edges and loose vertices over its particles. Spans live
 /// as long as whoever was given it uses them.
 struct ContactSurface {
-  std::uint32_t begin = 0, end = 0;                           ///< particles [begin, end)
+  std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
+  std::uint32_t reserved_end = 0;    ///< loose ones may come up to here; 0: up to `end`
   std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
   std::span<const Edge> edges{};
   bool loose_particles = false;  ///< grains: every particle is a ball of its radius

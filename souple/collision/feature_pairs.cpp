@@ -12,6 +12,8 @@ namespace souple {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr Bounds nowhere{{-infinity, -infinity, -infinity},
+                         {infinity, infinity, infinity}};  // it is left out
 // Pairs are looked at in batches of one size, and what these found is put together in order: the same for any
 // number of threads.
 constexpr std::size_t batch_size = 1024;
@@ -97,7 +99,10 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   if (!any_) return;
   crosses_.assign(n, 0);
   std::uint32_t end = 0;
-  for (const ContactSurface& surface : surfaces_) end = std::max(end, surface.end);
+  for (ContactSurface& surface : surfaces_) {
+    surface.reserved_end = std::max(surface.reserved_end, surface.end);
+    end = std::max(end, surface.reserved_end);
+  }
   surface_of_.assign(end, no_surface);
   rest_.assign(end, {});
   longest_edge_.assign(n, 0);
@@ -115,6 +120,14 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
   left_particles_.reserve(end), moved_alone_.reserve(end);
   chunks_.reserve(64);
+}
+
+void FeaturePairs::set_end(std::size_t surface, std::uint32_t end) {
+  if (!any_) return;
+  ContactSurface& one = surfaces_[surface];
+  one.end = end;
+  std::fill(surface_of_.begin() + one.begin, surface_of_.begin() + end, static_cast<std::uint32_t>(surface));
+  std::fill(surface_of_.begin() + end, surface_of_.begin() + one.reserved_end, no_surface);
 }
 
 void FeaturePairs::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
@@ -230,10 +243,12 @@ void FeaturePairs::expect_all(const ParticleView& particles, std::span<const Vec
   const std::size_t n = surface_of_.size();
   boxes_.resize(n), own_boxes_.resize(n), way_of_.resize(n), expected_velocity_.resize(n);
   threads.for_each(n, particle_grain, [&](std::size_t i, std::size_t end) {
-    for (; i < end; ++i)
+    for (; i < end; ++i) {
+      boxes_[i] = nowhere;
       if (surface_of_[i] != no_surface)
         expect(static_cast<std::uint32_t>(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
                radius_part * max(radius_[i], 0.0f));
+    }
   });
 }
 
@@ -285,7 +300,7 @@ void FeaturePairs::find_crossing() {
     const ContactSurface& surface = surfaces_[a];
     crossing_.add_triangles(surface.triangles, surface.begin, a);
     crossing_.add_edges(surface.edges, surface.begin, a);
-    if (surface.loose_particles) crossing_.add_particles(surface.begin, surface.end, a);
+    if (surface.loose_particles) crossing_.add_particles(surface.begin, surface.reserved_end, a);
   }
   crossing_.index_particles();
 }

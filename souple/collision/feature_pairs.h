@@ -27,6 +27,8 @@ class FeaturePairs {
  public:
   /// What can touch, anew when objects came, went or changed.
   void set_surfaces(std::vector<ContactSurface> surfaces);
+  /// The loose particles of a surface end here from the next step on, at most at its reserved end.
+  void set_end(std::size_t surface, std::uint32_t end);
   /// Pairs of particles that are tied together: features that have one each never touch.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
   /// Whose tangles are left out; none: nothing is. It must live as long as this is used.

@@ -41,6 +41,8 @@ class SurfaceContacts final : public Projector {
  public:
   /// What can touch, anew when objects came, went or changed.
   void set_surfaces(std::vector<ContactSurface> surfaces);
+  /// The loose particles of a surface end here from the next step on, at most at its reserved end.
+  void set_end(std::size_t surface, std::uint32_t end) { pairs_.set_end(surface, end); }
   /// Pairs of particles that are tied together: features that have one each never touch.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { pairs_.exclude(std::move(pairs)); }
   /// Whose tangles may pass; none: all are held. It must live as long as this is used.

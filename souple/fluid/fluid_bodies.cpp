@@ -267,7 +267,7 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
   pushes_.assign(skins_.size(), {});
   for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
-      if (plane.skin == NearPlane::nobody || !states_[plane.skin].moves) continue;
+      if (!moves(plane)) continue;
       State& state = states_[plane.skin];
       const Vec3f push = plane.slope * -change[k];
       if (state.inverse_mass > 0) {
@@ -296,17 +296,10 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
 void FluidBodies::apply(const Surroundings& surroundings, const ParticleView& particles) const {
   for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
-      if (plane.skin == NearPlane::nobody || !states_[plane.skin].moves) continue;
-      const Skin& skin = skins_[plane.skin];
-      const Triangle& t = skin.triangles[plane.triangle];
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float share = plane.weights[static_cast<int>(c)];
-        for (std::size_t p = 0; p < 4; ++p) {
-          const std::uint32_t i = skin.particles[t[c]][p];
-          const float weight = share * skin.weights[t[c]][p];
-          if (weight != 0) particles.correct(i, plane.pushed * (-weight * particles.inverse_mass(i)));
-        }
-      }
+      if (!moves(plane)) continue;
+      for_carriers(plane, [&](std::uint32_t i, float share) {
+        particles.correct(i, plane.pushed * (-share * particles.inverse_mass(i)));
+      });
     }
   }
 }

@@ -42,6 +42,7 @@ class FluidBodies {
  public:
   /// meets[fluid * skins + s]: whether a fluid feels a skin.
   void set_skins(std::vector<Skin> skins) { skins_ = std::move(skins); }
+  std::span<const Skin> skins() const { return skins_; }
   std::size_t skin_count() const { return skins_.size(); }
 
   void begin_step(std::span<const std::uint8_t> meets, const Vec3d& origin) {
@@ -67,6 +68,23 @@ class FluidBodies {
   void yield(const Surroundings& surroundings, std::span<const float> change);
   /// What all planes have pushed goes to the world's particles.
   void apply(const Surroundings& surroundings, const ParticleView& particles) const;
+
+  /// Whether a plane is of a body that something can move.
+  bool moves(const NearPlane& plane) const {
+    return plane.skin != NearPlane::nobody && states_[plane.skin].moves;
+  }
+  /// f(particle of the world, share) for those that carry the point a plane touches; shares sum to 1.
+  template <class Function>
+  void for_carriers(const NearPlane& plane, const Function& f) const {
+    const Skin& skin = skins_[plane.skin];
+    const Triangle& t = skin.triangles[plane.triangle];
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t p = 0; p < 4; ++p) {
+        const float share = plane.weights[static_cast<int>(c)] * skin.weights[t[c]][p];
+        if (share != 0) f(skin.particles[t[c]][p], share);
+      }
+    }
+  }
 
  private:
   /// Of a skin in this substep.

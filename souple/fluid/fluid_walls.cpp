@@ -85,6 +85,16 @@ Vec3f FluidWalls::keep_out(std::size_t i, std::size_t fluid, const Vec3f& start,
                            float radius) const {
   const Looked& looked = looked_[i];
   const bool clear = max(length(x - looked.at), length(start - looked.at)) + radius < looked.clear;
+  return keep_out(fluid, start, x, radius, clear);
+}
+
+Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const {
+  return keep_out(fluid, start, x, radius, false);
+}
+
+// `clear`: of walls that stand still.
+Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius,
+                           bool clear) const {
   if (clear && moving_.empty()) return x;
   const Vec3d before = origin_ + Vec3d(start), predicted = origin_ + Vec3d(x);
   Vec3d at = predicted;

@@ -23,6 +23,8 @@ class FluidWalls {
   /// walls it would have gone into or through, at least `radius` away. What is inside a wall already comes
   /// out.
   Vec3f keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const;
+  /// The same for what is no particle of the fluid.
+  Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const;
   /// Appends the planes nearer than `reach` to particle i of a fluid, at x. For different particles, several
   /// threads may call it at a time.
   void find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach, std::vector<NearPlane>& planes);
@@ -53,6 +55,7 @@ class FluidWalls {
     if (wall.is_plane) return dot(wall.normal, x) - wall.offset;
     return length(origin_ + x - wall.centre) - wall.ball.radius;
   }
+  Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius, bool clear) const;
   Vec3d stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const;
   /// Appends the plane if it is near; how far the wall is, or less.
   double meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,

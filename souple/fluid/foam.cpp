@@ -1,5 +1,7 @@
 #include "souple/fluid/foam.h"
 
+#include "souple/state/bytes.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -27,7 +29,7 @@ class Chance {
 /// How fast what is made moves away from the middle of the flow that made it, for each metre it is off [1/s].
 constexpr float spread = 10;
 
-float ramp(float value, const FoamParameters::Range& range) {
+float ramp(float value, const FoamRange& range) {
   const float part = (value - range.low) / (range.high - range.low);
   return min(max(part, 0.0f), 1.0f);
 }
@@ -44,17 +46,36 @@ struct Across {
 
 }  // namespace
 
-void Foam::add(const Vec3f& x, const Vec3f& v, float life) {
-  x_.push_back(x);
-  v_.push_back(v);
-  life_.push_back(life);
-  age_.push_back(0);
-  kind_.push_back(FoamKind::spray);
+void FoamState::resize(std::size_t count) {
+  position.resize(count), velocity.resize(count), life.resize(count), age.resize(count), kind.resize(count);
 }
 
-void Foam::clear() {
-  x_.clear(), v_.clear(), life_.clear(), age_.clear(), kind_.clear();
-  step_ = 0;
+void FoamState::reserve(std::size_t count) {
+  position.reserve(count), velocity.reserve(count), life.reserve(count), age.reserve(count);
+  kind.reserve(count);
+}
+
+void Foam::reserve(std::size_t count) {
+  state_.reserve(count);
+  start_.reserve(count);
+}
+
+void Foam::add(const Vec3f& x, const Vec3f& v, float life) {
+  state_.position.push_back(x);
+  state_.velocity.push_back(v);
+  state_.life.push_back(life);
+  state_.age.push_back(0);
+  state_.kind.push_back(FoamKind::spray);
+}
+
+void Foam::shift(const Vec3f& by) {
+  for (Vec3f& x : state_.position) x += by;
+}
+
+std::size_t Foam::bytes() const {
+  return bytes_of(state_.position, state_.velocity, state_.life, state_.age, state_.kind, start_, normals_,
+                  made_, share_, makers_) +
+         order_.bytes();
 }
 
 void Foam::find_cells(const FluidView& fluid, Threads& threads) {
@@ -109,44 +130,49 @@ FoamKind Foam::kind_of(const Around& around, const FoamParameters& parameters) {
   return around.neighbours > parameters.bubble_neighbours ? FoamKind::bubble : FoamKind::foam;
 }
 
-void Foam::move(const FluidView& fluid, const FoamParameters& parameters, const Vec3f& gravity, float dt,
-                Threads& threads) {
+void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads& threads) {
   // dv/dt = -buoyancy g + drag (v_fluid - v)
-  const Vec3f rise = gravity * (-parameters.buoyancy / parameters.drag);
-  const float kept = std::exp(-parameters.drag * dt);
+  const Vec3f rise = step.gravity * (-parameters.buoyancy / parameters.drag);
+  const float dt = step.dt, kept = std::exp(-parameters.drag * dt);
+  FoamState& s = state_;
+  start_.assign(s.position.begin(), s.position.end());
   for_places(size(), threads, [&](std::size_t k) {
-    const Around here = around(fluid, x_[k]);
-    const Vec3f before = v_[k];
-    kind_[k] = kind_of(here, parameters);
-    if (kind_[k] == FoamKind::spray) {
-      v_[k] += gravity * dt;
-    } else if (kind_[k] == FoamKind::bubble) {
+    const Around here = around(step.fluid, s.position[k]);
+    Vec3f& v = s.velocity[k];
+    const Vec3f before = v;
+    s.kind[k] = kind_of(here, parameters);
+    if (s.kind[k] == FoamKind::spray) {
+      v += step.gravity * dt;
+    } else if (s.kind[k] == FoamKind::bubble) {
       const Vec3f end = here.velocity + rise;
-      v_[k] = end + (v_[k] - end) * kept;
+      v = end + (v - end) * kept;
     } else {
-      v_[k] = here.velocity;
-      life_[k] -= dt;
+      v = here.velocity;
+      s.life[k] -= dt;
     }
-    x_[k] += (kind_[k] == FoamKind::spray ? (before + v_[k]) * 0.5f : v_[k]) * dt;
-    age_[k] += dt;
-    if (age_[k] > parameters.longest_life || !is_finite(x_[k])) life_[k] = 0;
+    s.position[k] += (s.kind[k] == FoamKind::spray ? (before + v) * 0.5f : v) * dt;
+    s.age[k] += dt;
+    if (s.age[k] > parameters.longest_life || !is_finite(s.position[k])) s.life[k] = 0;
   });
 }
 
 void Foam::dissolve() {
+  FoamState& s = state_;
   std::size_t kept = 0;
   for (std::size_t k = 0; k < size(); ++k) {
-    if (!(life_[k] > 0)) continue;
-    x_[kept] = x_[k], v_[kept] = v_[k], life_[kept] = life_[k], age_[kept] = age_[k], kind_[kept] = kind_[k];
+    if (!(s.life[k] > 0)) continue;
+    s.position[kept] = s.position[k], s.velocity[kept] = s.velocity[k], s.life[kept] = s.life[k];
+    s.age[kept] = s.age[k], s.kind[kept] = s.kind[k];
     ++kept;
   }
   report_.dissolved = size() - kept;
-  x_.resize(kept), v_.resize(kept), life_.resize(kept), age_.resize(kept), kind_.resize(kept);
+  s.resize(kept);
 }
 
 // Outwards, of length 1, where a particle is at the surface: in the top layer of a pool 2 d |V sum grad W| is
 // about 1, in the second it is 0, and about 0.3 where particles lie in disorder.
-void Foam::find_normals(const FluidView& fluid, std::span<const Vec3f> wall_slopes, Threads& threads) {
+void Foam::find_normals(const FoamStep& step, Threads& threads) {
+  const FluidView& fluid = step.fluid;
   const Smoothing& smoothing = fluid.smoothing;
   normals_.resize(fluid.size());
   fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
@@ -154,7 +180,7 @@ void Foam::find_normals(const FluidView& fluid, std::span<const Vec3f> wall_slop
         kernels_->sums(fluid.x.data(), fluid.x[k], list.data(), list.size(), smoothing.factors()).gradient *
         smoothing.volume();
     // Half of a wall's slope: it is that of a mirrored fluid which moves when the particle does.
-    if (!wall_slopes.empty()) n += wall_slopes[k] * 0.5f;
+    if (!step.wall_slopes.empty()) n += step.wall_slopes[k] * 0.5f;
     n *= -smoothing.support();
     const float size = length(n);
     normals_[k] = size > 0.75f ? n * (1 / size) : Vec3f{};
@@ -175,60 +201,60 @@ float Foam::bend(const FluidView& fluid, std::uint32_t i, std::span<const std::u
   return sum;
 }
 
-Foam::Potential Foam::potential(const FluidView& fluid, std::uint32_t i, std::span<const std::uint32_t> list,
-                                const FoamParameters& parameters, float dt) const {
+Foam::Potential Foam::potential(const FoamStep& step, std::uint32_t i, std::span<const std::uint32_t> list,
+                                const FoamParameters& parameters) const {
+  const FluidView& fluid = step.fluid;
+  const float part = step.share.empty() ? 1 : step.share[i];
   const Vec3f v = fluid.v[i].xyz();
   const float energy = ramp(0.5f * dot(v, v), parameters.energy);
-  if (!(energy > 0)) return {0, 0};
+  if (!(energy * part > 0)) return {0, 0};
   const float meeting = velocity_->meeting(fluid.x.data(), fluid.v.data(), fluid.x[i], fluid.v[i],
                                            list.data(), list.size(), fluid.smoothing.factors());
   const Vec3f n = normals_[i];
   const float bent = dot(v, n) > 0.6f * length(v) ? bend(fluid, i, list) : 0;
   const float rate = energy * (parameters.trapped_air_rate * ramp(meeting, parameters.trapped_air) +
                                parameters.wave_crest_rate * ramp(bent, parameters.wave_crest));
-  return {rate * dt, rate / (parameters.trapped_air_rate + parameters.wave_crest_rate)};
+  return {part * rate * step.dt, rate / (parameters.trapped_air_rate + parameters.wave_crest_rate)};
 }
 
-void Foam::make(const FluidView& fluid, std::span<const std::uint32_t> particle,
-                const FoamParameters& parameters, float dt, Threads& threads) {
-  const std::size_t n = fluid.size();
+void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads& threads) {
+  const std::size_t n = step.fluid.size();
   made_.resize(n);
   share_.resize(n);
-  const auto key_of = [&](std::size_t k) { return mix(mix(mix(parameters.seed) + step_) + particle[k]); };
-  fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
-    const Potential here = potential(fluid, k, list, parameters, dt);
+  const auto key_of = [&](std::size_t k) { return mix(mix(step.seed) + step.particle[k]); };
+  step.fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
+    const Potential here = potential(step, k, list, parameters);
     const float whole = std::floor(here.made);
     made_[k] = whole + (Chance(key_of(k)).next() < here.made - whole ? 1.0f : 0.0f);
     share_[k] = here.share;
   });
   makers_.clear();
+  makers_.reserve(n);
   std::uint64_t total = 0;
   for (std::uint32_t k = 0; k < n; ++k) {
     if (!(made_[k] > 0)) continue;
-    makers_.push_back({k, static_cast<std::uint32_t>(total), share_[k]});
-    total += static_cast<std::uint32_t>(made_[k]);
+    makers_.push_back({k, total, share_[k]});
+    total += static_cast<std::uint64_t>(made_[k]);
   }
   const std::uint64_t room =
       std::min<std::uint64_t>(total, parameters.most - std::min(parameters.most, size()));
   report_.made = room;
   report_.thinned = total - room;
   // Of all that is made, number k stays where k room / total steps up: evenly among the places.
-  const std::size_t old = size();
   const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * room / total : 0; };
+  start_.clear();
   for (const Maker& maker : makers_) {
-    const auto end = maker.first + static_cast<std::uint32_t>(made_[maker.place]);
-    begin(fluid, maker, static_cast<std::uint32_t>(kept_before(end) - kept_before(maker.first)),
-          key_of(maker.place) + 1, parameters, dt);
+    const std::uint64_t end = maker.first + static_cast<std::uint64_t>(made_[maker.place]);
+    begin(step, maker, static_cast<std::uint32_t>(kept_before(end) - kept_before(maker.first)),
+          key_of(maker.place) + 1, parameters);
   }
-  for_places(size() - old, threads,
-             [&](std::size_t k) { kind_[old + k] = kind_of(around(fluid, x_[old + k]), parameters); });
 }
 
-void Foam::begin(const FluidView& fluid, const Maker& maker, std::uint32_t count, std::uint64_t key,
-                 const FoamParameters& parameters, float dt) {
-  const Vec3f x = fluid.x[maker.place].xyz(), v = fluid.v[maker.place].xyz();
+void Foam::begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
+                 const FoamParameters& parameters) {
+  const Vec3f x = step.fluid.x[maker.place].xyz(), v = step.fluid.v[maker.place].xyz();
   const Across across(normalized(v));
-  const float radius = 0.5f * fluid.smoothing.spacing();
+  const float radius = 0.5f * step.fluid.smoothing.spacing();
   Chance chance(key);
   for (std::uint32_t k = 0; k < count; ++k) {
     float a = 0, b = 0;
@@ -236,14 +262,22 @@ void Foam::begin(const FluidView& fluid, const Maker& maker, std::uint32_t count
       a = 2 * chance.next() - 1, b = 2 * chance.next() - 1;
     } while (a * a + b * b > 1);
     const Vec3f off = (across.a * a + across.b * b) * radius;
-    add(x + off - v * (dt * chance.next()), v + off * spread,
+    start_.push_back(x);
+    add(x + off - v * (step.dt * chance.next()), v + off * spread,
         parameters.life.low + (parameters.life.high - parameters.life.low) * maker.share);
   }
 }
 
+void Foam::find_kinds(const FluidView& fluid, const FoamParameters& parameters, std::size_t first,
+                      Threads& threads) {
+  for_places(size() - first, threads, [&](std::size_t k) {
+    state_.kind[first + k] = kind_of(around(fluid, state_.position[first + k]), parameters);
+  });
+}
+
 Foam::Report Foam::count() const {
   Report report = report_;
-  for (const FoamKind kind : kind_) {
+  for (const FoamKind kind : state_.kind) {
     report.spray += kind == FoamKind::spray ? 1 : 0;
     report.foam += kind == FoamKind::foam ? 1 : 0;
     report.bubbles += kind == FoamKind::bubble ? 1 : 0;

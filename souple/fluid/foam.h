@@ -1,33 +1,37 @@
 #pragma once
 
+#include "souple/fluid/cell_order.h"
 #include "souple/fluid/fluid_view.h"
+#include "souple/fluid/foam_parameters.h"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace souple {
 
-/// By how much fluid is around a foam particle.
-enum class FoamKind : std::uint8_t { spray, foam, bubble };
+/// The particles of a Foam.
+struct FoamState {
+  std::vector<Vec3f> position, velocity;  ///< [m], [m/s]
+  std::vector<float> life;                ///< left, as foam [s]
+  std::vector<float> age;                 ///< [s]
+  std::vector<FoamKind> kind;
 
-struct FoamParameters {
-  /// What is below the first counts nothing, what is above the second counts in full.
-  struct Range {
-    float low, high;
-  };
-  Range trapped_air{5, 20};       ///< sum over neighbours of how fast they come closer [m/s]
-  Range wave_crest{1, 4};         ///< sum over neighbours of 1 - cos of the angle between normals [-]
-  Range energy{0.125f, 3};        ///< v^2 / 2 [m^2/s^2]: speeds of 0.5 to 2.4 m/s
-  float trapped_air_rate = 2000;  ///< particles a fluid's particle makes at most, by trapping air [1/s]
-  float wave_crest_rate = 2000;   ///< and at a wave's crest [1/s]
-  Range life{1, 4};               ///< of foam: of what little made it, and of what much did [s]
-  float longest_life = 20;        ///< of spray and bubbles too [s]
-  float buoyancy = 2;             ///< of bubbles, over gravity
-  float drag = 60;                ///< of bubbles: how quickly they take the fluid's velocity [1/s]
-  int spray_neighbours = 6;       ///< fewer fluid particles than these around: spray
-  int bubble_neighbours = 20;     ///< more than these: a bubble
-  std::size_t most = 200000;      ///< particles; above, what is new is thinned out
-  std::uint64_t seed = 0;
+  std::size_t size() const { return position.size(); }
+  void resize(std::size_t count);
+  void reserve(std::size_t count);
+};
+
+/// A step of a fluid, as foam sees it.
+struct FoamStep {
+  const FluidView& fluid;
+  std::span<const std::uint32_t> particle;  ///< of each place: a number for chance to go by
+  std::span<const Vec3f> wall_slopes{};  ///< by place, or empty: BoundarySums::slope, which keeps walls from
+                                         ///< looking like a surface [1/m]
+  std::span<const float> share{};        ///< by place, or empty: how much of the rates it makes
+  Vec3f gravity{};                       ///< m/s^2
+  float dt = 0;                          ///< s
+  std::uint64_t seed = 0;                ///< of chance: another one in every step
 };
 
 /// Spray, foam and bubbles: particles that a fluid makes and carries, and that do nothing to it (Ihmsen,
@@ -42,8 +46,8 @@ struct FoamParameters {
 ///   new  = I_k (k_ta I_ta + k_wc I_wc) dt                                                         (eq. 8)
 ///
 /// They begin in the cylinder that the fluid particle, as wide as d, has swept in the step. Then spray flies,
-/// foam goes with the fluid, and bubbles rise through it; foam dissolves. Chance is a function of the seed,
-/// the step and the fluid particle: the same for any number of threads.
+/// foam goes with the fluid, and bubbles rise through it; foam dissolves. Chance is a function of the seed
+/// and the fluid particle: the same for any number of threads.
 class Foam {
  public:
   struct Report {
@@ -55,35 +59,39 @@ class Foam {
       : kernels_(&kernels::find_density_kernels(instruction_set(), shape)),
         velocity_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}
 
-  /// One step of dt seconds, after the fluid's: `particle` says of each place which particle is there.
-  /// `wall_slopes` by place, or empty: BoundarySums::slope, which keeps walls from looking like a surface
-  /// [1/m]. `boundary(x, v)`, called on all threads, puts what is in a wall before it and lets it not move
-  /// into it.
-  template <class Boundary>
-  Report step(const FluidView& fluid, std::span<const std::uint32_t> particle,
-              std::span<const Vec3f> wall_slopes, const FoamParameters& parameters, const Vec3f& gravity,
-              float dt, const Boundary& boundary, Threads& threads) {
+  /// One step, after the fluid's. `keep_out(starts, positions, velocities)`, spans of equal size, puts what
+  /// goes into a wall on its way from its start before it, and lets it not move into it.
+  template <class KeepOut>
+  Report step(const FoamStep& step, const FoamParameters& parameters, const KeepOut& keep_out,
+              Threads& threads) {
     report_ = {};
-    find_cells(fluid, threads);
-    move(fluid, parameters, gravity, dt, threads);
-    for_places(size(), threads, [&](std::size_t k) { boundary(x_[k], v_[k]); });
+    find_cells(step.fluid, threads);
+    move(step, parameters, threads);
+    keep_out(std::span<const Vec3f>(start_), std::span(state_.position), std::span(state_.velocity));
     dissolve();
     const std::size_t old = size();
-    find_normals(fluid, wall_slopes, threads);
-    make(fluid, particle, parameters, dt, threads);
-    for_places(size() - old, threads, [&](std::size_t k) { boundary(x_[old + k], v_[old + k]); });
-    ++step_;
+    find_normals(step, threads);
+    make(step, parameters, threads);
+    keep_out(std::span<const Vec3f>(start_), std::span(state_.position).subspan(old),
+             std::span(state_.velocity).subspan(old));
+    find_kinds(step.fluid, parameters, old, threads);
     return count();
   }
+  /// Room for so many, so that growing to them allocates nothing.
+  void reserve(std::size_t count);
 
-  std::size_t size() const { return x_.size(); }
-  std::span<const Vec3f> positions() const { return x_; }   ///< [m]
-  std::span<const Vec3f> velocities() const { return v_; }  ///< [m/s]
-  std::span<const FoamKind> kinds() const { return kind_; }
-  std::span<const float> life() const { return life_; }  ///< left of each, as foam [s]
+  std::size_t size() const { return state_.size(); }
+  std::span<const Vec3f> positions() const { return state_.position; }   ///< [m]
+  std::span<const Vec3f> velocities() const { return state_.velocity; }  ///< [m/s]
+  std::span<const FoamKind> kinds() const { return state_.kind; }
   /// One more, beside what the fluid makes [m], [m/s], [s].
   void add(const Vec3f& x, const Vec3f& v, float life);
-  void clear();
+  void clear() { state_.resize(0); }
+  /// All there is to it: what has this state goes on the same.
+  const FoamState& state() const { return state_; }
+  void set_state(FoamState state) { state_ = std::move(state); }
+  void shift(const Vec3f& by);  ///< all positions [m]
+  std::size_t bytes() const;
 
  private:
   struct Around {
@@ -96,37 +104,36 @@ class Foam {
   };
   /// A fluid particle that makes some, and what of all it makes.
   struct Maker {
-    std::uint32_t place, first;
+    std::uint32_t place;
+    std::uint64_t first;
     float share;
   };
 
   void find_cells(const FluidView& fluid, Threads& threads);
   static FoamKind kind_of(const Around& around, const FoamParameters& parameters);
   Around around(const FluidView& fluid, const Vec3f& at) const;
-  void move(const FluidView& fluid, const FoamParameters& parameters, const Vec3f& gravity, float dt,
-            Threads& threads);
+  void move(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
   void dissolve();
-  void find_normals(const FluidView& fluid, std::span<const Vec3f> wall_slopes, Threads& threads);
+  void find_normals(const FoamStep& step, Threads& threads);
   float bend(const FluidView& fluid, std::uint32_t place, std::span<const std::uint32_t> list) const;
-  Potential potential(const FluidView& fluid, std::uint32_t place, std::span<const std::uint32_t> list,
-                      const FoamParameters& parameters, float dt) const;
-  void make(const FluidView& fluid, std::span<const std::uint32_t> particle, const FoamParameters& parameters,
-            float dt, Threads& threads);
-  void begin(const FluidView& fluid, const Maker& maker, std::uint32_t count, std::uint64_t key,
-             const FoamParameters& parameters, float dt);
+  Potential potential(const FoamStep& step, std::uint32_t place, std::span<const std::uint32_t> list,
+                      const FoamParameters& parameters) const;
+  void make(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
+  void begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
+             const FoamParameters& parameters);
+  void find_kinds(const FluidView& fluid, const FoamParameters& parameters, std::size_t first,
+                  Threads& threads);
   Report count() const;
 
   const kernels::DensityKernels* kernels_;
   const kernels::VelocityKernels* velocity_;
-  std::vector<Vec3f> x_, v_;
-  std::vector<float> life_, age_;
-  std::vector<FoamKind> kind_;
-  CellOrder order_;  // of the fluid
+  FoamState state_;
+  std::vector<Vec3f> start_;  // of what moves now, or is new: where it begins
+  CellOrder order_;           // of the fluid
   float cell_size_ = 0;
   std::vector<Vec3f> normals_;  // of the fluid's surface, by place; zero within
   std::vector<float> made_, share_;
   std::vector<Maker> makers_;
-  std::uint64_t step_ = 0;
   Report report_;
 };
 

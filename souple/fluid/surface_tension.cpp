@@ -102,12 +102,16 @@ void SurfaceTension::apply(const FluidView& fluid, std::span<const NearWall> wal
   const Smoothing& smoothing = fluid.smoothing;
   const float d = smoothing.spacing(), unit = share_ * parameters.sigma * d;
   const kernels::CohesionFactors factors{attraction * unit, flattening * unit};
+  wall_pulls_.resize(walls.size());
   fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     Vec3f force = velocity_->cohesion(fluid.x.data(), normals_.data(), fluid.x[k], normals_[k], list.data(),
                                       list.size(), smoothing.factors(), factors);
-    if (!walls.empty())
-      force -= walls[k].normal *
-               (factors.attraction * parameters.adhesion * wall_pull(walls[k].distance / d) / normals_[k].w);
+    if (!walls.empty()) {
+      const float pull =
+          factors.attraction * parameters.adhesion * wall_pull(walls[k].distance / d) / normals_[k].w;
+      force -= walls[k].normal * pull;
+      wall_pulls_[k] = h * pull;
+    }
     fluid.v[k].set_xyz(fluid.v[k].xyz() + force * (h * fluid.x[k].w));
   });
 }

@@ -53,6 +53,8 @@ class SurfaceTension {
   /// Changes v over h seconds. `walls` by place, or empty.
   void apply(const FluidView& fluid, std::span<const NearWall> walls, const Parameters& parameters, float h,
              Threads& threads);
+  /// With which impulse each place was pulled to its wall by the last apply with walls. [kg m/s]
+  std::span<const float> wall_pulls() const { return wall_pulls_; }
 
  private:
   void find_normals(const FluidView& fluid, std::span<const NearWall> walls, float adhesion,
@@ -63,7 +65,8 @@ class SurfaceTension {
   const kernels::VelocityKernels* velocity_;
   float share_;
   std::vector<float> wall_pull_;  // by the distance to a wall, in units of a
-  std::vector<Vec4f> normals_;    // and rho; one more, far away
+  std::vector<float> wall_pulls_;
+  std::vector<Vec4f> normals_;  // and rho; one more, far away
 };
 
 }  // namespace souple

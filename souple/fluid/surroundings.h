@@ -17,6 +17,8 @@ struct NearPlane {
   Vec3f motion{};    ///< of the surface in this substep [m]
   Vec3f slope{};     ///< its part in that of the sum, of the last look [1/m]
   Vec3f pushed{};    ///< the particle, in this substep: sum of slope times lambda [kg m]
+  float hold = 0;    ///< its part in how all of them hold a flow along them, as WallFriction says
+  Vec3f rubbed{};    ///< the body, in this substep: impulse [kg m/s]
   std::uint32_t collider = nobody;
   // Of a body: which skin, its triangle, and the weights of that one's corners in the nearest point.
   std::uint32_t skin = nobody, triangle = 0;

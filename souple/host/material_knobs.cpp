@@ -74,6 +74,7 @@ const std::vector<Knob<F>> fluid_knobs{
     {"Contact angle", "contact_angle", "degrees", &F::contact_angle, {0, 180}},
     {"Vorticity", "vorticity", "m/s", &F::vorticity, logarithmic(1e-4f, 10)},
     {"Air drag", "air_drag", "", &F::air_drag, {0, 2}},
+    {"Foam", "foam", "", &F::foam, {0, 4}},
     {"Friction", "friction", "", &F::friction, fraction},
     {"Restitution", "restitution", "", &F::restitution, fraction},
 };

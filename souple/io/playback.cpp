@@ -7,6 +7,7 @@
 #include "souple/io/mesh_file.h"
 #include "souple/io/particle_file.h"
 #include "souple/io/pc2.h"
+#include "souple/io/recorded_foam.h"
 #include "souple/io/recorder_names.h"
 #include "souple/io/sequence.h"
 
@@ -21,6 +22,11 @@ namespace souple {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Each frame has as many as it has.
+bool is_loose(const std::string& kind) {
+  return kind == "fluid" || kind == foam_kind_name;
+}
 
 using Cache = std::variant<Pc2Reader, MddReader>;
 
@@ -140,7 +146,7 @@ void Track::read_rest(const Run& run, const ManifestObject& listed, Playback::Ob
   const ManifestFile* file = find_file(listed, "obj", true);
   if (!file && files_.empty()) return;
   const fs::path path = file ? run.folder / file->path : files_.front().path;
-  if (listed.kind == "fluid" && read_particle_ply(path)) return;  // each frame has as many as it has
+  if (is_loose(listed.kind) && read_particle_ply(path)) return;
   TriangleMesh mesh = read_triangle_mesh(path);
   if (mesh.positions.size() != listed.points || mesh.triangles.size() != listed.triangles)
     throw Error(path.string() + ": has " + std::to_string(mesh.positions.size()) + " vertices and " +
@@ -196,7 +202,7 @@ void Track::read_cache(std::uint64_t frame, Playback::Object& object) {
 }
 
 void Track::read_file(const fs::path& path, Playback::Object& object) {
-  if (object.kind == "fluid" && path.extension() == ".ply") {
+  if (is_loose(object.kind) && path.extension() == ".ply") {
     if (std::optional<ParticleFrame> frame = read_particle_ply(path)) {
       go_home(object);
       require_finite(frame->positions, path.string());

@@ -18,7 +18,7 @@ namespace souple {
 class Playback {
  public:
   struct Object {
-    std::string name, kind;  ///< as in run.json
+    std::string name, kind;  ///< as in run.json; "foam" is what all fluids have made
     /// Of the mesh at rest, empty for ropes and grains. In frames where an object of the same name has
     /// another topology, those of that frame, and `rest` is its positions.
     std::vector<Triangle> triangles;

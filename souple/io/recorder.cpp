@@ -3,6 +3,7 @@
 #include "souple/error.h"
 #include "souple/io/file.h"
 #include "souple/io/manifest.h"
+#include "souple/io/recorded_foam.h"
 #include "souple/io/recorded_object.h"
 #include "souple/io/recorder_names.h"
 #include "souple/io/recorder_report.h"
@@ -42,6 +43,7 @@ struct Recorder::Impl {
       for (const ObjectId object : world.objects())
         objects.push_back(
             std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object))));
+      look_for_foam();
     }
     save_manifest();
   }
@@ -49,6 +51,7 @@ struct Recorder::Impl {
   void resume(std::uint64_t from);
   RecordedObject* find(const std::string& name);
   void look_for_changes();
+  void look_for_foam();
   void join(ObjectId object);
   void capture();
   void save_manifest();
@@ -59,6 +62,7 @@ struct Recorder::Impl {
   std::string scene;
   FileNames names;
   std::vector<std::unique_ptr<RecordedObject>> objects;  ///< all that ever were
+  std::unique_ptr<RecordedFoam> foam;                    ///< null: the world has made none
   std::vector<ManifestObject> earlier;                   ///< gone before the run was resumed
   std::vector<FrameReport> reports;
   std::vector<std::string> notes;
@@ -90,6 +94,10 @@ void Recorder::Impl::resume(std::uint64_t from) {
     objects.push_back(std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object)),
                                                        RecordedObject::Resume{from}));
   for (const ManifestObject& object : before.objects) {
+    if (object.kind == foam_kind_name) {
+      foam = std::make_unique<RecordedFoam>(plan, names.add(foam_kind_name), 0, from);
+      continue;
+    }
     if (!find(object.name)) earlier.push_back(object), names.add(object.name);
   }
   for (FrameReport& report : before.reports) {
@@ -140,6 +148,12 @@ void Recorder::Impl::look_for_changes() {
     notes.push_back(object->name() + ": was removed after frame " + std::to_string(frames) +
                     "; its files end there");
   }
+  look_for_foam();
+}
+
+void Recorder::Impl::look_for_foam() {
+  if (!foam && foams(world))
+    foam = std::make_unique<RecordedFoam>(plan, names.add(foam_kind_name), frames, 0);
 }
 
 void Recorder::Impl::capture() {
@@ -153,9 +167,11 @@ void Recorder::Impl::capture() {
     for (const auto& object : objects) {
       if (object->present()) object->append(world, frames + 1);
     }
+    if (foam) foam->append(world);
   } catch (...) {
     try {
       for (const auto& object : objects) object->drop_after(frames);
+      if (foam) foam->drop_after(frames);
     } catch (...) {
       broken = true;
     }
@@ -182,6 +198,7 @@ void Recorder::Impl::save_manifest() {
   manifest.frames = frames;
   manifest.objects = earlier;
   for (const auto& object : objects) manifest.objects.push_back(object->manifest());
+  if (foam && foam->has_files()) manifest.objects.push_back(foam->manifest());
   manifest.notes = notes;
   manifest.reports = reports;
   write_manifest(plan.folder, manifest);
@@ -190,13 +207,15 @@ void Recorder::Impl::save_manifest() {
 void Recorder::Impl::finish() {
   if (finished) return;
   std::exception_ptr first;
-  for (const auto& object : objects) {
+  const auto try_to = [&](const auto& action) {
     try {
-      object->finish();
+      action();
     } catch (...) {
       if (!first) first = std::current_exception();
     }
-  }
+  };
+  for (const auto& object : objects) try_to([&] { object->finish(); });
+  if (foam) try_to([&] { foam->finish(); });
   if (first) std::rethrow_exception(first);
   finished = true;
   try {

@@ -25,8 +25,9 @@ struct RecorderOptions {
 /// NAME.obj with NAME.pc2 or NAME.mdd, or a sequence NAME_0001.obj / .ply. Files grow as NAME.part and are
 /// renamed when complete. Vertices are in user order everywhere. A rope is a polyline in OBJ; grains are
 /// vertices alone; in PLY both are points with velocities. Fluids, the number of whose particles changes, are
-/// PLY whatever formats were asked for. Objects whose names cannot be file names (`a/b`) get similar ones;
-/// run.json tells which file is whose. The world has to outlive the recorder, in its place.
+/// PLY whatever formats were asked for; so is their foam, all of it together: foam_0001.ply. Objects whose
+/// names cannot be file names (`a/b`) get similar ones; run.json tells which file is whose. The world has to
+/// outlive the recorder, in its place.
 class Recorder {
  public:
   /// Creates the folder. Objects that files are started for are those of the world now. Throws Error when it

@@ -104,6 +104,8 @@ FrameReport frame_report(std::uint64_t frame, double time, const StepReport& rep
   if (report.fluid.particles > 0) {
     const FluidReport& fluid = report.fluid;
     kept.values.emplace_back("fluid.particles", static_cast<double>(fluid.particles));
+    kept.values.emplace_back("fluid.emitted", static_cast<double>(fluid.emitted));
+    kept.values.emplace_back("fluid.drained", static_cast<double>(fluid.drained));
     kept.values.emplace_back("fluid.mean_density_error", fluid.mean_density_error);
     kept.values.emplace_back("fluid.largest_density_error", fluid.largest_density_error);
     kept.values.emplace_back("fluid.largest_pressure", fluid.largest_pressure);
@@ -112,6 +114,9 @@ FrameReport frame_report(std::uint64_t frame, double time, const StepReport& rep
     kept.values.emplace_back("fluid.iterations", fluid.iterations);
     kept.values.emplace_back("fluid.coarse_iterations", fluid.coarse_iterations);
     kept.values.emplace_back("fluid.viscosity_iterations", fluid.viscosity_iterations);
+    kept.values.emplace_back("fluid.spray", static_cast<double>(fluid.spray));
+    kept.values.emplace_back("fluid.foam", static_cast<double>(fluid.foam));
+    kept.values.emplace_back("fluid.bubbles", static_cast<double>(fluid.bubbles));
   }
   for (const KindReport& kind : by_kind(report.kinds)) {
     kept.values.emplace_back("residual." + std::string(kind.kind), kind.largest);

@@ -277,6 +277,8 @@ class Builder {
     for (std::size_t i = 0; i < scene_.connections.size(); ++i) {
       inside("connections[" + std::to_string(i) + "]", [&] { connect(scene_.connections[i]); });
     }
+    for (std::size_t i = 0; i < scene_.drains.size(); ++i)
+      inside("drains[" + std::to_string(i) + "]", [&] { add_drain(scene_.drains[i]); });
     if (log_) world_.set_log({});
     return std::move(world_);
   }
@@ -370,7 +372,8 @@ class Builder {
   }
 
   ObjectId add(const FluidDescription& fluid) {
-    const ObjectOptions options = options_of(fluid);
+    ObjectOptions options = options_of(fluid);
+    options.most_particles = fluid.most_particles;
     if (const auto* mesh = std::get_if<MeshDescription>(&fluid.filling))
       return world_.add_fluid(surface_of(*mesh, scene_.folder), fluid.material, options);
     if (const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling))
@@ -409,6 +412,19 @@ class Builder {
     }
   }
 
+  void finish(ObjectId object, const FluidDescription& fluid) {
+    for (const EmitterDescription& description : fluid.emitters) {
+      Emitter emitter{.position = description.position,
+                      .direction = description.direction,
+                      .radius = description.radius,
+                      .speed = description.speed,
+                      .start = description.start};
+      if (description.end) emitter.end = *description.end;
+      if (!description.keyframes.empty()) emitter.motion = motion_of(description.keyframes, description.loop);
+      world_.add_emitter(object, emitter);
+    }
+  }
+
   void finish(ObjectId object, const ClothDescription& cloth) {
     pin_by_weight(object, cloth.maps);
     if (cloth.tethers) world_.add_tethers(object, cloth.tethers->slack);
@@ -422,7 +438,6 @@ class Builder {
     if (rope.tethers) world_.add_tethers(object, rope.tethers->slack);
   }
   void finish(ObjectId, const GrainsDescription&) {}
-  void finish(ObjectId, const FluidDescription&) {}
   void finish(ObjectId, const ObstacleDescription&) {}
 
   /// Weight 1 is a pin; w < 1 a spring of compliance (1 - w) / w times that of one half. Weights are cut to
@@ -509,6 +524,15 @@ class Builder {
       if (!same && d < least) least = d, best = candidate;
     }
     return best;
+  }
+
+  void add_drain(const DrainDescription& description) {
+    Drain drain{.shape = std::visit(ShapeMaker{scene_.folder}, description.shape),
+                .pose = transform_of(description.transform),
+                .start = description.start};
+    if (description.rate) drain.rate = *description.rate;
+    if (description.end) drain.end = *description.end;
+    world_.add_drain(drain);
   }
 
   void connect(const ConnectionDescription& connection) {

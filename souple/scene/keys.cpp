@@ -122,7 +122,8 @@ CodecPtr<SceneDescription> scene_codec() {
       .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "what it touches")
       .key<&S::pairs>("pairs", list(pair_codec(), 0, 100000),
                       "friction and restitution of two things by name, or that they do not collide")
-      .key<&S::connections>("connections", list(connection_codec(), 0, 10000), "ties between objects");
+      .key<&S::connections>("connections", list(connection_codec(), 0, 10000), "ties between objects")
+      .key<&S::drains>("drains", list(drain_codec(), 0, 10000), "where fluids cease to exist");
   return keys;
 }
 

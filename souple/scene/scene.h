@@ -189,12 +189,24 @@ struct GrainsDescription : ObjectDescription {
   MaterialDescription<GrainsMaterial> material;
 };
 
+struct EmitterDescription {
+  Vec3f position{};  ///< m
+  Vec3f direction{0, -1, 0};
+  float radius = 0.05f;                        ///< m
+  float speed = 1;                             ///< m/s
+  double start = 0;                            ///< s
+  std::optional<double> end;                   ///< s; never if not given
+  std::vector<KeyframeDescription> keyframes;  ///< of poses applied to the position and direction
+  bool loop = false;
+};
 struct FluidBox {
   Vec3d lo{}, hi{};  ///< m
 };
 struct FluidDescription : ObjectDescription {
   std::variant<std::vector<Vec3d>, FluidBox, MeshDescription> filling;
   MaterialDescription<FluidMaterial> material;
+  std::vector<EmitterDescription> emitters;
+  std::uint32_t most_particles = 0;  ///< 0: as many as it begins with
 };
 
 struct ObstacleSequenceDescription : SequenceDescription {
@@ -238,6 +250,14 @@ struct ColliderDescription {
   bool loop = false;
 };
 
+struct DrainDescription {
+  ShapeDescription shape{};
+  TransformDescription transform;  ///< its scale is 1
+  std::optional<float> rate;       ///< m^3/s; all that comes if not given
+  double start = 0;                ///< s
+  std::optional<double> end;       ///< s; never if not given
+};
+
 struct PairDescription {
   std::array<std::string, 2> between;  ///< names of objects or colliders
   bool collide = true;
@@ -273,6 +293,7 @@ struct SceneDescription {
   std::vector<ColliderDescription> colliders;
   std::vector<PairDescription> pairs;
   std::vector<ConnectionDescription> connections;
+  std::vector<DrainDescription> drains;
 
   // Where it came from; not part of the file.
   std::string source;            ///< how messages call the scene

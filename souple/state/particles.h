@@ -41,6 +41,10 @@ struct Particles {
   void shrink_to_fit() {
     for_each_array([](auto& array) { array.shrink_to_fit(); });
   }
+  /// Makes particle `to` the same as particle `from`.
+  void copy(std::size_t from, std::size_t to) {
+    for_each_array([from, to](auto& array) { array[to] = array[from]; });
+  }
   /// Removes particles [begin, end).
   void erase(std::size_t begin, std::size_t end) {
     for_each_array([begin, end](auto& array) {

@@ -23,6 +23,8 @@
 namespace souple {
 namespace {
 
+constexpr std::uint32_t most_of_a_fluid = 50'000'000;  // particles
+
 /// What the adders make of their input: an Object without particles yet, and a mass for each of its
 /// particles.
 struct Draft {
@@ -36,6 +38,10 @@ Draft draft(const WorldState& world, ObjectKind kind, const Material& material,
   Draft result;
   result.object->kind = kind;
   result.object->name = world.unique_name(options.name, kind_name(kind));
+  if (options.most_particles > (kind == ObjectKind::fluid ? most_of_a_fluid : 0))
+    throw Error(result.object->name + ": most_particles is " + std::to_string(options.most_particles) +
+                (kind == ObjectKind::fluid ? ", expected at most " + std::to_string(most_of_a_fluid)
+                                           : ": only a fluid gets more particles; leave it 0"));
   result.object->material = material;
   std::visit([&](const auto& m) { validate(m, result.object->name); }, material);
   validate(options.transform, result.object->name);
@@ -70,6 +76,7 @@ std::vector<float> gather_map(const std::vector<float>& map, const Object& objec
 }
 
 void set_motion(WorldState& world, const Object& object, const ObjectOptions& options) {
+  if (object.particle_count() == 0) return;
   Vec3d centre;
   double mass = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
@@ -85,20 +92,24 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
   }
 }
 
-/// What grew item by item keeps no room for more: an object's shape is made once.
+/// What grew item by item keeps no room for more, but for what emitters may add: an object's shape is made
+/// once.
 void shrink(Object& object) {
   const auto shrink_all = [](auto&... vectors) { (vectors.shrink_to_fit(), ...); };
   shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colours,
              object.mesh.faces, object.mesh.face_uvs, object.tets.positions, object.tets.tets, object.rest,
              object.particle_of, object.vertex_of, object.surface, object.surface_source,
              object.stiffness_map, object.thickness_map, object.outside);
+  for (auto* map : {&object.particle_of, &object.vertex_of}) map->reserve(object.capacity);
+  object.rest.reserve(object.capacity);
 }
 
 /// Gives the object its particles and its place in the world. Nothing has changed if anything before this
 /// threw.
 ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   Object& object = *draft.object;
-  if (object.rest.empty()) throw Error(object.name + ": there are no vertices");
+  object.capacity = std::max(static_cast<std::uint32_t>(object.rest.size()), options.most_particles);
+  if (object.capacity == 0) throw Error(object.name + ": there are no vertices");
   object.stiffness_map = gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
   object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
   const std::size_t left_out = check_constraints(object);
@@ -114,8 +125,8 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   Particles& particles = world.particles;
   object.begin = static_cast<std::uint32_t>(particles.size());
   object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
-  particles.resize(object.end);
-  world.object_of.resize(object.end, static_cast<std::uint32_t>(world.objects.size()));
+  particles.resize(object.reserved_end());
+  world.object_of.resize(object.reserved_end(), static_cast<std::uint32_t>(world.objects.size()));
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const double mass = draft.mass[i - object.begin];
     particles.mass[i] = static_cast<float>(mass);
@@ -196,6 +207,13 @@ void scale_mass(WorldState& world, const Object& object, float factor) {
   }
 }
 
+void require_lasting(const Object& object, const char* what) {
+  if (object.kind == ObjectKind::fluid)
+    throw Error(
+        std::string(what) + ": " + object.name +
+        " is a fluid, whose particles come and go; hold it with walls, or push it with a force field");
+}
+
 void require_layer(const Object& object, int layer) {
   constexpr int most = 1000;
   if (layer < 0 || layer > most)
@@ -214,7 +232,7 @@ void require_movable(const Object& object, const char* what) {
 }
 
 void remove_object(WorldState& world, const Object& object) {
-  const std::uint32_t begin = object.begin, end = object.end;
+  const std::uint32_t begin = object.begin, end = object.reserved_end();
   const std::size_t index = world.object_of[begin];
   world.particles.erase(begin, end);
   world.object_of.erase(world.object_of.begin() + begin, world.object_of.begin() + end);
@@ -227,6 +245,7 @@ void remove_object(WorldState& world, const Object& object) {
   world.surface_contacts.erase_particles(begin, end);
   world.feature_contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
+  std::erase_if(world.emitters, [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty_all();
   world.forget_contacts();

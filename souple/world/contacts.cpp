@@ -34,6 +34,7 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
   ContactSurface result{
       .begin = object.begin,
       .end = object.end,
+      .reserved_end = object.reserved_end(),
       .triangles = object.surface,
       .edges = world.tables.rope_edges[index],
       .loose_particles = is_loose(object),
@@ -133,9 +134,22 @@ void build_contact_tables(WorldState& world) {
   });
   for (std::uint32_t a = 0; any_solid && a < world.objects.size(); ++a)
     append_features(*world.objects[a], a, tables.rope_edges[a], features);
+  world.dirty_counts = true;
   world.fluids.build(world);
   features.shrink_to_fit();
   world.feature_contacts.set_features(std::move(features));
+}
+
+void tell_counts(WorldState& world) {
+  if (!world.dirty_counts) return;
+  for (std::size_t a = 0; a < world.objects.size(); ++a) {
+    const Object& object = *world.objects[a];
+    if (object.kind != ObjectKind::fluid) continue;
+    world.tables.objects[a].end = object.end;
+    world.surface_contacts.set_end(a, object.end);
+  }
+  world.sleep.touching.forget();
+  world.dirty_counts = false;
 }
 
 namespace {

@@ -54,6 +54,12 @@ void report_custom_errors(WorldState& world) {
     }
 }
 
+void report_fluids(WorldState& world) {
+  const FluidReport flow = world.report.fluid;
+  FluidReport& report = world.report.fluid = world.fluids.report();
+  report.emitted = flow.emitted, report.drained = flow.drained, report.held_back = flow.held_back;
+}
+
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
   if (report.largest_strain > large_strain) world.complain(Flag::large_strain, advice(Flag::large_strain));
@@ -131,12 +137,14 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   world.forget_contacts();
-  world.fluids.begin_step(world);
+  let_flow(world, dt);
+  tell_counts(world);
+  world.fluids.begin_step(world, dt);
   world.first_bad.reset();
   report.step = ++world.steps;
   report.substeps = world.settings.substeps;
   report.iterations = world.settings.iterations;
-  report.particles = world.particles.size();
+  for (const auto& object : world.objects) report.particles += object->particle_count();
   return true;
 }
 
@@ -159,7 +167,7 @@ void end_step(WorldState& world, bool good) {
   world.contacts_known = true;
   world.report.time = world.time;
   report_contacts(world);
-  world.report.fluid = world.fluids.report();
+  report_fluids(world);
   report_custom_errors(world);
   measure(world);
   if (good) raise_flags(world);

@@ -11,44 +11,72 @@
 
 namespace souple {
 
-// What several walls say together, as if they hid one another.
+// What several walls say together, as if they hid one another. What is led takes what it wants; what can be
+// moved is left to BodyFriction.
 void Fluids::find_wall_friction(float h, Threads& threads) {
   const auto x = solver_->positions();
   const auto order = solver_->order();
   wall_friction_.resize(x.size());
   for_places(x.size(), threads, [&](std::size_t k) {
     Vec3f motion{};
-    float sum = 0, left = 1;
-    for (const NearPlane& plane : surroundings_.of(k)) {
-      if (plane.skin != NearPlane::nobody) continue;
-      const float value = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
-      motion += plane.motion * value;
-      sum += value;
-      left *= 1 - value;
+    float sum = 0, led = 0, left = 1;
+    for (NearPlane& plane : surroundings_.of(k)) {
+      plane.hold = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
+      sum += plane.hold;
+      left *= 1 - plane.hold;
+      if (bodies_.moves(plane)) continue;
+      motion += plane.motion * plane.hold;
+      led += plane.hold;
     }
-    const Vec3f speed = sum > 0 ? motion * (1 / (sum * h)) : Vec3f{};
-    wall_friction_[k] = {speed.x, speed.y, speed.z, (1 - left) * materials_[fluid_[order[k]]].friction};
+    const Vec3f speed = led > 0 ? motion * (1 / (led * h)) : Vec3f{};
+    const float all = (1 - left) * materials_[fluid_[order[k]]].friction;
+    const float share = sum > 0 ? all / sum : 0;
+    for (NearPlane& plane : surroundings_.of(k)) plane.hold *= share;
+    wall_friction_[k] = {speed.x, speed.y, speed.z, led == sum ? all : led * share};
   });
 }
+
+namespace {
+
+struct Nearest {
+  const NearPlane* plane = nullptr;
+  float distance = std::numeric_limits<float>::max();  // m
+};
+
+Nearest nearest_of(std::span<const NearPlane> planes, const Vec3f& x) {
+  Nearest nearest;
+  for (const NearPlane& plane : planes)
+    if (const float distance = dot(plane.normal, x) - plane.offset; distance < nearest.distance)
+      nearest = {&plane, distance};
+  return nearest;
+}
+
+}  // namespace
 
 void Fluids::find_near_walls(Threads& threads) {
   const auto x = solver_->positions();
   near_walls_.resize(x.size());
   for_places(x.size(), threads, [&](std::size_t k) {
-    near_walls_[k] = {};
-    float nearest = std::numeric_limits<float>::max();
-    for (const NearPlane& plane : surroundings_.of(k)) {
-      const float distance = dot(plane.normal, x[k].xyz()) - plane.offset;
-      if (plane.skin != NearPlane::nobody || distance >= nearest) continue;
-      nearest = distance;
-      near_walls_[k] = {plane.normal, distance};
-    }
+    const Nearest nearest = nearest_of(surroundings_.of(k), x[k].xyz());
+    near_walls_[k] = nearest.plane ? NearWall{nearest.plane->normal, nearest.distance} : NearWall{};
   });
+}
+
+// A body is pulled into the fluid as the fluid is to the body.
+void Fluids::pull_bodies(WorldState& world) {
+  const auto x = solver_->positions();
+  const auto pulls = surface_tension_.wall_pulls();
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const Nearest nearest = nearest_of(surroundings_.of(k), x[k].xyz());
+    if (nearest.plane && bodies_.moves(*nearest.plane))
+      push_carriers(bodies_, *nearest.plane, nearest.plane->normal * pulls[k], world.particles.velocity,
+                    world.particles.position);
+  }
 }
 
 // The strongest of what the fluids of a world want is done for all of them, but for viscosity and drag, which
 // each has for itself.
-void Fluids::apply_forces(const WorldState& world, const Substep& substep) {
+void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const FluidView view{solver_->padded_positions(), velocity_, solver_->neighbours(), solver_->smoothing()};
   const auto most = [&](float FluidMaterial::*value) {
@@ -59,11 +87,18 @@ void Fluids::apply_forces(const WorldState& world, const Substep& substep) {
   find_wall_friction(substep.h, threads);
   const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
   report_.viscosity_iterations += viscous.iterations;
+  if (bodies_.skin_count() > 0)
+    body_friction_.apply(view, surroundings_, bodies_, substep.h, world.particles.velocity,
+                         world.particles.position, threads);
+  if (!small_bodies_.none())
+    small_bodies_.drag(view, solver_->order(), viscosities_, substep.h, world.particles.velocity,
+                       world.particles.position, threads);
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
     const float angle = materials_[0].contact_angle * static_cast<float>(pi) / 180;
     surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h,
                            threads);
+    if (bodies_.skin_count() > 0) pull_bodies(world);
   }
   if (const float epsilon = most(&FluidMaterial::vorticity); epsilon > 0)
     vorticity_.apply(view, epsilon, substep.h, threads);
@@ -86,6 +121,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   for_places(order.size(), threads, [&](std::size_t k) {
     const FluidMaterial& material = materials_[fluid_[order[k]]];
     velocity_[k] = velocity[particle_[order[k]]];
+    if (led_[order[k]] != 0) velocity_[k].set_xyz(mouth_velocity(order[k]));
     velocity_[k].w = material.viscosity + material.density * material.xsph * exchange;
   });
   apply_forces(world, substep);
@@ -96,8 +132,10 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   report_.largest_step =
       std::max(report_.largest_step,
                std::sqrt(fastest) / 1.5 * static_cast<double>(substep.h) / static_cast<double>(spacing_));
-  for_places(order.size(), threads,
-             [&](std::size_t k) { velocity[particle_[order[k]]].set_xyz(velocity_[k].xyz()); });
+  for_places(order.size(), threads, [&](std::size_t k) {
+    const std::uint32_t i = order[k];
+    velocity[particle_[i]].set_xyz(led_[i] != 0 ? mouth_velocity(i) : velocity_[k].xyz());
+  });
 }
 
 }  // namespace souple

@@ -57,6 +57,7 @@ void Fluids::note(const WorldState& world, const Substep& substep) {
 
 FluidReport Fluids::report() const {
   FluidReport report = report_;
+  foam_.report(report);
   if (substeps_ > 0)
     report.iterations /= substeps_, report.coarse_iterations /= substeps_,
         report.viscosity_iterations /= substeps_;

@@ -2,6 +2,7 @@
 
 #include "souple/world/add.h"
 
+#include <cmath>
 #include <map>
 
 namespace souple {
@@ -70,7 +71,70 @@ Skin particle_skin(const Object& object) {
   return skin;
 }
 
+/// Points inside a ball about a spacing apart; its centre where it is smaller.
+std::vector<Vec3f> points_in_ball(float radius, float spacing) {
+  constexpr float most_across = 10;
+  if (radius < spacing) return {Vec3f{}};
+  std::vector<Vec3f> result;
+  const float across = std::ceil(min(2 * radius / spacing, most_across)), pitch = 2 * radius / across;
+  for (float z = 0.5f; z < across; ++z)
+    for (float y = 0.5f; y < across; ++y)
+      for (float x = 0.5f; x < across; ++x) {
+        const Vec3f at = Vec3f{x, y, z} * pitch - Vec3f{radius, radius, radius};
+        if (dot(at, at) < radius * radius) result.push_back(at);
+      }
+  return result;
+}
+
+// The points of a large one have together its section, by which it drags.
+void append_grains(const Object& object, float spacing, float radius, std::span<const float> mass,
+                   std::uint32_t number, std::vector<SmallBody>& bodies) {
+  const std::vector<Vec3f> points = points_in_ball(radius, spacing);
+  const float part = 1 / static_cast<float>(points.size());
+  const float volume = 4 * static_cast<float>(pi) / 3 * radius * radius * radius;
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    for (const Vec3f& point : points)
+      bodies.push_back({.particles = {i, i},
+                        .weights = {1, 0},
+                        .offset = point,
+                        .volume = volume * part,
+                        .mass = mass[i] * part,
+                        .radius = radius * std::sqrt(part),
+                        .object = number});
+}
+
+// Pieces no longer than the spacing, each in the middle of its part of a segment.
+void append_rope(const Object& object, float spacing, float radius, std::span<const float> mass,
+                 std::uint32_t number, std::vector<SmallBody>& bodies) {
+  constexpr double most_pieces = 64;  // of a segment
+  double all = 0, weight = 0;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) weight += static_cast<double>(mass[i]);
+  for (std::size_t i = 0; i + 1 < object.rest.size(); ++i) all += length(object.rest[i + 1] - object.rest[i]);
+  for (std::uint32_t i = 0; i + 1 < object.particle_count(); ++i) {
+    const double segment = length(object.rest[i + 1] - object.rest[i]);
+    const double pieces = min(std::ceil(max(segment / static_cast<double>(spacing), 1.0)), most_pieces);
+    const auto piece = static_cast<float>(segment / pieces);
+    for (double k = 0.5; k < pieces; ++k) {
+      const auto t = static_cast<float>(k / pieces);
+      bodies.push_back({.particles = {object.begin + i, object.begin + i + 1},
+                        .weights = {1 - t, t},
+                        .volume = static_cast<float>(pi) * radius * radius * piece,
+                        .mass = static_cast<float>(weight / all) * piece,
+                        .radius = radius,
+                        .length = piece,
+                        .object = number});
+    }
+  }
+}
+
 }  // namespace
+
+void append_small_bodies(const Object& object, float spacing, std::span<const float> mass,
+                         std::uint32_t number, std::vector<SmallBody>& bodies) {
+  const float radius = contact_radius(object.material);
+  if (object.kind == ObjectKind::grains) append_grains(object, spacing, radius, mass, number, bodies);
+  if (object.kind == ObjectKind::rope) append_rope(object, spacing, radius, mass, number, bodies);
+}
 
 std::optional<Skin> fluid_skin(const Object& object, float spacing) {
   if (object.kind == ObjectKind::fluid || (!object.embedding && object.surface.empty())) return std::nullopt;

@@ -100,6 +100,7 @@ struct FluidMaterial {
   float contact_angle = 90;   ///< of a drop on a wall, measured within it; needs surface tension [degrees]
   float vorticity = 0;        ///< strength of vorticity confinement: adds energy to whirls [m/s]
   float air_drag = 0;         ///< coefficient of the drag on what meets the air; 0.47 is a ball's
+  float foam = 0;             ///< how much of Settings::fluid.foam it makes: 0 none, 1 as that says
   float friction = 1;         ///< how walls hold it: 1 its viscosity does, 0 it slips. In [0, 1]
   float restitution = 0;
 };

@@ -90,6 +90,8 @@ MemoryReport World::memory() {
                                                world.collider_contacts.bytes() +
                                                world.feature_contacts.bytes() + world.sleep.touching.bytes() +
                                                world.untangling.bytes()});
+  if (const std::size_t foam = world.fluids.foam().bytes(); foam > 0)
+    report.simulation.push_back({"foam", foam});
   add_objects(world, report);
   return report;
 }

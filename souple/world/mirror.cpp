@@ -13,6 +13,7 @@ namespace {
 /// f(i) -> Vec3d of particle i, for every user vertex: the particle's own, or the blend over a tet.
 template <class Function>
 void fill(const Object& object, std::vector<Vec3f>& out, const Function& f) {
+  out.reserve(object.capacity);  // addresses stay where particles come and go
   out.resize(object.vertex_count());
   for (std::size_t v = 0; v < out.size(); ++v) {
     if (!object.embedding) {

@@ -4,6 +4,7 @@
 #include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -172,7 +173,7 @@ Vec3d World::centre_of_mass(ObjectId id) const {
   }
   if (mass > 0) return sum / mass;
   for (std::uint32_t i = object.begin; i < object.end; ++i) sum += world.exact_position(i);
-  return sum / object.particle_count();
+  return sum / std::max(1u, object.particle_count());
 }
 
 }  // namespace souple

@@ -18,6 +18,8 @@ std::string_view stage_name(Stage stage) {
       return "finish";
     case Stage::velocity:
       return "velocity";
+    case Stage::foam:
+      return "foam";
   }
   return "?";
 }

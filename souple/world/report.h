@@ -8,9 +8,9 @@
 
 namespace souple {
 
-/// The stages of the loop, in order; `broad_phase` runs once a step, the others each substep.
-enum class Stage { broad_phase, integrate, fluids, contacts, solve, finish, velocity };
-inline constexpr std::size_t stage_count = 7;
+/// The stages of the loop, in order; `broad_phase` and `foam` run once a step, the others each substep.
+enum class Stage { broad_phase, integrate, fluids, contacts, solve, finish, velocity, foam };
+inline constexpr std::size_t stage_count = 8;
 std::string_view stage_name(Stage stage);
 
 /// What a step wants its user to know. Each names the knob that mends it (see `advice`).
@@ -40,6 +40,8 @@ struct KindReport {
 /// last correction of the last substep.
 struct FluidReport {
   std::size_t particles = 0;
+  std::size_t emitted = 0, drained = 0;  ///< particles that came and went before the step
+  std::size_t held_back = 0;             ///< that an emitter had no room for
   double mean_density_error = 0, largest_density_error = 0;
   double largest_pressure = 0;      ///< Pa
   double fastest = 0;               ///< m/s
@@ -47,6 +49,7 @@ struct FluidReport {
   double iterations = 0;            ///< of Jacobi, mean of the substeps
   double coarse_iterations = 0;     ///< of conjugate gradients for the pressure, mean of the substeps
   double viscosity_iterations = 0;  ///< the same for viscosity; 0 where it is solved without
+  std::size_t spray = 0, foam = 0, bubbles = 0;  ///< particles at the end of the step
 };
 
 /// What a step did. Returned by World::step; stays valid until the next step.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/collision/segment_triangle/choice.h"
+#include "souple/fluid/foam_parameters.h"
 #include "souple/fluid/smoothing_shape.h"
 #include "souple/math/vec3.h"
 #include "souple/solver/projector.h"
@@ -37,6 +38,7 @@ struct FluidSettings {
   float compressibility = 0;  ///< fluids are denser by this times their pressure, >= 0 [1/Pa]
   /// Pressure with which two particles push each other that are 0.4 spacings apart, >= 0 [Pa]
   float artificial_pressure = 0;
+  FoamParameters foam{};  ///< of fluids whose material's `foam` is above 0
   friend bool operator==(const FluidSettings&, const FluidSettings&) = default;
 };
 
@@ -60,7 +62,7 @@ struct Settings {
   Wind wind{};
   float drag = 0;                 ///< linear drag: f = -drag m (v - wind)  [1/s]
   bool measure_residuals = true;  ///< residuals and strain in the report: costs about one iteration a step
-  std::uint64_t seed = 1;         ///< of the gusts
+  std::uint64_t seed = 1;         ///< of the gusts, and of where fluids foam
   SolverSettings solver{};
   FluidSettings fluid{};
   Sleeping sleeping{};

@@ -1,17 +1,19 @@
 #include "souple/math/fnv1a.h"
 #include "souple/world/impl.h"
 
+#include <algorithm>
 #include <cstring>
 
 // A snapshot is: magic, shape (a hash of what the objects are), time, steps, number of frictional contacts,
 // then position (with inverse masses), offset and velocity of every particle, how far contacts pushed it of
-// late, what contacts between particles remember of friction, how long each object has been at rest and with
-// whom it sleeps, then a checksum of all before it.
+// late, what contacts between particles remember of friction, how long each object has been at rest, with
+// whom it sleeps and how many particles it has, what emitters and drains have done, foam, then a checksum of
+// all before it.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x33304e53504c5553u;  // "SULPSN03"
+constexpr std::uint64_t magic = 0x34304e53504c5553u;  // "SULPSN04"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -26,32 +28,63 @@ void get(std::span<const std::byte>& in, T* values, std::size_t count) {
   in = in.subspan(count * sizeof(T));
 }
 
-/// What has to be equal for a snapshot to fit: names, kinds and sizes of the objects, in order.
+/// What has to be equal for a snapshot to fit: names, kinds and sizes of the objects, in order, and how many
+/// emitters and drains there are.
 std::uint64_t shape_of(const WorldState& world) {
   std::uint64_t hash = fnv1a64_start;
   for (const auto& object : world.objects) {
     hash = fnv1a64(object->name, hash);
-    const std::uint32_t numbers[] = {static_cast<std::uint32_t>(object->kind), object->begin, object->end};
+    const std::uint32_t numbers[] = {static_cast<std::uint32_t>(object->kind), object->begin,
+                                     object->reserved_end()};
     hash = fnv1a64(std::as_bytes(std::span(numbers)), hash);
   }
-  return hash;
+  const std::size_t flows[] = {world.emitters.size(), world.drains.size()};
+  return flows[0] + flows[1] > 0 ? fnv1a64(std::as_bytes(std::span(flows)), hash) : hash;
 }
 
 struct Header {
   std::uint64_t magic, shape;
   double time;
   std::uint64_t steps, contacts;
+  std::uint64_t foam;  // particles
+  double foam_origin[3];
 };
+
+constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeof(FoamKind);  // of each
 
 /// Of an object.
 struct Rest {
   double still_time;
-  std::uint64_t island;
+  std::uint32_t island, particles;
 };
 
-std::size_t size_for(const WorldState& world, std::size_t contacts) {
-  return sizeof(Header) + world.particles.size() * (3 * sizeof(Vec4f) + sizeof(float)) +
-         contacts * sizeof(FrictionMemory) + world.objects.size() * sizeof(Rest) + sizeof(std::uint64_t);
+void put(std::vector<std::byte>& out, const FoamState& foam) {
+  put(out, foam.position.data(), foam.size());
+  put(out, foam.velocity.data(), foam.size());
+  put(out, foam.life.data(), foam.size());
+  put(out, foam.age.data(), foam.size());
+  put(out, foam.kind.data(), foam.size());
+}
+
+FoamState get_foam(std::span<const std::byte>& in, std::size_t count) {
+  FoamState foam;
+  foam.resize(count);
+  get(in, foam.position.data(), count);
+  get(in, foam.velocity.data(), count);
+  get(in, foam.life.data(), count);
+  get(in, foam.age.data(), count);
+  get(in, foam.kind.data(), count);
+  return foam;
+}
+
+std::size_t bytes_of_particles(const WorldState& world) {
+  return world.particles.size() * (3 * sizeof(Vec4f) + sizeof(float));
+}
+
+std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
+  return sizeof(Header) + bytes_of_particles(world) + contacts * sizeof(FrictionMemory) +
+         world.objects.size() * sizeof(Rest) + world.emitters.size() * sizeof(EmitterRecord::layers) +
+         world.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
 }
 
 /// Checks everything that can be checked before the world is touched.
@@ -65,10 +98,23 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
-      bytes.size() != size_for(world, header.contacts))
+      header.foam > bytes.size() || bytes.size() != size_for(world, header.contacts, header.foam))
     throw Error(
         "restore: the snapshot is of a world with other objects; build the world in the same way first");
   return header;
+}
+
+void resume_objects(WorldState& world, std::span<const std::byte>& in) {
+  for (const auto& object : world.objects) {
+    Rest rest{};
+    get(in, &rest, 1);
+    object->still_time = rest.still_time;
+    object->island = rest.island;
+    if (object->kind == ObjectKind::fluid)
+      set_count(world, *object, std::min(rest.particles, object->capacity));
+  }
+  for (EmitterRecord& record : world.emitters) get(in, &record.layers, 1);
+  for (DrainRecord& record : world.drains) get(in, &record.credit, 1);
 }
 
 }  // namespace
@@ -77,10 +123,18 @@ Snapshot World::snapshot() const {
   const WorldState& world = impl_->state;
   const Particles& particles = world.particles;
   const std::vector<FrictionMemory> memory = world.particle_contacts.memory();
-  const Header header{magic, shape_of(world), world.time, world.steps, memory.size()};
+  const FluidFoam& foam = world.fluids.foam();
+  const Vec3d& origin = foam.origin();
+  const Header header{magic,
+                      shape_of(world),
+                      world.time,
+                      world.steps,
+                      memory.size(),
+                      foam.size(),
+                      {origin.x, origin.y, origin.z}};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(world, memory.size()));
+  out.reserve(size_for(world, memory.size(), foam.size()));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
@@ -88,9 +142,12 @@ Snapshot World::snapshot() const {
   put(out, particles.pressed.data(), particles.size());
   put(out, memory.data(), memory.size());
   for (const auto& object : world.objects) {
-    const Rest rest{object->still_time, object->island};
+    const Rest rest{object->still_time, object->island, object->particle_count()};
     put(out, &rest, 1);
   }
+  for (const EmitterRecord& record : world.emitters) put(out, &record.layers, 1);
+  for (const DrainRecord& record : world.drains) put(out, &record.credit, 1);
+  put(out, foam.state());
   const std::uint64_t checksum = fnv1a64(out);
   put(out, &checksum, 1);
   return result;
@@ -104,6 +161,11 @@ void World::restore(const Snapshot& snapshot) {
   Particles& particles = world.particles;
   world.time = header.time;
   world.steps = header.steps;
+  std::span<const std::byte> later =
+      in.subspan(bytes_of_particles(world) + header.contacts * sizeof(FrictionMemory));
+  resume_objects(world, later);
+  const auto& origin = header.foam_origin;
+  world.fluids.foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());
@@ -111,12 +173,6 @@ void World::restore(const Snapshot& snapshot) {
   std::vector<FrictionMemory> memory(header.contacts);
   get(in, memory.data(), memory.size());
   world.particle_contacts.set_memory(memory);
-  for (const auto& object : world.objects) {
-    Rest rest{};
-    get(in, &rest, 1);
-    object->still_time = rest.still_time;
-    object->island = static_cast<std::uint32_t>(rest.island);
-  }
   world.forget_contacts();
   world.look_for_tangles = true;
   ++world.version;

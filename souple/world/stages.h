@@ -16,6 +16,9 @@ void integrate(WorldState& world, const Substep& substep);
 /// (2) Fluids are pushed apart until they are not compressed.
 void press_fluids(WorldState& world, const Substep& substep);
 
+/// Once a step, after its substeps: spray, foam and bubbles, from `time` on for dt seconds.
+void step_foam(WorldState& world, double time, double dt);
+
 /// (3) Contacts along x -> p.
 void generate_contacts(WorldState& world, const Substep& substep);
 

@@ -38,6 +38,10 @@ ColliderRecord& WorldState::collider(ColliderId id) {
 
 void WorldState::place(std::size_t i, const Vec3d& x) {
   look_for_tangles = true;
+  set_position(i, x);
+}
+
+void WorldState::set_position(std::size_t i, const Vec3d& x) {
   const Vec3f rounded(x);
   particles.position[i].set_xyz(rounded);
   particles.offset[i] = {};

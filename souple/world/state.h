@@ -15,6 +15,7 @@
 #include "souple/solver/projector.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
+#include "souple/world/flow.h"
 #include "souple/world/fluids.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
@@ -50,6 +51,7 @@ struct Object {
   ObjectKind kind = ObjectKind::cloth;
   Material material;
   std::uint32_t begin = 0, end = 0;        ///< particles
+  std::uint32_t capacity = 0;              ///< of a fluid: it may have so many; of others: as many as it has
   TriangleMesh mesh;                       ///< as given, placed; positions are the rest state; may be empty
   TetMesh tets;                            ///< soft bodies: vertices are the particles, in order
   std::vector<Vec3d> rest;                 ///< of each particle [m]
@@ -77,6 +79,7 @@ struct Object {
   ObstacleMotion motion;     ///< of an obstacle
   Transform placement;       ///< of an obstacle: applied to its sequence
 
+  std::uint32_t reserved_end() const { return begin + capacity; }
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
   std::size_t vertex_count() const { return embedding ? mesh.positions.size() : particle_of.size(); }
   /// Mean of a per-particle map over a constraint's particles; 1 without a map.
@@ -158,6 +161,8 @@ struct WorldState {
 
   std::vector<std::unique_ptr<Object>> objects;  ///< stable addresses
   std::vector<ColliderRecord> colliders;
+  std::vector<EmitterRecord> emitters;
+  std::vector<DrainRecord> drains;
   std::uint32_t next_id = 1;
 
   std::vector<std::unique_ptr<Projector>> standard;  ///< built from the objects, in the order they are solved
@@ -176,6 +181,7 @@ struct WorldState {
   PairTable pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: build before the next step
   bool dirty_tables = true;       ///< so did what contacts look up
+  bool dirty_counts = false;      ///< fluids have more or fewer particles than contacts know of
   bool dirty_solver = true;       ///< projectors came or went: make and prepare the solver anew
   void dirty_all() { dirty_constraints = dirty_tables = true; }
 
@@ -206,6 +212,8 @@ struct WorldState {
     return Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz());
   }
   /// Puts a particle at x, keeping in the displacement form what float cannot hold.
+  void set_position(std::size_t i, const Vec3d& x);
+  /// The same where it may tangle what it belongs to.
   void place(std::size_t i, const Vec3d& x);
 
   /// `wanted` when it is free, else throws; empty: `base`, base2, base3, ... whichever is free first.

@@ -41,6 +41,7 @@ const StepReport& World::step(double dt) {
     run(*this, world, Stage::velocity, [&] { update_velocities(world, substep); });
     world.time = start + dt * i / substep.count;
   }
+  if (good) run(*this, world, Stage::foam, [&] { step_foam(world, start, dt); });
   world.stepping = false;
   if (!good) world.time = start;
   if (good) fall_asleep(world, dt);

@@ -57,7 +57,34 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+namespace {
+
+void check_range(const char* name, const FoamRange& range) {
+  if (std::isfinite(range.low) && range.low >= 0 && range.high > range.low && double(range.high) <= any)
+    return;
+  throw Error(fmt::format("settings: fluid.foam.{} is from {:g} to {:g}, expected 0 <= low < high", name,
+                          range.low, range.high));
+}
+
+void validate(const FoamParameters& f) {
+  check_all("settings", {{"fluid.foam.most", double(f.most), 0, 1e8},
+                         {"fluid.foam.trapped_air_rate", double(f.trapped_air_rate), 0, 1e6},
+                         {"fluid.foam.wave_crest_rate", double(f.wave_crest_rate), 0, 1e6},
+                         {"fluid.foam.longest_life", double(f.longest_life), 0, any},
+                         {"fluid.foam.buoyancy", double(f.buoyancy), 0, any},
+                         {"fluid.foam.drag", double(f.drag), smallest, any},
+                         {"fluid.foam.spray_neighbours", double(f.spray_neighbours), 0, 1000},
+                         {"fluid.foam.bubble_neighbours", double(f.bubble_neighbours), 0, 1000}});
+  check_range("trapped_air", f.trapped_air);
+  check_range("wave_crest", f.wave_crest);
+  check_range("energy", f.energy);
+  check_range("life", f.life);
+}
+
+}  // namespace
+
 void validate(const Settings& s) {
+  validate(s.fluid.foam);
   check_all("settings", {{"substeps", double(s.substeps), 1, 100000},
                          {"iterations", double(s.iterations), 1, 100000},
                          {"threads", double(s.threads), 0, 1024},
@@ -148,6 +175,7 @@ void validate(const FluidMaterial& m, std::string_view owner) {
                     {"contact_angle", double(m.contact_angle), 0, 180},
                     {"vorticity", double(m.vorticity), 0, any},
                     {"air_drag", double(m.air_drag), 0, any},
+                    {"foam", double(m.foam), 0, 1000},
                     {"friction", double(m.friction), 0, 1},
                     {"restitution", double(m.restitution), 0, 1}});
 }

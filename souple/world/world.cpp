@@ -272,6 +272,11 @@ std::vector<float> World::pressures(ObjectId id) const {
   return result;
 }
 
+FoamView World::foam() const {
+  const FluidFoam& foam = impl_->state.fluids.foam();
+  return {foam.positions(), foam.velocities(), foam.kinds()};
+}
+
 float World::particle_radius(ObjectId id) const {
   const Object& object = impl_->state.object(id);
   const auto* fluid = std::get_if<FluidMaterial>(&object.material);

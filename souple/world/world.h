@@ -3,12 +3,14 @@
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
 #include "souple/error.h"
+#include "souple/fluid/foam_parameters.h"
 #include "souple/geometry/lattice.h"
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/transform.h"
 #include "souple/solver/projector.h"
 #include "souple/world/debug_draw.h"
+#include "souple/world/emitter.h"
 #include "souple/world/materials.h"
 #include "souple/world/memory.h"
 #include "souple/world/obstacle_motion.h"
@@ -61,6 +63,9 @@ struct ObjectOptions {
   /// out where it is put wrong. 0: in no order with others. Of objects with a surface of their own: cloth,
   /// soft bodies from tets, obstacles.
   int layer = 0;
+  /// Of a fluid: emitters give it no more than these, for which there is room from the start; 0: it stays as
+  /// it is. With room a fluid may begin without any.
+  std::uint32_t most_particles = 0;
   /// Bit masks: which of 32 groups it belongs to, and which groups it wants to meet. Two things meet when
   /// a.collision_groups & b.collision_mask and b.collision_groups & a.collision_mask are both non-zero.
   std::uint32_t collision_groups = 1;
@@ -115,6 +120,14 @@ struct ContactEvent {
   bool other_is_collider = true;
   Vec3f point{}, normal{};  ///< normal points to `object`
   float impulse = 0;        ///< N s
+};
+
+/// Spray, foam and bubbles of all fluids, in no order that stays. What it looks at is valid until the next
+/// step.
+struct FoamView {
+  std::span<const Vec3f> positions;   ///< m
+  std::span<const Vec3f> velocities;  ///< m/s
+  std::span<const FoamKind> kinds;
 };
 
 /// Everything that moves, as bytes; see World::snapshot.
@@ -216,6 +229,8 @@ class World {
   double total_mass(ObjectId object) const;  ///< kg; 0 of an obstacle
   /// Of each particle of a fluid, user order, mean of the last step. [Pa]
   std::vector<float> pressures(ObjectId fluid) const;
+  /// What the fluids have made whose material's `foam` is above 0. It does nothing to anything.
+  FoamView foam() const;
   /// Of grains and ropes, half the thickness of the others, half the spacing of fluids. [m]
   float particle_radius(ObjectId object) const;
 
@@ -255,7 +270,8 @@ class World {
   ProjectorId add_projector(std::unique_ptr<Projector> projector);
   void remove(ProjectorId projector);
   Projector& projector(ProjectorId projector);
-  /// The particle index of a vertex, for constraints of one's own. Changes when objects are removed.
+  /// The particle index of a vertex, for constraints of one's own. Changes when objects are removed; that of
+  /// a fluid also when drains take some.
   std::uint32_t particle(ObjectId object, std::uint32_t vertex) const;
   /// The same for any vertex: one particle, or the four of the lattice's tet in which it is embedded. Weights
   /// sum up to 1; they are negative where the vertex lies a little outside its tet.
@@ -271,6 +287,14 @@ class World {
   const ColliderOptions& collider_options(ColliderId collider) const;
   Transform collider_pose(ColliderId collider) const;  ///< now
   ColliderId find_collider(std::string_view name) const;
+  /// What emitters and drains do is told by StepReport::fluid. A fluid's emitters go with it.
+  EmitterId add_emitter(ObjectId fluid, const Emitter& emitter);
+  void set_emitter(EmitterId id,
+                   const Emitter& emitter);  ///< its first layer comes at once, or when it starts
+  void remove(EmitterId emitter);
+  /// Takes particles of all fluids. Those that stay keep their order and are numbered anew.
+  DrainId add_drain(const Drain& drain);
+  void remove(DrainId drain);
   /// With which the pressure of all fluids pushes a collider, mean of the last step. [N]
   Vec3d fluid_force(ColliderId collider) const;
   /// Overrides the pair rules (geometric mean of frictions, larger restitution) for two names.

@@ -17,10 +17,14 @@ using test::FluidArrays;
 constexpr float d = 0.02f, dt = 1.0f / 60;
 constexpr Vec3f gravity{0, -9.81f, 0};
 
-void no_walls(Vec3f&, Vec3f&) {}
+void no_walls(std::span<const Vec3f>, std::span<Vec3f>, std::span<Vec3f>) {}
 
 Foam::Report step(Foam& foam, FluidArrays& fluid, const FoamParameters& parameters = {}) {
-  return foam.step(fluid.view(), fluid.order.order(), {}, parameters, gravity, dt, no_walls, *fluid.threads);
+  static std::uint64_t seed = 0;
+  const FluidView view = fluid.view();
+  return foam.step(
+      {.fluid = view, .particle = fluid.order.order(), .gravity = gravity, .dt = dt, .seed = ++seed},
+      parameters, no_walls, *fluid.threads);
 }
 
 /// A pool of 20 x 16 x 20 spacings that moves as a whole, its middle column at x = z = 10 d.
@@ -121,6 +125,7 @@ struct DamBreak {
   std::vector<Vec3f> velocity, slopes;
   Foam foam;
   Foam::Report report;
+  std::uint64_t seed = 0;
 
   explicit DamBreak(int thread_count)
       : threads(make_threads(Threading::pool, thread_count)),
@@ -177,8 +182,17 @@ struct DamBreak {
     for (int s = 0; s < 6; ++s) substep(dt / 6);
     const Box box{solver.smoothing()};
     for (std::size_t k = 0; k < positions.size(); ++k) slopes[k] = box.look(k, x[k].xyz()).slope;
-    report = foam.step({x, v, solver.neighbours(), solver.smoothing()}, solver.order(), slopes, parameters,
-                       gravity, dt, keep_in, *threads);
+    const FluidView view{x, v, solver.neighbours(), solver.smoothing()};
+    const auto keep_all_in = [](auto, std::span<Vec3f> at, std::span<Vec3f> speed) {
+      for (std::size_t k = 0; k < at.size(); ++k) keep_in(at[k], speed[k]);
+    };
+    report = foam.step({.fluid = view,
+                        .particle = solver.order(),
+                        .wall_slopes = slopes,
+                        .gravity = gravity,
+                        .dt = dt,
+                        .seed = ++seed},
+                       parameters, keep_all_in, *threads);
   }
 };
 

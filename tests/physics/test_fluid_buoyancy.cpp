@@ -1,4 +1,5 @@
 #include "souple/souple.h"
+#include "validation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,10 +83,18 @@ TEST(FluidBuoyancy, LightAndSoftCubesFloatAsDeepAsTheirDensitySlow) {
   EXPECT_NEAR(sunk(600, SoftBodyModel::neo_hookean), 0.6, 0.03);
 }
 
+TEST(FluidBuoyancy, ALightSoftCubeFloatsAsDeepAsItsDensitySlow) {
+  EXPECT_NEAR(sunk(300, SoftBodyModel::neo_hookean), 0.3, 0.03);
+}
+
 // Water stands for a fluid in channels wide enough to hold no order of their own: in a basin of 36 spacings
 // this cube floats 5 % of its height too high.
 TEST(FluidBuoyancy, AHeavyCubeFloatsAsDeepAsItsDensitySlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 46, 32), 0.9, 0.03);
+}
+
+TEST(FluidBuoyancy, AHeavySoftCubeFloatsAsDeepAsItsDensitySlow) {
+  EXPECT_NEAR(sunk(900, SoftBodyModel::neo_hookean, 46, 32), 0.9, 0.03);
 }
 
 // Two layers of water stay below it: what is left of its weight does not press them out.
@@ -94,6 +103,23 @@ TEST(FluidBuoyancy, WhatIsHeavierThanWaterSinksSlow) {
   basin.put(20, 1200, 0.2, SoftBodyModel::shape_matching);
   basin.run(2);
   EXPECT_LT(basin.lowest(), 3 * basin.d);
+}
+
+// It has ten seconds to rise or to sink. Water that is only nearly at rest pushes it about a little.
+TEST(FluidBuoyancy, WhatIsAsDenseAsWaterHoversSlow) {
+  Basin basin(0.02, 40, 36, 8);
+  const double bottom = (basin.depth - 20 * basin.d) / 2;
+  basin.put(20, water_density, bottom, SoftBodyModel::shape_matching);
+  double farthest = 0;
+  for (int frame = 0; frame < 600; ++frame) {
+    basin.run(1.0 / 60);
+    const double low = basin.lowest(), high = low + basin.edge;
+    ASSERT_GT(low, basin.d) << frame;
+    ASSERT_LT(high, basin.depth - basin.d) << frame;
+    farthest = std::max(farthest, std::fabs(low - bottom));
+  }
+  state("cube of the density of water, 20 spacings wide, left at mid-depth",
+        "farthest drift in 10 s [spacings]", farthest / basin.d);
 }
 
 }  // namespace

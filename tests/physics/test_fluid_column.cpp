@@ -1,4 +1,5 @@
 #include "souple/souple.h"
+#include "validation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -114,6 +115,46 @@ TEST(FluidColumn, GivesWayAsItsCompressibilitySays) {
     EXPECT_NEAR(fallen.back() / fallen[0], 1, 0.03) << substeps << " substeps, " << iterations;
   }
 }
+
+struct Case {
+  double spacing;  // m
+  int layers, substeps;
+};
+
+class FluidColumnOf : public ::testing::TestWithParam<Case> {};
+
+// Three spacings, three depths; substeps by the rule of docs/fluids.md.
+TEST_P(FluidColumnOf, RestsUnderItsOwnWeightSlow) {
+  const Case& param = GetParam();
+  Column column(param.spacing, 10, param.layers, param.substeps);
+  column.run(1);
+  const double early = column.world.kinetic_energy(column.water);
+  column.run(2.5);
+  double floor = 0, bottom = 0, height = 0, error = 0, late = 0;
+  constexpr int frames = 30;
+  for (int frame = 0; frame < frames; ++frame) {
+    column.run(1.0 / 60);
+    floor -= column.world.fluid_force(column.floor).y / frames;
+    bottom += column.pressure_at(column.d / 2) / frames;
+    height += column.top() / column.height / frames;
+    error = std::max(error, column.world.report().fluid.mean_density_error);
+    late += column.world.kinetic_energy(column.water) / frames;
+  }
+  const double mass = column.world.total_mass(column.water);
+  const std::string name = "water column at rest, spacing " + detail::number(1000 * param.spacing) + " mm";
+  const std::string layers = std::to_string(param.layers) + " layers: ";
+  validate_relative(name, layers + "force on the floor / weight", floor / (mass * g), 1, 0.02);
+  validate_relative(name, layers + "pressure at the bottom / rho g H", bottom, 1, 0.02);
+  validate_relative(name, layers + "height / H", height, 1, 0.02);
+  validate_below(name, layers + "mean density error", error, 0.01);
+  validate_below(name, layers + "speed after 4 s, rms [m/s]", std::sqrt(2 * late / mass), 0.005);
+  EXPECT_LT(late, 0.5 * early);
+}
+
+INSTANTIATE_TEST_SUITE_P(Columns, FluidColumnOf,
+                         ::testing::Values(Case{0.02, 25, 6}, Case{0.02, 50, 8}, Case{0.02, 75, 10},
+                                           Case{0.01, 25, 8}, Case{0.01, 50, 12}, Case{0.01, 75, 14},
+                                           Case{0.005, 25, 12}, Case{0.005, 50, 16}, Case{0.005, 75, 20}));
 
 }  // namespace
 }  // namespace souple

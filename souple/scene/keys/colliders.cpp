@@ -19,6 +19,8 @@ CodecPtr<SignedDistanceFieldDescription> signed_distance_field_codec() {
   return keys;
 }
 
+}  // namespace
+
 CodecPtr<ShapeDescription> shape_codec() {
   using S = ShapeDescription;
   const CodecPtr<Vec3f> centre = vector3<float>(metres);
@@ -44,7 +46,7 @@ CodecPtr<ShapeDescription> shape_codec() {
   cylinder->required<&Cylinder::radius>("radius", size, "[m]")
       .required<&Cylinder::half_height>("half_height", size, "half the height [m]")
       .key<&Cylinder::center>("center", centre, centre_doc);
-  auto keys = table<S>("shape", "The solid of a collider.");
+  auto keys = table<S>("shape", "The solid of a collider, or the region of a drain.");
   keys->choice<>({alternative<S, Plane>("plane", plane, "a half space"),
                   alternative<S, Sphere>("sphere", sphere, "a ball"),
                   alternative<S, Box>("box", box, "a box"),
@@ -54,8 +56,6 @@ CodecPtr<ShapeDescription> shape_codec() {
                                  "the inside of a closed mesh")});
   return keys;
 }
-
-}  // namespace
 
 CodecPtr<ColliderDescription> collider_codec() {
   using C = ColliderDescription;

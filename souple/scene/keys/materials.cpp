@@ -185,6 +185,8 @@ CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec() {
                           "strength of vorticity confinement: adds energy to whirls [m/s]")
       .key<&M::air_drag>("air_drag", number<float>(from_zero(1e3)),
                          "coefficient of the drag on what meets the air; a ball has 0.47")
+      .key<&M::foam>("foam", number<float>(within(0, 1000)),
+                     "how much of the settings' `foam` it makes: 0 none, 1 as they say")
       .key<&M::friction>("friction", number<float>(unit),
                          "how walls hold it: 1 as its viscosity says, 0 it slips")
       .key<&M::restitution>("restitution", number<float>(unit),

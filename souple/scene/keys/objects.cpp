@@ -192,14 +192,24 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
   using T = FluidDescription;
   auto keys = object_table<T>("fluid", "A liquid: water, oil, honey.");
   using V = decltype(T::filling);
-  keys->choice<&T::filling>(
-      {alternative<V>("points", list(vector3<double>(metres), 1), "where particles are [m]"),
-       alternative<V>("box", fluid_box_codec(), "fills a box"),
-       alternative<V>("mesh", mesh_codec(MeshUse::surface), "fills a closed surface")});
+  keys->choice<&T::filling>({alternative<V>("points", list(vector3<double>(metres), 0),
+                                            "where particles are [m]; [] where emitters bring all of them"),
+                             alternative<V>("box", fluid_box_codec(), "fills a box"),
+                             alternative<V>("mesh", mesh_codec(MeshUse::surface), "fills a closed surface")});
   keys->key<&T::material>("material", fluid_material_codec(), "what it is made of")
       .key<&T::transform>("transform", transform_codec(), "where it is put")
       .key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "at the start [m/s]")
-      .key<&T::colour>("colour", maybe(colour()), "how pictures show it, as in HTML");
+      .key<&T::emitters>("emitters", list(emitter_codec(), 0, 10000), "nozzles from which more of it comes")
+      .key<&T::most_particles>("most_particles", number<std::uint32_t>(within(0, 5e7)),
+                               "emitters give it no more than these; there is room for them from the start")
+      .key<&T::colour>("colour", maybe(colour()), "how pictures show it, as in HTML")
+      .check([](const T& fluid, const Place& place) {
+        const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling);
+        if (points && points->empty() && fluid.most_particles == 0)
+          place.fail("has no points; a fluid that emitters fill needs \"most_particles\"");
+        if (!fluid.emitters.empty() && fluid.most_particles == 0)
+          place.fail("\"emitters\" need \"most_particles\": how many particles there may be");
+      });
   add_collision_keys(*keys);
   return keys;
 }

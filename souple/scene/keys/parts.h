@@ -104,11 +104,18 @@ CodecPtr<ObstacleMaterial> obstacle_material_codec();
 
 // --- objects.cpp, colliders.cpp, ties.cpp ----------------------------------------------------------------
 
+/// The solid of a collider, or the region of a drain.
+CodecPtr<ShapeDescription> shape_codec();
 /// Any object, by its key "kind".
 CodecPtr<AnyObjectDescription> object_codec();
 CodecPtr<ColliderDescription> collider_codec();
 CodecPtr<PairDescription> pair_codec();
 CodecPtr<ConnectionDescription> connection_codec();
+
+// --- flow.cpp --------------------------------------------------------------------------------------------
+
+CodecPtr<EmitterDescription> emitter_codec();
+CodecPtr<DrainDescription> drain_codec();
 
 // --- settings.cpp ----------------------------------------------------------------------------------------
 

@@ -16,6 +16,39 @@ CodecPtr<Sleeping> sleeping_codec() {
   return keys;
 }
 
+CodecPtr<FoamRange> foam_range_codec(const char* description) {
+  auto keys = table<FoamRange>("foam_range", description);
+  keys->key<&FoamRange::low>("low", number<float>(from_zero(1e6)), "what is below counts nothing")
+      .key<&FoamRange::high>("high", number<float>(from_zero(1e6)), "what is above counts in full");
+  return keys;
+}
+
+CodecPtr<FoamParameters> foam_codec() {
+  using F = FoamParameters;
+  auto keys =
+      table<F>("foam_settings", "Spray, foam and bubbles of fluids whose material has `foam` above 0.");
+  const auto range = foam_range_codec("Between which values a part grows from none to all.");
+  keys->key<&F::most>("most", number<std::size_t>(within(0, 1e8)),
+                      "particles; above, what is new is thinned out")
+      .key<&F::trapped_air_rate>("trapped_air_rate", number<float>(from_zero(1e6)),
+                                 "particles that one of the fluid makes at most by trapping air [1/s]")
+      .key<&F::wave_crest_rate>("wave_crest_rate", number<float>(from_zero(1e6)),
+                                "the same at the crest of a wave [1/s]")
+      .key<&F::trapped_air>("trapped_air", range, "how fast its neighbours have to come closer, summed [m/s]")
+      .key<&F::wave_crest>("wave_crest", range, "how much the surface has to be bent")
+      .key<&F::energy>("energy", range, "v^2 / 2 that it needs [m^2/s^2]")
+      .key<&F::life>("life", range, "of foam: of what little made it, and of what much did [s]")
+      .key<&F::longest_life>("longest_life", number<float>(from_zero(1e6)), "of spray and bubbles too [s]")
+      .key<&F::buoyancy>("buoyancy", number<float>(from_zero(1e3)), "of bubbles, over gravity")
+      .key<&F::drag>("drag", number<float>(positive(1e6)),
+                     "how quickly bubbles take the fluid's velocity [1/s]")
+      .key<&F::spray_neighbours>("spray_neighbours", number<int>(within(0, 1000)),
+                                 "with fewer fluid particles around it is spray")
+      .key<&F::bubble_neighbours>("bubble_neighbours", number<int>(within(0, 1000)),
+                                  "with more it is a bubble");
+  return keys;
+}
+
 CodecPtr<FluidSettings> fluid_settings_codec() {
   auto keys = table<FluidSettings>("fluid_settings", "How fluids are kept from being compressed.");
   keys->key<&FluidSettings::kernel>(
@@ -33,7 +66,8 @@ CodecPtr<FluidSettings> fluid_settings_codec() {
                                             "fluids are denser by this times their pressure [1/Pa]")
       .key<&FluidSettings::artificial_pressure>(
           "artificial_pressure", number<float>(from_zero(1e9)),
-          "with which two particles push each other that are 0.4 spacings apart [Pa]");
+          "with which two particles push each other that are 0.4 spacings apart [Pa]")
+      .key<&FluidSettings::foam>("foam", foam_codec(), "spray, foam and bubbles");
   return keys;
 }
 

@@ -1,0 +1,98 @@
+#include "souple/fluid/foam_bodies.h"
+
+#include "souple/collision/continuous.h"
+#include "souple/collision/nearest.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+
+namespace souple {
+
+namespace {
+
+constexpr std::size_t chunk_size = 512;
+
+Bounds grown(const Bounds& box, float by) {
+  const Vec3f room{by, by, by};
+  return {box.lo - room, box.hi + room};
+}
+
+}  // namespace
+
+void FoamBodies::build(Threads& threads) {
+  resize_with_room(boxes_, triangles_.size());
+  threads.for_each(triangles_.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const MovingTriangle& triangle = triangles_[t];
+      Bounds box{triangle.start[0], triangle.start[0]};
+      for (std::size_t c = 0; c < 3; ++c)
+        box = united(united(box, {triangle.start[c], triangle.start[c]}), {triangle.end[c], triangle.end[c]});
+      boxes_[t] = grown(box, triangle.gap);
+    }
+  });
+  hash_.build(boxes_, SpatialHash::choose_cell_size(boxes_), threads);
+}
+
+// Which way is out is the way from the nearest point when they meet, not the triangle's normal: it is right
+// at edges as well, and for either side.
+FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x) {
+  Moving4 motion;
+  motion.x[0] = Vec3d{}, motion.p[0] = Vec3d(x - start);
+  for (std::size_t c = 0; c < 3; ++c) {
+    motion.x[c + 1] = Vec3d(triangle.start[c] - start);
+    motion.p[c + 1] = Vec3d(triangle.end[c] - start);
+  }
+  Touch result;
+  result.gap = static_cast<double>(triangle.gap);
+  result.time = vertex_triangle_time(motion, result.gap);
+  if (!(result.time < 1)) return result;
+  Vec3d at[4];
+  for (std::size_t k = 0; k < 4; ++k) at[k] = motion.x[k] + (motion.p[k] - motion.x[k]) * result.time;
+  double weight[3];
+  nearest_on_triangle(at[0], at[1], at[2], at[3], weight);
+  const Vec3d way = at[0] - (at[1] * weight[0] + at[2] * weight[1] + at[3] * weight[2]);
+  const double distance = length(way);
+  result.normal = distance > 1e-9 ? way / distance : normalized(cross(at[2] - at[1], at[3] - at[1]));
+  result.point = Vec3d(start) + motion.p[1] * weight[0] + motion.p[2] * weight[1] + motion.p[3] * weight[2];
+  return result;
+}
+
+// What one triangle pushes may meet another. What is still stopped after some rounds, in a fold, stays at the
+// triangle that it meets first. Who only grazes a triangle goes on.
+Vec3f FoamBodies::stopped(const Vec3f& start, const Vec3f& x, std::vector<std::uint32_t>& near) const {
+  constexpr int rounds = 4;
+  constexpr double slack = 1e-3;  // of the gap: floats cannot hold it exactly
+  Vec3f at = x;
+  for (int round = 0;; ++round) {
+    near.clear();
+    hash_.find(united({start, start}, {at, at}), near);
+    Touch first;
+    double missing = 0;
+    for (const std::uint32_t t : near) {
+      const Touch touched = touch(triangles_[t], start, at);
+      if (!(touched.time < first.time)) continue;
+      const double depth = touched.gap - dot(touched.normal, Vec3d(at) - touched.point);
+      if (depth > touched.gap * slack) first = touched, missing = depth;
+    }
+    if (!(first.time < 1)) return at;
+    if (round == rounds) return Vec3f(first.point + first.normal * first.gap);
+    at = Vec3f(Vec3d(at) + first.normal * missing);
+  }
+}
+
+void FoamBodies::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, Threads& threads) {
+  if (none()) return;
+  const std::size_t chunks = (x.size() + chunk_size - 1) / chunk_size;
+  if (near_.size() < chunks) near_.resize(chunks);
+  threads.for_each(chunks, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      for (std::size_t k = c * chunk_size; k < std::min(x.size(), (c + 1) * chunk_size); ++k)
+        if (is_finite(x[k])) x[k] = stopped(start[k], x[k], near_[c]);
+  });
+}
+
+std::size_t FoamBodies::bytes() const {
+  return bytes_of(triangles_, boxes_, near_) + hash_.bytes();
+}
+
+}  // namespace souple

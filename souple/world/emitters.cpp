@@ -1,0 +1,72 @@
+#include "souple/world/emitter.h"
+#include "souple/world/impl.h"
+#include "souple/world/sleeping.h"
+
+#include <algorithm>
+#include <string>
+
+// What users say of emitters and drains; flow.cpp does it.
+
+namespace souple {
+namespace {
+
+template <class Record>
+Record& find(std::vector<Record>& records, std::uint32_t id, const char* kind) {
+  const auto found = std::find_if(records.begin(), records.end(),
+                                  [&](const Record& record) { return record.id.value == id; });
+  if (found != records.end()) return *found;
+  throw Error(std::string("no ") + kind + " has the handle " + std::to_string(id) +
+              ": it was removed, or belongs to another world");
+}
+
+}  // namespace
+
+EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("add_emitter");
+  const Object& object = world.object(fluid);
+  const std::string owner = "an emitter of " + object.name;
+  if (object.kind != ObjectKind::fluid)
+    throw Error(owner + ": it is a " + std::string(kind_name(object.kind)) + ", expected a fluid");
+  validate(emitter, owner);
+  require_sound_layer(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
+  wake_island(world, object);
+  world.emitters.push_back({{world.next_id++}, fluid.value, emitter, layers_before(world, object, emitter)});
+  return world.emitters.back().id;
+}
+
+void World::set_emitter(EmitterId id, const Emitter& emitter) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_emitter");
+  EmitterRecord& record = find(world.emitters, id.value, "emitter");
+  const Object& object = world.object({record.fluid});
+  const std::string owner = "an emitter of " + object.name;
+  validate(emitter, owner);
+  require_sound_layer(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
+  record.emitter = emitter;
+  record.layers = layers_before(world, object, emitter);
+}
+
+void World::remove(EmitterId id) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("remove");
+  world.emitters.erase(world.emitters.begin() +
+                       (&find(world.emitters, id.value, "emitter") - world.emitters.data()));
+}
+
+DrainId World::add_drain(const Drain& drain) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("add_drain");
+  validate(drain, "a drain");
+  wake_all(world);
+  world.drains.push_back({{world.next_id++}, drain, 0});
+  return world.drains.back().id;
+}
+
+void World::remove(DrainId id) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("remove");
+  world.drains.erase(world.drains.begin() + (&find(world.drains, id.value, "drain") - world.drains.data()));
+}
+
+}  // namespace souple

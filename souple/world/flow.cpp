@@ -1,0 +1,297 @@
+#include "souple/world/flow.h"
+
+#include "souple/collision/queries.h"
+#include "souple/world/add.h"
+#include "souple/world/sleeping.h"
+#include "souple/world/state.h"
+#include "souple/world/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace souple {
+namespace {
+
+constexpr double nearest = 0.7;        // of a spacing: where other fluid is nearer nothing comes out
+constexpr double mouth = 2;            // spacings that fluid is led, which is as far as it feels other fluid
+constexpr double most_in_layer = 1e5;  // particles
+constexpr std::size_t grain = 512;     // particles worth a thread
+
+void require_times(double start, double end, std::string_view owner) {
+  if (!std::isfinite(start) || !(end >= start))
+    throw Error(fmt::format("{}: it lasts from {:g} to {:g} s, expected a finite start and an end after it",
+                            owner, start, end));
+}
+
+/// Two unit vectors across n, which is one.
+std::array<Vec3d, 2> across(const Vec3d& n) {
+  const Vec3d axis = std::fabs(n.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = normalized(cross(n, axis));
+  return {u, cross(n, u)};
+}
+
+/// A nozzle at a moment.
+struct Nozzle {
+  Vec3d position, direction, velocity;
+  std::array<Vec3d, 2> side;
+};
+
+// v = (x(t + e) - x(t)) / e
+Nozzle nozzle_at(const Emitter& emitter, double t) {
+  constexpr double e = 1.0 / 1024;
+  const Vec3d x(emitter.position), n = normalized(Vec3d(emitter.direction));
+  const std::array<Vec3d, 2> side = across(n);
+  const Transform pose = emitter.motion.at(t);
+  Nozzle result{pose.point(x), pose.direction(n), {}, {pose.direction(side[0]), pose.direction(side[1])}};
+  if (!emitter.motion.is_static() && !emitter.motion.jumps(t, t + e))
+    result.velocity = (emitter.motion.at(t + e).point(x) - result.position) / e;
+  return result;
+}
+
+struct Drop {
+  Vec3d position, velocity;
+};
+
+/// Layer k, which left the nozzle at the time t, as it is by `now` when nothing has met it: straight on
+/// through the mouth, then
+///
+///   x = x(t) + v s + g r^2 / 2,   v + g r,   s = now - t, r that since it left the mouth
+///
+/// Every other layer is moved by half a spacing: particles that stand behind one another would collide head
+/// on wherever the jet slows down.
+void append_layer(const Emitter& emitter, std::uint64_t k, double t, const Vec3d& g, double spacing,
+                  double now, std::vector<Drop>& drops) {
+  const Nozzle nozzle = nozzle_at(emitter, t);
+  const auto speed = static_cast<double>(emitter.speed);
+  const double s = now - t, r = std::max(0.0, s - mouth * spacing / speed);
+  const Vec3d v = nozzle.velocity + nozzle.direction * speed;
+  const Vec3d middle = nozzle.position + v * s + g * (0.5 * r * r);
+  const double radius = static_cast<double>(emitter.radius) / spacing;
+  const double moved = k % 2 == 1 && radius >= 1 ? 0.5 : 0;
+  const int most = static_cast<int>(radius) + 1;
+  for (int i = -most; i <= most; ++i)
+    for (int j = -most; j <= most; ++j) {
+      const double u = i + moved, w = j + moved;
+      if (u * u + w * w <= radius * radius)
+        drops.push_back(
+            {middle + nozzle.side[0] * (u * spacing) + nozzle.side[1] * (w * spacing), v + g * r});
+    }
+}
+
+bool open(double start, double end, double t) {
+  return t >= start && t < end;
+}
+
+/// All layers k that left at start + k d / speed up to now, and have not come yet.
+std::vector<Drop> drops_of(EmitterRecord& record, const Vec3d& gravity, double spacing, double now) {
+  constexpr std::uint64_t most_layers = 10000;  // of a step
+  const Emitter& emitter = record.emitter;
+  std::vector<Drop> drops;
+  const double apart = spacing / static_cast<double>(emitter.speed);
+  const auto leaves = [&](std::uint64_t k) { return emitter.start + static_cast<double>(k) * apart; };
+  for (std::uint64_t n = 0; n < most_layers && leaves(record.layers) <= now; ++n, ++record.layers)
+    if (open(emitter.start, emitter.end, leaves(record.layers)))
+      append_layer(emitter, record.layers, leaves(record.layers), gravity, spacing, now, drops);
+  return drops;
+}
+
+/// Positions of all fluids' particles that may be in the way of drops.
+std::vector<Vec3d> near(const WorldState& world, const std::vector<Drop>& drops, double distance) {
+  Vec3d lo = drops[0].position, hi = lo;
+  for (const Drop& drop : drops)
+    for (int k = 0; k < 3; ++k)
+      lo[k] = std::min(lo[k], drop.position[k]), hi[k] = std::max(hi[k], drop.position[k]);
+  std::vector<Vec3d> result;
+  for (const auto& object : world.objects) {
+    if (object->kind != ObjectKind::fluid) continue;
+    for (std::uint32_t i = object->begin; i < object->end; ++i) {
+      const Vec3d x = world.exact_position(i);
+      bool within = true;
+      for (int k = 0; k < 3; ++k) within = within && x[k] > lo[k] - distance && x[k] < hi[k] + distance;
+      if (within) result.push_back(x);
+    }
+  }
+  return result;
+}
+
+void append(WorldState& world, Object& fluid, const Drop& drop) {
+  const std::uint32_t i = fluid.end;
+  set_count(world, fluid, fluid.particle_count() + 1);
+  world.particles.velocity[i].set_xyz(Vec3f(drop.velocity));
+  world.set_position(i, drop.position);
+}
+
+void emit(WorldState& world, EmitterRecord& record) {
+  Object& fluid = world.object(ObjectId{record.fluid});
+  const auto spacing = static_cast<double>(std::get<FluidMaterial>(fluid.material).spacing);
+  std::vector<Drop> drops;
+  world.guarded("an emitter's motion",
+                [&] { drops = drops_of(record, Vec3d(world.settings.gravity), spacing, world.time); });
+  if (drops.empty()) return;
+  const double distance = nearest * spacing;
+  const std::vector<Vec3d> others = near(world, drops, distance);
+  wake_island(world, fluid);
+  for (const Drop& drop : drops) {
+    const bool blocked = std::any_of(others.begin(), others.end(), [&](const Vec3d& x) {
+      return length_squared(x - drop.position) < distance * distance;
+    });
+    if (blocked || fluid.particle_count() == fluid.capacity) {
+      ++world.report.fluid.held_back;
+    } else {
+      append(world, fluid, drop);
+      ++world.report.fluid.emitted;
+    }
+  }
+}
+
+/// Which of a fluid's particles are in a drain, ascending.
+std::vector<std::uint32_t> found_in(const WorldState& world, const Object& fluid, const Drain& drain) {
+  std::vector<std::uint8_t> is_in(fluid.particle_count());
+  const Collider collider{"drain", drain.shape, ColliderMotion::fixed(drain.pose), {}, true};
+  world.threads->for_each(is_in.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      is_in[i] = surface_distance(collider, 0, world.exact_position(fluid.begin + i)).distance < 0 ? 1 : 0;
+  });
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t i = 0; i < is_in.size(); ++i)
+    if (is_in[i] != 0) result.push_back(i);
+  return result;
+}
+
+/// The others keep their order.
+void take_out(WorldState& world, Object& fluid, const std::vector<std::uint32_t>& gone) {
+  std::uint32_t to = gone[0];
+  for (std::uint32_t from = gone[0], k = 0; from < fluid.particle_count(); ++from) {
+    if (k < gone.size() && gone[k] == from) {
+      ++k;
+      continue;
+    }
+    world.particles.copy(fluid.begin + from, fluid.begin + to);
+    ++to;
+  }
+  set_count(world, fluid, to);
+}
+
+void drain(WorldState& world, DrainRecord& record, double dt) {
+  if (!open(record.drain.start, record.drain.end, world.time)) return;
+  const bool limited = std::isfinite(record.drain.rate);
+  for (const auto& object : world.objects) {
+    const auto* material = std::get_if<FluidMaterial>(&object->material);
+    if (!material || object->particle_count() == 0) continue;
+    const auto d = static_cast<double>(material->spacing);
+    if (limited) record.credit += static_cast<double>(record.drain.rate) * dt / (d * d * d);
+    std::vector<std::uint32_t> gone = found_in(world, *object, record.drain);
+    // What could not be taken for want of fluid is not owed later.
+    if (limited && static_cast<double>(gone.size()) > record.credit)
+      gone.resize(static_cast<std::size_t>(record.credit));
+    if (limited) record.credit = std::min(record.credit - static_cast<double>(gone.size()), 1.0);
+    if (gone.empty()) continue;
+    wake_island(world, *object);
+    take_out(world, *object, gone);
+    world.report.fluid.drained += gone.size();
+  }
+}
+
+}  // namespace
+
+void validate(const Emitter& emitter, std::string_view owner) {
+  if (!is_finite(emitter.position) || !is_finite(emitter.direction) ||
+      !(length_squared(Vec3d(emitter.direction)) > 1e-12))
+    throw Error(fmt::format("{}: its position or direction is not finite, or the direction is zero", owner));
+  if (!(emitter.radius >= 0) || !std::isfinite(emitter.radius))
+    throw Error(fmt::format("{}: radius is {:g} m, expected a finite number >= 0", owner, emitter.radius));
+  if (!(emitter.speed > 0) || !std::isfinite(emitter.speed))
+    throw Error(fmt::format("{}: speed is {:g} m/s, expected a finite number > 0", owner, emitter.speed));
+  require_times(emitter.start, emitter.end, owner);
+}
+
+void validate(const Drain& drain, std::string_view owner) {
+  validate(drain.shape, owner);
+  validate(drain.pose, owner);
+  if (!(drain.rate > 0))
+    throw Error(fmt::format("{}: rate is {:g} m^3/s, expected a number > 0", owner, drain.rate));
+  require_times(drain.start, drain.end, owner);
+}
+
+void require_sound_layer(const Emitter& emitter, float spacing, std::string_view owner) {
+  const double ratio = static_cast<double>(emitter.radius / spacing);
+  if (pi * ratio * ratio > most_in_layer)
+    throw Error(
+        fmt::format("{}: radius is {:g} m, {:g} spacings: a layer would have more than {:g} particles", owner,
+                    emitter.radius, ratio, most_in_layer));
+}
+
+std::uint64_t layers_before(const WorldState& world, const Object& fluid, const Emitter& emitter) {
+  const auto spacing = static_cast<double>(std::get<FluidMaterial>(fluid.material).spacing);
+  const double past = world.time - emitter.start;
+  return past > 0 ? static_cast<std::uint64_t>(std::ceil(past * static_cast<double>(emitter.speed) / spacing))
+                  : 0;
+}
+
+void let_flow(WorldState& world, double dt) {
+  for (DrainRecord& record : world.drains) drain(world, record, dt);
+  for (EmitterRecord& record : world.emitters) emit(world, record);
+}
+
+bool Mouth::leads(const Vec3d& x, const Vec3d& v) const {
+  const Vec3d from = x - position;
+  const double along = dot(from, direction);
+  return along > -0.05 * depth && along < depth && length(from - direction * along) < radius &&
+         dot(v, velocity) > 0.5 * dot(velocity, velocity);
+}
+
+std::vector<Mouth> mouths_at(const WorldState& world, double t) {
+  std::vector<Mouth> result;
+  for (const EmitterRecord& record : world.emitters) {
+    const auto d =
+        static_cast<double>(std::get<FluidMaterial>(world.object(ObjectId{record.fluid}).material).spacing);
+    const Nozzle nozzle = nozzle_at(record.emitter, t);
+    const Vec3d v = nozzle.velocity + nozzle.direction * static_cast<double>(record.emitter.speed);
+    const double depth = t >= record.emitter.start ? mouth * d : 0;
+    result.push_back(
+        {nozzle.position, nozzle.direction, v, static_cast<double>(record.emitter.radius) + 0.5 * d, depth});
+  }
+  return result;
+}
+
+void find_led(const WorldState& world, double dt, std::span<const std::uint32_t> particles,
+              std::vector<std::uint32_t>& led) {
+  led.assign(particles.size(), 0);
+  const std::vector<Mouth> mouths = mouths_at(world, world.time + dt);
+  for (std::uint32_t e = 0; e < mouths.size(); ++e) {
+    const Object& fluid = world.object(ObjectId{world.emitters[e].fluid});
+    const double reach = mouths[e].radius + mouths[e].depth + 2 * dt * length(mouths[e].velocity);
+    auto i = std::lower_bound(particles.begin(), particles.end(), fluid.begin);
+    for (; i != particles.end() && *i < fluid.end; ++i)
+      if (length_squared(world.exact_position(*i) - mouths[e].position) < reach * reach)
+        led[static_cast<std::size_t>(i - particles.begin())] = e + 1;
+  }
+}
+
+// Of a fluid the n-th vertex is the n-th particle.
+void set_count(WorldState& world, Object& fluid, std::uint32_t count) {
+  const auto& material = std::get<FluidMaterial>(fluid.material);
+  const float mass = material.density * material.spacing * material.spacing * material.spacing;
+  const std::uint32_t before = fluid.particle_count();
+  if (count == before) return;
+  Particles& particles = world.particles;
+  for (std::uint32_t k = std::min(before, count); k < std::max(before, count); ++k) {
+    const std::uint32_t i = fluid.begin + k;
+    const bool is_there = k < count;
+    particles.position[i] = {0, 0, 0, is_there ? 1 / mass : 0};
+    particles.offset[i] = particles.velocity[i] = {};
+    particles.mass[i] = is_there ? mass : 0;
+    particles.radius[i] = contact_radius(fluid.material);
+    particles.pressed[i] = 0;
+  }
+  fluid.rest.resize(count);
+  fluid.particle_of.resize(count), fluid.vertex_of.resize(count);
+  for (std::uint32_t k = before; k < count; ++k) fluid.particle_of[k] = fluid.vertex_of[k] = k;
+  fluid.end = fluid.begin + count;
+  world.dirty_counts = true;
+}
+
+}  // namespace souple

@@ -1,0 +1,192 @@
+#include "souple/world/fluid_foam.h"
+
+#include "souple/state/bytes.h"
+#include "souple/world/stages.h"
+#include "souple/world/state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace souple {
+
+namespace {
+
+constexpr float nearest_to_walls = 0.1f;                     // to walls and bodies, of a spacing
+constexpr std::size_t most_reserved = std::size_t{1} << 18;  // particles: more get room when they come
+
+}  // namespace
+
+void FluidFoam::choose_shape(SmoothingShape shape, std::size_t most) {
+  if (shape != shape_) {
+    FoamState state = foam_->state();
+    *foam_ = Foam(shape);
+    foam_->set_state(std::move(state));
+    shape_ = shape;
+  }
+  const std::size_t room = std::min(most, most_reserved);
+  foam_->reserve(room);
+  wanted_.reserve(room);
+  positions_.reserve(room);
+}
+
+void FluidFoam::step(WorldState& world, const Source& source, double time, double dt) {
+  Threads& threads = *world.threads;
+  const FoamParameters& parameters = world.settings.fluid.foam;
+  choose_shape(world.settings.fluid.kernel, parameters.most);
+  if (!(origin_ == source.origin)) foam_->shift(Vec3f(origin_ - source.origin));
+  origin_ = source.origin;
+  world.guarded("a collider's motion", [&] {
+    walls_.begin_step(world.tables.colliders, source.meets, origin_, 0, time);
+    walls_.begin_substep(time, dt);
+  });
+  find_bodies(world, source, threads);
+  const float gap = nearest_to_walls * source.fluid.smoothing.spacing();
+  const FoamStep step{.fluid = source.fluid,
+                      .particle = source.particle,
+                      .wall_slopes = source.wall_slopes,
+                      .share = source.share,
+                      .gravity = world.settings.gravity,
+                      .dt = static_cast<float>(dt),
+                      .seed = world.settings.seed * 0x9e3779b97f4a7c15u + world.steps};
+  report_ = foam_->step(
+      step, parameters,
+      [&](std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v) {
+        keep_out(start, x, v, gap, step.dt, threads);
+      },
+      threads);
+  tell();
+}
+
+// Straight from where the step began to where it ended, whatever the substeps between did.
+void FluidFoam::find_bodies(const WorldState& world, const Source& source, Threads& threads) {
+  bodies_.clear();
+  const Particles& particles = world.particles;
+  const float gap = nearest_to_walls * source.fluid.smoothing.spacing();
+  for (std::size_t s = 0; s < source.skins.size(); ++s) {
+    if (source.feels[s] == 0) continue;
+    const Skin& skin = source.skins[s];
+    start_.resize(skin.particles.size());
+    end_.resize(skin.particles.size());
+    for_places(skin.particles.size(), threads, [&](std::size_t v) {
+      Vec3d before{}, after{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::uint32_t i = skin.particles[v][k];
+        const auto weight = static_cast<double>(skin.weights[v][k]);
+        if (weight == 0) continue;
+        before +=
+            (Vec3d(world.good_position[i].xyz()) + Vec3d(world.good_offset[i].xyz()) - origin_) * weight;
+        after += (Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz()) - origin_) * weight;
+      }
+      start_[v] = Vec3f(before);
+      end_[v] = Vec3f(after);
+    });
+    for (const auto& [a, b, c] : skin.triangles)
+      bodies_.add({start_[a], start_[b], start_[c]}, {end_[a], end_[b], end_[c]}, skin.half_thickness + gap);
+  }
+  if (!bodies_.none()) bodies_.build(threads);
+}
+
+// Where a wall pushes it, a particle moves away from the wall at least as fast as it has done in the step.
+void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float gap,
+                         float dt, Threads& threads) {
+  wanted_.assign(x.begin(), x.end());
+  const auto out_of_walls = [&] {
+    for_places(x.size(), threads, [&](std::size_t k) {
+      if (is_finite(x[k])) x[k] = walls_.keep_out(0, start[k], x[k], gap);
+    });
+  };
+  out_of_walls();
+  if (!bodies_.none()) {
+    bodies_.keep_out(start, x, threads);
+    out_of_walls();
+  }
+  for_places(x.size(), threads, [&](std::size_t k) {
+    const Vec3f push = x[k] - wanted_[k];
+    const float size = length(push);
+    if (!(size > 0)) return;
+    const Vec3f normal = push * (1 / size);
+    const float least = dot(normal, x[k] - start[k]) / dt;
+    v[k] += normal * std::max(0.0f, least - dot(normal, v[k]));
+  });
+}
+
+void FluidFoam::tell() {
+  positions_.resize(foam_->size());
+  for (std::size_t k = 0; k < positions_.size(); ++k)
+    positions_[k] = Vec3f(origin_ + Vec3d(foam_->positions()[k]));
+}
+
+void FluidFoam::clear() {
+  foam_->clear();
+  positions_.clear();
+  report_ = {};
+}
+
+void FluidFoam::set_state(FoamState state, const Vec3d& origin) {
+  foam_->set_state(std::move(state));
+  origin_ = origin;
+  tell();
+}
+
+std::span<const Vec3f> FluidFoam::velocities() const {
+  return foam_->velocities();
+}
+
+std::span<const FoamKind> FluidFoam::kinds() const {
+  return foam_->kinds();
+}
+
+void FluidFoam::report(FluidReport& report) const {
+  report.spray = report_.spray;
+  report.foam = report_.foam;
+  report.bubbles = report_.bubbles;
+}
+
+std::size_t FluidFoam::bytes() const {
+  return foam_->bytes() + bodies_.bytes() + bytes_of(start_, end_, wanted_, positions_);
+}
+
+// --- what fluids tell of themselves
+// -----------------------------------------------------------------------------
+
+void Fluids::step_foam(WorldState& world, double time, double dt) {
+  const bool foams = std::any_of(materials_.begin(), materials_.end(),
+                                 [](const FluidMaterial& material) { return material.foam > 0; });
+  if (none() || (!foams && foam_.size() == 0)) return foam_.clear();
+  Threads& threads = *world.threads;
+  const auto order = solver_->order();
+  const auto x = solver_->positions();
+  foam_particle_.resize(order.size());
+  foam_share_.resize(order.size());
+  wall_slopes_.resize(order.size());
+  for_places(order.size(), threads, [&](std::size_t k) {
+    foam_particle_[k] = particle_[order[k]];
+    foam_share_[k] = materials_[fluid_[order[k]]].foam;
+    wall_slopes_[k] = look_at(surroundings_.of(k), x[k].xyz(), solver_->smoothing()).slope;
+  });
+  const auto some = [&](const std::vector<std::uint8_t>& of_each, std::size_t count,
+                        std::vector<std::uint8_t>& result) {
+    result.assign(count, 0);
+    for (std::size_t n = 0; n < of_each.size(); ++n) result[n % count] |= of_each[n];
+  };
+  some(meets_, world.tables.colliders.size(), some_meets_);
+  some(feels_, skinned_.size(), some_feels_);
+  const FluidView view{solver_->padded_positions(), velocity_, solver_->neighbours(), solver_->smoothing()};
+  foam_.step(world,
+             {.fluid = view,
+              .particle = foam_particle_,
+              .wall_slopes = wall_slopes_,
+              .share = foam_share_,
+              .meets = some_meets_,
+              .skins = bodies_.skins(),
+              .feels = some_feels_,
+              .origin = origin_},
+             time, dt);
+}
+
+void step_foam(WorldState& world, double time, double dt) {
+  world.fluids.step_foam(world, time, dt);
+}
+
+}  // namespace souple

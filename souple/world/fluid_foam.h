@@ -1,0 +1,68 @@
+#pragma once
+
+#include "souple/fluid/fluid_bodies.h"
+#include "souple/fluid/fluid_walls.h"
+#include "souple/fluid/foam.h"
+#include "souple/fluid/foam_bodies.h"
+#include "souple/world/report.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+struct WorldState;
+
+/// Spray, foam and bubbles of a world's fluids, and what they do not go through: the colliders and bodies
+/// that some fluid meets. They remember nothing of the fluids' particles from one step to the next.
+class FluidFoam {
+ public:
+  /// The fluids at the end of a step.
+  struct Source {
+    const FluidView& fluid;
+    std::span<const std::uint32_t> particle;  ///< of each place, the world's
+    std::span<const Vec3f> wall_slopes;       ///< by place
+    std::span<const float> share;             ///< by place: FluidMaterial::foam
+    std::span<const std::uint8_t> meets;      ///< of each collider: some fluid does
+    std::span<const Skin> skins;
+    std::span<const std::uint8_t> feels;  ///< of each skin: some fluid does
+    Vec3d origin;                         ///< of the fluid's positions [m]
+  };
+
+  /// What a step of dt seconds that began at `time` makes, moves and dissolves.
+  void step(WorldState& world, const Source& source, double time, double dt);
+  void clear();
+  void report(FluidReport& report) const;
+
+  std::size_t size() const { return positions_.size(); }
+  std::span<const Vec3f> positions() const { return positions_; }  ///< of the world [m]
+  std::span<const Vec3f> velocities() const;                       ///< m/s
+  std::span<const FoamKind> kinds() const;
+  std::size_t bytes() const;
+
+  /// For snapshots: positions are from the origin.
+  const FoamState& state() const { return foam_->state(); }
+  const Vec3d& origin() const { return origin_; }
+  void set_state(FoamState state, const Vec3d& origin);
+
+ private:
+  void choose_shape(SmoothingShape shape, std::size_t most);
+  void find_bodies(const WorldState& world, const Source& source, Threads& threads);
+  void keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float gap, float dt,
+                Threads& threads);
+  void tell();
+
+  SmoothingShape shape_ = SmoothingShape::wendland;
+  std::unique_ptr<Foam> foam_ = std::make_unique<Foam>();
+  Vec3d origin_{};
+  Foam::Report report_;
+  FluidWalls walls_;
+  FoamBodies bodies_;
+  std::vector<Vec3f> start_, end_;  // of a skin's vertices, from the origin [m]
+  std::vector<Vec3f> wanted_;       // where particles go if nothing stops them
+  std::vector<Vec3f> positions_;
+};
+
+}  // namespace souple

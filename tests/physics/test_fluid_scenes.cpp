@@ -1,0 +1,59 @@
+#include "souple/scene/scene.h"
+#include "souple/souple.h"
+#include "validation.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+bool has_fluid(const SceneDescription& scene) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(), [](const AnyObjectDescription& object) {
+    return std::holds_alternative<FluidDescription>(object);
+  });
+}
+
+std::vector<std::filesystem::path> scenes_with_fluids() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(SOUPLE_SOURCE_DIR) / "scenes"))
+    if (entry.path().extension() == ".json" && has_fluid(load_scene(entry.path())))
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+class FluidScene : public ::testing::TestWithParam<std::filesystem::path> {};
+
+// Whatever is shipped: no fluid is compressed by more than a percent, on the mean over its particles and
+// frames.
+TEST_P(FluidScene, KeepsItsDensitySlow) {
+  const SceneDescription scene = load_scene(GetParam());
+  World world = build_world(scene);
+  double mean = 0, worst_frame = 0, largest = 0, step = 0;
+  for (std::uint32_t frame = 0; frame < scene.frames; ++frame) {
+    const StepReport& report = world.step(1 / scene.frame_rate);
+    ASSERT_TRUE(report.ok()) << report.message;
+    mean += report.fluid.mean_density_error / scene.frames;
+    worst_frame = std::max(worst_frame, report.fluid.mean_density_error);
+    largest = std::max(largest, report.fluid.largest_density_error);
+    step = std::max(step, report.fluid.largest_step);
+  }
+  const std::string name = "density error in the shipped scenes", of = GetParam().stem().string() + ": ";
+  validate_below(name, of + "mean", mean, 0.01);
+  state(name, of + "mean of the worst frame", worst_frame);
+  state(name, of + "largest, of one particle", largest);
+  state(name, of + "longest step, wanted below 0.33", step);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, FluidScene, ::testing::ValuesIn(scenes_with_fluids()),
+                         [](const auto& test) { return test.param.stem().string(); });
+
+}  // namespace
+}  // namespace souple
