@@ -50,12 +50,12 @@ class FluidWalls {
   bool meets(const Wall& wall, std::size_t fluid) const {
     return meets_[fluid * colliders_.size() + wall.collider] != 0;
   }
+  Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius, bool clear) const;
   /// How far a wall is from x, or less: without the rest of what a shape's distance takes.
   double at_least(const Wall& wall, const Vec3d& x) const {
     if (wall.is_plane) return dot(wall.normal, x) - wall.offset;
     return length(origin_ + x - wall.centre) - wall.ball.radius;
   }
-  Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius, bool clear) const;
   Vec3d stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const;
   /// Appends the plane if it is near; how far the wall is, or less.
   double meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,

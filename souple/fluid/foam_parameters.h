@@ -23,7 +23,7 @@ struct FoamParameters {
   FoamRange wave_crest{2, 8};     ///< sum over neighbours of 1 - cos of the angle between normals [-]
   FoamRange energy{0.3f, 4};      ///< v^2 / 2 [m^2/s^2]: speeds of 0.8 to 2.8 m/s
   FoamRange life{0.5f, 2.5f};     ///< of foam: of what little made it, and of what much did [s]
-  float longest_life = 20;        ///< of spray and bubbles too [s]
+  float longest_life = 5;         ///< of spray and bubbles too [s]
   float buoyancy = 2;             ///< of bubbles, over gravity
   float drag = 60;                ///< of bubbles: how quickly they take the fluid's velocity [1/s]
   int spray_neighbours = 6;       ///< fewer fluid particles than these around: spray

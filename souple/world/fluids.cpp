@@ -154,7 +154,7 @@ void Fluids::choose_solver(const WorldState& world) {
 // In the mouth of an emitter a particle goes straight on, whatever falls.
 Vec3f Fluids::lead(const WorldState& world, std::size_t k, const Vec3f& predicted, float h) {
   led_[k] = 0;
-  if (may_be_led_[k] == 0) return predicted;
+  if (may_be_led_[k] == 0 || may_be_led_[k] > mouths_.size()) return predicted;
   const Mouth& mouth = mouths_[may_be_led_[k] - 1];
   const Vec3d velocity(world.particles.velocity[particle_[k]].xyz());
   if (!mouth.leads(Vec3d(start_[k]) + origin_, velocity)) return predicted;
@@ -163,6 +163,7 @@ Vec3f Fluids::lead(const WorldState& world, std::size_t k, const Vec3f& predicte
 }
 
 void Fluids::place(WorldState& world, float h, Threads& threads) {
+  mouths_.clear();
   world.guarded("an emitter's motion", [&] { mouths_ = mouths_at(world, world.time); });
   led_.resize(particle_.size());
   placed_.resize(particle_.size());

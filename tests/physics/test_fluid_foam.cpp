@@ -77,7 +77,7 @@ TEST(FluidFoam, ABreakingWaveFoamsAndTheFoamDissolves) {
   EXPECT_GT(foam, 200);
   EXPECT_GT(bubbles, 50);
   const std::size_t most = spray + foam + bubbles;
-  for (int frame = 0; frame < 600; ++frame) world.step(1.0 / 60);
+  for (int frame = 0; frame < 420; ++frame) world.step(1.0 / 60);
   EXPECT_LT(world.foam().positions.size(), most / 50);
 }
 
@@ -187,7 +187,7 @@ TEST(FluidFoam, StaysBeforeCloth) {
 }
 
 TEST(FluidFoam, IsBounded) {
-  World world = dam_break({.substeps = 8, .fluid = {.foam = {.most = 300}}});
+  World world = dam_break({.substeps = 8, .fluid = {.foam = {.most = 300}}}, 4);
   std::size_t most = 0;
   for (int frame = 0; frame < 60; ++frame) {
     world.step(1.0 / 60);
@@ -197,10 +197,10 @@ TEST(FluidFoam, IsBounded) {
 }
 
 TEST(FluidFoam, IsTheSameForAnyNumberOfThreads) {
-  World one = dam_break({.substeps = 8, .threads = 1});
-  World two = dam_break({.substeps = 8, .threads = 2});
-  World eight = dam_break({.substeps = 8, .threads = 8});
-  for (int frame = 0; frame < 50; ++frame)
+  World one = dam_break({.substeps = 8, .threads = 1}, 4);
+  World two = dam_break({.substeps = 8, .threads = 2}, 4);
+  World eight = dam_break({.substeps = 8, .threads = 8}, 4);
+  for (int frame = 0; frame < 30; ++frame)
     for (World* world : {&one, &two, &eight}) world->step(1.0 / 60);
   ASSERT_GT(one.foam().positions.size(), 500);
   EXPECT_TRUE(equal(one.foam(), two.foam()));

@@ -62,12 +62,12 @@ CodecPtr<FluidSettings> fluid_settings_codec() {
       .key<&FluidSettings::tolerance>(
           "tolerance", number<float>(unit),
           "above 0: more iterations, up to 50, until the mean density error is below it")
+      .key<&FluidSettings::foam>("foam", foam_codec(), "spray, foam and bubbles")
       .key<&FluidSettings::compressibility>("compressibility", number<float>(from_zero(1)),
                                             "fluids are denser by this times their pressure [1/Pa]")
       .key<&FluidSettings::artificial_pressure>(
           "artificial_pressure", number<float>(from_zero(1e9)),
-          "with which two particles push each other that are 0.4 spacings apart [Pa]")
-      .key<&FluidSettings::foam>("foam", foam_codec(), "spray, foam and bubbles");
+          "with which two particles push each other that are 0.4 spacings apart [Pa]");
   return keys;
 }
 
