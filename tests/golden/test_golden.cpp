@@ -61,6 +61,7 @@ class Energies {
     for (const AnyObjectDescription& object : scene.objects) {
       const auto* cloth = std::get_if<ClothDescription>(&object);
       if (cloth && cloth->pressure) pressures_[cloth->name] = static_cast<double>(*cloth->pressure);
+      if (const auto* fluid = std::get_if<FluidDescription>(&object)) find_largest_share(*fluid);
     }
     remember();
   }
@@ -71,6 +72,7 @@ class Energies {
     remember();
     for (std::size_t i = 0; i < std::min(led_.size(), before.size()); ++i)
       led_speed_ = std::max(led_speed_, length(led_[i] - before[i]) / dt);
+    emitted_ += static_cast<double>(world_.report().fluid.emitted);
   }
 
   double kinetic() const { return sum().kinetic; }
@@ -78,12 +80,13 @@ class Energies {
   /// No motion can hold more kinetic energy [J] than what was there at the start (kinetic and elastic), what
   /// the fallen weight has given, pressure times the largest volume it can have made, and what moving things
   /// can lend a mass: twice their speed (an elastic bounce) from pins and colliders, the wind's own from
-  /// wind.
+  /// wind. Emitters bring what they bring.
   double bound() const {
     const Sum now = sum();
     const double gust = length(Vec3d(wind_.velocity)) * (1 + static_cast<double>(wind_.gust));
-    return start_.kinetic + start_.elastic + std::max(0.0, start_.potential - now.potential) +
-           pressure_work() + 0.5 * now.mass * (4 * led_speed_ * led_speed_ + gust * gust);
+    return start_.kinetic + start_.elastic + emitted_ * kinetic_share_ +
+           std::max(0.0, start_.potential + emitted_ * potential_share_ - now.potential) + pressure_work() +
+           0.5 * now.mass * (4 * led_speed_ * led_speed_ + gust * gust);
   }
 
  private:
@@ -100,6 +103,18 @@ class Energies {
     }
     total.elastic = world_.elastic_energy();
     return total;
+  }
+
+  /// Of a particle that comes from the scene's strongest and highest emitters.
+  void find_largest_share(const FluidDescription& fluid) {
+    const double mass = double{fluid.material.density} * std::pow(double{fluid.material.spacing}, 3);
+    for (const EmitterDescription& emitter : fluid.emitters) {
+      kinetic_share_ = std::max(kinetic_share_, 0.5 * mass * double{emitter.speed} * double{emitter.speed});
+      const Vec3d g(world_.settings().gravity);
+      const double mouth = 2 * double{fluid.material.spacing};  // in which nothing falls
+      const double fallen = -dot(g, Vec3d(emitter.position)) + length(g) * mouth;
+      potential_share_ = std::max(potential_share_, mass * fallen);
+    }
   }
 
   double pressure_work() const {
@@ -136,7 +151,9 @@ class Energies {
   Sum start_;
   std::map<std::string, double> pressures_;
   std::vector<Vec3d> led_;
-  double led_speed_ = 0;  ///< the largest so far [m/s]
+  double led_speed_ = 0;                            ///< the largest so far [m/s]
+  double emitted_ = 0;                              ///< particles so far
+  double kinetic_share_ = 0, potential_share_ = 0;  ///< of each [J]
 };
 
 /// What fluids may have besides weight: their surface's energy, sigma times the area of a cube of it, cut up
