@@ -73,7 +73,7 @@ TEST(FluidCloth, ACanvasHoldsWaterAndItsEdgesCarryTheWeight) {
 
 /// A grid of n x n vertices of which only every `pitch`th row and column of cells is left.
 TriangleMesh net(std::uint32_t n, std::uint32_t pitch) {
-  const TriangleMesh mesh = grid(n, n, 2 * float(half));
+  const TriangleMesh mesh = grid(static_cast<int>(n), static_cast<int>(n), 2 * float(half));
   constexpr std::uint32_t none = ~0u;
   std::vector<std::uint32_t> vertex(mesh.positions.size(), none);
   TriangleMesh result;

@@ -97,8 +97,8 @@ TEST(Emitters, GiveTheVelocityOfWhatCarriesThem) {
 
 TEST(Drains, TakeWhatIsInThemAndKeepTheOrderOfTheRest) {
   World world = weightless();
-  std::vector<Vec3d> points;
-  for (int i = 0; i < 10; ++i) points.push_back({0.2 * i, 1, 0});
+  std::vector<Vec3d> points(10, {0, 1, 0});
+  for (std::size_t i = 0; i < 10; ++i) points[i].x = 0.2 * double(i);
   const ObjectId fluid = world.add_fluid(points, water);
   world.add_drain({.shape = Box{{0.5f, 1, 0}, {0.21f, 0.1f, 0.1f}}});  // points 2, 3 (0.4, 0.6)
   const StepReport& report = world.step(1e-3);
