@@ -45,8 +45,8 @@ struct SmallBody {
 ///   cylinder  across F = phi (4 pi mu l + rho C r l |u|) u, C = 1.2;  along C = 0.03 and half the viscous
 ///   part
 ///
-/// taken from the particles around by s_ib, with the bound of body_friction.h for stability. The fluid makes
-/// no room for small things: its level does not rise with them.
+/// taken from the particles around by s_ib, with the bound of body_friction.h for stability. e_i is added to
+/// the density C, so the fluid's level rises by what is in it.
 class SmallBodies {
  public:
   void set_bodies(std::vector<SmallBody> bodies) { bodies_ = std::move(bodies); }

@@ -2,6 +2,7 @@
 
 #include "souple/collision/queries.h"
 #include "souple/world/add.h"
+#include "souple/world/led_particles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
 #include "souple/world/validate.h"
@@ -16,7 +17,6 @@ namespace souple {
 namespace {
 
 constexpr double nearest = 0.7;        // of a spacing: where other fluid is nearer nothing comes out
-constexpr double mouth = 2;            // spacings that fluid is led, which is as far as it feels other fluid
 constexpr double most_in_layer = 1e5;  // particles
 constexpr std::size_t grain = 512;     // particles worth a thread
 
@@ -31,24 +31,6 @@ std::array<Vec3d, 2> across(const Vec3d& n) {
   const Vec3d axis = std::fabs(n.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   const Vec3d u = normalized(cross(n, axis));
   return {u, cross(n, u)};
-}
-
-/// A nozzle at a moment.
-struct Nozzle {
-  Vec3d position, direction, velocity;
-  std::array<Vec3d, 2> side;
-};
-
-// v = (x(t + e) - x(t)) / e
-Nozzle nozzle_at(const Emitter& emitter, double t) {
-  constexpr double e = 1.0 / 1024;
-  const Vec3d x(emitter.position), n = normalized(Vec3d(emitter.direction));
-  const std::array<Vec3d, 2> side = across(n);
-  const Transform pose = emitter.motion.at(t);
-  Nozzle result{pose.point(x), pose.direction(n), {}, {pose.direction(side[0]), pose.direction(side[1])}};
-  if (!emitter.motion.is_static() && !emitter.motion.jumps(t, t + e))
-    result.velocity = (emitter.motion.at(t + e).point(x) - result.position) / e;
-  return result;
 }
 
 struct Drop {
@@ -66,7 +48,7 @@ void append_layer(const Emitter& emitter, std::uint64_t k, double t, const Vec3d
                   double now, std::vector<Drop>& drops) {
   const Nozzle nozzle = nozzle_at(emitter, t);
   const auto speed = static_cast<double>(emitter.speed);
-  const double s = now - t, r = std::max(0.0, s - mouth * spacing / speed);
+  const double s = now - t, r = std::max(0.0, s - mouth_depth * spacing / speed);
   const Vec3d v = nozzle.velocity + nozzle.direction * speed;
   const Vec3d middle = nozzle.position + v * s + g * (0.5 * r * r);
   const double radius = static_cast<double>(emitter.radius) / spacing;
@@ -197,6 +179,18 @@ void drain(WorldState& world, DrainRecord& record, double dt) {
 
 }  // namespace
 
+// v = (x(t + e) - x(t)) / e
+Nozzle nozzle_at(const Emitter& emitter, double t) {
+  constexpr double e = 1.0 / 1024;
+  const Vec3d x(emitter.position), n = normalized(Vec3d(emitter.direction));
+  const std::array<Vec3d, 2> side = across(n);
+  const Transform pose = emitter.motion.at(t);
+  Nozzle result{pose.point(x), pose.direction(n), {}, {pose.direction(side[0]), pose.direction(side[1])}};
+  if (!emitter.motion.is_static() && !emitter.motion.jumps(t, t + e))
+    result.velocity = (emitter.motion.at(t + e).point(x) - result.position) / e;
+  return result;
+}
+
 void validate(const Emitter& emitter, std::string_view owner) {
   if (!is_finite(emitter.position) || !is_finite(emitter.direction) ||
       !(length_squared(Vec3d(emitter.direction)) > 1e-12))
@@ -234,41 +228,6 @@ std::uint64_t layers_before(const WorldState& world, const Object& fluid, const 
 void let_flow(WorldState& world, double dt) {
   for (DrainRecord& record : world.drains) drain(world, record, dt);
   for (EmitterRecord& record : world.emitters) emit(world, record);
-}
-
-bool Mouth::leads(const Vec3d& x, const Vec3d& v) const {
-  const Vec3d from = x - position;
-  const double along = dot(from, direction);
-  return along > -0.05 * depth && along < depth && length(from - direction * along) < radius &&
-         dot(v, velocity) > 0.5 * dot(velocity, velocity);
-}
-
-std::vector<Mouth> mouths_at(const WorldState& world, double t) {
-  std::vector<Mouth> result;
-  for (const EmitterRecord& record : world.emitters) {
-    const auto d =
-        static_cast<double>(std::get<FluidMaterial>(world.object(ObjectId{record.fluid}).material).spacing);
-    const Nozzle nozzle = nozzle_at(record.emitter, t);
-    const Vec3d v = nozzle.velocity + nozzle.direction * static_cast<double>(record.emitter.speed);
-    const double depth = t >= record.emitter.start ? mouth * d : 0;
-    result.push_back(
-        {nozzle.position, nozzle.direction, v, static_cast<double>(record.emitter.radius) + 0.5 * d, depth});
-  }
-  return result;
-}
-
-void find_led(const WorldState& world, double dt, std::span<const std::uint32_t> particles,
-              std::vector<std::uint32_t>& led) {
-  led.assign(particles.size(), 0);
-  const std::vector<Mouth> mouths = mouths_at(world, world.time + dt);
-  for (std::uint32_t e = 0; e < mouths.size(); ++e) {
-    const Object& fluid = world.object(ObjectId{world.emitters[e].fluid});
-    const double reach = mouths[e].radius + mouths[e].depth + 2 * dt * length(mouths[e].velocity);
-    auto i = std::lower_bound(particles.begin(), particles.end(), fluid.begin);
-    for (; i != particles.end() && *i < fluid.end; ++i)
-      if (length_squared(world.exact_position(*i) - mouths[e].position) < reach * reach)
-        led[static_cast<std::size_t>(i - particles.begin())] = e + 1;
-  }
 }
 
 // Of a fluid the n-th vertex is the n-th particle.

@@ -2,11 +2,9 @@
 
 #include "souple/world/emitter.h"
 
-#include <cstddef>
+#include <array>
 #include <cstdint>
-#include <span>
 #include <string_view>
-#include <vector>
 
 // How fluids get more particles and lose some. A fluid's object has room for `capacity` particles, the first
 // ones of which are there: [begin, end). The others have no mass and belong to nobody.
@@ -40,23 +38,12 @@ std::uint64_t layers_before(const WorldState& world, const Object& fluid, const 
 /// What has come out of emitters by now is there, what is in drains is gone: before a step of dt seconds.
 void let_flow(WorldState& world, double dt);
 
-/// The first spacings before a nozzle, as if in a pipe: fluid that leaves goes straight on with `velocity`,
-/// whatever pushes it. Without this the layers that come would have nothing behind them that bears the
-/// pressure of those before them.
-struct Mouth {
+/// A nozzle at a moment.
+struct Nozzle {
   Vec3d position, direction, velocity;  ///< m, unit, m/s
-  double radius = 0, depth = 0;         ///< m
-
-  bool leads(const Vec3d& x, const Vec3d& v) const;
+  std::array<Vec3d, 2> side;            ///< two unit vectors across its direction
 };
-
-/// Of each emitter at the time t; those that are shut lead nothing.
-std::vector<Mouth> mouths_at(const WorldState& world, double t);
-
-/// For each of `particles`, ascending numbers of the world's: 0, or 1 + the emitter that may lead it in a
-/// step of dt seconds.
-void find_led(const WorldState& world, double dt, std::span<const std::uint32_t> particles,
-              std::vector<std::uint32_t>& led);
+Nozzle nozzle_at(const Emitter& emitter, double t);
 
 /// A fluid has so many particles from now on, at most its capacity; new ones are at the origin.
 void set_count(WorldState& world, Object& fluid, std::uint32_t count);

@@ -30,7 +30,8 @@ void FluidFoam::choose_shape(SmoothingShape shape, std::size_t most) {
   positions_.reserve(room);
 }
 
-void FluidFoam::step(WorldState& world, const Source& source, double time, double dt) {
+void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& source, double time,
+                     double dt) {
   Threads& threads = *world.threads;
   const FoamParameters& parameters = world.settings.fluid.foam;
   choose_shape(world.settings.fluid.kernel, parameters.most);
@@ -40,9 +41,9 @@ void FluidFoam::step(WorldState& world, const Source& source, double time, doubl
     walls_.begin_step(world.tables.colliders, source.meets, origin_, 0, time);
     walls_.begin_substep(time, dt);
   });
-  find_bodies(world, source, threads);
-  const float gap = nearest_to_walls * source.fluid.smoothing.spacing();
-  const FoamStep step{.fluid = source.fluid,
+  const float gap = nearest_to_walls * fluid.smoothing.spacing();
+  find_bodies(world, source, gap, threads);
+  const FoamStep step{.fluid = fluid,
                       .particle = source.particle,
                       .wall_slopes = source.wall_slopes,
                       .share = source.share,
@@ -59,10 +60,9 @@ void FluidFoam::step(WorldState& world, const Source& source, double time, doubl
 }
 
 // Straight from where the step began to where it ended, whatever the substeps between did.
-void FluidFoam::find_bodies(const WorldState& world, const Source& source, Threads& threads) {
+void FluidFoam::find_bodies(const WorldState& world, const Source& source, float gap, Threads& threads) {
   bodies_.clear();
   const Particles& particles = world.particles;
-  const float gap = nearest_to_walls * source.fluid.smoothing.spacing();
   for (std::size_t s = 0; s < source.skins.size(); ++s) {
     if (source.feels[s] == 0) continue;
     const Skin& skin = source.skins[s];
@@ -151,38 +151,30 @@ std::size_t FluidFoam::bytes() const {
 // -----------------------------------------------------------------------------
 
 void Fluids::step_foam(WorldState& world, double time, double dt) {
-  const bool foams = std::any_of(materials_.begin(), materials_.end(),
+  const bool foams = std::any_of(tables_.materials.begin(), tables_.materials.end(),
                                  [](const FluidMaterial& material) { return material.foam > 0; });
   if (none() || (!foams && foam_.size() == 0)) return foam_.clear();
-  Threads& threads = *world.threads;
   const auto order = solver_->order();
   const auto x = solver_->positions();
-  foam_particle_.resize(order.size());
-  foam_share_.resize(order.size());
-  wall_slopes_.resize(order.size());
-  for_places(order.size(), threads, [&](std::size_t k) {
-    foam_particle_[k] = particle_[order[k]];
-    foam_share_[k] = materials_[fluid_[order[k]]].foam;
-    wall_slopes_[k] = look_at(surroundings_.of(k), x[k].xyz(), solver_->smoothing()).slope;
+  FluidFoam::Source& source = foam_source_;
+  source.particle.resize(order.size());
+  source.share.resize(order.size());
+  source.wall_slopes.resize(order.size());
+  for_places(order.size(), *world.threads, [&](std::size_t k) {
+    source.particle[k] = tables_.particle[order[k]];
+    source.share[k] = tables_.materials[tables_.fluid[order[k]]].foam;
+    source.wall_slopes[k] = look_at(surroundings_.of(k), x[k].xyz(), solver_->smoothing()).slope;
   });
-  const auto some = [&](const std::vector<std::uint8_t>& of_each, std::size_t count,
-                        std::vector<std::uint8_t>& result) {
+  const auto some = [](const std::vector<std::uint8_t>& of_each, std::size_t count,
+                       std::vector<std::uint8_t>& result) {
     result.assign(count, 0);
     for (std::size_t n = 0; n < of_each.size(); ++n) result[n % count] |= of_each[n];
   };
-  some(meets_, world.tables.colliders.size(), some_meets_);
-  some(feels_, skinned_.size(), some_feels_);
-  const FluidView view{solver_->padded_positions(), velocity_, solver_->neighbours(), solver_->smoothing()};
-  foam_.step(world,
-             {.fluid = view,
-              .particle = foam_particle_,
-              .wall_slopes = wall_slopes_,
-              .share = foam_share_,
-              .meets = some_meets_,
-              .skins = bodies_.skins(),
-              .feels = some_feels_,
-              .origin = origin_},
-             time, dt);
+  some(tables_.meets, world.tables.colliders.size(), source.meets);
+  some(tables_.feels, tables_.skinned.size(), source.feels);
+  source.skins = bodies_.skins();
+  source.origin = origin_;
+  foam_.step(world, view(), source, time, dt);
 }
 
 void step_foam(WorldState& world, double time, double dt) {

@@ -19,20 +19,20 @@ struct WorldState;
 /// that some fluid meets. They remember nothing of the fluids' particles from one step to the next.
 class FluidFoam {
  public:
-  /// The fluids at the end of a step.
+  /// What it asks of the fluids at the end of a step, beside their FluidView.
   struct Source {
-    const FluidView& fluid;
-    std::span<const std::uint32_t> particle;  ///< of each place, the world's
-    std::span<const Vec3f> wall_slopes;       ///< by place
-    std::span<const float> share;             ///< by place: FluidMaterial::foam
-    std::span<const std::uint8_t> meets;      ///< of each collider: some fluid does
+    // By place.
+    std::vector<std::uint32_t> particle;  ///< the world's
+    std::vector<Vec3f> wall_slopes;       ///< 1/m
+    std::vector<float> share;             ///< FluidMaterial::foam
+    // Of each collider and skin: whether some fluid meets it.
+    std::vector<std::uint8_t> meets, feels;
     std::span<const Skin> skins;
-    std::span<const std::uint8_t> feels;  ///< of each skin: some fluid does
-    Vec3d origin;                         ///< of the fluid's positions [m]
+    Vec3d origin;  ///< of the fluid's positions [m]
   };
 
   /// What a step of dt seconds that began at `time` makes, moves and dissolves.
-  void step(WorldState& world, const Source& source, double time, double dt);
+  void step(WorldState& world, const FluidView& fluid, const Source& source, double time, double dt);
   void clear();
   void report(FluidReport& report) const;
 
@@ -49,7 +49,7 @@ class FluidFoam {
 
  private:
   void choose_shape(SmoothingShape shape, std::size_t most);
-  void find_bodies(const WorldState& world, const Source& source, Threads& threads);
+  void find_bodies(const WorldState& world, const Source& source, float gap, Threads& threads);
   void keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float gap, float dt,
                 Threads& threads);
   void tell();

@@ -29,7 +29,7 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
       led += plane.hold;
     }
     const Vec3f speed = led > 0 ? motion * (1 / (led * h)) : Vec3f{};
-    const float all = (1 - left) * materials_[fluid_[order[k]]].friction;
+    const float all = (1 - left) * tables_.materials[tables_.fluid[order[k]]].friction;
     const float share = sum > 0 ? all / sum : 0;
     for (NearPlane& plane : surroundings_.of(k)) plane.hold *= share;
     wall_friction_[k] = {speed.x, speed.y, speed.z, led == sum ? all : led * share};
@@ -78,24 +78,24 @@ void Fluids::pull_bodies(WorldState& world) {
 // each has for itself.
 void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
-  const FluidView view{solver_->padded_positions(), velocity_, solver_->neighbours(), solver_->smoothing()};
+  const FluidView view = this->view();
   const auto most = [&](float FluidMaterial::*value) {
     float result = 0;
-    for (const FluidMaterial& material : materials_) result = std::max(result, material.*value);
+    for (const FluidMaterial& material : tables_.materials) result = std::max(result, material.*value);
     return result;
   };
   find_wall_friction(substep.h, threads);
   const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
-  report_.viscosity_iterations += viscous.iterations;
+  account_.note_viscosity(viscous.iterations);
   if (bodies_.skin_count() > 0)
     body_friction_.apply(view, surroundings_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
   if (!small_bodies_.none())
-    small_bodies_.drag(view, solver_->order(), viscosities_, substep.h, world.particles.velocity,
+    small_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h, world.particles.velocity,
                        world.particles.position, threads);
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
-    const float angle = materials_[0].contact_angle * static_cast<float>(pi) / 180;
+    const float angle = tables_.materials[0].contact_angle * static_cast<float>(pi) / 180;
     surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h,
                            threads);
     if (bodies_.skin_count() > 0) pull_bodies(world);
@@ -119,22 +119,19 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   velocity_.back() = {};
   const float exchange = spacing_ * spacing_ * solver_->smoothing().wall(spacing_ / 2).value;
   for_places(order.size(), threads, [&](std::size_t k) {
-    const FluidMaterial& material = materials_[fluid_[order[k]]];
-    velocity_[k] = velocity[particle_[order[k]]];
-    if (led_[order[k]] != 0) velocity_[k].set_xyz(mouth_velocity(order[k]));
+    const FluidMaterial& material = tables_.materials[tables_.fluid[order[k]]];
+    velocity_[k] = velocity[tables_.particle[order[k]]];
+    if (led_.is_led(order[k])) velocity_[k].set_xyz(led_.velocity(order[k]));
     velocity_[k].w = material.viscosity + material.density * material.xsph * exchange;
   });
   apply_forces(world, substep);
   double fastest = 0;
   for (std::size_t k = 0; k < order.size(); ++k)
     fastest = std::max(fastest, static_cast<double>(length_squared(velocity_[k].xyz())));
-  report_.fastest = std::max(report_.fastest, std::sqrt(fastest));
-  report_.largest_step =
-      std::max(report_.largest_step,
-               std::sqrt(fastest) / 1.5 * static_cast<double>(substep.h) / static_cast<double>(spacing_));
+  account_.note_speed(std::sqrt(fastest), static_cast<double>(substep.h), static_cast<double>(spacing_));
   for_places(order.size(), threads, [&](std::size_t k) {
     const std::uint32_t i = order[k];
-    velocity[particle_[i]].set_xyz(led_[i] != 0 ? mouth_velocity(i) : velocity_[k].xyz());
+    velocity[tables_.particle[i]].set_xyz(led_.is_led(i) ? led_.velocity(i) : velocity_[k].xyz());
   });
 }
 

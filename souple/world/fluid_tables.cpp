@@ -1,0 +1,62 @@
+#include "souple/world/fluid_tables.h"
+
+#include "souple/world/fluid_skin.h"
+#include "souple/world/state.h"
+
+#include <optional>
+#include <utility>
+
+namespace souple {
+
+void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, SmallBodies& small_bodies) {
+  skinned.clear();
+  small.clear();
+  std::vector<Skin> skins;
+  std::vector<SmallBody> pieces;
+  float spacing = 0;
+  for (const auto& object : world.objects)
+    if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
+  for (std::uint32_t o = 0; spacing > 0 && o < world.objects.size(); ++o) {
+    if (std::optional<Skin> skin = fluid_skin(*world.objects[o], spacing)) {
+      skins.push_back(std::move(*skin));
+      skinned.push_back(o);
+      continue;
+    }
+    const std::size_t before = pieces.size();
+    append_small_bodies(*world.objects[o], spacing, world.particles.mass,
+                        static_cast<std::uint32_t>(small.size()), pieces);
+    if (pieces.size() > before) small.push_back(o);
+  }
+  bodies.set_skins(std::move(skins));
+  small_bodies.set_bodies(std::move(pieces));
+}
+
+void FluidTables::find_particles(const WorldState& world) {
+  particle.clear();
+  fluid.clear();
+  meets.clear();
+  feels.clear();
+  feels_small.clear();
+  viscosities.clear();
+  materials.clear();
+  for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
+    const Object& object = *world.objects[o];
+    const auto* material = std::get_if<FluidMaterial>(&object.material);
+    if (!material) continue;
+    for (std::uint32_t i = object.begin; i < object.end; ++i) {
+      if (world.particles.position[i].w == 0) continue;
+      particle.push_back(i);
+      fluid.push_back(static_cast<std::uint16_t>(materials.size()));
+    }
+    for (const std::uint32_t body : skinned)
+      feels.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+    for (const std::uint32_t body : small)
+      feels_small.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+    viscosities.push_back(material->viscosity);
+    materials.push_back(*material);
+    for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
+      meets.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
+  }
+}
+
+}  // namespace souple
