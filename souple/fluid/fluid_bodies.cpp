@@ -304,4 +304,40 @@ void FluidBodies::apply(const Surroundings& surroundings, const ParticleView& pa
   }
 }
 
+FluidBodies::Carriers FluidBodies::carriers_of(const NearPlane& plane) const {
+  Carriers carriers;
+  for_carriers(plane, [&](std::uint32_t i, float share) {
+    const auto begin = carriers.particle.begin();
+    const auto end = begin + static_cast<std::ptrdiff_t>(carriers.count);
+    const auto known = std::find(begin, end, i);
+    const auto k = static_cast<std::size_t>(known - begin);
+    if (known == end) carriers.particle[carriers.count++] = i;
+    carriers.share[k] += share;
+  });
+  return carriers;
+}
+
+//   C = n . (x_i - sum_c share_c x_c) - half_thickness - radius >= 0
+//   s = -C / (w_i + sum_c share_c^2 w_c),   dx_i = w_i s n,   dx_c = -share_c w_c s n
+void FluidBodies::keep_apart(const NearPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
+                             const ParticleView& particles) const {
+  const Vec3f& n = plane.normal;
+  if (dot(n, x) - plane.offset > 2 * radius) return;
+  const Carriers carriers = carriers_of(plane);
+  Vec3d way = souple::place(particles, i);
+  float w = particles.inverse_mass(i);
+  for (std::size_t c = 0; c < carriers.count; ++c) {
+    const float share = carriers.share[c];
+    way -= souple::place(particles, carriers.particle[c]) * static_cast<double>(share);
+    w += share * share * particles.inverse_mass(carriers.particle[c]);
+  }
+  const float C = dot(n, Vec3f(way)) - skins_[plane.skin].half_thickness - radius;
+  if (C >= 0 || !(w > 0)) return;
+  const Vec3f push = n * (-C / w);
+  particles.correct(i, push * particles.inverse_mass(i));
+  for (std::size_t c = 0; c < carriers.count; ++c)
+    particles.correct(carriers.particle[c],
+                      push * (-carriers.share[c] * particles.inverse_mass(carriers.particle[c])));
+}
+
 }  // namespace souple

@@ -69,6 +69,12 @@ class FluidBodies {
   /// What all planes have pushed goes to the world's particles.
   void apply(const Surroundings& surroundings, const ParticleView& particles) const;
 
+  /// A particle i of a fluid, at x when planes were last looked at, that is nearer to a plane's body than
+  /// `radius` leaves it, and the body what it weighs less: pressure, which acts at a distance, does not stop
+  /// what comes fast. Momentum is conserved. Call it after `apply`.
+  void keep_apart(const NearPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
+                  const ParticleView& particles) const;
+
   /// Whether a plane is of a body that something can move.
   bool moves(const NearPlane& plane) const {
     return plane.skin != NearPlane::nobody && states_[plane.skin].moves;
@@ -111,6 +117,14 @@ class FluidBodies {
   void list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions,
                      float reach);
   Vec3f point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const;
+
+  /// Particles of the world that carry the point a plane touches, each once; shares sum to 1.
+  struct Carriers {
+    std::size_t count = 0;
+    std::array<std::uint32_t, 12> particle{};
+    std::array<float, 12> share{};
+  };
+  Carriers carriers_of(const NearPlane& plane) const;
 
   std::vector<Skin> skins_;
   std::vector<State> states_;

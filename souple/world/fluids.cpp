@@ -167,7 +167,20 @@ void Fluids::move(const ParticleView& particles, Threads& threads) {
       if (!given.empty()) particles.correct(i, given[k] * -solver_->positions()[k].w);
     }
   });
-  if (bodies_.skin_count() > 0) bodies_.apply(surroundings_, particles);
+  if (bodies_.skin_count() == 0) return;
+  bodies_.apply(surroundings_, particles);
+  keep_out_of_bodies(particles);
+}
+
+void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
+  const auto order = solver_->order();
+  for (const std::uint32_t k : surroundings_.near()) {
+    if (led_.is_led(order[k])) continue;
+    const Vec3f x = solver_->positions()[k].xyz();
+    for (const NearPlane& plane : surroundings_.of(k))
+      if (plane.skin != NearPlane::nobody)
+        bodies_.keep_apart(plane, tables_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
+  }
 }
 
 FluidView Fluids::view() {

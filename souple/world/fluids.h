@@ -49,6 +49,7 @@ class Fluids {
   void place(WorldState& world, float h, Threads& threads);
   void look_around(Threads& threads);
   void move(const ParticleView& particles, Threads& threads);
+  void keep_out_of_bodies(const ParticleView& particles) const;
   void find_wall_friction(float h, Threads& threads);
   void find_near_walls(Threads& threads);
   void pull_bodies(WorldState& world);

@@ -1,3 +1,4 @@
+#include "souple/collision/mesh_tree.h"
 #include "souple/souple.h"
 
 #include <algorithm>
@@ -132,6 +133,32 @@ TEST(FluidRobustness, BodiesStartedInEachOtherInWaterDoNotExplode) {
   double fastest = 0;
   for (const Vec3f& v : world.velocities(fluid)) fastest = std::max(fastest, double{length(v)});
   EXPECT_LT(fastest, 3);
+}
+
+// A wave of 0.6 m, a light soft box, and half the substeps it should have.
+TEST(FluidRobustness, NothingGetsIntoASoftBodyThatAWaveStrikes) {
+  constexpr double spacing = 0.025;
+  World world({.substeps = 4});
+  add_tank(world, {1.6, 1.2, 0.5});
+  const ObjectId fluid = world.add_fluid(fill(Vec3d{-0.8, 0, -0.25}, Vec3d{-0.3, 0.6, 0.25}, spacing),
+                                         {.spacing = float(spacing), .density = 998});
+  const TriangleMesh shape = box({0.2, 0.2, 0.2}, 4);
+  const ObjectId body =
+      world.add_soft_body(shape, {.young_modulus = 5e4f, .density = 500}, LatticeOptions{.cells = 500},
+                          {.transform = {.translation = {0.1, 0.11, 0}}});
+  int inside = 0;
+  double highest = 0;
+  for (int frame = 0; frame < 120; ++frame) {
+    ASSERT_TRUE(world.step(1.0 / 60).ok());
+    highest = std::max(highest, world.centre_of_mass(body).y);
+    if (frame % 10 != 9) continue;
+    std::vector<Vec3d> surface;
+    for (const Vec3f& x : world.positions(body)) surface.emplace_back(x);
+    const MeshTree tree(surface, shape.triangles);
+    for (const Vec3f& x : world.positions(fluid)) inside += tree.winding_number(Vec3d(x)) > 0.5 ? 1 : 0;
+  }
+  EXPECT_EQ(inside, 0);
+  EXPECT_GT(highest, 0.14);  // the wave took it
 }
 
 TEST(FluidRobustness, AColliderWhoseMotionThrowsIsReported) {
