@@ -53,9 +53,10 @@ constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam
   souple surface out/dam --method isotropic --format ply --out meshes
   souple surface out/dam --particles bgeo --cell 0.005
+  souple surface out/dam --format vdb --out volumes          signed distances, for renderers
   souple render out/dam_surface --out dam.mp4                a film of the surface
 
-Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder. A frame in which a
+Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder (not of volumes). A frame in which a
 fluid has no particles has no file. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (of a cache that
 holds none, the way since the frame before over its time). Ctrl-C finishes the frame.)";
 
@@ -229,7 +230,8 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
   command.add_option("--out", request->out, "folder to write [CACHE_surface]")->type_name("DIR");
   command.add_option("--method", request->method, "anisotropic, isotropic [anisotropic]")
       ->type_name("METHOD");
-  command.add_option("--format", request->format, "of the meshes: obj, ply [obj]")->type_name("FORMAT");
+  command.add_option("--format", request->format, "meshes: obj, ply; volumes: vdb [obj]")
+      ->type_name("FORMAT");
   command
       .add_option("--particles", request->particles,
                   "write the particles as well: none, ply, vtk, bgeo [none]")
