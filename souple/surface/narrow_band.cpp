@@ -111,14 +111,14 @@ class BrickSearch {
   }
 
   void write(std::size_t i, NarrowBand::Brick& brick) const {
-    brick.distances[i] = static_cast<float>(width_ * cell_);
-    if (nearest_[i] == none) return;
+    const auto width = static_cast<float>(width_ * cell_), distance = static_cast<float>(std::sqrt(best_[i]));
+    brick.distances[i] = width;
+    if (nearest_[i] == none || distance >= width) return;
     const std::uint32_t t = nearest_[i];
     const std::array<Vec3d, 3> x = surface_.corners(t);
     const Vec3d p = place(i, brick.first);
     const TrianglePoint nearest = closest_on_triangle(p, x[0], x[1], x[2]);
     const double towards = dot(p - on_triangle(x, nearest), surface_.at(t, nearest));
-    const auto distance = static_cast<float>(std::sqrt(best_[i]));
     brick.distances[i] = towards < 0 ? -distance : distance;
     brick.band[i / 64] |= std::uint64_t{1} << i % 64;
   }
