@@ -1,8 +1,9 @@
 #include "souple/surface/narrow_band.h"
 
+#include "souple/collision/mesh_tree.h"
 #include "souple/error.h"
+#include "souple/geometry/closest_point.h"
 #include "souple/surface/bricks.h"
-#include "souple/surface/pseudonormals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,36 +19,47 @@ constexpr std::size_t points = NarrowBand::brick_points;
 
 /// A triangle in a ball around its centre, and which of the grid's points may be near to it. In cells.
 struct Ball {
+  std::array<Vec3d, 3> corners;
   Vec3d centre;
   double radius = 0;
   std::array<std::int32_t, 3> first{}, last{};
 };
 
-/// One brick at a time: which triangle is nearest to each of its points.
+/// One brick at a time; lengths in cells.
 ///
 /// Of most triangles a point need not know the distance: centres c lie on triangles, so no surface is further
 /// than the nearest of them, and what lies in a ball of radius r around c is no nearer than |p - c| - r. Both
-/// are looked up eight points at a time, in cells from the brick's first point, with a little to spare for
-/// what floats round.
+/// are looked up eight points at a time, from the brick's first point, with a little to spare for what floats
+/// round.
+///
+/// A point further from the surface than its neighbour is from it lies on the same side. So points fall into
+/// groups, and of each group one is asked how often the surface goes around it. (Asking the nearest normal
+/// instead, as Baerentzen and Aanaes 2005 do, needs no such look at the whole mesh; but where the mesh is
+/// turned inside out, as tips of splashes are, all that is nearest to such a place gets the wrong side: 52 of
+/// 51,942 points of the splash in the tests.)
 class BrickSearch {
  public:
-  BrickSearch(std::span<const Ball> balls, const Pseudonormals& surface, double cell, double width)
-      : balls_(balls), surface_(surface), cell_(cell), width_(width) {}
+  BrickSearch(std::span<const Ball> balls, const MeshTree& tree, double cell, double width)
+      : balls_(balls), tree_(tree), cell_(cell), width_(width) {}
 
   void fill(std::span<const std::uint32_t> near, NarrowBand::Brick& brick) {
     bound(near, brick.first);
-    for (std::size_t i = 0; i < points; ++i) {
-      bound_[i] = std::sqrt(std::min(bound_[i], static_cast<float>(width_ * width_)));
-      best_[i] = width_ * cell_ * (width_ * cell_);
-    }
-    nearest_.fill(none);
+    for (float& b : bound_) b = std::sqrt(std::min(b, static_cast<float>(width_ * width_)));
+    best_.fill(width_ * width_);
     for (const std::uint32_t t : near) measure(t, brick.first);
-    for (std::size_t i = 0; i < points; ++i) write(i, brick);
+    for (double& d : best_) d = std::sqrt(d);
+    const auto width = static_cast<float>(width_ * cell_);
+    for (std::size_t i = 0; i < points; ++i) {
+      brick.distances[i] = std::min(static_cast<float>(best_[i] * cell_), width);
+      if (brick.distances[i] < width) brick.band[i / 64] |= std::uint64_t{1} << i % 64;
+    }
+    find_sides(brick);
   }
 
  private:
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
   static constexpr float spare = 1e-3f;
+  static constexpr double slack = 1.000001;  // what lies on the surface, a whole cell away, has either side
+  static constexpr std::array<std::size_t, 3> strides = {std::size_t{side} * side, side, 1};
 
   /// A ball as seen from a brick: which rows of points along z may be near.
   struct Seen {
@@ -61,7 +73,7 @@ class BrickSearch {
     const Vec3d c = ball.centre - Vec3d(first[0], first[1], first[2]);
     return {float(c.x), float(c.y), float(c.z), float(ball.radius * 1.00001), from(0), to(0), from(1), to(1)};
   }
-  /// Calls f(first point, squared distance to the middle of the row's axis) for these rows.
+  /// Calls f(first point, squared distance to the row's axis) for these rows.
   template <class F>
   static void for_rows(const Seen& ball, const F& f) {
     for (int x = ball.first_x; x <= ball.last_x; ++x) {
@@ -88,13 +100,13 @@ class BrickSearch {
 
   void measure(std::uint32_t t, const std::array<std::int32_t, 3>& first) {
     const Seen ball = seen(t, first);
-    const std::array<Vec3d, 3> x = surface_.corners(t);
+    const auto& [a, b, c] = balls_[t].corners;
     for_rows(ball, [&](std::size_t row, float square) {
       const float* of_row = &bound_[row];
       std::array<std::int32_t, side> may{};
-      for (int z = 0; z < side; ++z) {
+      for (std::size_t z = 0; z < side; ++z) {
         const float dz = float(z) - ball.z, reach = of_row[z] + ball.radius + spare;
-        may[static_cast<std::size_t>(z)] = square + dz * dz <= reach * reach ? 1 : 0;
+        may[z] = square + dz * dz <= reach * reach ? 1 : 0;
       }
       std::int32_t any = 0;
       for (const std::int32_t m : may) any |= m;
@@ -102,43 +114,53 @@ class BrickSearch {
       for (std::size_t z = 0; z < side; ++z) {
         if (may[z] == 0) continue;
         const Vec3d p = place(row + z, first);
-        const double d = length_squared(p - on_triangle(x, closest_on_triangle(p, x[0], x[1], x[2])));
-        if (d >= best_[row + z]) continue;
-        best_[row + z] = d;
-        nearest_[row + z] = t;
+        const TrianglePoint w = closest_on_triangle(p, a, b, c);
+        best_[row + z] = std::min(best_[row + z], length_squared(p - (a * w.a + b * w.b + c * w.c)));
       }
     });
   }
 
-  void write(std::size_t i, NarrowBand::Brick& brick) const {
-    const auto width = static_cast<float>(width_ * cell_), distance = static_cast<float>(std::sqrt(best_[i]));
-    brick.distances[i] = width;
-    if (nearest_[i] == none || distance >= width) return;
-    const std::uint32_t t = nearest_[i];
-    const std::array<Vec3d, 3> x = surface_.corners(t);
-    const Vec3d p = place(i, brick.first);
-    const TrianglePoint nearest = closest_on_triangle(p, x[0], x[1], x[2]);
-    const double towards = dot(p - on_triangle(x, nearest), surface_.at(t, nearest));
-    brick.distances[i] = towards < 0 ? -distance : distance;
-    brick.band[i / 64] |= std::uint64_t{1} << i % 64;
+  void find_sides(NarrowBand::Brick& brick) {
+    known_.fill(false);
+    for (std::size_t i = 0; i < points; ++i) {
+      if (known_[i] || !brick.in_band(i)) continue;
+      const bool inside = tree_.winding_number(place(i, brick.first)) > 0.5;
+      known_[i] = true;
+      std::size_t waiting = 1;
+      group_[0] = static_cast<std::uint16_t>(i);
+      while (waiting > 0) {
+        const std::size_t at = group_[--waiting];
+        if (inside && brick.in_band(at)) brick.distances[at] = -brick.distances[at];
+        for (const std::size_t stride : strides) {
+          const std::size_t along = at / stride % side;
+          if (along > 0) waiting = join(at, at - stride, waiting);
+          if (along + 1 < side) waiting = join(at, at + stride, waiting);
+        }
+      }
+    }
+  }
+  /// Adds a neighbour to the group of those that wait, if it is on the same side.
+  std::size_t join(std::size_t at, std::size_t neighbour, std::size_t waiting) {
+    if (known_[neighbour] || !(std::max(best_[at], best_[neighbour]) > slack)) return waiting;
+    known_[neighbour] = true;
+    group_[waiting] = static_cast<std::uint16_t>(neighbour);
+    return waiting + 1;
   }
 
-  Vec3d place(std::size_t point, const std::array<std::int32_t, 3>& first) const {
-    const auto part = [&](std::size_t axis, std::size_t stride) {
-      return static_cast<double>(first[axis] + static_cast<std::int32_t>(point / stride % side)) * cell_;
+  static Vec3d place(std::size_t point, const std::array<std::int32_t, 3>& first) {
+    const auto part = [&](std::size_t axis) {
+      return static_cast<double>(first[axis] + static_cast<std::int32_t>(point / strides[axis] % side));
     };
-    return {part(0, std::size_t{side} * side), part(1, side), part(2, 1)};
-  }
-  static Vec3d on_triangle(const std::array<Vec3d, 3>& x, const TrianglePoint& w) {
-    return x[0] * w.a + x[1] * w.b + x[2] * w.c;
+    return {part(0), part(1), part(2)};
   }
 
   std::span<const Ball> balls_;
-  const Pseudonormals& surface_;
+  const MeshTree& tree_;
   double cell_, width_;  // m, cells
   std::array<float, points> bound_;
-  std::array<double, points> best_;  // squared [m^2]
-  std::array<std::uint32_t, points> nearest_;
+  std::array<double, points> best_;  // squared at first
+  std::array<bool, points> known_;
+  std::array<std::uint16_t, points> group_;
 };
 
 void check(std::span<const Vec3f> positions, float cell, int width) {
@@ -157,16 +179,18 @@ void check(std::span<const Vec3f> positions, float cell, int width) {
   }
 }
 
-std::vector<Ball> balls_of(const Pseudonormals& surface, double cell, double width) {
-  std::vector<Ball> balls(surface.size());
+std::vector<Ball> balls_of(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
+                           double width) {
+  std::vector<Ball> balls(triangles.size());
   for (std::size_t t = 0; t < balls.size(); ++t) {
-    std::array<Vec3d, 3> x = surface.corners(t);
-    for (Vec3d& corner : x) corner = corner / cell;
     Ball& ball = balls[t];
-    ball.centre = (x[0] + x[1] + x[2]) / 3;
-    for (const Vec3d& corner : x) ball.radius = std::max(ball.radius, length(corner - ball.centre));
+    for (std::size_t k = 0; k < 3; ++k) ball.corners[k] = positions[triangles[t][k]];
+    const auto& [a, b, c] = ball.corners;
+    ball.centre = (a + b + c) / 3.0;
+    for (const Vec3d& corner : ball.corners)
+      ball.radius = std::max(ball.radius, length(corner - ball.centre));
     for (int axis = 0; axis < 3; ++axis) {
-      const auto [least, most] = std::minmax({x[0][axis], x[1][axis], x[2][axis]});
+      const auto [least, most] = std::minmax({a[axis], b[axis], c[axis]});
       ball.first[std::size_t(axis)] = static_cast<std::int32_t>(std::ceil(least - width));
       ball.last[std::size_t(axis)] = static_cast<std::int32_t>(std::floor(most + width));
     }
@@ -222,19 +246,20 @@ Lists lists_of(std::span<const Ball> balls) {
 NarrowBand narrow_band(std::span<const Vec3f> positions, std::span<const Triangle> triangles, float cell,
                        int width, Threads& threads) {
   check(positions, cell, width);
-  std::vector<Vec3d> exact;
-  exact.reserve(positions.size());
-  for (const Vec3f& x : positions) exact.emplace_back(x);
-  const Pseudonormals surface(std::move(exact), triangles);
-  const std::vector<Ball> balls = balls_of(surface, double(cell), width);
-  const Lists lists = lists_of(balls);
-
   NarrowBand band;
   band.cell = cell;
   band.width = static_cast<float>(width) * cell;
+  if (triangles.empty()) return band;
+  std::vector<Vec3d> in_cells;
+  in_cells.reserve(positions.size());
+  for (const Vec3f& x : positions) in_cells.push_back(Vec3d(x) / double(cell));
+  const std::vector<Ball> balls = balls_of(in_cells, triangles, width);
+  const MeshTree tree(in_cells, triangles);
+  const Lists lists = lists_of(balls);
+
   band.bricks.resize(lists.bricks.size());
   threads.for_each(band.bricks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    BrickSearch search(balls, surface, double(cell), width);
+    BrickSearch search(balls, tree, double(cell), width);
     for (std::size_t b = begin; b < end; ++b) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         band.bricks[b].first[axis] = lists.bricks.at(b)[axis] * side;

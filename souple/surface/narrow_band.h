@@ -32,8 +32,9 @@ struct NarrowBand {
 };
 
 /// The band around a closed surface, `width` cells wide on each side (at least 1). `triangles`
-/// counter-clockwise from outside; distances are those to the triangles, exact but for the rounding to float,
-/// signs as Pseudonormals says. The same for any number of threads.
+/// counter-clockwise from outside; distances are those to the triangles, exact but for the rounding to float.
+/// Inside is what the surface goes around more than half a time (MeshTree), so pieces may overlap, hold
+/// cavities, and lie in them. The same for any number of threads.
 ///
 /// Throws Error where a position is not finite or further than 8 million cells from the origin, or `cell` or
 /// `width` makes no sense.
