@@ -39,8 +39,9 @@ struct Ball {
 /// 51,942 points of the splash in the tests.)
 class BrickSearch {
  public:
-  BrickSearch(std::span<const Ball> balls, const MeshTree& tree, double cell, double width)
-      : balls_(balls), tree_(tree), cell_(cell), width_(width) {}
+  /// `band` says what a cell is, and what points beyond `width` hold.
+  BrickSearch(std::span<const Ball> balls, const MeshTree& tree, const NarrowBand& band, int width)
+      : balls_(balls), tree_(tree), cell_(double(band.cell)), width_(width), beyond_(band.width) {}
 
   void fill(std::span<const std::uint32_t> near, NarrowBand::Brick& brick) {
     bound(near, brick.first);
@@ -48,10 +49,11 @@ class BrickSearch {
     best_.fill(width_ * width_);
     for (const std::uint32_t t : near) measure(t, brick.first);
     for (double& d : best_) d = std::sqrt(d);
-    const auto width = static_cast<float>(width_ * cell_);
     for (std::size_t i = 0; i < points; ++i) {
-      brick.distances[i] = std::min(static_cast<float>(best_[i] * cell_), width);
-      if (brick.distances[i] < width) brick.band[i / 64] |= std::uint64_t{1} << i % 64;
+      const auto distance = static_cast<float>(best_[i] * cell_);
+      const bool in_band = best_[i] < width_ && distance < beyond_;
+      brick.distances[i] = in_band ? distance : beyond_;
+      if (in_band) brick.band[i / 64] |= std::uint64_t{1} << i % 64;
     }
     find_sides(brick);
   }
@@ -157,6 +159,7 @@ class BrickSearch {
   std::span<const Ball> balls_;
   const MeshTree& tree_;
   double cell_, width_;  // m, cells
+  float beyond_;
   std::array<float, points> bound_;
   std::array<double, points> best_;  // squared at first
   std::array<bool, points> known_;
@@ -241,6 +244,13 @@ Lists lists_of(std::span<const Ball> balls) {
   return lists;
 }
 
+/// `width` cells and never less: readers count.
+float width_of(float cell, int width) {
+  const double exact = double(cell) * width;
+  const auto rounded = static_cast<float>(exact);
+  return double(rounded) < exact ? std::nextafter(rounded, 2 * rounded) : rounded;
+}
+
 }  // namespace
 
 NarrowBand narrow_band(std::span<const Vec3f> positions, std::span<const Triangle> triangles, float cell,
@@ -248,7 +258,7 @@ NarrowBand narrow_band(std::span<const Vec3f> positions, std::span<const Triangl
   check(positions, cell, width);
   NarrowBand band;
   band.cell = cell;
-  band.width = static_cast<float>(width) * cell;
+  band.width = width_of(cell, width);
   if (triangles.empty()) return band;
   std::vector<Vec3d> in_cells;
   in_cells.reserve(positions.size());
@@ -259,7 +269,7 @@ NarrowBand narrow_band(std::span<const Vec3f> positions, std::span<const Triangl
 
   band.bricks.resize(lists.bricks.size());
   threads.for_each(band.bricks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    BrickSearch search(balls, tree, double(cell), width);
+    BrickSearch search(balls, tree, band, width);
     for (std::size_t b = begin; b < end; ++b) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         band.bricks[b].first[axis] = lists.bricks.at(b)[axis] * side;

@@ -236,6 +236,14 @@ TEST(NarrowBand, SignsOfASplashAreThoseOfTheWindingNumber) {
   EXPECT_GT(inside, count / 10);
 }
 
+// OpenVDB and others want no less than three cells of a level set.
+TEST(NarrowBand, IsNeverNarrowerThanItsCells) {
+  Mesh mesh;
+  mesh.add(sphere(1, 0.05));
+  for (const float cell : {0.01f, 0.01105f, 0.0123f, 0.03f, 0.1f, 1 / 3.0f})
+    EXPECT_GE(double(band_of(mesh, cell).width), 3 * double(cell));
+}
+
 TEST(NarrowBand, IsTheSameForAnyNumberOfThreads) {
   const SurfaceMesh mesh = splash(0.05f);
   Mesh copy{mesh.positions, mesh.triangles};
