@@ -29,8 +29,8 @@ struct Ball {
 ///
 /// Of most triangles a point need not know the distance: centres c lie on triangles, so no surface is further
 /// than the nearest of them, and what lies in a ball of radius r around c is no nearer than |p - c| - r. Both
-/// are looked up eight points at a time, from the brick's first point, with a little to spare for what floats
-/// round.
+/// are looked up for many points at a time, from the brick's first point, with a little to spare for what
+/// floats round.
 ///
 /// A point further from the surface than its neighbour is from it lies on the same side. So points fall into
 /// groups, and of each group one is asked how often the surface goes around it. (Asking the nearest normal
@@ -59,67 +59,73 @@ class BrickSearch {
   }
 
  private:
+  static constexpr std::size_t plane = std::size_t{side} * side;
   static constexpr float spare = 1e-3f;
   static constexpr double slack = 1.000001;  // what lies on the surface, a whole cell away, has either side
-  static constexpr std::array<std::size_t, 3> strides = {std::size_t{side} * side, side, 1};
+  static constexpr std::array<std::size_t, 3> strides = {plane, side, 1};
 
-  /// A ball as seen from a brick: which rows of points along z may be near.
+  /// A ball as seen from a brick: which of its points, plane by plane of x, may be near.
   struct Seen {
-    float x, y, z, radius;
-    int first_x, last_x, first_y, last_y;
+    float x, radius;
+    int first_x, last_x;
+    std::size_t begin, end;            // in each plane
+    std::array<float, plane> squares;  // of the distance within the plane
   };
   Seen seen(std::uint32_t t, const std::array<std::int32_t, 3>& first) const {
     const Ball& ball = balls_[t];
     const auto from = [&](std::size_t axis) { return std::max(ball.first[axis] - first[axis], 0); };
     const auto to = [&](std::size_t axis) { return std::min(ball.last[axis] - first[axis], side - 1); };
-    const Vec3d c = ball.centre - Vec3d(first[0], first[1], first[2]);
-    return {float(c.x), float(c.y), float(c.z), float(ball.radius * 1.00001), from(0), to(0), from(1), to(1)};
-  }
-  /// Calls f(first point, squared distance to the row's axis) for these rows.
-  template <class F>
-  static void for_rows(const Seen& ball, const F& f) {
-    for (int x = ball.first_x; x <= ball.last_x; ++x) {
-      for (int y = ball.first_y; y <= ball.last_y; ++y) {
-        const float dx = float(x) - ball.x, dy = float(y) - ball.y;
-        f(static_cast<std::size_t>((x * side + y) * side), dx * dx + dy * dy);
-      }
+    const Vec3f c(ball.centre - Vec3d(first[0], first[1], first[2]));
+    Seen result;
+    result.x = c.x;
+    result.radius = static_cast<float>(ball.radius * 1.00001);
+    result.first_x = from(0);
+    result.last_x = to(0);
+    result.begin = static_cast<std::size_t>(from(1) * side);
+    result.end = static_cast<std::size_t>((to(1) + 1) * side);
+    for (std::size_t i = result.begin; i < result.end; ++i) {
+      const float y = float(i / side) - c.y, z = float(i % side) - c.z;
+      result.squares[i] = y * y + z * z;
     }
+    return result;
   }
 
   void bound(std::span<const std::uint32_t> near, const std::array<std::int32_t, 3>& first) {
     bound_.fill(1e30f);
     for (const std::uint32_t t : near) {
       const Seen ball = seen(t, first);
-      for_rows(ball, [&](std::size_t row, float square) {
-        float* of_row = &bound_[row];
-        for (int z = 0; z < side; ++z) {
-          const float dz = float(z) - ball.z, d = square + dz * dz;
-          of_row[z] = d < of_row[z] ? d : of_row[z];
+      for (int x = ball.first_x; x <= ball.last_x; ++x) {
+        const float dx = float(x) - ball.x, square = dx * dx;
+        float* of_plane = &bound_[static_cast<std::size_t>(x) * plane];
+        for (std::size_t i = ball.begin; i < ball.end; ++i) {
+          const float d = square + ball.squares[i];
+          of_plane[i] = d < of_plane[i] ? d : of_plane[i];
         }
-      });
+      }
     }
   }
 
   void measure(std::uint32_t t, const std::array<std::int32_t, 3>& first) {
     const Seen ball = seen(t, first);
-    const auto& [a, b, c] = balls_[t].corners;
-    for_rows(ball, [&](std::size_t row, float square) {
-      const float* of_row = &bound_[row];
-      std::array<std::int32_t, side> may{};
-      for (std::size_t z = 0; z < side; ++z) {
-        const float dz = float(z) - ball.z, reach = of_row[z] + ball.radius + spare;
-        may[z] = square + dz * dz <= reach * reach ? 1 : 0;
+    std::array<std::int32_t, plane> may;
+    for (int x = ball.first_x; x <= ball.last_x; ++x) {
+      const std::size_t in_plane = static_cast<std::size_t>(x) * plane;
+      const float dx = float(x) - ball.x, square = dx * dx, more = ball.radius + spare;
+      const float* of_plane = &bound_[in_plane];
+      for (std::size_t i = ball.begin; i < ball.end; ++i) {
+        const float reach = of_plane[i] + more;
+        may[i] = square + ball.squares[i] <= reach * reach ? 1 : 0;
       }
-      std::int32_t any = 0;
-      for (const std::int32_t m : may) any |= m;
-      if (any == 0) return;
-      for (std::size_t z = 0; z < side; ++z) {
-        if (may[z] == 0) continue;
-        const Vec3d p = place(row + z, first);
-        const TrianglePoint w = closest_on_triangle(p, a, b, c);
-        best_[row + z] = std::min(best_[row + z], length_squared(p - (a * w.a + b * w.b + c * w.c)));
-      }
-    });
+      for (std::size_t i = ball.begin; i < ball.end; ++i)
+        if (may[i] != 0) measure_at(in_plane + i, balls_[t].corners, first);
+    }
+  }
+  void measure_at(std::size_t point, const std::array<Vec3d, 3>& corners,
+                  const std::array<std::int32_t, 3>& first) {
+    const auto& [a, b, c] = corners;
+    const Vec3d p = place(point, first);
+    const TrianglePoint w = closest_on_triangle(p, a, b, c);
+    best_[point] = std::min(best_[point], length_squared(p - (a * w.a + b * w.b + c * w.c)));
   }
 
   void find_sides(NarrowBand::Brick& brick) {
