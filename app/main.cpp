@@ -56,9 +56,10 @@ constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam --format vdb --out volumes          signed distances, for renderers
   souple render out/dam_surface --out dam.mp4                a film of the surface
 
-Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder (not of volumes). A frame in which a
-fluid has no particles has no file. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (of a cache that
-holds none, the way since the frame before over its time). Ctrl-C finishes the frame.)";
+Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder. A frame in which a
+fluid has no particles has no file. --format vdb writes DIR/NAME_0001.vdb, ...: OpenVDB level sets, which other commands
+do not read. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (of a cache that holds none, the way
+since the frame before over its time). Ctrl-C finishes the frame.)";
 
 constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
