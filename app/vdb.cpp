@@ -18,7 +18,7 @@ using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
 static_assert(Leaf::SIZE == NarrowBand::brick_points && Leaf::DIM == NarrowBand::side);
 
 openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& object) {
-  const auto grid = openvdb::FloatGrid::create(band.width);
+  openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(band.width);
   grid->setName("surface");
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(double(band.cell)));
@@ -49,7 +49,7 @@ void name_by_content(std::string& bytes) {
   constexpr std::size_t size = 36;
   if (bytes.size() < at + size) return;
   std::string name(size, '0');
-  for (const std::size_t dash : {8, 13, 18, 23}) {
+  for (const std::size_t dash : {8u, 13u, 18u, 23u}) {
     if (bytes[at + dash] != '-') return;  // a format that we do not know
     name[dash] = '-';
   }

@@ -84,7 +84,8 @@ class BrickSearch {
     result.begin = static_cast<std::size_t>(from(1) * side);
     result.end = static_cast<std::size_t>((to(1) + 1) * side);
     for (std::size_t i = result.begin; i < result.end; ++i) {
-      const float y = float(i / side) - c.y, z = float(i % side) - c.z;
+      const std::size_t row = i / side;
+      const float y = float(row) - c.y, z = float(i % side) - c.z;
       result.squares[i] = y * y + z * z;
     }
     return result;

@@ -39,7 +39,8 @@ template <class F>
 void for_points(const NarrowBand& band, const F& f) {
   for (const NarrowBand::Brick& brick : band.bricks) {
     for (std::size_t i = 0; i < NarrowBand::brick_points; ++i) {
-      const Vec3d in_brick(double(i / 64), double(i / 8 % 8), double(i % 8));
+      const std::size_t x = i / 64, y = i / 8 % 8, z = i % 8;
+      const Vec3d in_brick{double(x), double(y), double(z)};
       const Vec3d at = Vec3d(brick.first[0], brick.first[1], brick.first[2]) + in_brick;
       f(at * double(band.cell), double(brick.distances[i]), brick.in_band(i));
     }
