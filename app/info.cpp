@@ -1,6 +1,7 @@
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
+#include "app/vdb.h"
 #include "souple/io/mesh_file.h"
 #include "souple/scene/scene.h"
 #include "souple/solver/instruction_set.h"
@@ -53,6 +54,7 @@ int info(InfoPart part) {
   std::printf("other mesh files, through assimp: %s\n",
               mesh_import_has_assimp() ? "yes" : "no (not built in)");
   std::printf("caches: PC2, MDD, OBJ, PLY\n");
+  std::printf("volumes of surfaces, through OpenVDB: %s\n", has_vdb() ? "yes" : "no (not built in)");
   std::fputs(picture_support().c_str(), stdout);
   std::printf("viewer: %s\n", has_viewer() ? "yes" : "no (not built in)");
   print_folders();

@@ -53,11 +53,13 @@ constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam
   souple surface out/dam --method isotropic --format ply --out meshes
   souple surface out/dam --particles bgeo --cell 0.005
+  souple surface out/dam --format vdb --out volumes          signed distances, for renderers
   souple render out/dam_surface --out dam.mp4                a film of the surface
 
 Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder. A frame in which a
-fluid has no particles has no file. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (of a cache that
-holds none, the way since the frame before over its time). Ctrl-C finishes the frame.)";
+fluid has no particles has no file. --format vdb writes DIR/NAME_0001.vdb, ...: OpenVDB level sets, which other commands
+do not read. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (of a cache that holds none, the way
+since the frame before over its time). Ctrl-C finishes the frame.)";
 
 constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
@@ -229,7 +231,8 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
   command.add_option("--out", request->out, "folder to write [CACHE_surface]")->type_name("DIR");
   command.add_option("--method", request->method, "anisotropic, isotropic [anisotropic]")
       ->type_name("METHOD");
-  command.add_option("--format", request->format, "of the meshes: obj, ply [obj]")->type_name("FORMAT");
+  command.add_option("--format", request->format, "meshes: obj, ply; volumes: vdb [obj]")
+      ->type_name("FORMAT");
   command
       .add_option("--particles", request->particles,
                   "write the particles as well: none, ply, vtk, bgeo [none]")

@@ -2,6 +2,7 @@
 #include "app/exit_codes.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
+#include "app/vdb.h"
 #include "souple/error.h"
 #include "souple/io/file.h"
 #include "souple/io/mesh_write.h"
@@ -42,10 +43,19 @@ Value value_of(const Words<Value>& words, const std::string& word, const char* o
               scene_format::suggestion(word, known));
 }
 
+enum class Format { obj, ply, vdb };
+
+const char* extension_of(Format format) {
+  return format == Format::vdb ? "vdb" : format == Format::ply ? "ply" : "obj";
+}
+
+/// Of the band around the surface that a volume holds, on each side. [cells]
+constexpr int band_cells = 3;
+
 /// All that the command line says, understood.
 struct Order {
   SurfaceOptions surface;
-  bool ply = false;
+  Format format = Format::obj;
   std::optional<ParticleFormat> particles;
   fs::path out;
 };
@@ -65,7 +75,9 @@ Order order_of(const SurfaceRequest& request) {
   order.surface.method = value_of<SurfaceMethod>(
       {{"anisotropic", SurfaceMethod::anisotropic}, {"isotropic", SurfaceMethod::isotropic}}, request.method,
       "--method");
-  order.ply = value_of<bool>({{"obj", false}, {"ply", true}}, request.format, "--format");
+  order.format = value_of<Format>({{"obj", Format::obj}, {"ply", Format::ply}, {"vdb", Format::vdb}},
+                                  request.format, "--format");
+  if (order.format == Format::vdb) require_vdb();
   order.particles = value_of<std::optional<ParticleFormat>>({{"none", std::nullopt},
                                                              {"ply", ParticleFormat::ply},
                                                              {"vtk", ParticleFormat::vtk},
@@ -140,16 +152,14 @@ float spacing_of(const Playback& playback, const std::string& object, const fs::
 /// The files of one object.
 class SurfaceFiles {
  public:
-  SurfaceFiles(const Order& order, float spacing, std::string object, const std::string& file_name)
+  SurfaceFiles(const Order& order, float spacing, std::string object, const std::string& file_name,
+               Threads& threads)
       : object_(std::move(object)),
         file_name_(file_name),
-        extension_(order.ply ? "ply" : "obj"),
+        format_(order.format),
+        threads_(threads),
         surface_(with_spacing(order.surface, spacing)),
-        meshes_(order.out, file_name, extension_, [this](auto, auto) {
-          const SurfaceMesh& mesh = surface_.mesh();
-          return extension_ == "ply" ? ply_bytes(mesh.positions, mesh.normals, mesh.triangles)
-                                     : obj_text(mesh.positions, mesh.normals, mesh.triangles);
-        }) {
+        meshes_(order.out, file_name, extension_of(format_), [this](auto, auto) { return bytes(); }) {
     if (order.particles) {
       const ParticleFormat format = *order.particles;
       particles_.emplace(order.out, file_name + "_particles", std::string(particle_format_name(format)),
@@ -162,22 +172,16 @@ class SurfaceFiles {
   SurfaceFiles& operator=(const SurfaceFiles&) = delete;
 
   /// `rate` of frames [1/s]. An object that is not there, or too thin for the grid, has no file.
-  void write(std::uint64_t frame, const Playback::Object& object, double rate, Threads& threads) {
+  void write(std::uint64_t frame, const Playback::Object& object, double rate) {
     const std::span<const Vec3f> positions = object.positions;
-    const SurfaceMesh& mesh = surface_.build(positions, threads);
+    const SurfaceMesh& mesh = surface_.build(positions, threads_);
     vertices_ += mesh.positions.size();
     triangles_ += mesh.triangles.size();
     milliseconds_ += surface_.times().all();
     if (!mesh.triangles.empty()) {
       meshes_.skip_to(frame);
       meshes_.append(mesh.positions, {});
-      if (listed_.files.empty()) {
-        listed_ = {object_,
-                   "fluid",
-                   {{extension_, frame_file_name(file_name_, frame, extension_), 0}},
-                   mesh.positions.size(),
-                   mesh.triangles.size()};
-      }
+      if (listed_.files.empty()) list_first(frame, mesh);
       ++listed_.files.front().frames;
     }
     if (particles_ && !positions.empty()) {
@@ -201,6 +205,20 @@ class SurfaceFiles {
     options.spacing = spacing;
     return options;
   }
+  std::string bytes() {
+    const SurfaceMesh& mesh = surface_.mesh();
+    if (format_ == Format::obj) return obj_text(mesh.positions, mesh.normals, mesh.triangles);
+    if (format_ == Format::ply) return ply_bytes(mesh.positions, mesh.normals, mesh.triangles);
+    const float cell = surface_.options().cell;
+    return vdb_bytes(narrow_band(mesh.positions, mesh.triangles, cell, band_cells, threads_), object_);
+  }
+  void list_first(std::uint64_t frame, const SurfaceMesh& mesh) {
+    const std::string extension = extension_of(format_);
+    listed_ = {object_, "fluid", {{extension, frame_file_name(file_name_, frame, extension), 0}}, 0, 0};
+    if (format_ == Format::vdb) return;  // has neither
+    listed_.points = mesh.positions.size();
+    listed_.triangles = mesh.triangles.size();
+  }
   /// Where the cache holds positions only: the way since the frame before, over its time. 0 where there was
   /// no such frame, or another number of particles.
   std::span<const Vec3f> differences(std::span<const Vec3f> positions, float rate) {
@@ -210,7 +228,9 @@ class SurfaceFiles {
     return velocities_;
   }
 
-  std::string object_, file_name_, extension_;
+  std::string object_, file_name_;
+  Format format_;
+  Threads& threads_;
   FluidSurface surface_;
   SequenceWriter meshes_;
   std::optional<SequenceWriter> particles_;
@@ -231,7 +251,8 @@ class Work {
     for (const std::size_t i : chosen_objects(request, playback)) {
       const std::string& name = playback.objects()[i].name;
       const float spacing = request.spacing ? *request.spacing : spacing_of(playback, name, request.cache);
-      objects_.push_back({i, std::make_unique<SurfaceFiles>(order, spacing, name, names.add(name))});
+      objects_.push_back(
+          {i, std::make_unique<SurfaceFiles>(order, spacing, name, names.add(name), *threads_)});
     }
   }
 
@@ -242,8 +263,7 @@ class Work {
       playback_.read(frame);
       const double before = frame > 1 ? playback_.time(frame - 1) : 0;
       const double rate = 1 / (playback_.time(frame) - before);
-      for (const auto& [index, files] : objects_)
-        files->write(frame, playback_.objects()[index], rate, *threads_);
+      for (const auto& [index, files] : objects_) files->write(frame, playback_.objects()[index], rate);
       frames_ = frame;
       progress.frame_done(frame);
     }

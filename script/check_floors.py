@@ -46,6 +46,7 @@ OUTSIDE = [
      "nlohmann only in .cpp files of souple/scene and souple/io"),
     (r"CLI/", lambda p: p.endswith(".cpp") and in_folder(p, "app"), "CLI11 only in .cpp files of app"),
     (r"assimp/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/io"), "assimp only in .cpp files of souple/io"),
+    (r"openvdb/", lambda p: p == "app/vdb.cpp", "OpenVDB only in app/vdb.cpp"),
     (r"(GL|GLES\d?|GLFW|EGL|epoxy)/|imgui", lambda p: in_folder(p, "render", "app", "plugins"),
      "no renderer or window in the library"),
     (r"Python\.h|pybind11/", lambda p: in_folder(p, "python"), "no Python outside python"),

@@ -42,10 +42,15 @@ const ManifestFile* find_file(const ManifestObject& object, const char* format, 
 }
 
 void require_known_formats(const ManifestObject& object, const fs::path& folder) {
-  for (const ManifestFile& file : object.files)
+  for (const ManifestFile& file : object.files) {
+    if (file.format == "vdb")
+      throw Error((folder / "run.json").string() + ": " + object.name +
+                  " has volumes (vdb), which cannot be played; `souple surface` writes meshes as well, with "
+                  "--format obj or ply");
     if (file.format != "pc2" && file.format != "mdd" && file.format != "obj" && file.format != "ply")
       throw Error((folder / "run.json").string() + ": " + object.name + " has a file of format \"" +
                   file.format + "\"; this version plays pc2, mdd, obj and ply");
+  }
 }
 
 struct Topology {

@@ -363,12 +363,35 @@ class Surface(Case):
         again = self.souple("surface", "ply", "--spacing", 0.02, "--out", "again", "--quiet").stdout
         self.assertEqual(again, "")
 
+    def test_volumes(self):
+        if "OpenVDB: yes" not in self.souple("info").stdout:
+            error = self.souple("surface", "out", "--format", "vdb", code=2).stderr
+            self.assert_one_line(error)
+            self.assertRegex(error, "libopenvdb-dev libboost-dev.*SOUPLE_WITH_VDB")
+            self.assertFalse((self.folder / "out_surface").exists())
+            return
+        self.souple("surface", "out", "--format", "vdb", "--threads", 1, "--particles", "vtk")
+        volumes = [f"sand_000{i}.vdb" for i in range(1, 5)]
+        names = sorted(p.name for p in (self.folder / "out_surface").iterdir())
+        self.assertEqual(names, sorted(["run.json", *volumes, *(f"sand_particles_000{i}.vtk" for i in range(1, 5))]))
+        for name in volumes:
+            data = (self.folder / "out_surface" / name).read_bytes()
+            self.assertEqual(data[:8], b" BDV\0\0\0\0")  # the format's magic number
+            self.assertIn(b"level set", data)
+        self.souple("surface", "out", "--format", "vdb", "--threads", 3, "--out", "again", "--particles", "vtk")
+        self.assert_same_contents("out_surface", "again")
+        manifest = json.loads((self.folder / "out_surface/run.json").read_text())
+        self.assertEqual(manifest["objects"][0]["files"], [{"format": "vdb", "path": "sand_0001.vdb", "frames": 4}])
+        error = self.souple("surface", "out_surface", code=2).stderr  # nothing to play back
+        self.assert_one_line(error)
+        self.assertIn("--format obj", error)
+
     def test_bad_input_is_one_line(self):
         self.souple("run", self.scene(dict(SMALL, objects=SMALL["objects"][:1], frames=1)), "--out", "cloth")
         (self.folder / "file").write_text("")
         for arguments, words in ((["nowhere"], "nowhere"), (["cloth"], "neither fluids nor grains"),
                                  (["out", "--method", "isotropc"], 'did you mean "isotropic"'),
-                                 (["out", "--format", "stl"], "obj, ply"), (["out", "--particles", "vdb"], "bgeo"),
+                                 (["out", "--format", "stl"], "obj, ply, vdb"), (["out", "--particles", "vdb"], "bgeo"),
                                  (["out", "--object", "snad"], 'did you mean "sand"'),
                                  (["out", "--spacing", "0"], "--spacing"), (["out", "--cell", "-1"], "--cell"),
                                  (["out", "--cell", "1e-9"], "cell"), (["out", "--out", "out"], "is read"),

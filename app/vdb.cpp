@@ -1,0 +1,82 @@
+#include "app/vdb.h"
+
+#include "souple/math/fnv1a.h"
+#include "souple/version.h"
+
+#include <cstdio>
+#include <sstream>
+
+// The only file of the program that sees OpenVDB: it costs half a minute.
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/SignedFloodFill.h>
+
+namespace souple::app {
+
+namespace {
+
+using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
+static_assert(Leaf::SIZE == NarrowBand::brick_points && Leaf::DIM == NarrowBand::side);
+
+openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& object) {
+  openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(band.width);
+  grid->setName("surface");
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(double(band.cell)));
+  grid->setCreator(std::string("souple ") + version);
+  grid->insertMeta("object", openvdb::StringMetadata(object));
+  for (const NarrowBand::Brick& brick : band.bricks) {
+    Leaf* leaf = grid->tree().touchLeaf({brick.first[0], brick.first[1], brick.first[2]});
+    for (std::size_t i = 0; i < NarrowBand::brick_points; ++i)
+      if (brick.in_band(i)) leaf->setValueOn(static_cast<openvdb::Index>(i), brick.distances[i]);
+  }
+  openvdb::tools::signedFloodFill(grid->tree(), false);
+  return grid;
+}
+
+/// A file in memory, as openvdb::io::File writes it: with places of its parts, which io::Stream leaves out.
+class Archive : public openvdb::io::Archive {
+ public:
+  std::string bytes_of(const openvdb::GridBase::ConstPtr& grid) const {
+    std::ostringstream stream(std::ios::binary);
+    write(stream, openvdb::GridCPtrVec{grid}, true);
+    return std::move(stream).str();
+  }
+};
+
+/// OpenVDB gives each file a random name (UUID); ours is made of what the file holds.
+void name_by_content(std::string& bytes) {
+  constexpr std::size_t at = 8 + 4 + 4 + 4 + 1;  // after magic number, three versions and a flag
+  constexpr std::size_t size = 36;
+  if (bytes.size() < at + size) return;
+  std::string name(size, '0');
+  for (const std::size_t dash : {8u, 13u, 18u, 23u}) {
+    if (bytes[at + dash] != '-') return;  // a format that we do not know
+    name[dash] = '-';
+  }
+  bytes.replace(at, size, name);
+  const std::uint64_t first = fnv1a64(bytes), second = fnv1a64("second half", first);
+  char digits[33];
+  std::snprintf(digits, sizeof digits, "%016llx%016llx", static_cast<unsigned long long>(first),
+                static_cast<unsigned long long>(second));
+  std::size_t digit = 0;
+  for (char& c : name)
+    if (c != '-') c = digits[digit++];
+  bytes.replace(at, size, name);
+}
+
+}  // namespace
+
+bool has_vdb() {
+  return true;
+}
+
+void require_vdb() {}
+
+std::string vdb_bytes(const NarrowBand& band, const std::string& object) {
+  openvdb::initialize();
+  std::string bytes = Archive().bytes_of(grid_of(band, object));
+  name_by_content(bytes);
+  return bytes;
+}
+
+}  // namespace souple::app
