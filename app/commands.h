@@ -29,7 +29,7 @@ struct RenderRequest {
   std::string source;  ///< a scene, a run's folder, or its run.json
   std::filesystem::path out;
   std::string frames, sheet, size, camera;
-  std::string display = "shaded", constraints = "none", liquid_filter;
+  std::string display = "shaded", constraints = "none", liquid_splats, liquid_filter;
   std::optional<std::uint32_t> samples, colours, liquid_steps;
   std::vector<std::string> settings;  ///< path=value
   bool quiet = false;

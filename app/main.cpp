@@ -192,6 +192,10 @@ void add_render(CLI::App& app, std::function<int()>& action) {
   command.add_option("--constraints", request->constraints, "how constraints are coloured, see below [none]")
       ->type_name("CONSTRAINTS");
   command
+      .add_option("--liquid-splats", request->liquid_splats,
+                  "what each particle of a fluid is drawn as: spheres, ellipsoids [ellipsoids]")
+      ->type_name("SPLATS");
+  command
       .add_option(
           "--liquid-filter", request->liquid_filter,
           "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")

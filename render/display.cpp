@@ -23,6 +23,7 @@ constexpr std::array<std::string_view, display_count> display_names{
     "shaded", "plain", "wireframe", "strain", "speed", "particles", "lattice", "normals", "contacts"};
 constexpr std::array<std::string_view, constraint_display_count> constraint_display_names{
     "none", "kind", "colour", "strain", "residual"};
+constexpr std::array<std::string_view, splat_shape_count> splat_shape_names{"spheres", "ellipsoids"};
 
 const PackedColour against_collider = pack(srgb(0xd9480f)), against_object = pack(srgb(0x1864ab)),
                    lattice_ink = pack(srgb(0x37474f));
@@ -108,8 +109,22 @@ std::string_view constraint_display_name(ConstraintDisplay display) {
   return constraint_display_names[static_cast<std::size_t>(display)];
 }
 
+std::string_view splat_shape_name(SplatShape shape) {
+  return splat_shape_names[static_cast<std::size_t>(shape)];
+}
+
+SplatShape splat_shape_of(std::string_view name) {
+  std::string known;
+  for (std::size_t i = 0; i < splat_shape_count; ++i) {
+    if (splat_shape_names[i] == name) return static_cast<SplatShape>(i);
+    known += (i > 0 ? ", " : "") + std::string(splat_shape_names[i]);
+  }
+  throw Error("there are no liquid splats '" + std::string(name) + "', expected one of: " + known);
+}
+
 struct SubjectDrawing::Impl {
   DrawList list;
+  std::unique_ptr<Threads> threads = make_threads(Threading::automatic, 0);  ///< start when there is work
   HeatScale heat;
   Legend legend;
   std::uint64_t next_key = next_key_base();
@@ -349,7 +364,7 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
   legend.clear();
 
   const World* world = subject.world;
-  const Drawing drawing{options, heat, subject.frame, world != nullptr, list};
+  const Drawing drawing{options, heat, subject.frame, world != nullptr, *threads, list};
   gather_particles(subject, drawing);
   rope_strain.clear();
   if (world && options.display == Display::strain) rope_strain = rope_strains(subject);
