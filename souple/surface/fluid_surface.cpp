@@ -32,7 +32,6 @@ void check(const SurfaceOptions& o) {
           "cell: expected 0.05 to 10 spacings");
   require(o.neighbour_radius >= 1.5f && o.neighbour_radius <= 6, "neighbour_radius: expected 1.5 to 6");
   require(o.centre_smoothing >= 0 && o.centre_smoothing <= 1, "centre_smoothing: expected 0 to 1");
-  require(o.alike > 0 && o.alike <= 2, "alike: expected 0 to 2, but not 0");
   require(o.kernel_radius >= 1 && o.kernel_radius <= 8, "kernel_radius: expected 1 to 8");
   require(o.isotropic_radius >= 1 && o.isotropic_radius <= 8, "isotropic_radius: expected 1 to 8");
   require(o.drop_radius >= 0.5f && o.drop_radius <= 8, "drop_radius: expected 0.5 to 8");

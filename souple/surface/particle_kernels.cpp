@@ -82,11 +82,11 @@ void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours,
 
 // The way back is to bring no noise with it: it is the mean of the shifts s of those around that went alike,
 //
-//   sum_j w_ij s_j / sum_j w_ij,   w_ij = max(0, 1 - |s_i - s_j|^2 / (alike r)^2)
+//   sum_j w_ij s_j / sum_j w_ij,   w_ij = max(0, 1 - |s_i - s_j|^2 / (0.4 r)^2)
 //
 // Those beyond an edge went another way.
 void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint32_t> list) {
-  const float alike = options_.alike * options_.neighbour_radius * options_.spacing;
+  const float alike = 0.4f * options_.neighbour_radius * options_.spacing;
   const float inverse = 1 / (alike * alike);
   const Vec3f own = shift_[place];
   Vec3f sum = own;

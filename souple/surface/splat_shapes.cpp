@@ -11,10 +11,8 @@ namespace {
 // Two thirds of the neighbours that the mesh looks at: as smooth a pool for two thirds of the time.
 constexpr float neighbour_radius = 2.5f;
 constexpr int few_neighbours = 7;  // as many of those within 2.5 d as the mesh's 12 are within 3 d
-// So narrow that layers of particles are told apart: what the second went would draw in the first.
-constexpr float alike = 0.12f;
-// f: with it pools, on a lattice and shaken by 0.15 d, end 0.53 and 0.56 d above their topmost layer.
-constexpr float part_of_kernel = 0.4f;
+// f: with it pools, on a lattice and shaken by 0.15 d, end 0.5 d above their topmost layer.
+constexpr float part_of_kernel = 0.53f;
 // Of a ball with the volume of a particle, in spacings: (3 / 4 pi)^(1/3).
 constexpr float drop_radius = 0.62035f;
 // Within 2.5 d there are about 65 inside the fluid, 50 in the middle of a sheet of three layers.
@@ -27,7 +25,6 @@ SurfaceOptions options_of(float spacing) {
   options.spacing = spacing;
   options.neighbour_radius = neighbour_radius;
   options.few_neighbours = few_neighbours;
-  options.alike = alike;
   return options;
 }
 

@@ -16,9 +16,9 @@ namespace souple {
 ///   x = c_i + A_i u, |u| <= 1,   c_i = centre_i - shift_i,   A_i = f G_i^-1
 ///
 /// with the centre, its shift and G of a kernel as the mesh has them (particle_kernels.h; Yu and Turk 2013).
-/// Centres are smoothed and then brought back by what those of their layer went, so a pool stays as high as
-/// it is; f is such that its surface lies d / 2 above the topmost particles. With few neighbours a particle
-/// is a ball of its own volume; with others all around it is not seen, and has A = 0.
+/// Centres are smoothed and brought back by what those around them went; f is such that the surface of a
+/// pool lies d / 2 above its topmost particles. With few neighbours a particle is a ball of its own volume;
+/// with others all around it is not seen, and has A = 0.
 ///
 /// The same bits for any number of threads and with all instruction sets.
 class SplatShapes {

@@ -17,9 +17,6 @@ struct SurfaceOptions {
   float neighbour_radius = 3;
   /// How far a centre goes to the mean of its neighbours, lambda in [0, 1]. The surface gives the way back.
   float centre_smoothing = 0.9f;
-  /// The way back is the mean of what centres around went, those that went alike: ways may differ by this
-  /// many neighbour radii.
-  float alike = 0.4f;
   /// Support of the kernel of a particle inside the fluid.
   float kernel_radius = 3.25f;
   float isotropic_radius = 2;  ///< the same of isotropic ones
