@@ -15,8 +15,6 @@ constexpr int few_neighbours = 7;  // as many of those within 2.5 d as the mesh'
 constexpr float part_of_kernel = 0.53f;
 // Of a ball with the volume of a particle, in spacings: (3 / 4 pi)^(1/3).
 constexpr float drop_radius = 0.62035f;
-// Within 2.5 d there are about 65 inside the fluid, 50 in the middle of a sheet of three layers.
-constexpr std::size_t all_around = 50;
 
 SurfaceOptions options_of(float spacing) {
   if (!(spacing > 0) || !std::isfinite(spacing))
@@ -64,7 +62,7 @@ void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
 
 Mat3f SplatShapes::axes_at(std::size_t place, std::size_t neighbours) const {
   if (neighbours <= few_neighbours) return Mat3f::identity() * (drop_radius * options_.spacing);
-  if (neighbours > all_around && particles_.at_surface()[place] == 0) return {};
+  if (particles_.are_around(neighbours) && particles_.at_surface()[place] == 0) return {};
   const kernels::ParticleKernel& k = particles_.kernels()[place];
   return inverse(Mat3f({k.xx, k.xy, k.xz}, {k.xy, k.yy, k.yz}, {k.xz, k.yz, k.zz})) * part_of_kernel;
 }
