@@ -20,6 +20,7 @@ struct RunOptions {
   std::filesystem::path resume;
   std::optional<std::uint32_t> checkpoint_every;
   std::filesystem::path picture;  ///< of the last frame; empty: none
+  std::string surface;            ///< method by which fluids are meshed meanwhile; empty: they are not
   bool quiet = false;
 };
 int run(const RunOptions& options);
