@@ -64,8 +64,8 @@ bool BodyDrawing::draws_particles(const Drawing& drawing) const {
 }
 
 bool BodyDrawing::draws_liquid(const Drawing& drawing) const {
-  return kind_ == ObjectKind::fluid && !draws_particles(drawing) && !is_measured(drawing.options.display) &&
-         drawing.options.constraints == ConstraintDisplay::none;
+  return kind_ == ObjectKind::fluid && triangle_count_ == 0 && !draws_particles(drawing) &&
+         !is_measured(drawing.options.display) && drawing.options.constraints == ConstraintDisplay::none;
 }
 
 Look BodyDrawing::look(const Drawing& drawing) const {

@@ -529,8 +529,12 @@ class Stopping(Case):
     def test_surface_goes_on_with_the_run(self):
         scene = self.scene(dict(WATER, frames=150))
         self.souple("run", scene, "--out", "whole", "--surface", "anisotropic")
-        code, out, error = self.stopped(scene, "out", signal.SIGINT, "--surface", "anisotropic")
-        self.assertEqual(code, 130, out + error)
+        run = self.start(scene, "--out", "out", "--surface", "anisotropic")
+        drop = self.folder / "out_surface/tap_0012.obj"  # there are more particles than in the beginning
+        self.wait_for(lambda: drop.exists() or run.poll() is not None)
+        run.send_signal(signal.SIGINT)
+        out, error = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130, out + error)
         self.souple("surface", "out", "--out", "so_far")  # whole files, and a run.json that tells of them
         self.assert_same_contents("out_surface", "so_far")
         self.assertFalse(json.loads((self.folder / "out_surface/run.json").read_text())["complete"])
