@@ -150,8 +150,8 @@ TEST(SplatShapes, AllocateNothingWhenWarm) {
 }
 
 TEST(SplatShapes, NeedASpacing) {
-  EXPECT_THROW(SplatShapes(0), Error);
-  EXPECT_THROW(SplatShapes(std::numeric_limits<float>::quiet_NaN()), Error);
+  EXPECT_THROW(SplatShapes{0}, Error);
+  EXPECT_THROW(SplatShapes{std::numeric_limits<float>::quiet_NaN()}, Error);
 }
 
 }  // namespace
