@@ -85,6 +85,17 @@ std::optional<float> floor_height(const ColliderBody& collider) {
       collider.pose.point(n * (static_cast<double>(plane->offset) / length_squared(n))).y);
 }
 
+/// The value with this name; else throws Error that begins with `missing` and lists the names.
+template <class Value, std::size_t n>
+Value value_of(const std::array<std::string_view, n>& names, std::string_view name, const char* missing) {
+  std::string known;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (names[i] == name) return static_cast<Value>(i);
+    known += (i > 0 ? ", " : "") + std::string(names[i]);
+  }
+  throw Error(missing + (" '" + std::string(name)) + "', expected one of: " + known);
+}
+
 /// Half a metre for things of a few metres, and so on up and down in steps of two.
 float tile_for(float radius) {
   return 0.5f * std::exp2(std::round(std::log2(std::clamp(radius, 1e-3f, 1e4f) / 2)));
@@ -97,12 +108,7 @@ std::string_view display_name(Display display) {
 }
 
 Display display_of(std::string_view name) {
-  std::string known;
-  for (std::size_t i = 0; i < display_count; ++i) {
-    if (display_names[i] == name) return static_cast<Display>(i);
-    known += (i > 0 ? ", " : "") + std::string(display_names[i]);
-  }
-  throw Error("there is no display '" + std::string(name) + "', expected one of: " + known);
+  return value_of<Display>(display_names, name, "there is no display");
 }
 
 std::string_view constraint_display_name(ConstraintDisplay display) {
@@ -114,12 +120,7 @@ std::string_view splat_shape_name(SplatShape shape) {
 }
 
 SplatShape splat_shape_of(std::string_view name) {
-  std::string known;
-  for (std::size_t i = 0; i < splat_shape_count; ++i) {
-    if (splat_shape_names[i] == name) return static_cast<SplatShape>(i);
-    known += (i > 0 ? ", " : "") + std::string(splat_shape_names[i]);
-  }
-  throw Error("there are no liquid splats '" + std::string(name) + "', expected one of: " + known);
+  return value_of<SplatShape>(splat_shape_names, name, "there are no liquid splats");
 }
 
 struct SubjectDrawing::Impl {
