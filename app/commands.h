@@ -20,6 +20,7 @@ struct RunOptions {
   std::filesystem::path resume;
   std::optional<std::uint32_t> checkpoint_every;
   std::filesystem::path picture;  ///< of the last frame; empty: none
+  std::string surface;            ///< method by which fluids are meshed meanwhile; empty: they are not
   bool quiet = false;
 };
 int run(const RunOptions& options);
@@ -29,7 +30,7 @@ struct RenderRequest {
   std::string source;  ///< a scene, a run's folder, or its run.json
   std::filesystem::path out;
   std::string frames, sheet, size, camera;
-  std::string display = "shaded", constraints = "none", liquid_filter;
+  std::string display = "shaded", constraints = "none", liquid_splats, liquid_filter;
   std::optional<std::uint32_t> samples, colours, liquid_steps;
   std::vector<std::string> settings;  ///< path=value
   bool quiet = false;

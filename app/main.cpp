@@ -45,9 +45,11 @@ constexpr const char* run_footer = R"(Examples:
   souple run scene.json --frames 600 --checkpoint-every 100 --out renders/a
   souple run --resume renders/a
   souple run flag --picture flag.png
+  souple run dam_break --surface anisotropic   and meshes of the water, in out/dam_break_surface
 
 Writes DIR/run.json and, for each object, a mesh and its cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
-the frame, writes a checkpoint and says how to go on; a second Ctrl-C ends at once.)";
+the frame, writes a checkpoint and says how to go on; a second Ctrl-C ends at once. --surface writes what `souple
+surface` would make of DIR afterwards; --resume goes on with it.)";
 
 constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam
@@ -147,6 +149,10 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       ->type_name("DIR");
   command.add_option("--checkpoint-every", options->checkpoint_every, "write a checkpoint every N frames")
       ->type_name("N");
+  command
+      .add_option("--surface", options->surface,
+                  "also write meshes of fluids, into DIR_surface: anisotropic, isotropic")
+      ->type_name("METHOD");
   command.add_option("--picture", options->picture, "render the last frame into a picture, 1280x720")
       ->type_name("FILE.png");
   command.add_flag("--quiet", options->quiet, "print nothing but errors");
@@ -193,6 +199,10 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->type_name("DISPLAY");
   command.add_option("--constraints", request->constraints, "how constraints are coloured, see below [none]")
       ->type_name("CONSTRAINTS");
+  command
+      .add_option("--liquid-splats", request->liquid_splats,
+                  "what each particle of a fluid is drawn as: spheres, ellipsoids [ellipsoids]")
+      ->type_name("SPLATS");
   command
       .add_option(
           "--liquid-filter", request->liquid_filter,

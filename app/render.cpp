@@ -49,6 +49,12 @@ render::ConstraintDisplay constraint_display_of(const std::string& name) {
 
 void choose_liquids(const RenderRequest& request, PictureStyle& style) {
   try {
+    if (!request.liquid_splats.empty())
+      style.display.liquid_splats = render::splat_shape_of(request.liquid_splats);
+  } catch (const Error& error) {
+    throw Error(std::string("--liquid-splats: ") + error.what());
+  }
+  try {
     if (!request.liquid_filter.empty()) style.liquid_filter = render::liquid_filter_of(request.liquid_filter);
   } catch (const Error& error) {
     throw Error(std::string("--liquid-filter: ") + error.what());

@@ -4,6 +4,7 @@
 #include "app/interrupt.h"
 #include "app/last_picture.h"
 #include "app/progress.h"
+#include "app/run_surfaces.h"
 #include "app/went_bad.h"
 #include "souple/io/checkpoint_file.h"
 #include "souple/io/recorder.h"
@@ -66,17 +67,19 @@ Job new_job(const RunOptions& options) {
   job.record.scene = to_json(job.scene);
   job.record.formats = formats_of(options.formats);
   job.record.checkpoint_every = options.checkpoint_every.value_or(0);
+  job.record.surface = options.surface;
   job.out = options.out.empty() ? fs::path("out") / job.record.name : options.out;
   return job;
 }
 
 void refuse_changes(const RunOptions& options) {
   const bool changes = !options.settings.empty() || options.substeps || options.iterations ||
-                       !options.formats.empty() || !options.out.empty() || !options.scene.empty();
+                       !options.formats.empty() || !options.out.empty() || !options.scene.empty() ||
+                       !options.surface.empty();
   if (changes) {
     throw Error(
         "--resume goes on with the scene, the settings and the folder of the stopped run; leave out SCENE, "
-        "--set, --substeps, --iterations, --write and --out (--frames may be larger)");
+        "--set, --substeps, --iterations, --write, --surface and --out (--frames may be larger)");
   }
 }
 
@@ -163,44 +166,67 @@ int say_interrupted(const Job& job, std::uint64_t frame) {
   return interrupted;
 }
 
+/// What a run writes, and whether it speaks. Surfaces and picture may be null.
+struct Output {
+  Recorder& recorder;
+  RunSurfaces* surfaces;
+  LastPicture* picture;
+  bool quiet;
+
+  void capture(const World& world, std::uint64_t frame) const {
+    recorder.capture();
+    if (surfaces != nullptr) surfaces->write(world, frame);
+  }
+  /// Before a checkpoint, or a run killed later would be resumed without its reports.
+  void save_manifests() const {
+    recorder.save_manifest();
+    if (surfaces != nullptr) surfaces->save();
+  }
+  void finish() const {
+    recorder.finish();
+    if (surfaces != nullptr) surfaces->finish();
+  }
+};
+
 /// Simulates and records; every way out leaves whole files behind.
-int simulate(const Job& job, World& world, Recorder& recorder, LastPicture* picture, bool quiet) {
+int simulate(const Job& job, World& world, const Output& output) {
   const double dt = 1 / job.scene.frame_rate;
   Tally tally;
   double seconds = 0;
   {
-    Progress progress(job.record.name, job.scene.frames, job.done, quiet);
+    Progress progress(job.record.name, job.scene.frames, job.done, output.quiet);
     for (std::uint64_t frame = job.done + 1; frame <= job.scene.frames; ++frame) {
       const StepReport& report = world.step(dt);
       tally.add(report);
       if (!report.ok()) {
-        recorder.finish();
-        if (picture != nullptr && frame > 1) picture->write(world, job.scene);
+        output.finish();
+        if (output.picture != nullptr && frame > 1) output.picture->write(world, job.scene);
         return say_bad(job, report, frame);
       }
-      recorder.capture();
+      output.capture(world, frame);
       progress.frame_done(frame);
       const bool last = frame == job.scene.frames;
       if (!last && interrupt_came()) {
         save_checkpoint(job, world, frame);
-        recorder.finish();
+        output.finish();
         return say_interrupted(job, frame);
       }
       const std::uint32_t every = job.record.checkpoint_every;
       if (!last && every > 0 && frame % every == 0) {
-        recorder.save_manifest();  // or a run killed later would be resumed without its reports
+        output.save_manifests();
         save_checkpoint(job, world, frame);
       }
     }
     seconds = progress.seconds();
   }
-  recorder.finish();
+  output.finish();
   std::error_code error;
   fs::remove(job.out / checkpoint_name, error);  // there is nothing left to go on with
-  if (picture != nullptr) picture->write(world, job.scene);
-  if (!quiet) {
-    print_remarks(tally, recorder);
+  if (output.picture != nullptr) output.picture->write(world, job.scene);
+  if (!output.quiet) {
+    print_remarks(tally, output.recorder);
     print_summary(job, tally, seconds);
+    if (output.surfaces != nullptr) std::printf("%s\n", output.surfaces->summary().c_str());
   }
   return fine;
 }
@@ -232,16 +258,20 @@ int run(const RunOptions& options) {
                   ": does not fit the scene any more (has a mesh changed?): " + error.what());
     }
   }
+  std::unique_ptr<RunSurfaces> surfaces;
+  if (!job.record.surface.empty())
+    surfaces = std::make_unique<RunSurfaces>(job.record.surface, job.scene, world, job.out, job.done);
   const auto picture = options.picture.empty() ? nullptr : std::make_unique<LastPicture>(options.picture);
   // From here on files appear; an interrupt ends the run in good order.
   watch_interrupts();
   if (job.done == 0) {
     std::error_code error;
     fs::remove(job.out / checkpoint_name, error);  // of an older run
+    if (surfaces) surfaces->start();
   }
   Recorder recorder(world, job.out, recorder_options(job));
   try {
-    const int code = simulate(job, world, recorder, picture.get(), options.quiet);
+    const int code = simulate(job, world, {recorder, surfaces.get(), picture.get(), options.quiet});
     if (code == fine && picture != nullptr && !options.quiet)
       std::printf("%s: the last frame is shown in %s\n", job.record.name.c_str(), options.picture.c_str());
     return code;

@@ -1,13 +1,17 @@
 // What each pass of a picture of a liquid costs: a pool with a wave in it that fills most of the picture.
 //   liquid_passes [--particles N] [--size WIDTHxHEIGHT] [--runs N] [--picture FILE.png]
-// Prints the medians in milliseconds, for each filter.
+// Prints the medians in milliseconds, for both splats and each filter, and what shaping the ellipsoids takes.
 
 #include "render/context.h"
+#include "render/display.h"
 #include "render/image.h"
 #include "render/renderer.h"
 #include "souple/error.h"
+#include "souple/solver/threads.h"
+#include "souple/surface/splat_shapes.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -62,18 +66,37 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-DrawList list_of(const std::vector<Vec3f>& centres, float spacing) {
+/// With two threads. [ms]
+double shape(SplatShapes& shapes, const std::vector<Vec3f>& centres, int runs) {
+  using Clock = std::chrono::steady_clock;
+  const auto threads = make_threads(Threading::automatic, 2);
+  shapes.build(centres, *threads);
+  std::vector<double> times;
+  for (int run = 0; run < runs; ++run) {
+    const Clock::time_point start = Clock::now();
+    shapes.build(centres, *threads);
+    times.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  }
+  return median(times);
+}
+
+DrawList list_of(const std::vector<Vec3f>& centres, float spacing, const SplatShapes* shapes) {
   Liquid liquid;
-  liquid.key = 1;
+  liquid.key = shapes != nullptr ? 2 : 1;
   liquid.centres = centres;
   liquid.spacing = spacing;
   liquid.radius = 0.75f * spacing;
+  if (shapes != nullptr) {
+    liquid.centres = shapes->centres();
+    liquid.ellipsoids = shapes->axes();
+  }
   DrawList list;
   list.liquids.push_back(liquid);
   return list;
 }
 
-void measure(Renderer& renderer, const DrawList& list, LiquidFilter filter, const Options& options) {
+void measure(Renderer& renderer, const DrawList& list, SplatShape splat, LiquidFilter filter,
+             const Options& options) {
   Camera camera;
   camera.from = {-1.4f, 1.1f, 1.9f};
   camera.to = {-0.1f, 0.12f, 0};
@@ -93,12 +116,14 @@ void measure(Renderer& renderer, const DrawList& list, LiquidFilter filter, cons
     }
     sums.push_back(sum);
   }
-  std::printf("%s\n", std::string(liquid_filter_name(filter)).c_str());
+  const std::string name =
+      std::string(splat_shape_name(splat)) + "-" + std::string(liquid_filter_name(filter));
+  std::printf("%s\n", name.c_str());
   for (const std::string& pass : order) std::printf("  %-18s %8.2f ms\n", pass.c_str(), median(times[pass]));
   std::printf("  %-18s %8.2f ms\n", "all", median(sums));
   if (options.picture.empty()) return;
   rendering.samples = 8;
-  write_png(std::string(liquid_filter_name(filter)) + "-" + options.picture,
+  write_png(name + "-" + options.picture,
             renderer.picture(list, camera, rendering, options.width, options.height));
 }
 
@@ -135,9 +160,13 @@ int run(int count, char** words) {
   const std::vector<Vec3f> centres = pool(spacing);
   std::printf("%s\n%zu particles, %dx%d, medians of %d\n", context_description().c_str(), centres.size(),
               options.width, options.height, options.runs);
-  const DrawList list = list_of(centres, spacing);
-  for (std::size_t i = 0; i < liquid_filter_count; ++i)
-    measure(renderer, list, static_cast<LiquidFilter>(i), options);
+  SplatShapes shapes(spacing);
+  std::printf("shapes of ellipsoids  %8.2f ms\n", shape(shapes, centres, options.runs));
+  for (const SplatShape splat : {SplatShape::spheres, SplatShape::ellipsoids}) {
+    const DrawList list = list_of(centres, spacing, splat == SplatShape::ellipsoids ? &shapes : nullptr);
+    for (std::size_t i = 0; i < liquid_filter_count; ++i)
+      measure(renderer, list, splat, static_cast<LiquidFilter>(i), options);
+  }
   return 0;
 }
 

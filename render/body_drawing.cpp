@@ -64,8 +64,8 @@ bool BodyDrawing::draws_particles(const Drawing& drawing) const {
 }
 
 bool BodyDrawing::draws_liquid(const Drawing& drawing) const {
-  return kind_ == ObjectKind::fluid && !draws_particles(drawing) && !is_measured(drawing.options.display) &&
-         drawing.options.constraints == ConstraintDisplay::none;
+  return kind_ == ObjectKind::fluid && triangle_count_ == 0 && !draws_particles(drawing) &&
+         !is_measured(drawing.options.display) && drawing.options.constraints == ConstraintDisplay::none;
 }
 
 Look BodyDrawing::look(const Drawing& drawing) const {
@@ -112,6 +112,7 @@ void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, 
   Shown now{drawing.frame, body.positions.data(), options.display};
   now.pale = options.constraints != ConstraintDisplay::none;
   now.radius = body.radius;
+  if (draws_liquid(drawing)) now.splats = options.liquid_splats;
   if (options.display == Display::strain) now.largest = options.largest_strain;
   if (options.display == Display::speed) now.largest = options.largest_speed;
   if (version_ > 0 && now == shown_) return;
@@ -119,10 +120,17 @@ void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, 
   ++version_;
   if (kind_ == ObjectKind::rope && !as_particles_) tube_.update(body.positions, body.radius);
   if (creased_.has_creases()) creased_.update(body.positions);
+  if (now.splats == SplatShape::ellipsoids) shape_splats(body, drawing.threads);
   set_colours(body, rope_strain, drawing);
   if (!creased_.has_creases() || colours_.empty()) return;
   colours_.reserve(creased_.source().size());  // the copies come after the vertices themselves
   for (const std::uint32_t v : creased_.source().subspan(colours_.size())) colours_.push_back(colours_[v]);
+}
+
+void BodyDrawing::shape_splats(const Body& body, Threads& threads) {
+  const float spacing = 2 * body.radius;
+  if (!splats_ || splats_->spacing() != spacing) splats_.emplace(spacing);
+  splats_->build(body.positions, threads);
 }
 
 /// What a measuring display shows per vertex; empty where it is not known.
@@ -214,6 +222,10 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawin
   liquid.centres = body.positions;
   liquid.spacing = spacing;
   liquid.radius = 0.75f * spacing;
+  if (shown_.splats == SplatShape::ellipsoids) {
+    liquid.centres = splats_->centres();
+    liquid.ellipsoids = splats_->axes();
+  }
   liquid.look = liquid_look(density_, 0.5f * edge, chosen_);
   liquid.pick = pick;
   drawing.list.liquids.push_back(liquid);

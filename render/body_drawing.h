@@ -5,8 +5,10 @@
 #include "render/tube.h"
 #include "render/vertex_colours.h"
 #include "souple/geometry/creased_surface.h"
+#include "souple/surface/splat_shapes.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +31,7 @@ struct Drawing {
   const HeatScale& heat;
   std::uint64_t frame = 0;  ///< of the subject
   bool has_world = false;
+  Threads& threads;
   DrawList& list;
 };
 
@@ -60,6 +63,7 @@ class BodyDrawing {
     const Vec3f* positions = nullptr;
     Display display = Display::shaded;
     bool pale = false;
+    SplatShape splats = SplatShape::spheres;
     float largest = 0, radius = 0;
     friend bool operator==(const Shown&, const Shown&) = default;
   };
@@ -67,6 +71,7 @@ class BodyDrawing {
   Look own_look() const;
   Look look(const Drawing& drawing) const;
   void refresh(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
+  void shape_splats(const Body& body, Threads& threads);
   std::span<const float> values(const Body& body, std::span<const float> rope_strain, Display display);
   void set_colours(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
   void draw_surface(const Body& body, std::uint32_t pick, const Drawing& drawing);
@@ -96,6 +101,7 @@ class BodyDrawing {
   std::vector<PackedColour> colours_;  ///< per vertex or per vertex of the tube; or empty
   std::vector<PackedColour> grain_colours_;
   ParticleCloud particles_;
+  std::optional<SplatShapes> splats_;  ///< of a liquid drawn as ellipsoids
 };
 
 }  // namespace souple::render

@@ -23,6 +23,7 @@ constexpr std::array<std::string_view, display_count> display_names{
     "shaded", "plain", "wireframe", "strain", "speed", "particles", "lattice", "normals", "contacts"};
 constexpr std::array<std::string_view, constraint_display_count> constraint_display_names{
     "none", "kind", "colour", "strain", "residual"};
+constexpr std::array<std::string_view, splat_shape_count> splat_shape_names{"spheres", "ellipsoids"};
 
 const PackedColour against_collider = pack(srgb(0xd9480f)), against_object = pack(srgb(0x1864ab)),
                    lattice_ink = pack(srgb(0x37474f));
@@ -84,6 +85,17 @@ std::optional<float> floor_height(const ColliderBody& collider) {
       collider.pose.point(n * (static_cast<double>(plane->offset) / length_squared(n))).y);
 }
 
+/// The value with this name; else throws Error that begins with `missing` and lists the names.
+template <class Value, std::size_t n>
+Value value_of(const std::array<std::string_view, n>& names, std::string_view name, const char* missing) {
+  std::string known;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (names[i] == name) return static_cast<Value>(i);
+    known += (i > 0 ? ", " : "") + std::string(names[i]);
+  }
+  throw Error(missing + (" '" + std::string(name)) + "', expected one of: " + known);
+}
+
 /// Half a metre for things of a few metres, and so on up and down in steps of two.
 float tile_for(float radius) {
   return 0.5f * std::exp2(std::round(std::log2(std::clamp(radius, 1e-3f, 1e4f) / 2)));
@@ -96,20 +108,24 @@ std::string_view display_name(Display display) {
 }
 
 Display display_of(std::string_view name) {
-  std::string known;
-  for (std::size_t i = 0; i < display_count; ++i) {
-    if (display_names[i] == name) return static_cast<Display>(i);
-    known += (i > 0 ? ", " : "") + std::string(display_names[i]);
-  }
-  throw Error("there is no display '" + std::string(name) + "', expected one of: " + known);
+  return value_of<Display>(display_names, name, "there is no display");
 }
 
 std::string_view constraint_display_name(ConstraintDisplay display) {
   return constraint_display_names[static_cast<std::size_t>(display)];
 }
 
+std::string_view splat_shape_name(SplatShape shape) {
+  return splat_shape_names[static_cast<std::size_t>(shape)];
+}
+
+SplatShape splat_shape_of(std::string_view name) {
+  return value_of<SplatShape>(splat_shape_names, name, "there are no liquid splats");
+}
+
 struct SubjectDrawing::Impl {
   DrawList list;
+  std::unique_ptr<Threads> threads = make_threads(Threading::automatic, 0);  ///< start when there is work
   HeatScale heat;
   Legend legend;
   std::uint64_t next_key = next_key_base();
@@ -349,7 +365,7 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
   legend.clear();
 
   const World* world = subject.world;
-  const Drawing drawing{options, heat, subject.frame, world != nullptr, list};
+  const Drawing drawing{options, heat, subject.frame, world != nullptr, *threads, list};
   gather_particles(subject, drawing);
   rope_strain.clear();
   if (world && options.display == Display::strain) rope_strain = rope_strains(subject);

@@ -32,6 +32,16 @@ enum class ConstraintDisplay { none, kind, colour, strain, residual };
 inline constexpr std::size_t constraint_display_count = 5;
 std::string_view constraint_display_name(ConstraintDisplay display);
 
+/// What each particle of a liquid is drawn as, before the surface is smoothed.
+enum class SplatShape {
+  spheres,    ///< the same ball for all
+  ellipsoids  ///< stretched as the particles around lie, see souple/surface/splat_shapes.h
+};
+inline constexpr std::size_t splat_shape_count = 2;
+std::string_view splat_shape_name(SplatShape shape);
+/// Throws Error that lists the names.
+SplatShape splat_shape_of(std::string_view name);
+
 struct DisplayOptions {
   Display display = Display::shaded;
   ConstraintDisplay constraints = ConstraintDisplay::none;
@@ -40,6 +50,7 @@ struct DisplayOptions {
   bool pins = true;             ///< pinned vertices as small balls
   float largest_strain = 0.1f;  ///< what the hottest colour means
   float largest_speed = 3;      ///< m/s, likewise
+  SplatShape liquid_splats = SplatShape::ellipsoids;
 };
 
 /// Turns a subject into what the renderer draws. Keeps the buffers it needs between pictures, so use one for

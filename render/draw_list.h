@@ -75,7 +75,8 @@ struct Liquid {
   std::span<const Vec3f> centres;      ///< m
   float radius = 0.015f;  ///< of the balls whose surface is smoothed: 0.6 to 0.9 of the spacing [m]
   float spacing = 0.02f;  ///< each particle stands for a cube with this edge [m]
-  /// Empty, or an ellipsoid instead of each ball: its half axes are the columns [m].
+  /// Empty, or an ellipsoid instead of each ball, A times the unit ball [m]. Where A is 0 nothing is seen of
+  /// the particle: it only makes the liquid thicker.
   std::span<const Mat3f> ellipsoids;
   LiquidLook look{};
   bool casts_shadow = true;

@@ -26,7 +26,13 @@ std::vector<const char*> pointers(const std::vector<std::string>& names) {
   return list;
 }
 
-void liquid_rows(render::RenderOptions& rendering) {
+void liquid_rows(render::DisplayOptions& display, render::RenderOptions& rendering) {
+  const auto shapes =
+      names_of<render::SplatShape>(render::splat_shape_count, render::splat_shape_name, false);
+  int shape = static_cast<int>(display.liquid_splats);
+  if (choice_row("Liquid splats", "##liquid_splats", shape, pointers(shapes),
+                 "What each particle of a fluid is drawn as. Ellipsoids are smoother, and take some time."))
+    display.liquid_splats = static_cast<render::SplatShape>(shape);
   const auto filters =
       names_of<render::LiquidFilter>(render::liquid_filter_count, render::liquid_filter_name, false);
   int filter = static_cast<int>(rendering.liquid_filter);
@@ -65,7 +71,7 @@ void display_panel(render::DisplayOptions& display, render::RenderOptions& rende
   check_row("Colliders", "##colliders", display.colliders);
   check_row("Shadows", "##shadows", rendering.shadows);
   check_row("Occlusion", "##occlusion", rendering.ambient_occlusion);
-  if (has_fluids) liquid_rows(rendering);
+  if (has_fluids) liquid_rows(display, rendering);
   check_row("Half resolution", "##half_resolution", half_resolution);
 }
 

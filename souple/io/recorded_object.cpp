@@ -87,6 +87,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
                                std::string file_name, const Resume& resume)
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
                      std::make_shared<RecordedShape>(shape_of(world, object))) {
+  first_shape_.points = resume.points;
   // The rest mesh is there: of a rope or grains that have moved it could not be written again.
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
   if (wants(CacheFormat::pc2)) pc2_.emplace(Pc2Writer::resume(path("pc2"), shape_->points, resume.frames));

@@ -41,6 +41,7 @@ class RecordedObject {
   /// Takes up the files of an earlier run after `frames` frames.
   struct Resume {
     std::uint64_t frames;
+    std::uint64_t points;  ///< that it began with: of a fluid their number changes
   };
   RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object, std::string file_name,
                  const Resume& resume);

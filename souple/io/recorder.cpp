@@ -91,8 +91,9 @@ void Recorder::Impl::resume(std::uint64_t from) {
                   std::to_string(found->triangles) + " triangles; resume with the world that was recorded");
   }
   for (const ObjectId object : present)
-    objects.push_back(std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object)),
-                                                       RecordedObject::Resume{from}));
+    objects.push_back(
+        std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object)),
+                                         RecordedObject::Resume{from, known(world.name(object))->points}));
   for (const ManifestObject& object : before.objects) {
     if (object.kind == foam_kind_name) {
       foam = std::make_unique<RecordedFoam>(plan, names.add(foam_kind_name), 0, from);

@@ -43,6 +43,8 @@ class SequenceWriter {
   /// The next frame will be number `frame`: an object that was not there has no files. Files of these numbers
   /// that an earlier run left are removed. A number that is behind us changes nothing.
   void skip_to(std::uint64_t frame);
+  /// The next frame follows number `frame`; files up to there stay, whichever there are. Call it first.
+  void go_on_after(std::uint64_t frame) { frames_ = frame; }
   /// Removes the frames after number `frame`; the next one follows it.
   void drop_after(std::uint64_t frame);
   /// Removes the frames of an earlier, longer run that would look like ours.

@@ -28,7 +28,8 @@ CodecPtr<RunRecord> record_codec() {
       .required<&RunRecord::scene>("scene", text, "its JSON")
       .required<&RunRecord::formats>("formats", list(enumeration(cache_formats()), 0, 4), "of its caches")
       .required<&RunRecord::checkpoint_every>("checkpoint_every", number<std::uint32_t>(from_zero(4e9)),
-                                              "frames between checkpoints");
+                                              "frames between checkpoints")
+      .key<&RunRecord::surface>("surface", text, "method by which fluids are meshed meanwhile");
   return keys;
 }
 

@@ -19,6 +19,7 @@ struct RunRecord {
   std::string scene;   ///< JSON text, overrides applied
   std::vector<CacheFormat> formats;
   std::uint32_t checkpoint_every = 0;  ///< frames; 0: only when interrupted
+  std::string surface;                 ///< how fluids are meshed meanwhile; empty: they are not
 };
 
 std::string run_record_text(const RunRecord& record);

@@ -48,7 +48,9 @@ void KernelBox::add(const KernelBox& other) {
 
 ParticleKernels::ParticleKernels(const SurfaceOptions& options)
     : options_(options),
-      variance_(lattice_variance(options.neighbour_radius) * options.spacing * options.spacing) {}
+      variance_(lattice_variance(options.neighbour_radius) * options.spacing * options.spacing),
+      around_(static_cast<std::size_t>(static_cast<float>(pi) * options.neighbour_radius *
+                                       options.neighbour_radius * options.neighbour_radius)) {}
 
 void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours, Threads& threads) {
   if (functions_ == nullptr) functions_ = &kernels::find_surface_kernels(instruction_set());
@@ -131,7 +133,8 @@ void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t
     reach = place_ball(kernel, options_.isotropic_radius * options_.spacing);
   else if (few)
     reach = place_ball(kernel, options_.drop_radius * options_.spacing);
-  else if (aside < 0.03f * 0.03f)  // deep inside: its ellipsoid is all but a ball, and nobody sees it
+  else if (aside < 0.03f * 0.03f &&
+           are_around(count))  // deep inside: its ellipsoid is all but a ball, and nobody sees it
     reach = place_ball(kernel, options_.kernel_radius * options_.spacing);
   else
     reach = place_ellipsoid(kernel, m);

@@ -38,6 +38,9 @@ class ParticleKernels {
   std::span<const KernelBox> boxes() const { return boxes_; }
   /// Whether the surface may be within its reach: its neighbours lie on one side, or are few.
   std::span<const std::uint8_t> at_surface() const { return at_surface_; }
+  /// Whether so many neighbours lie all around, and not in a sheet or thread: three quarters of those inside
+  /// a fluid.
+  bool are_around(std::size_t neighbours) const { return neighbours >= around_; }
 
  private:
   void calm_shift(std::uint32_t place, std::span<const std::uint32_t> list);
@@ -48,6 +51,7 @@ class ParticleKernels {
   SurfaceOptions options_;
   const kernels::SurfaceKernels* functions_ = nullptr;
   float variance_;  // of the neighbours of a particle inside the fluid, along an axis [m^2]
+  std::size_t around_;
   std::vector<Vec4f> records_;
   std::vector<kernels::ParticleKernel> kernels_;
   std::vector<Vec3f> shift_;  // of a centre from its particle

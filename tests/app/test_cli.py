@@ -31,6 +31,23 @@ SMALL = {
     "wind": {"velocity": [2, 0, 0], "gust": 0.5},
 }
 
+# A block of water falls apart beside a tap that begins to drip after a few frames.
+WATER = {
+    "souple": 1,
+    "frames": 24,
+    "substeps": 4,
+    "objects": [
+        SMALL["objects"][0],
+        {"name": "block", "kind": "fluid", "box": {"lo": [-0.2, 0, -0.1], "hi": [0, 0.3, 0.1]},
+         "material": {"preset": "water", "spacing": 0.05}},
+        {"name": "tap", "kind": "fluid", "points": [], "most_particles": 200,
+         "material": {"preset": "oil", "spacing": 0.05},
+         "emitters": [{"position": [0.5, 0.6, 0], "direction": [0, -1, 0], "radius": 0.06, "speed": 2,
+                       "start": 0.1}]},
+    ],
+    "colliders": [{"name": "floor", "shape": {"plane": {}}}],
+}
+
 # Explicit integration of a strong drag: speeds grow sixteenfold each substep.
 EXPLODING = dict(SMALL, drag=10000, integrator="explicit_euler", frames=60)
 
@@ -85,7 +102,7 @@ class Talking(Case):
             self.assertIn("Example", out)
         self.assertIn("Exit codes", self.souple("--help").stdout)
         for flag in ["--frames", "--out", "--write", "--threads", "--substeps", "--iterations", "--set", "--resume",
-                     "--checkpoint-every", "--picture", "--quiet"]:
+                     "--checkpoint-every", "--surface", "--picture", "--quiet"]:
             self.assertIn(flag, self.souple("run", "--help").stdout)
 
     def test_version(self):
@@ -420,6 +437,49 @@ class Surface(Case):
         self.assertFalse([n for n in self.names() if n.endswith(".part")])
 
 
+class SurfaceOfARun(Case):
+    def test_is_what_surface_makes_of_its_folder(self):
+        scene = self.scene(WATER)
+        for method in "anisotropic", "isotropic":
+            said = self.souple("run", scene, "--out", method, "--surface", method).stdout
+            self.assertRegex(said, rf"{method}_surface: 24 frames, \d+ triangles and [\d.]+ ms each\n")
+            self.souple("surface", method, "--method", method, "--out", "afterwards")
+            self.assert_same_contents(method + "_surface", "afterwards")
+            shutil.rmtree(self.folder / "afterwards")
+        files = sorted(p.name for p in (self.folder / "anisotropic_surface").iterdir())
+        self.assertEqual(sum(name.startswith("block_") for name in files), 24)
+        self.assertTrue(3 < sum(name.startswith("tap_") for name in files) < 20, files)
+        manifest = json.loads((self.folder / "anisotropic_surface/run.json").read_text())
+        self.assertTrue(manifest["complete"])
+        one, other = self.contents("anisotropic_surface"), self.contents("isotropic_surface")
+        self.assertNotEqual(one["block_0024.obj"], other["block_0024.obj"])
+
+    def test_a_shorter_run_leaves_nothing_of_a_longer_one(self):
+        scene = self.scene(WATER)
+        self.souple("run", scene, "--out", "out", "--surface", "anisotropic")
+        self.souple("run", scene, "--out", "out", "--surface", "anisotropic", "--frames", 5)
+        self.souple("surface", "out", "--out", "afterwards")
+        self.assertEqual([name for name in self.contents("out_surface") if name.startswith("block_")],
+                         [f"block_{i:04}.obj" for i in range(1, 6)])
+        self.assertEqual(self.contents("out_surface")["run.json"], self.contents("afterwards")["run.json"])
+
+    def test_needs_something_to_mesh(self):
+        scene = self.scene(dict(SMALL, objects=SMALL["objects"][:1]))
+        for arguments, said in (([scene, "--surface", "anisotropic"], "has neither fluids nor grains"),
+                                ([self.scene(WATER, "water.json"), "--surface", "isotropc"],
+                                 '--surface "isotropc": expected one of anisotropic, isotropic')):
+            error = self.souple("run", *arguments, "--out", "out", code=2).stderr
+            self.assert_one_line(error)
+            self.assertIn(said, error)
+        self.assertEqual(self.names(), ["small.json", "water.json"])
+
+    def test_when_the_simulation_goes_bad(self):
+        bad = dict(WATER, drag=10000, integrator="explicit_euler", frames=60)
+        self.souple("run", self.scene(bad), "--out", "out", "--surface", "anisotropic", code=3)
+        self.souple("surface", "out", "--out", "afterwards")
+        self.assert_same_contents("out_surface", "afterwards")
+
+
 class Stopping(Case):
     def start(self, scene, *arguments):
         return subprocess.Popen([PROGRAM, "run", scene, *map(str, arguments)], cwd=self.folder,
@@ -488,6 +548,42 @@ class Stopping(Case):
         self.assertEqual(run.returncode, -signal.SIGKILL)
         self.souple("run", "--resume", "out")
         self.assert_same_contents("whole", "out")
+
+    def test_surface_goes_on_with_the_run(self):
+        scene = self.scene(dict(WATER, frames=150))
+        self.souple("run", scene, "--out", "whole", "--surface", "anisotropic")
+        run = self.start(scene, "--out", "out", "--surface", "anisotropic")
+        drop = self.folder / "out_surface/tap_0012.obj"  # there are more particles than in the beginning
+        self.wait_for(lambda: drop.exists() or run.poll() is not None)
+        run.send_signal(signal.SIGINT)
+        out, error = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130, out + error)
+        self.souple("surface", "out", "--out", "so_far")  # whole files, and a run.json that tells of them
+        self.assert_same_contents("out_surface", "so_far")
+        self.assertFalse(json.loads((self.folder / "out_surface/run.json").read_text())["complete"])
+        self.assertIn("--surface", self.souple("run", "--resume", "out", "--surface", "isotropic", code=2).stderr)
+        first = self.folder / "out_surface/block_0001.obj"
+        kept = first.read_bytes()
+        first.unlink()
+        self.assertIn("lacks meshes of \"block\"", self.souple("run", "--resume", "out", code=2).stderr)
+        first.write_bytes(kept)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+        self.assert_same_contents("whole_surface", "out_surface")
+
+    def test_surface_of_a_killed_run(self):
+        scene = self.scene(dict(WATER, frames=150))
+        arguments = ["--surface", "anisotropic", "--checkpoint-every", 7]
+        self.souple("run", scene, "--out", "whole", *arguments)
+        run = self.start(scene, "--out", "out", *arguments)
+        mesh = self.folder / "out_surface/block_0010.obj"
+        self.wait_for(lambda: mesh.exists() or run.poll() is not None)
+        run.send_signal(signal.SIGKILL)
+        run.communicate()
+        self.assertEqual(run.returncode, -signal.SIGKILL)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+        self.assert_same_contents("whole_surface", "out_surface")
 
     def test_resume_with_more_frames(self):
         scene = self.scene(dict(SMALL, frames=3000, substeps=20))

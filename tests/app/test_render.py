@@ -136,7 +136,7 @@ class Pictures(RenderCase):
         a, b = (self.folder / "a.png").stat().st_size, (self.folder / "b.png").stat().st_size
         self.assertLess(b, 0.7 * a)
 
-    def test_fluids_are_drawn_as_liquids_by_the_filter_that_is_asked_for(self):
+    def test_fluids_are_drawn_as_liquids_by_the_splats_and_filter_that_are_asked_for(self):
         pool = {"name": "pool", "kind": "fluid", "box": {"lo": [-0.3, 0, -0.3], "hi": [0.3, 0.1, 0.3]},
                 "material": {"preset": "water", "spacing": 0.03}}
         scene = self.scene({"souple": 1, "frames": 1, "objects": [pool],
@@ -151,7 +151,11 @@ class Pictures(RenderCase):
         self.souple("render", scene, "--out", "steps.png", "--liquid-filter", "curvature-flow", "--liquid-steps", "2",
                     *QUICK)
         pictures["two steps"] = (self.folder / "steps.png").read_bytes()
-        self.assertEqual(len(set(pictures.values())), 4)
+        for splats in "spheres", "ellipsoids":
+            self.souple("render", scene, "--out", splats + ".png", "--liquid-splats", splats, *QUICK)
+            pictures[splats] = (self.folder / (splats + ".png")).read_bytes()
+        self.assertEqual(pictures.pop("ellipsoids"), pictures["narrow-range"])
+        self.assertEqual(len(set(pictures.values())), 5)
 
     def test_every_display(self):
         scene = self.scene(SCENE)
@@ -361,6 +365,7 @@ class Refused(RenderCase):
             self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
         self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
         self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: there is no liquid filter 'blur'")
+        self.refused(scene, "--liquid-splats", "cubes", said="--liquid-splats: there are no liquid splats 'cubes'")
         self.refused(scene, "--liquid-steps", "0", said="--liquid-steps 0: expected 1 to 500")
         self.refused(scene, "--colours", "1", said="--colours 1: expected 2 to 256")
         self.refused(scene, "--colours", "9", "--out", "a.mp4", said="--colours 9: is for pictures")

@@ -570,7 +570,8 @@ TEST(Display, FluidsAreLiquidsWhereNothingIsMeasured) {
   SubjectDrawing drawing;
   for (std::size_t i = 0; i < display_count; ++i) {
     const auto display = static_cast<Display>(i);
-    const DrawList& list = drawing.update(subject, {.display = display});
+    const DrawList& list =
+        drawing.update(subject, {.display = display, .liquid_splats = SplatShape::spheres});
     const bool by_particles = display == Display::particles || display == Display::speed ||
                               display == Display::strain || display == Display::normals;
     EXPECT_EQ(list.liquids.size(), by_particles ? 0u : 3u) << display_name(display);
@@ -584,6 +585,42 @@ TEST(Display, FluidsAreLiquidsWhereNothingIsMeasured) {
       EXPECT_EQ(spheres_of(list, pick) != nullptr, by_particles) << display_name(display);
   }
   EXPECT_TRUE(drawing.update(subject, {.constraints = ConstraintDisplay::kind}).liquids.empty());
+}
+
+TEST(Display, LiquidsAreEllipsoidsWhereTheseAreAskedFor) {
+  Fluids fluids;
+  const Subject subject = subject_of(fluids.world);
+  SubjectDrawing drawing;
+  const auto first = [&](SplatShape splats) {
+    return drawing.update(subject, {.liquid_splats = splats}).liquids.at(0);
+  };
+  const Liquid spheres = first(SplatShape::spheres), ellipsoids = first(SplatShape::ellipsoids);
+  EXPECT_TRUE(spheres.ellipsoids.empty());
+  ASSERT_EQ(ellipsoids.ellipsoids.size(), subject.bodies[0].positions.size());
+  EXPECT_NE(ellipsoids.version, spheres.version);
+  for (std::size_t i = 0; i < ellipsoids.centres.size(); ++i)
+    EXPECT_LT(length(ellipsoids.centres[i] - spheres.centres[i]), 0.02f);
+  EXPECT_EQ(first(SplatShape::ellipsoids).version, ellipsoids.version) << "nothing has changed";
+  EXPECT_TRUE(first(SplatShape::spheres).ellipsoids.empty());
+}
+
+/// As `souple surface` writes them.
+TEST(Display, MeshesOfFluidsAreSurfaces) {
+  const TriangleMesh mesh = sphere(2, 0.2);
+  std::vector<Vec3f> positions;
+  for (const Vec3d& x : mesh.positions) positions.emplace_back(x);
+  Body body;
+  body.name = "water";
+  body.kind = ObjectKind::fluid;
+  body.positions = positions;
+  body.triangles = mesh.triangles;
+  Subject subject;
+  subject.bodies.push_back(body);
+  SubjectDrawing drawing;
+  const DrawList& list = drawing.update(subject, {});
+  EXPECT_TRUE(list.liquids.empty());
+  ASSERT_EQ(list.surfaces.size(), 1u);
+  EXPECT_EQ(list.surfaces[0].triangles.size(), mesh.triangles.size());
 }
 
 TEST(Display, LiquidsHaveTheColourOfTheirMaterialOrTheirOwn) {

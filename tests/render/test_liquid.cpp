@@ -2,6 +2,8 @@
 #include "../expect_error.h"
 #include "gl_test.h"
 #include "ray_balls.h"
+#include "render/display.h"
+#include "souple/surface/splat_shapes.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +19,7 @@ constexpr int width = 320, height = 240;
 constexpr float spacing = 0.025f;
 
 constexpr std::array<LiquidFilter, 2> filters{LiquidFilter::curvature_flow, LiquidFilter::narrow_range};
+constexpr std::array<SplatShape, 2> splats{SplatShape::spheres, SplatShape::ellipsoids};
 
 /// Particles on a lattice, each moved a little, as far as `inside` says.
 template <class Inside>
@@ -48,6 +51,29 @@ Liquid liquid_of(std::span<const Vec3f> centres) {
   liquid.radius = 0.75f * spacing;
   liquid.pick = 5;
   return liquid;
+}
+
+/// The same, drawn as its ellipsoids, which are kept here.
+class Ellipsoids {
+ public:
+  explicit Ellipsoids(std::span<const Vec3f> centres) : centres_(centres), shapes_(spacing) {
+    shapes_.build(centres, *make_threads(Threading::automatic, 2));
+  }
+  Liquid liquid(SplatShape splat) const {
+    Liquid liquid = liquid_of(centres_);
+    if (splat == SplatShape::spheres) return liquid;
+    liquid.centres = shapes_.centres();
+    liquid.ellipsoids = shapes_.axes();
+    return liquid;
+  }
+
+ private:
+  std::span<const Vec3f> centres_;
+  SplatShapes shapes_;
+};
+
+std::string name_of(SplatShape splat, LiquidFilter filter) {
+  return std::string(splat_shape_name(splat)) + ", " + std::string(liquid_filter_name(filter));
 }
 
 Camera camera_at(const Vec3f& from, const Vec3f& to, float fov) {
@@ -108,73 +134,146 @@ class LiquidTest : public GlTest {
   }
 };
 
-TEST_F(LiquidTest, BallOfParticlesHasTheOutlineAndThicknessOfTheBall) {
-  const float radius = 0.5f;  // 20 spacings
-  const std::vector<Vec3f> centres = ball_of_particles(radius);
-  const Camera camera = camera_at({0, 0, 3}, {}, 30);
-  const std::array<Ball, 1> ball{Ball{{}, double(radius)}};
-  for (const LiquidFilter filter : {LiquidFilter::none, filters[0], filters[1]}) {
-    const LiquidImage image =
-        renderer().liquid_image(with(liquid_of(centres)), camera, filtered(filter), width, height);
+/// A ball of 20 spacings about the origin, beside the ball itself.
+class BallOfParticles : public LiquidTest {
+ protected:
+  struct Compared {
+    double area = 0;                                 ///< covered, of that of the ball
+    std::vector<double> thickness_errors, too_deep;  ///< of 1; m
+  };
+  Compared compare(SplatShape splat, LiquidFilter filter) {
+    image_ =
+        renderer().liquid_image(with(ellipsoids_.liquid(splat)), camera_, filtered(filter), width, height);
+    Compared result;
     int covered = 0, expected = 0;
-    std::vector<double> thickness_errors, depth_errors;
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         const auto i = std::size_t(y * width + x);
-        const BallHit hit = cast(ball, camera, x + 0.5, y + 0.5, width, height);
-        covered += image.depth[i] > 0;
+        const BallHit hit = cast(ball_, camera_, x + 0.5, y + 0.5, width, height);
+        covered += image_.depth[i] > 0;
         expected += hit.ball == 0;
         const Vec3d away = hit.point;  // from the centre
-        if (hit.ball < 0 || away.z < 0.6 * double(radius)) continue;
-        const Vec3d ray = normalized(hit.point - Vec3d(camera.from));
-        const double chord = -2 * dot(ray, away);
-        thickness_errors.push_back(std::abs(double(image.thickness[i]) / chord - 1));
-        depth_errors.push_back(std::abs(double(image.depth[i]) - hit.depth));
+        if (hit.ball < 0 || away.z < 0.6 * double(radius_)) continue;
+        const double chord = -2 * dot(normalized(hit.point - Vec3d(camera_.from)), away);
+        result.thickness_errors.push_back(std::abs(double(image_.thickness[i]) / chord - 1));
+        result.too_deep.push_back(double(image_.depth[i]) - hit.depth);
       }
-    // The outermost centres lie on the ball, so the balls about them reach beyond it: by 3.75 % of its
-    // radius.
-    EXPECT_NEAR(double(covered) / expected, 1, 0.06) << liquid_filter_name(filter);
-    const auto middle = std::size_t(height / 2 * width + width / 2);
-    EXPECT_NEAR(image.thickness[middle], 2 * radius, 0.04f * radius) << liquid_filter_name(filter);
-    EXPECT_LT(part_of(thickness_errors, 0.99), 0.06) << liquid_filter_name(filter);
-    if (filter == LiquidFilter::none) continue;
-    // All but a few places where one looks deep between particles.
-    EXPECT_LT(part_of(depth_errors, 0.98), 0.75 * double(spacing)) << liquid_filter_name(filter);
+    result.area = double(covered) / expected;
+    return result;
   }
+  /// How far the left end of each row is from where the ball has it, row by row around the middle. [pixels]
+  std::vector<double> outline(SplatShape splat) {
+    constexpr int columns = 960, rows = 720, reach = 120;
+    const LiquidImage image = renderer().liquid_image(with(ellipsoids_.liquid(splat)), camera_,
+                                                      filtered(LiquidFilter::none), columns, rows);
+    std::vector<double> off;
+    for (int y = rows / 2 - reach; y < rows / 2 + reach; ++y) {
+      int x = 0, of_ball = 0;
+      while (image.depth[std::size_t(y * columns + x)] == 0) ++x;
+      while (cast(ball_, camera_, of_ball + 0.5, y + 0.5, columns, rows).ball < 0) ++of_ball;
+      off.push_back(x - of_ball);
+    }
+    return off;
+  }
+
+  float radius_ = 0.5f;
+  std::vector<Vec3f> centres_ = ball_of_particles(radius_);
+  Ellipsoids ellipsoids_{centres_};
+  Camera camera_ = camera_at({0, 0, 3}, {}, 30);
+  std::array<Ball, 1> ball_{Ball{{}, double(radius_)}};
+  LiquidImage image_;
+};
+
+TEST_F(BallOfParticles, HasTheOutlineAndThicknessOfTheBall) {
+  std::vector<double> rough;
+  for (const SplatShape splat : splats) {
+    for (const LiquidFilter filter : {LiquidFilter::none, filters[0], filters[1]}) {
+      const std::string where = name_of(splat, filter);
+      Compared compared = compare(splat, filter);
+      // The outermost centres lie on the ball, so the balls about them reach beyond it: by 3.75 % of its
+      // radius.
+      EXPECT_NEAR(compared.area, 1, 0.06) << where;
+      const auto middle = std::size_t(height / 2 * width + width / 2);
+      EXPECT_NEAR(image_.thickness[middle], 2 * radius_, 0.04f * radius_) << where;
+      EXPECT_LT(part_of(compared.thickness_errors, 0.99), 0.06) << where;
+      if (filter == LiquidFilter::none) rough.push_back(deviation(compared.too_deep) / double(spacing));
+      if (filter == LiquidFilter::none && splat == SplatShape::spheres) continue;
+      // All but a few places where one looks deep between particles.
+      for (double& error : compared.too_deep) error = std::abs(error);
+      EXPECT_LT(part_of(compared.too_deep, 0.98), 0.75 * double(spacing)) << where;
+    }
+  }
+  // Unsmoothed. What is left to ellipsoids are the steps of a ball cut out of a lattice.
+  EXPECT_GT(rough[0], 0.2) << "beads";
+  EXPECT_LT(rough[1], 0.5 * rough[0]);
+  EXPECT_LT(rough[1], 0.16);
 }
 
-TEST_F(LiquidTest, FlatPoolIsFlat) {
-  const std::vector<Vec3f> centres =
-      fill({-0.8f, 0, -0.8f}, {0.8f, 0.15f, 0.8f}, [](const Vec3f&) { return true; });
-  // From above, and at a grazing angle of 12 degrees.
-  for (const Vec3f& from : {Vec3f{0, 1.4f, 1.4f}, Vec3f{0.2f, 0.45f, 1.5f}}) {
+TEST_F(BallOfParticles, HasAnOutlineThatEllipsoidsMakeSmooth) {
+  const double beads = deviation(outline(SplatShape::spheres));
+  const double smooth = deviation(outline(SplatShape::ellipsoids));
+  EXPECT_GT(beads, 1) << "pixels";
+  EXPECT_LT(smooth, 0.7 * beads);
+}
+
+class FlatPool : public LiquidTest {
+ protected:
+  struct Seen {
+    std::vector<double> heights;  ///< m
+    std::vector<double> up;       ///< of the normals
+  };
+  /// The surface around the middle of the picture.
+  Seen look(const Vec3f& from, SplatShape splat, LiquidFilter filter) {
     const Camera camera = camera_at(from, {0, 0.15f, 0}, 20);
-    double rough = 0;
-    for (const LiquidFilter filter : {LiquidFilter::none, filters[0], filters[1]}) {
-      const LiquidImage image =
-          renderer().liquid_image(with(liquid_of(centres)), camera, filtered(filter), width, height);
-      const int reach_x = 40, reach_y = 12;
-      const std::vector<Vec3f> points = surface_points(image, camera, reach_x, reach_y);
-      std::vector<double> heights, up;
-      const int across = 2 * reach_x + 1;
-      for (int y = 0; y + 1 < 2 * reach_y + 1; ++y)
-        for (int x = 0; x + 1 < across; ++x) {
-          const Vec3f& a = points[std::size_t(y * across + x)];
-          const Vec3f& b = points[std::size_t(y * across + x + 1)];
-          const Vec3f& c = points[std::size_t((y + 1) * across + x)];
-          heights.push_back(double(a.y));
-          up.push_back(double(std::abs(normalized(cross(b - a, c - a)).y)));
-        }
-      const std::string where = std::string(liquid_filter_name(filter)) + ", from " + std::to_string(from.y);
-      if (filter == LiquidFilter::none) {
-        rough = deviation(heights);
-        EXPECT_GT(rough, 0.05 * double(spacing)) << "balls are no plane";
-        continue;
+    const LiquidImage image =
+        renderer().liquid_image(with(ellipsoids_.liquid(splat)), camera, filtered(filter), width, height);
+    const int reach_x = 40, reach_y = 12, across = 2 * reach_x + 1;
+    const std::vector<Vec3f> points = surface_points(image, camera, reach_x, reach_y);
+    Seen seen;
+    for (int y = 0; y + 1 < 2 * reach_y + 1; ++y)
+      for (int x = 0; x + 1 < across; ++x) {
+        const Vec3f& a = points[std::size_t(y * across + x)];
+        const Vec3f& b = points[std::size_t(y * across + x + 1)];
+        const Vec3f& c = points[std::size_t((y + 1) * across + x)];
+        seen.heights.push_back(double(a.y));
+        seen.up.push_back(double(std::abs(normalized(cross(b - a, c - a)).y)));
       }
-      EXPECT_NEAR(mean(heights), 0.15, 0.35 * double(spacing)) << where;
-      EXPECT_LT(deviation(heights), std::min(0.1 * double(spacing), 0.6 * rough)) << where;
-      EXPECT_GT(mean(up), 0.985) << where;
+    return seen;
+  }
+
+  std::vector<Vec3f> centres_ =
+      fill({-0.8f, 0, -0.8f}, {0.8f, 0.15f, 0.8f}, [](const Vec3f&) { return true; });
+  Ellipsoids ellipsoids_{centres_};
+};
+
+// From above, and at a grazing angle of 12 degrees.
+constexpr std::array<Vec3f, 2> places{Vec3f{0, 1.4f, 1.4f}, Vec3f{0.2f, 0.45f, 1.5f}};
+
+TEST_F(FlatPool, IsFlatWhenSmoothed) {
+  for (const Vec3f& from : places)
+    for (const SplatShape splat : splats) {
+      const double rough = deviation(look(from, splat, LiquidFilter::none).heights);
+      for (const LiquidFilter filter : filters) {
+        const Seen seen = look(from, splat, filter);
+        const std::string where = name_of(splat, filter) + ", from " + std::to_string(from.y);
+        EXPECT_NEAR(mean(seen.heights), 0.15, 0.35 * double(spacing)) << where;
+        EXPECT_LT(deviation(seen.heights), 0.1 * double(spacing)) << where;
+        EXPECT_LT(deviation(seen.heights), (splat == SplatShape::spheres ? 0.6 : 1.0) * rough) << where;
+        EXPECT_GT(mean(seen.up), 0.985) << where;
+      }
     }
+}
+
+TEST_F(FlatPool, IsAllButFlatAsEllipsoids) {
+  const double d = double(spacing);
+  for (const Vec3f& from : places) {
+    const Seen spheres = look(from, SplatShape::spheres, LiquidFilter::none);
+    const Seen ellipsoids = look(from, SplatShape::ellipsoids, LiquidFilter::none);
+    EXPECT_GT(deviation(spheres.heights), 0.05 * d) << "balls are no plane";
+    EXPECT_LT(deviation(ellipsoids.heights), 0.4 * deviation(spheres.heights));
+    EXPECT_LT(deviation(ellipsoids.heights), 0.05 * d);
+    EXPECT_NEAR(mean(ellipsoids.heights), 0.15, 0.15 * d) << "half a spacing above the topmost particles";
+    EXPECT_GT(mean(ellipsoids.up), mean(spheres.up));
   }
 }
 
@@ -459,6 +558,11 @@ TEST(LiquidFilters, AreKnownByName) {
     EXPECT_EQ(liquid_filter_of(liquid_filter_name(filter)), filter);
   }
   expect_error([] { liquid_filter_of("median"); }, {"median", "narrow-range"});
+}
+
+TEST(LiquidSplatShapes, AreKnownByName) {
+  for (const SplatShape splat : splats) EXPECT_EQ(splat_shape_of(splat_shape_name(splat)), splat);
+  expect_error([] { splat_shape_of("cubes"); }, {"cubes", "ellipsoids"});
 }
 
 TEST(LiquidColours, AreThoseOfLightThatHasGoneThatFar) {

@@ -157,11 +157,13 @@ TEST(FluidSurface, OfAPoolAtRestIsFlat) {
 
 // A sheet of one layer is where kernels have to be stretched: no holes, and about its volume.
 TEST(FluidSurface, OfASheetHasNoHoles) {
-  const std::vector<Vec3f> points = block(24, 24, 1, 0.15);
-  const SurfaceMesh mesh = surface_of(points, options_of(SurfaceMethod::anisotropic));
-  EXPECT_EQ(test::topology_of(mesh).euler, 2);
-  const double volume = static_cast<double>(points.size()) * std::pow(double{d}, 3);
-  EXPECT_NEAR(test::volume_of(mesh) / volume, 1, 0.5);
+  for (const double jitter : {0.0, 0.15}) {
+    const std::vector<Vec3f> points = block(24, 24, 1, jitter);
+    const SurfaceMesh mesh = surface_of(points, options_of(SurfaceMethod::anisotropic));
+    EXPECT_EQ(test::topology_of(mesh).euler, 2) << jitter;
+    const double volume = static_cast<double>(points.size()) * std::pow(double{d}, 3);
+    EXPECT_NEAR(test::volume_of(mesh) / volume, 1, 0.25) << jitter;
+  }
 }
 
 TEST(FluidSurface, OfOneParticleIsADropOfItsSize) {

@@ -1,0 +1,170 @@
+#include "app/surface_files.h"
+
+#include "app/vdb.h"
+#include "souple/io/mesh_write.h"
+#include "souple/version.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <system_error>
+
+namespace souple::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+SurfaceOptions with_spacing(SurfaceOptions options, float spacing) {
+  options.spacing = spacing;
+  return options;
+}
+
+const char* extension_of(SurfaceFormat format) {
+  return format == SurfaceFormat::vdb ? "vdb" : format == SurfaceFormat::ply ? "ply" : "obj";
+}
+
+/// Of the band around the surface that a volume holds, on each side. [cells]
+constexpr int band_cells = 3;
+
+struct Spacing {
+  float operator()(const FluidDescription& fluid) const { return fluid.material.spacing; }
+  float operator()(const GrainsDescription& grains) const { return 2 * grains.material.radius; }
+  float operator()(const ObjectDescription&) const { return 0; }
+};
+
+}  // namespace
+
+SurfaceMethod surface_method_of(const std::string& word, const char* option) {
+  return value_of<SurfaceMethod>(
+      {{"anisotropic", SurfaceMethod::anisotropic}, {"isotropic", SurfaceMethod::isotropic}}, word, option);
+}
+
+fs::path surface_folder(const fs::path& cache) {
+  fs::path folder = (cache.filename() == "run.json" ? cache.parent_path() : cache).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  if (folder.empty() || folder == "." || folder == "..") folder = fs::absolute(folder).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  folder += "_surface";
+  return folder;
+}
+
+float particle_spacing(const AnyObjectDescription& description) {
+  return std::visit(Spacing{}, description);
+}
+
+SurfaceFiles::SurfaceFiles(const SurfaceOrder& order, float spacing, std::string object,
+                           const std::string& file_name, Threads& threads)
+    : folder_(order.out),
+      object_(std::move(object)),
+      file_name_(file_name),
+      format_(order.format),
+      extension_(extension_of(order.format)),
+      threads_(threads),
+      surface_(with_spacing(order.surface, spacing)),
+      meshes_(order.out, file_name, extension_, [this](auto, auto) { return bytes(); }) {
+  if (order.particles) {
+    const ParticleFormat format = *order.particles;
+    particles_.emplace(
+        order.out, file_name + "_particles", std::string(particle_format_name(format)),
+        [format](auto positions, auto velocities) { return particle_bytes(format, positions, velocities); });
+  }
+}
+
+void SurfaceFiles::resume(const RunManifest& before, std::uint64_t done) {
+  const auto known = std::find_if(before.objects.begin(), before.objects.end(),
+                                  [&](const ManifestObject& object) { return object.name == object_; });
+  std::uint64_t there = 0;
+  for (std::uint64_t frame = 1; frame <= done; ++frame) {
+    std::error_code ignored;
+    if (fs::exists(folder_ / frame_file_name(file_name_, frame, extension_), ignored)) ++there;
+  }
+  const bool has_any = known != before.objects.end() && !known->files.empty();
+  const std::uint64_t written = has_any ? known->files.front().frames : 0;
+  // That run.json may tell of later frames too.
+  if (before.frames < done || there > written || written - there > before.frames - done)
+    throw Error(folder_.string() + ": lacks meshes of \"" + object_ + "\": " + std::to_string(there) +
+                " of the first " + std::to_string(done) +
+                " frames are there; start the run anew, or make them of its folder with `souple surface`");
+  meshes_.go_on_after(done);
+  if (there == 0) return;
+  listed_ = *known;
+  listed_.files.front().frames = there;
+}
+
+void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
+                         std::span<const Vec3f> velocities, double rate) {
+  const SurfaceMesh& mesh = surface_.build(positions, threads_);
+  vertices_ += mesh.positions.size();
+  triangles_ += mesh.triangles.size();
+  milliseconds_ += surface_.times().all();
+  if (!mesh.triangles.empty()) {
+    meshes_.skip_to(frame);
+    meshes_.append(mesh.positions, {});
+    if (listed_.files.empty()) list_first(frame, mesh);
+    ++listed_.files.front().frames;
+  }
+  if (particles_ && !positions.empty()) {
+    particles_->skip_to(frame);
+    particles_->append(positions,
+                       velocities.empty() ? differences(positions, static_cast<float>(rate)) : velocities);
+  }
+  before_.assign(positions.begin(), positions.end());
+}
+
+void SurfaceFiles::finish() {
+  meshes_.finish();
+  if (particles_) particles_->finish();
+}
+
+std::string SurfaceFiles::bytes() {
+  const SurfaceMesh& mesh = surface_.mesh();
+  if (format_ == SurfaceFormat::obj) return obj_text(mesh.positions, mesh.normals, mesh.triangles);
+  if (format_ == SurfaceFormat::ply) return ply_bytes(mesh.positions, mesh.normals, mesh.triangles);
+  const float cell = surface_.options().cell;
+  return vdb_bytes(narrow_band(mesh.positions, mesh.triangles, cell, band_cells, threads_), object_);
+}
+
+void SurfaceFiles::list_first(std::uint64_t frame, const SurfaceMesh& mesh) {
+  listed_ = {object_, "fluid", {{extension_, frame_file_name(file_name_, frame, extension_), 0}}, 0, 0};
+  if (format_ == SurfaceFormat::vdb) return;  // has neither
+  listed_.points = mesh.positions.size();
+  listed_.triangles = mesh.triangles.size();
+}
+
+/// Where the cache holds positions only: the way since the frame before, over its time. 0 where there was
+/// no such frame, or another number of particles.
+std::span<const Vec3f> SurfaceFiles::differences(std::span<const Vec3f> positions, float rate) {
+  velocities_.assign(positions.size(), {});
+  if (before_.size() == positions.size())
+    for (std::size_t i = 0; i < positions.size(); ++i) velocities_[i] = (positions[i] - before_[i]) * rate;
+  return velocities_;
+}
+
+RunManifest surface_manifest(const RunManifest& source, std::uint64_t frames, const ObjectFiles& objects) {
+  RunManifest result;
+  result.version = version;
+  result.complete = source.complete && frames == source.frames;
+  result.scene = source.scene;
+  result.frame_rate = source.frame_rate;
+  result.frames = frames;
+  for (const auto& object : objects)
+    if (!object->listed().files.empty()) result.objects.push_back(object->listed());
+  result.notes = {"surfaces of particles, by souple surface"};
+  for (const FrameReport& report : source.reports)
+    if (report.frame <= frames) result.reports.push_back({report.frame, report.time, {}, {}, {}});
+  return result;
+}
+
+std::string surface_summary(std::uint64_t frames, const ObjectFiles& objects) {
+  std::uint64_t triangles = 0;
+  double milliseconds = 0;
+  for (const auto& object : objects) triangles += object->triangles(), milliseconds += object->milliseconds();
+  char text[160];
+  const double count = static_cast<double>(std::max<std::uint64_t>(1, frames));
+  std::snprintf(text, sizeof text, "%llu frames, %.0f triangles and %.1f ms each",
+                static_cast<unsigned long long>(frames), static_cast<double>(triangles) / count,
+                milliseconds / count);
+  return text;
+}
+
+}  // namespace souple::app

@@ -1,0 +1,158 @@
+#include "souple/error.h"
+#include "souple/surface/splat_shapes.h"
+#include "tests/collision/random.h"
+#include "tests/count_allocations.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+constexpr float d = 0.02f;  // m
+
+/// Layers at y = 0, -d, -2 d and so on; every particle up to `jitter` spacings away from its place.
+std::vector<Vec3f> pool(int side, int layers, double jitter) {
+  test::Random random(3);
+  std::vector<Vec3f> points;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < layers; ++j)
+      for (int k = 0; k < side; ++k)
+        points.push_back(Vec3f((Vec3d(i, -j, k) + random.point(-jitter, jitter)) * double{d}));
+  return points;
+}
+
+SplatShapes shapes_of(std::span<const Vec3f> points, int threads = 2) {
+  SplatShapes shapes(d);
+  shapes.build(points, *make_threads(Threading::pool, threads));
+  return shapes;
+}
+
+bool is_seen(const Mat3f& axes) {
+  return determinant(axes) != 0;
+}
+
+/// Half the height of an ellipsoid along a direction, |A^T n|. [m]
+float reach(const Mat3f& axes, const Vec3f& n) {
+  return length(transpose(axes) * n);
+}
+
+/// Of the highest point of all ellipsoids over (x, z), by |A^-1 (p - c)| = 1. [m]
+float top_over(const SplatShapes& shapes, float x, float z) {
+  float top = -1;
+  for (std::size_t i = 0; i < shapes.centres().size(); ++i) {
+    if (!is_seen(shapes.axes()[i])) continue;
+    const Mat3f to_ball = inverse(shapes.axes()[i]);
+    const Vec3f& c = shapes.centres()[i];
+    const Vec3f from = to_ball * Vec3f{x - c.x, -c.y, z - c.z}, up = to_ball * Vec3f{0, 1, 0};
+    const float a = dot(up, up), b = dot(from, up), root = b * b - a * (dot(from, from) - 1);
+    if (root > 0) top = std::max(top, (std::sqrt(root) - b) / a);
+  }
+  return top;
+}
+
+TEST(SplatShapes, EndHalfASpacingAboveAPool) {
+  for (const double jitter : {0.0, 0.15}) {
+    const std::vector<Vec3f> points = pool(24, 6, jitter);
+    const SplatShapes shapes = shapes_of(points);
+    double sum = 0, squares = 0;
+    const int samples = 20;
+    for (int i = 0; i < samples; ++i)
+      for (int k = 0; k < samples; ++k) {
+        const auto at = [](int s) { return (8 + 0.4f * static_cast<float>(s)) * d; };
+        const double height = double{top_over(shapes, at(i), at(k))} / double{d};
+        sum += height, squares += height * height;
+      }
+    const double mean = sum / (samples * samples);
+    EXPECT_NEAR(mean, 0.5, 0.1) << jitter;
+    // Balls of 0.75 d, which end as high, deviate by 0.10 and 0.12.
+    EXPECT_LT(std::sqrt(squares / (samples * samples) - mean * mean), 0.04) << jitter;
+  }
+}
+
+TEST(SplatShapes, LieFlatInTheSurfaceAndDoNotReachBeyondEdges) {
+  const std::vector<Vec3f> points = pool(24, 8, 0);
+  const SplatShapes shapes = shapes_of(points);
+  const auto at = [](int i, int j, int k) { return std::size_t((i * 8 + j) * 24 + k); };
+  const Mat3f& top = shapes.axes()[at(12, 0, 12)];
+  EXPECT_GT(reach(top, {1, 0, 0}), 2 * reach(top, {0, 1, 0}));
+  EXPECT_NEAR(reach(top, {1, 0, 0}), reach(top, {0, 0, 1}), 0.01f * d);
+  const Mat3f& side = shapes.axes()[at(0, 4, 12)];
+  EXPECT_GT(reach(side, {0, 1, 0}), 2 * reach(side, {1, 0, 0}));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_LT(length(shapes.centres()[i] - points[i]), 0.5f * d);
+    const Vec3f reached{reach(shapes.axes()[i], {1, 0, 0}), reach(shapes.axes()[i], {0, 1, 0}), 0};
+    EXPECT_GT(shapes.centres()[i].x - reached.x, -0.8f * d);
+    EXPECT_LT(shapes.centres()[i].y + reached.y, 0.8f * d);
+  }
+  EXPECT_FALSE(is_seen(shapes.axes()[at(12, 4, 12)])) << "with others all around";
+}
+
+TEST(SplatShapes, OfSheetsAreAllSeen) {
+  for (const double jitter : {0.0, 0.15}) {
+    const std::vector<Vec3f> sheet = pool(20, 1, jitter);
+    const SplatShapes shapes = shapes_of(sheet);
+    for (const Mat3f& axes : shapes.axes()) EXPECT_TRUE(is_seen(axes));
+    const float half = reach(shapes.axes()[std::size_t(10 * 20 + 10)], {0, 1, 0});
+    EXPECT_GT(half, 0.3f * d);
+    EXPECT_LT(half, 0.7f * d);
+  }
+}
+
+TEST(SplatShapes, OfSingleParticlesAreBallsOfTheirVolume) {
+  const std::array<Vec3f, 2> drops{Vec3f{1, 2, 3}, Vec3f{1, 2.5f, 3}};
+  const SplatShapes shapes = shapes_of(drops);
+  for (std::size_t i = 0; i < drops.size(); ++i) {
+    EXPECT_LT(length(shapes.centres()[i] - drops[i]), 1e-6f);
+    const Mat3f& axes = shapes.axes()[i];
+    EXPECT_NEAR(double{determinant(axes)} * 4 / 3 * pi, double{d * d * d}, 1e-3 * double{d * d * d});
+    EXPECT_NEAR(reach(axes, {1, 0, 0}), reach(axes, normalized(Vec3f{1, 1, 1})), 1e-6f);
+  }
+}
+
+TEST(SplatShapes, LeaveOutWhatIsNowhere) {
+  std::vector<Vec3f> points = pool(8, 4, 0.1);
+  const SplatShapes good = shapes_of(points);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  points.insert(points.begin() + 5, Vec3f{nan, 0, 0});
+  points.push_back({0, 1e30f, 0});
+  const SplatShapes bad = shapes_of(points);
+  ASSERT_EQ(bad.axes().size(), points.size());
+  EXPECT_FALSE(is_seen(bad.axes()[5]));
+  EXPECT_FALSE(is_seen(bad.axes().back()));
+  EXPECT_EQ(bad.centres()[4], good.centres()[4]);
+  EXPECT_EQ(bad.centres()[6], good.centres()[5]);
+  EXPECT_TRUE(shapes_of({}).axes().empty());
+}
+
+TEST(SplatShapes, AreTheSameForAnyNumberOfThreads) {
+  const std::vector<Vec3f> points = pool(30, 20, 0.2);
+  const SplatShapes one = shapes_of(points, 1);
+  for (const int threads : {2, 8}) {
+    const SplatShapes many = shapes_of(points, threads);
+    EXPECT_EQ(0, std::memcmp(one.axes().data(), many.axes().data(), one.axes().size_bytes()));
+    EXPECT_EQ(0, std::memcmp(one.centres().data(), many.centres().data(), one.centres().size_bytes()));
+  }
+}
+
+TEST(SplatShapes, AllocateNothingWhenWarm) {
+  const std::vector<Vec3f> points = pool(20, 20, 0.2);
+  const auto threads = make_threads(Threading::pool, 2);
+  SplatShapes shapes(d);
+  shapes.build(points, *threads);
+  const long before = test::allocations();
+  shapes.build(points, *threads);
+  EXPECT_EQ(test::allocations(), before);
+}
+
+TEST(SplatShapes, NeedASpacing) {
+  EXPECT_THROW(SplatShapes{0}, Error);
+  EXPECT_THROW(SplatShapes{std::numeric_limits<float>::quiet_NaN()}, Error);
+}
+
+}  // namespace
+}  // namespace souple
