@@ -12,7 +12,7 @@ namespace souple {
 namespace {
 
 constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::poly6_spiky,
-                                     SmoothingShape::cubic_spline};
+                                     SmoothingShape::cubic_spline, SmoothingShape::wide_wendland};
 
 constexpr float d = 0.02f;  // m
 
@@ -38,6 +38,7 @@ std::pair<float, Vec3f> sums_on_lattice(const Smoothing& smoothing, SmoothingSha
 }
 
 double density_at_rest(SmoothingShape shape) {
+  if (shape == SmoothingShape::wide_wendland) return 1.014;
   return shape == SmoothingShape::poly6_spiky ? 1.01 : 1;
 }
 
