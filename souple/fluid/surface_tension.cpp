@@ -19,7 +19,7 @@ float share_of(SmoothingShape shape) {
     case SmoothingShape::cubic_spline:
       return 1.17f;
     case SmoothingShape::wide_wendland:
-      return 0.6f;
+      return 0.49f;
     case SmoothingShape::wendland:
       break;
   }
