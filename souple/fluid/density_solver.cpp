@@ -22,6 +22,7 @@ float value_at(SmoothingShape shape, float q) {
     case SmoothingShape::cubic_spline:
       return kernels::CubicSpline::value(q);
     case SmoothingShape::wendland:
+    case SmoothingShape::wide_wendland:
       break;
   }
   return kernels::Wendland::value(q);

@@ -83,7 +83,7 @@ void Foam::find_cells(const FluidView& fluid, Threads& threads) {
   order_.build(fluid.x.first(fluid.size()), cell_size_, threads);
 }
 
-// The fluid's mean velocity, by the weights of smoothing, and how many particles are within its support.
+// The fluid's mean velocity, by the weights of smoothing, and how many particles are within two spacings.
 Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -94,7 +94,7 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
   }
   const auto rows = order_.rows();
   const auto cells = order_.cells();
-  const float inverse_h = 1 / cell_size_;
+  const float inverse_h = 1 / cell_size_, counted = 2 * fluid.smoothing.spacing();
   Around result;
   float weights = 0;
   const float *x = order_.component(0), *y = order_.component(1), *z = order_.component(2);
@@ -106,7 +106,7 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
     const float weight = (1 - q) * (1 - q);
     result.velocity += fluid.v[order_.order()[k]].xyz() * weight;
     weights += weight;
-    ++result.neighbours;
+    if (r2 < counted * counted) ++result.neighbours;
   };
   for (std::int32_t layer = cell[2] - 1; layer <= cell[2] + 1; ++layer) {
     const auto before = [&](const CellOrder::Row& row, std::int32_t y0) {

@@ -10,9 +10,10 @@ namespace souple {
 
 namespace {
 
-/// A shape's functions of q, and the constants that were measured for it (columns of 25 to 75 layers at
-/// rest).
+/// A shape's functions of q, its support, and the constants that were measured for it (columns of 25 to 75
+/// layers at rest).
 struct Shape {
+  double support;  // in spacings
   double (*value)(double q);
   double (*slope)(double q);
   double density_factor;   // of the packing at rest, over the lattice's
@@ -21,32 +22,36 @@ struct Shape {
 };
 
 template <class S>
-constexpr Shape shape_of(double density, double gradient, double mirror) {
-  return {[](double q) { return S::value(q); }, [](double q) { return S::slope(q); }, density, gradient,
-          mirror};
+constexpr Shape shape_of(double support, double density, double gradient, double mirror) {
+  return {
+      support, [](double q) { return S::value(q); }, [](double q) { return S::slope(q); }, density, gradient,
+      mirror};
 }
 
 Shape find_shape(SmoothingShape shape) {
   switch (shape) {
     case SmoothingShape::poly6_spiky:
-      return shape_of<kernels::Poly6Spiky>(1.01, 1.04, 2.2);
+      return shape_of<kernels::Poly6Spiky>(2, 1.01, 1.04, 2.2);
     case SmoothingShape::cubic_spline:
-      return shape_of<kernels::CubicSpline>(1, 1.06, 2.2);
+      return shape_of<kernels::CubicSpline>(2, 1, 1.06, 2.2);
+    case SmoothingShape::wide_wendland:
+      return shape_of<kernels::Wendland>(2.3, 1.014, 1.045, 2.45);
     case SmoothingShape::wendland:
       break;
   }
-  return shape_of<kernels::Wendland>(1, 1.04, 2);
+  return shape_of<kernels::Wendland>(2, 1, 1.04, 2);
 }
 
-/// f(i, r^2) summed over the lattice of spacing 1 within 2, the origin left out; i is the coordinate along x.
+/// f(i, r^2) summed over the lattice of spacing 1 within a radius below 3, the origin left out; i is the
+/// coordinate along x.
 template <class Function>
-double lattice_sum(const Function& f) {
+double lattice_sum(double radius, const Function& f) {
   double sum = 0;
   for (int i = -2; i <= 2; ++i)
     for (int j = -2; j <= 2; ++j)
       for (int k = -2; k <= 2; ++k) {
         const int r2 = i * i + j * j + k * k;
-        if (r2 > 0 && r2 < 4) sum += f(i, static_cast<double>(r2));
+        if (r2 > 0 && r2 < radius * radius) sum += f(i, static_cast<double>(r2));
       }
   return sum;
 }
@@ -64,13 +69,16 @@ std::vector<double> integrals_to_one(int n, const Function& f) {
 
 Smoothing::Smoothing(float spacing, SmoothingShape which) : spacing_(spacing) {
   const Shape shape = find_shape(which);
-  const double d = spacing, volume = d * d * d;
-  const auto q = [](double r2) { return std::sqrt(r2) / 2; };
-  const double value_sum = shape.value(0) + lattice_sum([&](int, double r2) { return shape.value(q(r2)); });
-  const double slope_sum = lattice_sum([&](int, double r2) { return shape.slope(q(r2)) * r2; }) * d * d;
+  const double d = spacing, volume = d * d * d, support = shape.support;
+  const auto q = [&](double r2) { return std::sqrt(r2) / support; };
+  const double value_sum =
+      shape.value(0) + lattice_sum(support, [&](int, double r2) { return shape.value(q(r2)); });
+  const double slope_sum =
+      lattice_sum(support, [&](int, double r2) { return shape.slope(q(r2)) * r2; }) * d * d;
   const double value = shape.density_factor / (volume * value_sum);
   const double slope = -3 * shape.gradient_factor / (volume * slope_sum);
-  factors_ = {2 * spacing, 1 / (2 * spacing), static_cast<float>(value), static_cast<float>(slope)};
+  const float h = static_cast<float>(support) * spacing;
+  factors_ = {h, 1 / h, static_cast<float>(value), static_cast<float>(slope)};
   centre_ = static_cast<float>(value * shape.value(0));
   mirror_ = static_cast<float>(shape.mirror);
 
@@ -86,14 +94,15 @@ Smoothing::Smoothing(float spacing, SmoothingShape which) : spacing_(spacing) {
   const std::vector<double> potential = integrals_to_one(fine, [&](double x) { return shape.slope(x) * x; });
   const std::vector<double> pull = integrals_to_one(fine, [&](double x) { return at(potential, x) * x; });
   const double layer_value =
-      volume * value * lattice_sum([&](int i, double r2) { return i < 0 ? shape.value(q(r2)) : 0; });
-  const double layer_slope =
-      volume * slope * d * lattice_sum([&](int i, double r2) { return i < 0 ? -i * shape.slope(q(r2)) : 0; });
+      volume * value * lattice_sum(support, [&](int i, double r2) { return i < 0 ? shape.value(q(r2)) : 0; });
+  const double layer_slope = volume * slope * d * lattice_sum(support, [&](int i, double r2) {
+                               return i < 0 ? -i * shape.slope(q(r2)) : 0;
+                             });
   for (int k = 0; k <= wall_steps; ++k) {
     const double z = static_cast<double>(k) / wall_steps;
     half_space_[static_cast<std::size_t>(k)] = {
-        static_cast<float>(layer_value * at(half, z) / at(half, 0.25)),
-        static_cast<float>(layer_slope * at(pull, z) / at(pull, 0.25))};
+        static_cast<float>(layer_value * at(half, z) / at(half, 0.5 / support)),
+        static_cast<float>(layer_slope * at(pull, z) / at(pull, 0.5 / support))};
   }
 }
 

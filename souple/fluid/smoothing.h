@@ -7,14 +7,16 @@
 
 namespace souple {
 
-/// The smoothing kernel of a fluid whose particles lie d = spacing apart at rest, support h = 2 d, and what a
-/// wall adds to it. With V = d^3, factors are such that on the cubic lattice of that spacing
+/// The smoothing kernel of a fluid whose particles lie d = spacing apart at rest, support h = 2 d (2.3 d
+/// the wide one), and what a wall adds to it. With V = d^3, factors are such that on the cubic lattice of
+/// that spacing
 ///
 ///   V sum_j W(r_ij)                              = 1, the particle itself included
 ///   V sum_j grad W(r_ij) . (x_j - x_i)           = 3 g
 ///
 /// Sums differ from the integrals by a per cent or more, and a fluid would rest that much too high or too
 /// low. g is 1.04: at rest particles do not lie on a lattice, and pressures would read 4 % too high with 1.
+/// Other shapes have factors of their own, as measured.
 class Smoothing {
  public:
   /// > 0 [m].
@@ -35,10 +37,10 @@ class Smoothing {
   ///
   ///   value(s) = H(d/2 + a (s - d/2)),   slope(s) = a H'(d/2 + a (s - d/2)),   a = 2
   ///
-  /// (2.2 for shapes other than Wendland's), H(-z) = 2 H(0) - H(z). A push by lambda slope then does as much
-  /// work as the value gains: one that counts twice, for the fluid behind, stirs the fluid for ever. H and H'
-  /// are scaled such that a layer of the lattice at d/2 has density 1, and that equal pressures do not push
-  /// it.
+  /// (2.2 for poly6 and the cubic spline, 2.45 for the wide one), H(-z) = 2 H(0) - H(z). A push by lambda
+  /// slope then does as much work as the value gains: one that counts twice, for the fluid behind, stirs the
+  /// fluid for ever. H and H' are scaled such that a layer of the lattice at d/2 has density 1, and that
+  /// equal pressures do not push it.
   Wall wall(float distance) const;
 
  private:

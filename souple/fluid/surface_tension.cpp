@@ -18,6 +18,8 @@ float share_of(SmoothingShape shape) {
       return 0.56f;
     case SmoothingShape::cubic_spline:
       return 1.17f;
+    case SmoothingShape::wide_wendland:
+      return 0.49f;
     case SmoothingShape::wendland:
       break;
   }
@@ -27,7 +29,7 @@ float share_of(SmoothingShape shape) {
 constexpr int wall_steps = 64;
 
 /// What a wall pulls at z = 2 k / wall_steps spacings before it, filled with one particle for each d^3, in
-/// units of a. Of a slice at the distance t:
+/// units of a, where the support is two spacings. Of a slice at the distance t:
 ///
 ///   2 pi t integral_t^2 c(s) ds
 std::vector<float> half_space_pull() {
@@ -89,11 +91,13 @@ void SurfaceTension::find_normals(const FluidView& fluid, std::span<const NearWa
   normals_[fluid.size()] = {0, 0, 0, 1};
 }
 
-float SurfaceTension::wall_pull(float spacings) const {
-  const float at = max(spacings, 0.0f) * (0.5f * wall_steps);
+float SurfaceTension::wall_pull(const Smoothing& smoothing, float distance) const {
+  const float at = max(distance, 0.0f) * (wall_steps * smoothing.factors().inverse_h);
   if (!(at < wall_steps)) return 0;
   const auto step = static_cast<std::size_t>(at);
-  return wall_pull_[step] + (at - static_cast<float>(step)) * (wall_pull_[step + 1] - wall_pull_[step]);
+  const float wider = 0.5f * smoothing.support() / smoothing.spacing();
+  return wider * wider * wider *
+         (wall_pull_[step] + (at - static_cast<float>(step)) * (wall_pull_[step + 1] - wall_pull_[step]));
 }
 
 void SurfaceTension::apply(const FluidView& fluid, std::span<const NearWall> walls,
@@ -108,7 +112,7 @@ void SurfaceTension::apply(const FluidView& fluid, std::span<const NearWall> wal
                                       list.size(), smoothing.factors(), factors);
     if (!walls.empty()) {
       const float pull =
-          factors.attraction * parameters.adhesion * wall_pull(walls[k].distance / d) / normals_[k].w;
+          factors.attraction * parameters.adhesion * wall_pull(smoothing, walls[k].distance) / normals_[k].w;
       force -= walls[k].normal * pull;
       wall_pulls_[k] = h * pull;
     }

@@ -183,8 +183,8 @@ TEST(SurfaceTension, PressesASmallDropMoreByLaplacesLaw) {
 TEST(SurfaceTension, ADropSwingsAsRayleighSays) {
   std::vector<Vec4f> egg = test::ball_of(10 * d, d);
   for (Vec4f& p : egg) p.set_xyz({p.x * 0.945f, p.y * 1.12f, p.z * 0.945f});
-  for (const SmoothingShape shape :
-       {SmoothingShape::wendland, SmoothingShape::poly6_spiky, SmoothingShape::cubic_spline}) {
+  for (const SmoothingShape shape : {SmoothingShape::wendland, SmoothingShape::poly6_spiky,
+                                     SmoothingShape::cubic_spline, SmoothingShape::wide_wendland}) {
     Drop drop(egg, -1, 1e-6f, 2, shape);
     double crossings[2] = {}, last = 1;
     int found = 0;

@@ -99,7 +99,8 @@ TEST(Viscosity, LetsAWaveOfShearDecayAtItsRate) {
 }
 
 TEST(Xsph, HasTheSameRateWithAllKernels) {
-  for (const SmoothingShape other : {SmoothingShape::poly6_spiky, SmoothingShape::cubic_spline}) {
+  for (const SmoothingShape other :
+       {SmoothingShape::poly6_spiky, SmoothingShape::cubic_spline, SmoothingShape::wide_wendland}) {
     Periodic box(1, 0, other);
     EXPECT_NEAR(box.rate(2e-3f, 20,
                          [&](const FluidView& fluid, float step) {

@@ -21,6 +21,7 @@ auto find_for_shape(SmoothingShape shape, const Find& find) {
     case SmoothingShape::cubic_spline:
       return find(std::type_identity<CubicSpline>{});
     case SmoothingShape::wendland:
+    case SmoothingShape::wide_wendland:
       break;
   }
   return find(std::type_identity<Wendland>{});

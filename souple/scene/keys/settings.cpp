@@ -55,7 +55,8 @@ CodecPtr<FluidSettings> fluid_settings_codec() {
           "kernel",
           enumeration<SmoothingShape>({{"wendland", SmoothingShape::wendland},
                                        {"poly6_spiky", SmoothingShape::poly6_spiky},
-                                       {"cubic_spline", SmoothingShape::cubic_spline}}),
+                                       {"cubic_spline", SmoothingShape::cubic_spline},
+                                       {"wide_wendland", SmoothingShape::wide_wendland}}),
           "how the weight of a neighbour falls with its distance")
       .key<&FluidSettings::iterations>("iterations", number<int>(within(0, 100)),
                                        "Jacobi iterations after the coarse level; 0 is the cheapest")
