@@ -55,16 +55,14 @@ float fresnel(float cosine, float index) {
   return 0.5 * a * a * (1.0 + b * b);
 }
 
-// What a mirror shows: sky above, the floor below.
+// What a mirror shows: sky above, the floor below; without a floor sky all around, as behind the liquid.
 vec3 surroundings(vec3 direction) {
+  if (direction.y > 0.0 || frame.ground.z < 0.5) return sky_light(direction);
   vec3 up = vec3(0.0, 1.0, 0.0);
   vec3 albedo = mix(frame.ground_colour.rgb, frame.ground_second.rgb, 0.5);
   vec3 floor_light = albedo * (ambient_strength * ambient_light(up) + sun_colour * (frame.to_sun.w * max(frame.to_sun.y, 0.0) / pi));
-  vec3 below = frame.ground.z > 0.5 ? floor_light : frame.floor_light.rgb * 0.75;
   vec3 horizon = sky_light(normalize(vec3(direction.x, 0.0, direction.z)));
-  float down = max(-direction.y, 0.0);
-  below = mix(horizon, below, 1.0 - exp(-9.0 * down));  // haze ends the floor
-  return direction.y > 0.0 ? sky_light(direction) : below;
+  return mix(horizon, floor_light, 1.0 - exp(9.0 * direction.y));  // haze ends the floor
 }
 
 vec2 place_of(vec4 clip) {
