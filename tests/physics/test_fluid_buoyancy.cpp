@@ -17,8 +17,12 @@ struct Basin {
   World world;
   ObjectId water, body;
 
-  Basin(double spacing, int across, int layers, int substeps)
-      : d(spacing), side(across * d), depth(layers * d), edge(0), world({.substeps = substeps}) {
+  Basin(double spacing, int across, int layers, int substeps, const FluidSettings& settings = {})
+      : d(spacing),
+        side(across * d),
+        depth(layers * d),
+        edge(0),
+        world({.substeps = substeps, .fluid = settings}) {
     const double w = 0.5 * side;
     world.add_collider(Plane{});
     for (const Vec3f& n : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
@@ -60,8 +64,9 @@ struct Basin {
 };
 
 /// Let down where it belongs, a little too high: how deep it hangs at rest, over its height. [-]
-double sunk(double density, SoftBodyModel model, int across = 36, int layers = 26) {
-  Basin basin(0.02, across, layers, 8);
+double sunk(double density, SoftBodyModel model, int across = 36, int layers = 26,
+            const FluidSettings& settings = {}) {
+  Basin basin(0.02, across, layers, 8, settings);
   basin.put(20, density, basin.depth - density / water_density * 20 * basin.d + 0.01, model);
   basin.run(2.5);
   double sum = 0;
@@ -91,6 +96,12 @@ TEST(FluidBuoyancy, ALightSoftCubeFloatsAsDeepAsItsDensitySlow) {
 // this cube floats 5 % of its height too high.
 TEST(FluidBuoyancy, AHeavyCubeFloatsAsDeepAsItsDensitySlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 46, 32), 0.9, 0.03);
+}
+
+// With more neighbours there is less order in the same channel.
+TEST(FluidBuoyancy, AHeavyCubeFloatsInANarrowBasinWithTheWideKernelSlow) {
+  EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 36, 26, {.kernel = SmoothingShape::wide_wendland}),
+              0.9, 0.015);
 }
 
 TEST(FluidBuoyancy, AHeavySoftCubeFloatsAsDeepAsItsDensitySlow) {
