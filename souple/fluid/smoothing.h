@@ -37,7 +37,7 @@ class Smoothing {
   ///
   ///   value(s) = H(d/2 + a (s - d/2)),   slope(s) = a H'(d/2 + a (s - d/2)),   a = 2
   ///
-  /// (2.2 for poly6 and the cubic spline, 2.45 for the wide one), H(-z) = 2 H(0) - H(z). A push by lambda
+  /// (2.2 for poly6 and the cubic spline, 2.4 for the wide one), H(-z) = 2 H(0) - H(z). A push by lambda
   /// slope then does as much work as the value gains: one that counts twice, for the fluid behind, stirs the
   /// fluid for ever. H and H' are scaled such that a layer of the lattice at d/2 has density 1, and that
   /// equal pressures do not push it.
