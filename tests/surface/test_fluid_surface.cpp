@@ -151,7 +151,7 @@ TEST(FluidSurface, OfAPoolAtRestIsFlat) {
     return (*high - *low) / 2;
   };
   const float stretched = unevenness(SurfaceMethod::anisotropic);
-  EXPECT_LT(stretched, 0.08f);
+  EXPECT_LT(stretched, 0.05f);
   EXPECT_LT(stretched, 0.6f * unevenness(SurfaceMethod::isotropic));
 }
 
