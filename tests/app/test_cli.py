@@ -550,7 +550,7 @@ class Stopping(Case):
         self.assert_same_contents("whole", "out")
 
     def test_surface_goes_on_with_the_run(self):
-        scene = self.scene(dict(WATER, frames=150))
+        scene = self.scene(dict(WATER, frames=80))
         self.souple("run", scene, "--out", "whole", "--surface", "anisotropic")
         run = self.start(scene, "--out", "out", "--surface", "anisotropic")
         drop = self.folder / "out_surface/tap_0012.obj"  # there are more particles than in the beginning
@@ -572,7 +572,7 @@ class Stopping(Case):
         self.assert_same_contents("whole_surface", "out_surface")
 
     def test_surface_of_a_killed_run(self):
-        scene = self.scene(dict(WATER, frames=150))
+        scene = self.scene(dict(WATER, frames=80))
         arguments = ["--surface", "anisotropic", "--checkpoint-every", 7]
         self.souple("run", scene, "--out", "whole", *arguments)
         run = self.start(scene, "--out", "out", *arguments)
