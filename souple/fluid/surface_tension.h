@@ -22,7 +22,7 @@ struct NearWall {
 /// jump to nothing.
 ///
 /// The paper has a factor of its own; here both follow from sigma [N/m], a = 0.3 sigma d and b = 2 sigma d
-/// (both 0.56 times that with poly6 and spiky, 1.17 times with the cubic spline, 0.6 times with the wide
+/// (both 0.56 times that with poly6 and spiky, 1.17 times with the cubic spline, 0.49 times with the wide
 /// one). Measured with them: drops of 6 to 16 spacings have a pressure of 0.85 to 1.05 times 2 sigma / R, and
 /// they swing as Rayleigh's do with a sigma within 5 %. Attraction alone (b = 0) makes cubes round, but
 /// presses no more on a small drop than on a large one; alone, b lets the surface evaporate. Attraction also
