@@ -13,10 +13,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
+#include <string_view>
 #include <utility>
 
 namespace souple {
+
+namespace detail {
+
+/// Throws Error: constraint number `constraint` of this kind names a particle that does not exist.
+[[noreturn]] void throw_missing_particle(std::string_view kind, std::size_t constraint,
+                                         std::uint32_t particle, std::size_t particle_count);
+
+}  // namespace detail
 
 /// Many constraints of one kind behind the Projector interface: this template is what gives a user's own
 /// struct the solvers, the colours and the report.
@@ -55,9 +63,7 @@ class SetProjector final : public Projector {
     kernels_ = find_kernels<Kind>(instruction_set());
     for (std::size_t i = 0; i < set_.size(); ++i)
       for (const std::uint32_t index : set_.indices(i))
-        if (index >= particle_count)
-          throw Error(std::string(kind()) + " " + std::to_string(i) + " names particle " +
-                      std::to_string(index) + ", but there are " + std::to_string(particle_count));
+        if (index >= particle_count) detail::throw_missing_particle(kind(), i, index, particle_count);
     dirty_ = false;
     split_ = {};
     arrange(colour_constraints(flat_indices(), Kind::arity, particle_count));

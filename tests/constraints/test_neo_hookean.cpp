@@ -1,5 +1,6 @@
 #include "souple/error.h"
 #include "tests/constraints/small_body.h"
+#include "tests/expect_error.h"
 
 #include <string>
 
@@ -259,6 +260,8 @@ TEST(NeoHookean, SagDoesNotDependOnSize) {
 TEST(NeoHookean, RefusesWhatIsNoMaterialOrNoTet) {
   EXPECT_THROW(NeoHookean::compliance(1e5, 0.5, 1), Error);
   EXPECT_THROW(NeoHookean::compliance(1e5, -0.1, 1), Error);
+  expect_error([] { NeoHookean::compliance(1e5, -1e-9, 1); },
+               {"Poisson's ratio is -1e-09", "a number from 0 to below 0.5"});
   EXPECT_THROW(NeoHookean::compliance(0, 0.3, 1), Error);
   EXPECT_THROW(NeoHookean::compliance(1e5, NAN, 1), Error);
   const Vec3d flat[4] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};

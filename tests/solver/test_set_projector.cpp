@@ -1,5 +1,6 @@
 #include "souple/constraints/distance.h"
 #include "souple/solver/set_projector.h"
+#include "tests/expect_error.h"
 
 #include <vector>
 
@@ -44,6 +45,13 @@ TEST(SetProjector, ComplianceDoesNotDependOnIterations) {
   for (int i = 0; i < substep.iterations; ++i) projector.project(0, view, substep);
   // alpha~ = 1, w = 1: the gap of 1 m is shared equally between spring and inertia.
   EXPECT_NEAR(view.relative(1, {}).x, 1.5f, 1e-6f);
+}
+
+TEST(SetProjector, SaysWhichParticleIsMissing) {
+  SetProjector<Distance> projector;
+  projector.add({0, 1}, {1.0f});
+  projector.add({1, 7}, {1.0f});
+  expect_error([&] { projector.prepare(3); }, {"distance 1 names particle 7, but there are 3"});
 }
 
 TEST(SetProjector, ErasingParticlesRenumbers) {
