@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -41,7 +43,7 @@ ColliderMotion ColliderMotion::fixed(const Transform& pose) {
 ColliderMotion ColliderMotion::keyframes(std::vector<PoseKey> keys, bool loop, std::string_view where) {
   if (keys.empty()) throw Error(std::string(where) + ": no keyframes; expected at least one");
   for (std::size_t k = 0; k < keys.size(); ++k) {
-    const std::string key = std::string(where) + ": keyframe " + std::to_string(k);
+    const std::string key = fmt::format("{}: keyframe {}", where, k);
     if (!std::isfinite(keys[k].time) || !souple::is_finite(keys[k].translation) ||
         !is_finite(keys[k].rotation))
       throw Error(key + " holds a number that is not finite");
@@ -77,7 +79,7 @@ Transform ColliderMotion::at(double time) const {
   if (callback_) {
     const Transform pose = callback_(time);
     if (!souple::is_finite(pose.translation) || !is_finite(pose.rotation))
-      throw Error("collider motion: the callback's pose at " + std::to_string(time) + " s is not finite");
+      throw Error(fmt::format("collider motion: the callback's pose at {:g} s is not finite", time));
     return {pose.translation, normalized(pose.rotation), 1};
   }
   if (keys_.empty()) return {};

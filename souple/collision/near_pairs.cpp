@@ -9,6 +9,8 @@
 #include <limits>
 #include <numeric>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -32,8 +34,8 @@ Bounds finite_or_endless(const Bounds& box) {
 
 void require(std::size_t is, std::size_t expected, const char* what) {
   if (is < expected)
-    throw Error(std::string("NearPairFinder: ") + what + " has " + std::to_string(is) + ", elements name " +
-                std::to_string(expected) + "; give one for each");
+    throw Error(
+        fmt::format("NearPairFinder: {} has {}, elements name {}; give one for each", what, is, expected));
 }
 
 kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& box, std::uint32_t marked) {

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -174,8 +176,7 @@ SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacin
 
 double SignedDistanceField::spacing_of(const TriangleMesh& mesh, int resolution) {
   if (resolution < 1)
-    throw Error("SignedDistanceField: resolution is " + std::to_string(resolution) +
-                "; expected at least 1 cell");
+    throw Error(fmt::format("SignedDistanceField: resolution is {}; expected at least 1 cell", resolution));
   const Vec3d size = bounding_box(mesh.positions).size();
   return max(size.x, max(size.y, size.z)) / resolution;
 }

@@ -8,6 +8,8 @@
 #include <bit>
 #include <limits>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -92,8 +94,7 @@ std::uint32_t SpatialHash::bucket_of(const Grid& grid, const Cells& cells, std::
 
 void SpatialHash::build(std::span<const Bounds> boxes, float cell_size, Threads& threads) {
   if (boxes.size() > most_boxes)
-    throw Error("SpatialHash: " + std::to_string(boxes.size()) + " boxes; at most " +
-                std::to_string(most_boxes) + " fit");
+    throw Error(fmt::format("SpatialHash: {} boxes; at most {} fit", boxes.size(), most_boxes));
   boxes_ = boxes;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
   chunks_ = (boxes.size() + chunk_size - 1) / chunk_size;

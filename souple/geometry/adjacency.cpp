@@ -6,6 +6,8 @@
 #include <numeric>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -57,8 +59,8 @@ std::uint32_t opposite_at(std::span<const Triangle> triangles, std::uint64_t pla
 
 [[noreturn]] void throw_out_of_range(const std::string& name, const char* kind, std::size_t element,
                                      std::uint32_t vertex, std::size_t vertex_count) {
-  throw Error(name + ": " + kind + " " + std::to_string(element) + " names vertex " + std::to_string(vertex) +
-              ", but there are " + std::to_string(vertex_count) + " vertices (numbered from 0)");
+  throw Error(fmt::format("{}: {} {} names vertex {}, but there are {} vertices (numbered from 0)", name,
+                          kind, element, vertex, vertex_count));
 }
 
 template <class Element>

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -19,8 +21,7 @@ std::uint32_t index32(std::int64_t i) {
 
 void require_count(const char* builder, const char* what, int value, int minimum) {
   if (value < minimum)
-    throw Error(std::string(builder) + ": " + what + " is " + std::to_string(value) + ", expected at least " +
-                std::to_string(minimum));
+    throw Error(fmt::format("{}: {} is {}, expected at least {}", builder, what, value, minimum));
 }
 
 void require_length(const char* builder, const char* what, double value) {

@@ -8,7 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -206,7 +207,7 @@ std::vector<std::uint32_t> usable_tets(const TetMesh& mesh) {
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
     for (const std::uint32_t v : mesh.tets[t])
       if (!is_finite(mesh.positions[v]))
-        throw Error("embedding: vertex " + std::to_string(v) + " of the tet mesh is not finite");
+        throw Error(fmt::format("embedding: vertex {} of the tet mesh is not finite", v));
     if (has_volume(mesh, mesh.tets[t])) usable.push_back(t);
   }
   if (usable.empty()) throw Error("embedding: the tet mesh has no tet with a volume");
@@ -222,11 +223,10 @@ Embedding embed(std::span<const Vec3d> points, const TetMesh& mesh) {
   result.weights.reserve(points.size());
   result.tets.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!is_finite(points[i])) throw Error("embedding: point " + std::to_string(i) + " is not finite");
+    if (!is_finite(points[i])) throw Error(fmt::format("embedding: point {} is not finite", i));
     const Host host = find_host(mesh, grid, points[i]);
     if (!std::isfinite(host.distance))
-      throw Error("embedding: point " + std::to_string(i) +
-                  " is too far from the tet mesh to measure the distance");
+      throw Error(fmt::format("embedding: point {} is too far from the tet mesh to measure the distance", i));
     result.tets.push_back(host.tet);
     result.vertices.push_back(mesh.tets[host.tet]);
     result.weights.push_back(barycentric(mesh, mesh.tets[host.tet], points[i]));

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -26,7 +28,7 @@ struct Rows {
 
 Rows rows_of(const Vec3d& lo, const Vec3d& hi, double spacing, const std::string& name) {
   if (!(spacing > 0) || !std::isfinite(spacing))
-    throw Error(name + ": the spacing is " + std::to_string(spacing) + " m, expected a positive number");
+    throw Error(fmt::format("{}: the spacing is {:g} m, expected a positive number", name, spacing));
   if (!is_finite(lo) || !is_finite(hi)) throw Error(name + ": a coordinate is not finite");
   Rows rows;
   rows.spacing = spacing;
@@ -34,12 +36,13 @@ Rows rows_of(const Vec3d& lo, const Vec3d& hi, double spacing, const std::string
   for (int axis = 0; axis < 3; ++axis) {
     const double fits = std::floor((hi[axis] - lo[axis]) / spacing + 1e-4);
     if (!(fits >= 1))
-      throw Error(name + ": is " + std::to_string(hi[axis] - lo[axis]) + " m wide along " + "xyz"[axis] +
-                  ", too small for a fluid with spacing " + std::to_string(spacing) + " m");
+      throw Error(fmt::format("{}: is {:g} m wide along {}, too small for a fluid with spacing {:g} m", name,
+                              hi[axis] - lo[axis], "xyz"[axis], spacing));
     all *= fits;
     if (all > most_points)
-      throw Error(name + ": would take more than 20 million particles of spacing " + std::to_string(spacing) +
-                  " m; enlarge the spacing");
+      throw Error(
+          fmt::format("{}: would take more than 20 million particles of spacing {:g} m; enlarge the spacing",
+                      name, spacing));
     rows.count[std::size_t(axis)] = std::size_t(fits);
     rows.origin[axis] = 0.5 * (lo[axis] + hi[axis] - spacing * (fits - 1));
   }
@@ -133,7 +136,7 @@ std::vector<Vec3d> fill(const TriangleMesh& surface, double spacing, const std::
     }
   }
   if (points.empty())
-    throw Error(name + ": no particle of spacing " + std::to_string(spacing) + " m fits inside");
+    throw Error(fmt::format("{}: no particle of spacing {:g} m fits inside", name, spacing));
   return points;
 }
 

@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 // How the lattice is cut. Space is filled with unit cubes; the lattice's points are their corners and their
 // centres. Two cubes that share a face give four tets: the segment between the two centres, with each of the
 // four edges of the face. Seen along axis d, the face of corners p0 p1 p2 p3 and its tets (quadrants) 0..3:
@@ -465,8 +467,8 @@ void check_options(const LatticeOptions& options, const std::string& name) {
     throw Error(name + ": the lattice's cell size is " + number(options.cell_size) +
                 ", expected a positive length in metres");
   if (count && options.cells > 10'000'000)
-    throw Error(name + ": the lattice's number of tets is " + std::to_string(options.cells) +
-                ", expected 1 to 10000000");
+    throw Error(
+        fmt::format("{}: the lattice's number of tets is {}, expected 1 to 10000000", name, options.cells));
 }
 
 }  // namespace
@@ -482,8 +484,8 @@ Lattice build_lattice(const TriangleMesh& mesh, const LatticeOptions& options, c
   Lattice lattice = options.cell_size > 0 ? lattice_of_size(solid, options.cell_size)
                                           : lattice_of_count(solid, static_cast<int>(options.cells));
   if (lattice.mesh.tets.empty())
-    throw Error(name + ": a lattice of " + std::to_string(options.cells) +
-                " tets is too fine for this surface; ask for fewer");
+    throw Error(fmt::format("{}: a lattice of {} tets is too fine for this surface; ask for fewer", name,
+                            options.cells));
   lattice.surface_volume = solid.volume;
   lattice.lattice_volume = tet_volume(lattice.mesh);
   lattice.pieces =

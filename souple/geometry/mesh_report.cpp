@@ -7,6 +7,8 @@
 #include <array>
 #include <numeric>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -71,16 +73,16 @@ void find_edges(MeshReport& report, const Weld& weld, std::span<const Triangle> 
 }
 
 std::string plural(std::size_t count, const std::string& singular, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? singular : many);
+  return fmt::format("{} {}", count, count == 1 ? singular : many);
 }
 
 std::string at_vertex(const Indices& list) {
-  return std::string(list.size() == 1 ? "" : "the first is ") + "number " + std::to_string(list[0]);
+  return fmt::format("{}number {}", list.size() == 1 ? "" : "the first is ", list[0]);
 }
 
 std::string at_edge(const std::vector<Edge>& list) {
-  return std::string(list.size() == 1 ? "" : "the first is ") + "between vertices " +
-         std::to_string(list[0][0]) + " and " + std::to_string(list[0][1]);
+  return fmt::format("{}between vertices {} and {}", list.size() == 1 ? "" : "the first is ", list[0][0],
+                     list[0][1]);
 }
 
 }  // namespace

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -31,8 +32,7 @@ struct Graph {
     for (const Edge& e : edges)
       for (const std::uint32_t v : e) {
         if (v >= vertex_count)
-          throw Error("reorder: an edge names vertex " + std::to_string(v) + ", but there are " +
-                      std::to_string(vertex_count));
+          throw Error(fmt::format("reorder: an edge names vertex {}, but there are {}", v, vertex_count));
         ++begin[v + std::size_t(1)];
       }
     std::partial_sum(begin.begin(), begin.end(), begin.begin());

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -21,14 +23,12 @@ std::vector<CornerUvs> fan_uvs(const TriangleMesh& mesh) {
   result.reserve(mesh.triangles.size());
   for (const std::vector<std::uint32_t>& face : mesh.face_uvs) {
     for (const std::uint32_t uv : face)
-      if (uv >= mesh.uvs.size())
-        throw_mismatch("UV index " + std::to_string(uv) + " of " + std::to_string(mesh.uvs.size()));
+      if (uv >= mesh.uvs.size()) throw_mismatch(fmt::format("UV index {} of {}", uv, mesh.uvs.size()));
     for (std::size_t i = 0; i + 2 < face.size(); ++i)
       result.push_back({mesh.uvs[face[0]], mesh.uvs[face[i + 1]], mesh.uvs[face[i + 2]]});
   }
   if (result.size() != mesh.triangles.size())
-    throw_mismatch(std::to_string(result.size()) + " triangles with UVs of " +
-                   std::to_string(mesh.triangles.size()));
+    throw_mismatch(fmt::format("{} triangles with UVs of {}", result.size(), mesh.triangles.size()));
   return result;
 }
 
@@ -55,8 +55,8 @@ std::optional<std::vector<CornerUvs>> triangle_uvs(const TriangleMesh& mesh) {
   if (mesh.uvs.empty()) return std::nullopt;
   if (!mesh.face_uvs.empty()) return fan_uvs(mesh);
   if (mesh.uvs.size() != mesh.positions.size())
-    throw_mismatch(std::to_string(mesh.uvs.size()) + " UVs for " + std::to_string(mesh.positions.size()) +
-                   " vertices, and no face says which it uses");
+    throw_mismatch(fmt::format("{} UVs for {} vertices, and no face says which it uses", mesh.uvs.size(),
+                               mesh.positions.size()));
   check_indices(mesh);
   std::vector<CornerUvs> result;
   result.reserve(mesh.triangles.size());

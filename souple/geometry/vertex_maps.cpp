@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -18,8 +20,8 @@ void fill_group(std::vector<float>& map, const TriangleMesh& mesh, const std::st
   }
   for (const std::uint32_t v : found->second) {
     if (v >= map.size())
-      throw Error("group '" + group + "' names vertex " + std::to_string(v) + ", but there are " +
-                  std::to_string(map.size()) + " vertices (numbered from 0)");
+      throw Error(fmt::format("group '{}' names vertex {}, but there are {} vertices (numbered from 0)",
+                              group, v, map.size()));
     map[v] = value;
   }
 }
@@ -41,16 +43,14 @@ std::vector<float> map_from_groups(const TriangleMesh& mesh, const std::map<std:
 std::vector<float> map_from_colours(const TriangleMesh& mesh, ColourChannel channel, float low, float high) {
   if (mesh.colours.empty() || mesh.colours.size() != mesh.positions.size())
     throw Error(
-        "the mesh has " + std::to_string(mesh.colours.size()) + " vertex colours for " +
-        std::to_string(mesh.positions.size()) +
-        " vertices; a map from colours needs one each: paint them, or save the mesh in a format that keeps "
-        "them (PLY)");
+        fmt::format("the mesh has {} vertex colours for {} vertices; a map from colours needs one each: "
+                    "paint them, or save the mesh in a format that keeps them (PLY)",
+                    mesh.colours.size(), mesh.positions.size()));
   std::vector<float> map;
   map.reserve(mesh.colours.size());
   for (std::size_t v = 0; v < mesh.colours.size(); ++v) {
     const float value = mesh.colours[v][static_cast<int>(channel)];
-    if (!std::isfinite(value))
-      throw Error("the colour of vertex " + std::to_string(v) + " is not a finite number");
+    if (!std::isfinite(value)) throw Error(fmt::format("the colour of vertex {} is not a finite number", v));
     map.push_back(low + (high - low) * std::clamp(value, 0.0f, 1.0f));
   }
   return map;

@@ -7,7 +7,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -145,9 +146,8 @@ WeldedTriangles weld_triangles(const Weld& weld, std::span<const Triangle> trian
     Triangle welded{};
     for (std::size_t i = 0; i < 3; ++i) {
       if (triangles[t][i] >= weld.to_welded.size())
-        throw Error("weld: triangle " + std::to_string(t) + " names vertex " +
-                    std::to_string(triangles[t][i]) + ", but the weld has " +
-                    std::to_string(weld.to_welded.size()) + " vertices");
+        throw Error(fmt::format("weld: triangle {} names vertex {}, but the weld has {} vertices", t,
+                                triangles[t][i], weld.to_welded.size()));
       welded[i] = weld.to_welded[triangles[t][i]];
     }
     if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;

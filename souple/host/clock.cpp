@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple::host {
 
 Clock::Clock(const ClockOptions& options) : longest_step_(options.longest_step) {
   if (!(longest_step_ > 0))
-    throw Error("clock: longest_step is " + std::to_string(longest_step_) + " s, expected more than 0");
+    throw Error(fmt::format("clock: longest_step is {} s, expected more than 0", longest_step_));
   dt_ = std::min(dt_, longest_step_);
 }
 

@@ -9,6 +9,8 @@
 #include <map>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 /// What a Grab and its projector share; either may go first.
@@ -300,8 +302,8 @@ void require_finite(const Vec3f& point, const char* what) {
 void require_usable(const GrabOptions& options) {
   if (!(options.max_force >= 0) || !std::isfinite(options.max_force) || !(options.stiffness >= 0) ||
       !std::isfinite(options.stiffness))
-    throw Error("grab: max_force is " + std::to_string(options.max_force) + " N and stiffness " +
-                std::to_string(options.stiffness) + " N/m, expected finite numbers >= 0");
+    throw Error(fmt::format("grab: max_force is {} N and stiffness {} N/m, expected finite numbers >= 0",
+                            options.max_force, options.stiffness));
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple::host {
 
 namespace {
@@ -23,8 +25,7 @@ Placement Placement::of(const float* matrix, const char* name) {
   Placement placement;
   if (matrix == nullptr) return placement;
   for (int i = 0; i < 16; ++i) {
-    if (!std::isfinite(matrix[i]))
-      throw Error(std::string(name) + ": entry " + std::to_string(i) + " is not finite");
+    if (!std::isfinite(matrix[i])) throw Error(fmt::format("{}: entry {} is not finite", name, i));
     if (i % 4 == 3 && std::abs(matrix[i] - (i == 15 ? 1.0 : 0.0)) > rounding)
       throw Error(std::string(name) +
                   ": its last row is not (0, 0, 0, 1); expected a column-major matrix "

@@ -9,13 +9,14 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::host {
 
 namespace {
 
 void require_stride(std::size_t stride, const std::string& name) {
-  if (stride < 3)
-    throw Error(name + ": the stride is " + std::to_string(stride) + " floats, expected 3 or more");
+  if (stride < 3) throw Error(fmt::format("{}: the stride is {} floats, expected 3 or more", name, stride));
 }
 
 std::vector<Vec3d> read_positions(const Soup& soup, const std::string& name) {
@@ -28,7 +29,7 @@ std::vector<Vec3d> read_positions(const Soup& soup, const std::string& name) {
     const float* x = soup.positions + v * soup.stride;
     positions[v] = Vec3d(Vec3f(x[0], x[1], x[2]));
     if (!is_finite(positions[v]))
-      throw Error(name + ": the position of vertex " + std::to_string(v) + " is not finite");
+      throw Error(fmt::format("{}: the position of vertex {} is not finite", name, v));
   }
   return positions;
 }
@@ -55,8 +56,7 @@ SoupWeld::SoupWeld(const Soup& soup, double tolerance, const std::string& name) 
   mesh.positions = read_positions(soup, name);
   check_indices(mesh, name.c_str());
   if (!(tolerance >= 0) || !std::isfinite(tolerance))
-    throw Error(name + ": the weld tolerance is " + std::to_string(tolerance) +
-                ", expected a finite length >= 0");
+    throw Error(fmt::format("{}: the weld tolerance is {}, expected a finite length >= 0", name, tolerance));
   Weld weld = weld_vertices(mesh.positions, tolerance);
   positions_ = gather<Vec3d>(weld, mesh.positions);
   particle_of_ = std::move(weld.to_welded);

@@ -10,6 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -58,9 +60,9 @@ class MeshFrames final : public PointFrames {
   void read(std::uint64_t frame, std::span<Vec3f> positions) override {
     const std::vector<Vec3f> mesh = read_mesh_(files_[frame].path);
     if (mesh.size() != points_)
-      throw Error(files_[frame].path.string() + ": has " + std::to_string(mesh.size()) + " vertices, " +
-                  files_.front().path.string() + " has " + std::to_string(points_) +
-                  "; all files of a sequence need the same vertices");
+      throw Error(
+          fmt::format("{}: has {} vertices, {} has {}; all files of a sequence need the same vertices",
+                      files_[frame].path.string(), mesh.size(), files_.front().path.string(), points_));
     std::copy(mesh.begin(), mesh.end(), positions.begin());
   }
 
@@ -111,8 +113,7 @@ AnimatedPoints::AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string 
   for (std::uint64_t frame = 0; frame < frames_->frames(); ++frame) {
     const double time = frames_->time(frame);
     if (!std::isfinite(time) || (frame > 0 && !(time > times_.back())))
-      throw Error(name_ + ": the time of frame " + std::to_string(frame) +
-                  " is not later than that before it");
+      throw Error(fmt::format("{}: the time of frame {} is not later than that before it", name_, frame));
     times_.push_back(time);
   }
   for (Loaded& loaded : loaded_) loaded.frame = no_frame;
@@ -142,8 +143,7 @@ const std::vector<Vec3f>& AnimatedPoints::load(std::uint64_t frame) {
   frames_->read(frame, loaded.positions);
   for (std::size_t i = 0; i < loaded.positions.size(); ++i) {
     if (!is_finite(loaded.positions[i]))
-      throw Error(name_ + ": point " + std::to_string(i) + " of frame " + std::to_string(frame) +
-                  " is not finite");
+      throw Error(fmt::format("{}: point {} of frame {} is not finite", name_, i, frame));
   }
   loaded.frame = frame;
   return loaded.positions;
@@ -152,8 +152,7 @@ const std::vector<Vec3f>& AnimatedPoints::load(std::uint64_t frame) {
 void AnimatedPoints::evaluate(double time, std::span<Vec3f> positions) {
   if (!std::isfinite(time)) throw Error(name_ + ": was asked for its positions at a time that is not finite");
   if (positions.size() != points())
-    throw Error(name_ + ": has " + std::to_string(points()) + " points, " + std::to_string(positions.size()) +
-                " were asked for");
+    throw Error(fmt::format("{}: has {} points, {} were asked for", name_, points(), positions.size()));
   const double t = time - start_time_;
   const auto later = std::upper_bound(times_.begin(), times_.end(), t);
   const auto after = static_cast<std::uint64_t>(later - times_.begin());

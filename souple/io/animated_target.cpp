@@ -3,9 +3,10 @@
 #include "souple/error.h"
 
 #include <limits>
-#include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/core.h>
 
 namespace souple {
 
@@ -18,9 +19,10 @@ class Following {
 
   Vec3d at(std::uint32_t vertex, double time) {
     if (vertex >= now_.size())
-      throw Error("animated_target: the animation has " + std::to_string(now_.size()) +
-                  " points, none for vertex " + std::to_string(vertex) +
-                  "; expected one for each vertex of the object");
+      throw Error(
+          fmt::format("animated_target: the animation has {} points, none for vertex {}; expected one for "
+                      "each vertex of the object",
+                      now_.size(), vertex));
     if (time != time_) {
       time_ = std::numeric_limits<double>::quiet_NaN();  // in case evaluate throws
       points_->evaluate(time, now_);

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #ifdef SOUPLE_WITH_ASSIMP
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
@@ -78,9 +80,9 @@ class SceneReader {
       const Vec3d position(double(p.x), double(p.y), double(p.z));
       const double size = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
       if (!is_finite(position) || size > largest_coordinate) {
-        throw Error(name_ + ": vertex " + std::to_string(first + i) +
-                    ": found a coordinate that is not finite or too large, " +
-                    "expected numbers within 1e18");
+        throw Error(fmt::format(
+            "{}: vertex {}: found a coordinate that is not finite or too large, expected numbers within 1e18",
+            name_, first + i));
       }
       mesh_.positions.push_back(position);
     }
@@ -99,8 +101,8 @@ class SceneReader {
     for (unsigned i = 0; i < face.mNumIndices; ++i) {
       const unsigned corner = face.mIndices[i];
       if (corner >= part.mNumVertices) {
-        throw Error(name_ + ": found vertex index " + std::to_string(corner) + " in a mesh of " +
-                    std::to_string(part.mNumVertices) + " vertices, expected a smaller one");
+        throw Error(fmt::format("{}: found vertex index {} in a mesh of {} vertices, expected a smaller one",
+                                name_, corner, part.mNumVertices));
       }
       faces_.corners.push_back(std::uint32_t(first + corner));
       faces_.corner_uvs.push_back(part.HasTextureCoords(0) ? std::uint32_t(first_uv + corner)

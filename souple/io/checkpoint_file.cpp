@@ -12,6 +12,8 @@
 #include <optional>
 #include <span>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -74,8 +76,8 @@ class Reader {
 
   std::span<const std::byte> take(std::uint64_t size, const char* what) {
     if (size > left_.size())
-      throw Error(name_ + ": is damaged: its " + what + " is said to have " + std::to_string(size) +
-                  " bytes, but only " + std::to_string(left_.size()) + " are left");
+      throw Error(fmt::format("{}: is damaged: its {} is said to have {} bytes, but only {} are left", name_,
+                              what, size, left_.size()));
     const auto taken = left_.first(size);
     left_ = left_.subspan(size);
     return taken;
@@ -123,7 +125,7 @@ Checkpoint decode_payload(std::span<const std::byte> bytes, const std::string& n
   const auto state = reader.block("state");
   checkpoint.state.assign(state.begin(), state.end());
   if (reader.left() != 0)
-    throw Error(name + ": is damaged: " + std::to_string(reader.left()) + " bytes follow its end");
+    throw Error(fmt::format("{}: is damaged: {} bytes follow its end", name, reader.left()));
   return checkpoint;
 }
 
@@ -142,7 +144,7 @@ void check_version(const std::string& name, const std::string& written_by, const
     throw Error(name + ": was written by Souple " + written_by + ", this is " + this_version +
                 "; resume it with the version that wrote it");
   if (format != known_format)
-    throw Error(name + ": has format " + std::to_string(format) + ", which no version of Souple wrote");
+    throw Error(fmt::format("{}: has format {}, which no version of Souple wrote", name, format));
 }
 
 /// Returns the payload.
@@ -151,17 +153,15 @@ std::span<const std::byte> check_container(std::span<const std::byte> bytes, con
   if (bytes.size() < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
     throw Error(name + ": is not a checkpoint of Souple");
   if (bytes.size() < header_size)
-    throw Error(name + ": is cut short: it has " + std::to_string(bytes.size()) +
-                " bytes, not even a header");
+    throw Error(fmt::format("{}: is cut short: it has {} bytes, not even a header", name, bytes.size()));
   if (load<order, std::uint64_t>(&bytes[56]) != fnv1a64(bytes.first(56)))
     throw Error(name + ": is damaged: the checksum of its header is wrong");
   check_version(name, version_in(bytes), this_version, load<order, std::uint32_t>(&bytes[8]));
   const auto payload = bytes.subspan(header_size);
   const auto size = load<order, std::uint64_t>(&bytes[32]);
   if (size != payload.size())
-    throw Error(name + ": " + (size > payload.size() ? "is cut short" : "is damaged") + ": " +
-                std::to_string(size) + " bytes should follow its header, there are " +
-                std::to_string(payload.size()));
+    throw Error(fmt::format("{}: {}: {} bytes should follow its header, there are {}", name,
+                            size > payload.size() ? "is cut short" : "is damaged", size, payload.size()));
   if (load<order, std::uint64_t>(&bytes[40]) != fnv1a64(payload))
     throw Error(name +
                 ": is damaged: its checksum is wrong; use an earlier checkpoint or start the run anew");

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/core.h>
+
 #if defined(_WIN32)
 #include <io.h>
 #else
@@ -94,7 +96,7 @@ void File::read(std::uint64_t offset, std::span<std::byte> bytes) {
   std::FILE* file = seek(offset);
   if (std::fread(bytes.data(), 1, bytes.size(), file) == bytes.size()) return;
   if (std::ferror(file)) fail("cannot be read");
-  throw Error(path_.string() + ": ends before byte " + std::to_string(offset + bytes.size()));
+  throw Error(fmt::format("{}: ends before byte {}", path_.string(), offset + bytes.size()));
 }
 
 void File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -131,7 +133,7 @@ ByteSource::ByteSource(std::string bytes, std::string name)
 
 void ByteSource::read(std::uint64_t offset, std::span<std::byte> bytes) {
   if (offset > size_ || bytes.size() > size_ - offset)
-    throw Error(name_ + ": ends at byte " + std::to_string(size_) + ", more was expected");
+    throw Error(fmt::format("{}: ends at byte {}, more was expected", name_, size_));
   if (bytes.empty()) return;
   if (file_)
     file_->read(offset, bytes);

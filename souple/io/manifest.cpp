@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 namespace souple {
@@ -30,7 +31,7 @@ std::string reason(const nlohmann::json::exception& error) {
 Json parse_json(std::string_view text, const std::string& name) {
   const auto limit_depth = [&name](int depth, Json::parse_event_t, Json&) {
     if (depth > largest_depth)
-      throw Error(name + ": is nested deeper than " + std::to_string(largest_depth) + " levels");
+      throw Error(fmt::format("{}: is nested deeper than {} levels", name, largest_depth));
     return true;
   };
   try {
@@ -97,7 +98,7 @@ struct Place {
 };
 
 Place item(const Place& array, std::size_t index) {
-  return {array.value[index], array.path + "[" + std::to_string(index) + "]"};
+  return {array.value[index], fmt::format("{}[{}]", array.path, index)};
 }
 
 /// The value of a key that must be there.
@@ -209,8 +210,7 @@ void check_reports(const Place& place, const std::vector<FrameReport>& reports, 
   for (std::size_t i = 0; i < reports.size(); ++i) {
     const Place frame = member(item(place, i), "frame");
     if (reports[i].frame < 1 || reports[i].frame > frames)
-      frame.fail(std::to_string(reports[i].frame) + " is not one of the " + std::to_string(frames) +
-                 " frames");
+      frame.fail(fmt::format("{} is not one of the {} frames", reports[i].frame, frames));
     if (i > 0 && reports[i].frame <= reports[i - 1].frame) frame.fail("is not later than the one before");
   }
 }
@@ -236,8 +236,8 @@ void check_format(const Place& root) {
   const auto version = root.value.find("version");
   const std::string writer =
       version != root.value.end() && version->is_string() ? version->get<std::string>() : "?";
-  root.fail("was written by Souple " + writer + " in format " + std::to_string(format) +
-            "; this version reads format 1");
+  root.fail(
+      fmt::format("was written by Souple {} in format {}; this version reads format 1", writer, format));
 }
 
 RunManifest read_root(const Place& root) {
@@ -264,15 +264,14 @@ RunManifest read_root(const Place& root) {
 
 std::string manifest_text(const RunManifest& manifest) {
   try {
-    return "{\n\"souple_run\": 1,\n\"version\": " + Json(manifest.version).dump() +
-           ",\n\"complete\": " + (manifest.complete ? "true" : "false") +
-           ",\n\"frame_rate\": " + Json(manifest.frame_rate).dump() +
-           ",\n\"frames\": " + std::to_string(manifest.frames) +
-           ",\n\"scene\": " + embedded(manifest.scene, "the scene of a run").dump() +
-           ",\n\"settings\": " + embedded(manifest.settings, "the settings of a run").dump() +
-           ",\n\"objects\": " + lines_of(manifest.objects) + ",\n\"notes\": " + Json(manifest.notes).dump() +
-           ",\n\"reports\": " + lines_of(manifest.reports) +
-           ",\n\"timings\": " + timings(manifest.reports).dump() + "\n}\n";
+    return fmt::format(
+        "{{\n\"souple_run\": 1,\n\"version\": {},\n\"complete\": {},\n"
+        "\"frame_rate\": {},\n\"frames\": {},\n\"scene\": {},\n\"settings\": {},\n"
+        "\"objects\": {},\n\"notes\": {},\n\"reports\": {},\n\"timings\": {}\n}}\n",
+        Json(manifest.version).dump(), manifest.complete ? "true" : "false", Json(manifest.frame_rate).dump(),
+        manifest.frames, embedded(manifest.scene, "the scene of a run").dump(),
+        embedded(manifest.settings, "the settings of a run").dump(), lines_of(manifest.objects),
+        Json(manifest.notes).dump(), lines_of(manifest.reports), timings(manifest.reports).dump());
   } catch (const nlohmann::json::exception& error) {  // a name that is not UTF-8
     throw Error("run.json cannot be written: " + reason(error));
   }

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -37,9 +39,9 @@ Header read_header(ByteSource& source) {
   const Header header{load<order, std::uint32_t>(&bytes[0]), load<order, std::uint32_t>(&bytes[4])};
   point_cache::check_header(source.name(), {header.points, header.frames});
   if (4 * header.frames > source.size() - header_size)
-    throw Error(source.name() + ": its header says " + std::to_string(header.frames) +
-                " frames, more than its size of " + std::to_string(source.size()) +
-                " bytes allows; it is cut short or damaged");
+    throw Error(fmt::format(
+        "{}: its header says {} frames, more than its size of {} bytes allows; it is cut short or damaged",
+        source.name(), header.frames, source.size()));
   return header;
 }
 

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple::mesh_detail {
 
 float ByteScanner::real32(const char* what) {
@@ -21,16 +23,16 @@ double ByteScanner::real64(const char* what) {
 
 void ByteScanner::require_coordinate(double value, const char* what) const {
   if (!(std::abs(value) <= largest_coordinate)) {
-    fail(std::to_string(value), std::string("a finite number within 1e18 (") + what + ")");
+    fail(fmt::format("{:g}", value), fmt::format("a finite number within 1e18 ({})", what));
   }
 }
 
 void ByteScanner::require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const {
   const std::uint64_t room = remaining() / bytes_each;
   if (count > room) {
-    fail(std::to_string(count) + " (" + what + ")",
-         "at most " + std::to_string(room) +
-             ", for which the file is long enough; it is cut short or its count is wrong");
+    fail(fmt::format("{} ({})", count, what),
+         fmt::format("at most {}, for which the file is long enough; it is cut short or its count is wrong",
+                     room));
   }
 }
 
@@ -39,8 +41,7 @@ void ByteScanner::fail_end(const char* what) const {
 }
 
 void ByteScanner::fail(std::string_view found, std::string_view expected) const {
-  throw Error(name_ + ": byte " + std::to_string(first_ + at_) + ": found " + std::string(found) +
-              ", expected " + std::string(expected));
+  throw Error(fmt::format("{}: byte {}: found {}, expected {}", name_, first_ + at_, found, expected));
 }
 
 }  // namespace souple::mesh_detail

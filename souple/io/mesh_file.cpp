@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -53,8 +55,9 @@ void check_scale(const std::filesystem::path& path, const MeshImport& options) {
   // Up to 1e18 units of 1e9 m still fit a float.
   constexpr double largest_scale = 1e9;
   if (options.scale > 0.0 && options.scale <= largest_scale) return;
-  throw Error(path.string() + ": found the scale " + std::to_string(options.scale) +
-              ", expected metres per unit of the file, greater than 0 and at most 1e9");
+  throw Error(fmt::format(
+      "{}: found the scale {}, expected metres per unit of the file, greater than 0 and at most 1e9",
+      path.string(), options.scale));
 }
 
 TriangleMesh read_surface(const std::filesystem::path& path) {

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple::mesh_detail {
 
 namespace {
@@ -159,13 +161,13 @@ std::int64_t TextScanner::integer_from(std::string_view word, const char* what) 
 
 std::size_t TextScanner::count(const char* what, std::size_t bytes_each) {
   const std::int64_t value = integer(what);
-  if (value < 0) fail(std::to_string(value), std::string("an integer >= 0 (") + what + ")");
+  if (value < 0) fail(fmt::format("{}", value), fmt::format("an integer >= 0 ({})", what));
   // The last item of a text needs no blank behind it.
   const std::size_t room = (remaining() + 1) / bytes_each;
   if (std::uint64_t(value) > room) {
-    fail(std::to_string(value) + " (" + what + ")",
-         "at most " + std::to_string(room) +
-             ", for which the file is long enough; it is cut short or its count is wrong");
+    fail(fmt::format("{} ({})", value, what),
+         fmt::format("at most {}, for which the file is long enough; it is cut short or its count is wrong",
+                     room));
   }
   return std::size_t(value);
 }
@@ -181,8 +183,8 @@ void TextScanner::fail(std::string_view found, std::string_view expected) const 
 
 void TextScanner::fail_at(std::size_t line, std::string_view found, std::string_view expected) const {
   const std::string place =
-      rules_.bytes_in_errors ? ": byte " + std::to_string(offset()) : ":" + std::to_string(line);
-  throw Error(name_ + place + ": found " + std::string(found) + ", expected " + std::string(expected));
+      rules_.bytes_in_errors ? fmt::format(": byte {}", offset()) : fmt::format(":{}", line);
+  throw Error(fmt::format("{}{}: found {}, expected {}", name_, place, found, expected));
 }
 
 }  // namespace souple::mesh_detail

@@ -8,6 +8,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -31,8 +33,8 @@ void append_vector(std::string& out, const Vec3f& v) {
 
 void require_positions(const TriangleMesh& mesh, std::span<const Vec3f> positions) {
   if (positions.size() == mesh.positions.size()) return;
-  throw Error("writing a mesh: found " + std::to_string(positions.size()) + " positions, expected " +
-              std::to_string(mesh.positions.size()) + ", one for each of its vertices");
+  throw Error(fmt::format("writing a mesh: found {} positions, expected {}, one for each of its vertices",
+                          positions.size(), mesh.positions.size()));
 }
 
 std::size_t face_count(const TriangleMesh& mesh) {
@@ -175,8 +177,10 @@ class TopologyWriter {
 };
 
 std::string ply_header(std::size_t vertices) {
-  return "ply\nformat binary_little_endian 1.0\ncomment written by Souple\nelement vertex " +
-         std::to_string(vertices) + "\nproperty float x\nproperty float y\nproperty float z\n";
+  return fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment written by Souple\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n",
+      vertices);
 }
 
 void append_bytes(std::string& out, const Vec3f& v) {
@@ -250,8 +254,8 @@ std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions
   std::string out = ply_header(positions.size());
   if (!mesh.colours.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (has_uvs) out += "property float u\nproperty float v\n";
-  out += "element face " + std::to_string(face_count(mesh)) + "\nproperty list " +
-         (long_lists ? "uint" : "uchar") + " uint vertex_indices\nend_header\n";
+  out += fmt::format("element face {}\nproperty list {} uint vertex_indices\nend_header\n", face_count(mesh),
+                     long_lists ? "uint" : "uchar");
   for (std::size_t i = 0; i < positions.size(); ++i) {
     append_bytes(out, positions[i]);
     if (!mesh.colours.empty()) {
@@ -268,8 +272,9 @@ std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions
 
 std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
   if (!velocities.empty() && velocities.size() != points.size()) {
-    throw Error("writing particles: found " + std::to_string(velocities.size()) + " velocities, expected " +
-                std::to_string(points.size()) + ", one for each point, or none");
+    throw Error(
+        fmt::format("writing particles: found {} velocities, expected {}, one for each point, or none",
+                    velocities.size(), points.size()));
   }
   std::string out = ply_header(points.size());
   if (!velocities.empty()) out += "property float vx\nproperty float vy\nproperty float vz\n";
@@ -307,8 +312,10 @@ std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> no
 std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
                       std::span<const Triangle> triangles) {
   std::string out = ply_header(positions.size());
-  out += "property float nx\nproperty float ny\nproperty float nz\nelement face " +
-         std::to_string(triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
+  out += fmt::format(
+      "property float nx\nproperty float ny\nproperty float nz\n"
+      "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+      triangles.size());
   for (std::size_t i = 0; i < positions.size(); ++i)
     append_bytes(out, positions[i]), append_bytes(out, normals[i]);
   for (const Triangle& triangle : triangles) {

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -67,7 +69,7 @@ class ObjReader {
       values[count++] = scanner_.coordinate_from(word, "coordinate or colour of a vertex");
     }
     if (count != 3 && count != 4 && count != 6) {
-      scanner_.fail(std::to_string(count) + " numbers",
+      scanner_.fail(fmt::format("{} numbers", count),
                     "3, 4 or 6 numbers after v (x y z, x y z w or x y z r g b)");
     }
     const Vec3f white{1.0f, 1.0f, 1.0f};
@@ -83,7 +85,7 @@ class ObjReader {
   float colour(double value) const {
     constexpr double rounding = 1e-3;
     if (value < -rounding || value > 1.0 + rounding) {
-      scanner_.fail("the colour " + std::to_string(value), "a vertex colour from 0 to 1");
+      scanner_.fail(fmt::format("the colour {}", value), "a vertex colour from 0 to 1");
     }
     return float(std::clamp(value, 0.0, 1.0));
   }
@@ -99,7 +101,7 @@ class ObjReader {
     const std::size_t begin = faces_.corners.size();
     for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) read_corner(word);
     const std::size_t count = faces_.corners.size() - begin;
-    if (count < 3) scanner_.fail(std::to_string(count) + " corners", "at least 3 corners in a face");
+    if (count < 3) scanner_.fail(fmt::format("{} corners", count), "at least 3 corners in a face");
     const auto has_no_uv = [](std::uint32_t uv) { return uv == FaceList::no_uv; };
     const auto without = std::size_t(
         std::count_if(faces_.corner_uvs.begin() + std::ptrdiff_t(begin), faces_.corner_uvs.end(), has_no_uv));
@@ -154,7 +156,7 @@ class ObjReader {
 
   [[noreturn]] void fail_range(std::size_t line, std::string_view index, std::size_t listed) const {
     scanner_.fail_at(line, "index " + std::string(index.substr(0, 24)),
-                     "at most " + std::to_string(listed) + ", the number that the file lists");
+                     fmt::format("at most {}, the number that the file lists", listed));
   }
 
   void read_group() {
@@ -213,7 +215,8 @@ class ObjReader {
   }
 
   void check(const LargestIndex& largest, std::size_t listed) const {
-    if (largest.count_needed > listed) fail_range(largest.line, std::to_string(largest.count_needed), listed);
+    if (largest.count_needed > listed)
+      fail_range(largest.line, fmt::format("{}", largest.count_needed), listed);
   }
 
   TextScanner scanner_;

@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -38,15 +40,17 @@ class BigEndian {
 
 // The VTK User's Guide, "Simple legacy formats".
 std::string vtk_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
-  const std::string count = std::to_string(points.size());
+  const std::size_t count = points.size();
   BigEndian out;
-  out.put_text("# vtk DataFile Version 3.0\nparticles written by Souple\nBINARY\nDATASET POLYDATA\nPOINTS " +
-               count + " float\n");
+  out.put_text(
+      fmt::format("# vtk DataFile Version 3.0\nparticles written by Souple\nBINARY\nDATASET POLYDATA\n"
+                  "POINTS {} float\n",
+                  count));
   for (const Vec3f& x : points) out.put(x);
-  out.put_text("\nVERTICES " + count + " " + std::to_string(2 * points.size()) + "\n");
+  out.put_text(fmt::format("\nVERTICES {} {}\n", count, 2 * count));
   for (std::uint32_t i = 0; i < points.size(); ++i) out.put(std::uint32_t{1}), out.put(i);
   if (!velocities.empty()) {
-    out.put_text("\nPOINT_DATA " + count + "\nVECTORS velocity float\n");
+    out.put_text(fmt::format("\nPOINT_DATA {}\nVECTORS velocity float\n", count));
     for (const Vec3f& v : velocities) out.put(v);
   }
   out.put_text("\n");
@@ -125,8 +129,8 @@ std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path
   if (!header) return std::nullopt;
   const std::size_t bytes_each = 4 * header->floats, held = (text.size() - header->begin) / bytes_each;
   if (held < header->points)
-    throw Error(path.string() + ": holds " + std::to_string(held) + " points, its header says " +
-                std::to_string(header->points) + "; it is damaged");
+    throw Error(fmt::format("{}: holds {} points, its header says {}; it is damaged", path.string(), held,
+                            header->points));
   ParticleFrame frame;
   frame.positions.resize(header->points);
   if (header->floats == 6) frame.velocities.resize(header->points);
@@ -154,8 +158,9 @@ std::string_view particle_format_name(ParticleFormat format) {
 std::string particle_bytes(ParticleFormat format, std::span<const Vec3f> points,
                            std::span<const Vec3f> velocities) {
   if (!velocities.empty() && velocities.size() != points.size())
-    throw Error("writing particles: found " + std::to_string(velocities.size()) + " velocities, expected " +
-                std::to_string(points.size()) + ", one for each point, or none");
+    throw Error(
+        fmt::format("writing particles: found {} velocities, expected {}, one for each point, or none",
+                    velocities.size(), points.size()));
   switch (format) {
     case ParticleFormat::vtk:
       return vtk_bytes(points, velocities);

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -46,7 +48,7 @@ Header read_header(ByteSource& source) {
                 ": is not a PC2 file: it does not begin with POINTCACHE2 and a header of 32 bytes");
   const auto version = load<order, std::uint32_t>(&bytes[12]);
   if (version != 1)
-    throw Error(source.name() + ": is PC2 version " + std::to_string(version) + ", only version 1 is known");
+    throw Error(fmt::format("{}: is PC2 version {}, only version 1 is known", source.name(), version));
   const Header header{load<order, std::uint32_t>(&bytes[16]), load_float<order>(&bytes[20]),
                       load_float<order>(&bytes[24]), load<order, std::uint32_t>(&bytes[28])};
   point_cache::check_header(source.name(), {header.points, header.frames});

@@ -17,6 +17,8 @@
 #include <utility>
 #include <variant>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace fs = std::filesystem;
@@ -125,11 +127,12 @@ void Track::open_cache(const Run& run, const ManifestObject& listed, const char*
   points_ = std::visit([](const auto& reader) { return reader.points(); }, *cache_);
   cache_frames_ = std::visit([](const auto& reader) { return reader.frames(); }, *cache_);
   if (file && cache_frames_ < file->frames)
-    throw Error(cache_name_ + ": holds " + std::to_string(cache_frames_) + " frames, run.json says " +
-                std::to_string(file->frames) + "; it is another run's, or damaged");
+    throw Error(fmt::format("{}: holds {} frames, run.json says {}; it is another run's, or damaged",
+                            cache_name_, cache_frames_, file->frames));
   if (points_ != listed.points)
-    throw Error(cache_name_ + ": holds " + std::to_string(points_) + " points, run.json says that " +
-                listed.name + " has " + std::to_string(listed.points) + "; it is another run's, or damaged");
+    throw Error(
+        fmt::format("{}: holds {} points, run.json says that {} has {}; it is another run's, or damaged",
+                    cache_name_, points_, listed.name, listed.points));
 }
 
 void Track::open_sequence(const Run& run, const ManifestFile& file) {
@@ -142,8 +145,9 @@ void Track::open_sequence(const Run& run, const ManifestFile& file) {
   const auto end = all.end() - begin > held ? begin + held : all.end();
   files_.assign(begin, end);
   if (files_.size() < file.frames || files_.back().number > run.frames)
-    throw Error(first.string() + ": run.json says that " + std::to_string(file.frames) +
-                " files begin with this one, but some of them are missing");
+    throw Error(
+        fmt::format("{}: run.json says that {} files begin with this one, but some of them are missing",
+                    first.string(), file.frames));
   if (!run.complete) beyond_.assign(end, all.end());
 }
 
@@ -154,10 +158,11 @@ void Track::read_rest(const Run& run, const ManifestObject& listed, Playback::Ob
   if (is_loose(listed.kind) && read_particle_ply(path)) return;
   TriangleMesh mesh = read_triangle_mesh(path);
   if (mesh.positions.size() != listed.points || mesh.triangles.size() != listed.triangles)
-    throw Error(path.string() + ": has " + std::to_string(mesh.positions.size()) + " vertices and " +
-                std::to_string(mesh.triangles.size()) + " triangles, run.json says that " + listed.name +
-                " has " + std::to_string(listed.points) + " and " + std::to_string(listed.triangles) +
-                "; it is another run's, or damaged");
+    throw Error(
+        fmt::format("{}: has {} vertices and {} triangles, run.json says that {} has {} and {}; it is "
+                    "another run's, or damaged",
+                    path.string(), mesh.positions.size(), mesh.triangles.size(), listed.name, listed.points,
+                    listed.triangles));
   object.triangles = std::move(mesh.triangles);
   object.rest = std::move(mesh.positions);
 }
@@ -196,14 +201,14 @@ void Track::read(std::uint64_t frame, Playback::Object& object) {
 void require_finite(const std::vector<Vec3f>& positions, const std::string& where) {
   for (std::size_t i = 0; i < positions.size(); ++i)
     if (!is_finite(positions[i]))
-      throw Error(where + ": point " + std::to_string(i) + " is not finite; the file is damaged");
+      throw Error(fmt::format("{}: point {} is not finite; the file is damaged", where, i));
 }
 
 void Track::read_cache(std::uint64_t frame, Playback::Object& object) {
   go_home(object);
   object.positions.resize(points_);
   std::visit([&](auto& reader) { reader.read(frame - 1, object.positions); }, *cache_);
-  require_finite(object.positions, cache_name_ + ": frame " + std::to_string(frame));
+  require_finite(object.positions, fmt::format("{}: frame {}", cache_name_, frame));
 }
 
 void Track::read_file(const fs::path& path, Playback::Object& object) {
@@ -294,8 +299,8 @@ double Playback::time(std::uint64_t frame) const {
 void Playback::read(std::uint64_t frame) {
   Impl& impl = *impl_;
   if (frame < 1 || frame > impl.frames)
-    throw Error("frame " + std::to_string(frame) + " cannot be read: the run has " +
-                (impl.frames == 0 ? "no frames" : "frames 1 to " + std::to_string(impl.frames)));
+    throw Error(fmt::format("frame {} cannot be read: the run has {}", frame,
+                            impl.frames == 0 ? "no frames" : fmt::format("frames 1 to {}", impl.frames)));
   if (frame == impl.frame) return;
   impl.frame = 0;
   try {

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <initializer_list>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -168,7 +170,7 @@ class HeaderReader {
     }
     if (header_.elements.size() == most_elements) scanner_.fail("more than 256 elements", "at most 256");
     const std::int64_t count = scanner_.integer_from(scanner_.word(), "count of an element");
-    if (count < 0) scanner_.fail(std::to_string(count), "a count >= 0");
+    if (count < 0) scanner_.fail(fmt::format("{}", count), "a count >= 0");
     element.count = std::size_t(count);
     element.line = scanner_.line();
     header_.elements.push_back(std::move(element));
@@ -248,8 +250,8 @@ class AsciiBody {
   void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const {
     const std::size_t room = (scanner_.remaining() + 1) / bytes_each;
     if (count > room) {
-      fail(std::to_string(count) + " (" + what + ")",
-           "at most " + std::to_string(room) + ", for which the file is long enough");
+      fail(fmt::format("{} ({})", count, what),
+           fmt::format("at most {}, for which the file is long enough", room));
     }
   }
   [[noreturn]] void fail(std::string_view found, std::string_view expected) const {
@@ -270,7 +272,7 @@ class BinaryBody {
     if (is_integer(type)) return double(integer(type, what));
     const double value =
         type == PlyType::float32 ? double(scanner_.read<float>(what)) : scanner_.read<double>(what);
-    if (!std::isfinite(value)) fail(std::to_string(value), std::string("a finite number (") + what + ")");
+    if (!std::isfinite(value)) fail(fmt::format("{:g}", value), fmt::format("a finite number ({})", what));
     return value;
   }
   std::int64_t integer(PlyType type, const char* what) {
@@ -316,10 +318,9 @@ class BodyReader {
     if (mesh_.positions.empty())
       throw Error(name + ": found no vertex, expected at least one (element vertex)");
     if (largest_corner_ >= mesh_.positions.size() && !faces_.ends.empty()) {
-      throw Error(name + ": face " + std::to_string(largest_corner_face_) + ": found vertex index " +
-                  std::to_string(largest_corner_) + ", expected at most " +
-                  std::to_string(mesh_.positions.size() - 1) + ", since the file lists " +
-                  std::to_string(mesh_.positions.size()) + " vertices from 0");
+      throw Error(fmt::format(
+          "{}: face {}: found vertex index {}, expected at most {}, since the file lists {} vertices from 0",
+          name, largest_corner_face_, largest_corner_, mesh_.positions.size() - 1, mesh_.positions.size()));
     }
     // A UV for each vertex is one for each corner.
     if (!mesh_.uvs.empty()) faces_.corner_uvs = faces_.corners;
@@ -349,7 +350,7 @@ class BodyReader {
 
   std::uint64_t list_size(const PlyProperty& property) {
     const std::int64_t size = body_.integer(property.count_type, "length of a list");
-    if (size < 0) body_.fail(std::to_string(size) + " as the length of a list", "a length >= 0");
+    if (size < 0) body_.fail(fmt::format("{} as the length of a list", size), "a length >= 0");
     return std::uint64_t(size);
   }
 
@@ -362,7 +363,7 @@ class BodyReader {
     if (!all({Role::x, Role::y, Role::z})) body_.fail("vertices without x, y or z", "these three properties");
     const bool has_colours = all({Role::red, Role::green, Role::blue}), has_uvs = all({Role::u, Role::v});
     if (element.count >= 0xffffffff)
-      body_.fail(std::to_string(element.count) + " vertices", "fewer than 2^32 - 1");
+      body_.fail(fmt::format("{} vertices", element.count), "fewer than 2^32 - 1");
     mesh_.positions.reserve(element.count);
     if (has_colours) mesh_.colours.reserve(element.count);
     if (has_uvs) mesh_.uvs.reserve(element.count);
@@ -385,10 +386,10 @@ class BodyReader {
     if (property.role == Role::red || property.role == Role::green || property.role == Role::blue) {
       value = double(float(value) / colour_divisor(property.type));
       if (!(value >= 0.0 && value <= 1.0)) {
-        body_.fail("the colour " + std::to_string(value), "0 to 1, or 0 to 255 as uchar");
+        body_.fail(fmt::format("the colour {:g}", value), "0 to 1, or 0 to 255 as uchar");
       }
     } else if (!(std::abs(value) <= mesh_detail::largest_coordinate)) {
-      body_.fail(std::to_string(value) + " as " + property.name, "a number within 1e18");
+      body_.fail(fmt::format("{:g} as {}", value, property.name), "a number within 1e18");
     }
     values[std::size_t(property.role)] = value;
   }
@@ -410,16 +411,15 @@ class BodyReader {
 
   void read_corners(const PlyProperty& property, std::size_t face) {
     const std::uint64_t size = list_size(property);
-    if (size < 3)
-      body_.fail("face " + std::to_string(face) + " with " + std::to_string(size) + " corners", "3 or more");
+    if (size < 3) body_.fail(fmt::format("face {} with {} corners", face, size), "3 or more");
     body_.require_room(size, Body::smallest(property.type), "corners of a face");
     for (std::uint64_t i = 0; i < size; ++i) {
       const std::int64_t corner = body_.integer(property.type, "vertex index of a face");
       const bool known = !mesh_.positions.empty();
       const auto count = std::int64_t(known ? mesh_.positions.size() : 0xffffffff);
       if (corner < 0 || corner >= count) {
-        body_.fail("vertex index " + std::to_string(corner) + " in face " + std::to_string(face),
-                   "0 to " + std::to_string(count - 1) + ", the vertices that the file lists");
+        body_.fail(fmt::format("vertex index {} in face {}", corner, face),
+                   fmt::format("0 to {}, the vertices that the file lists", count - 1));
       }
       // Faces may stand before the vertices.
       if (std::uint64_t(corner) > largest_corner_) {

@@ -7,6 +7,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -18,7 +20,7 @@ bool is_points(ObjectKind kind) {
 /// OBJ counts vertices from 1.
 std::string line_text(std::uint64_t points) {
   std::string text = "l";
-  for (std::uint64_t i = 1; i <= points; ++i) text += " " + std::to_string(i);
+  for (std::uint64_t i = 1; i <= points; ++i) text += fmt::format(" {}", i);
   return text + "\n";
 }
 

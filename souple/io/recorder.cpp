@@ -15,6 +15,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace fs = std::filesystem;
@@ -26,8 +28,8 @@ RecordingPlan checked_plan(fs::path folder, const RecorderOptions& options) {
     throw Error("the recorder for " + folder.string() +
                 " has no format; give at least one, e.g. CacheFormat::pc2");
   if (!std::isfinite(options.frame_rate) || !(options.frame_rate > 0))
-    throw Error("the recorder for " + folder.string() + " has a frame rate of " +
-                std::to_string(options.frame_rate) + "; expected a number > 0");
+    throw Error(fmt::format("the recorder for {} has a frame rate of {}; expected a number > 0",
+                            folder.string(), options.frame_rate));
   return {std::move(folder), options.formats, options.frame_rate, options.frames};
 }
 
@@ -86,9 +88,10 @@ void Recorder::Impl::resume(std::uint64_t from) {
       throw Error(plan.folder.string() + ": the stopped run has no object \"" + world.name(object) +
                   "\"; resume with the world that was recorded");
     if (!same_topology(world, object, *found))
-      throw Error(plan.folder.string() + ": \"" + world.name(object) + "\" is not what was recorded: a " +
-                  found->kind + " of " + std::to_string(found->points) + " points and " +
-                  std::to_string(found->triangles) + " triangles; resume with the world that was recorded");
+      throw Error(fmt::format(
+          "{}: \"{}\" is not what was recorded: a {} of {} points and {} triangles; resume with the world "
+          "that was recorded",
+          plan.folder.string(), world.name(object), found->kind, found->points, found->triangles));
   }
   for (const ObjectId object : present)
     objects.push_back(
@@ -121,9 +124,9 @@ void Recorder::Impl::join(ObjectId object) {
   RecordedObject* known = find(name);
   if (known) {
     if (known->take_over(world, object, frames)) return;
-    notes.push_back(name + ": is another after frame " + std::to_string(frames) +
-                    ", which PC2 and MDD cannot hold; from then on it is written as " + known->next_file() +
-                    ", ...");
+    notes.push_back(fmt::format(
+        "{}: is another after frame {}, which PC2 and MDD cannot hold; from then on it is written as {}, ...",
+        name, frames, known->next_file()));
     return;
   }
   const std::string file_name = names.add(name);
@@ -133,8 +136,8 @@ void Recorder::Impl::join(ObjectId object) {
   }
   objects.push_back(
       std::make_unique<RecordedObject>(plan, world, object, file_name, RecordedObject::Late{frames}));
-  notes.push_back(name + ": was added after frame " + std::to_string(frames) + "; it is written as " +
-                  objects.back()->next_file() + ", ...");
+  notes.push_back(fmt::format("{}: was added after frame {}; it is written as {}, ...", name, frames,
+                              objects.back()->next_file()));
 }
 
 void Recorder::Impl::look_for_changes() {
@@ -146,8 +149,8 @@ void Recorder::Impl::look_for_changes() {
   for (const auto& object : objects) {
     if (!object->present() || world.contains(object->object())) continue;
     object->leave();
-    notes.push_back(object->name() + ": was removed after frame " + std::to_string(frames) +
-                    "; its files end there");
+    notes.push_back(
+        fmt::format("{}: was removed after frame {}; its files end there", object->name(), frames));
   }
   look_for_foam();
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -54,7 +56,7 @@ std::string FileNames::add(std::string_view name) {
   const std::string base = safe_file_name(name);
   std::string free = base;
   for (int number = 2; !taken_.insert(lower(free)).second; ++number)
-    free = base + "-" + std::to_string(number);
+    free = fmt::format("{}-{}", base, number);
   return free;
 }
 

@@ -9,6 +9,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -90,9 +92,7 @@ std::filesystem::path only_sequence(const std::filesystem::path& folder) {
 }  // namespace
 
 std::string frame_file_name(const std::string& name, std::uint64_t frame, const std::string& extension) {
-  std::string digits = std::to_string(frame);
-  if (digits.size() < 4) digits.insert(0, 4 - digits.size(), '0');
-  return name + "_" + digits + "." + extension;
+  return fmt::format("{}_{:04}.{}", name, frame, extension);
 }
 
 std::vector<SequenceFrame> find_sequence(const std::filesystem::path& any_frame) {
@@ -124,8 +124,8 @@ SequenceWriter::SequenceWriter(std::filesystem::path folder, std::string name, s
   for (std::uint64_t frame = 1; frame <= keep_frames; ++frame) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file(frame), ignored))
-      throw Error(file(frame).string() + ": is missing, and the checkpoint needs " +
-                  std::to_string(keep_frames) + " frames; start the run anew");
+      throw Error(fmt::format("{}: is missing, and the checkpoint needs {} frames; start the run anew",
+                              file(frame).string(), keep_frames));
   }
 }
 

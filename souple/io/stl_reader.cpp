@@ -3,6 +3,8 @@
 #include "souple/io/mesh_parse.h"
 #include "souple/io/mesh_text.h"
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -109,12 +111,12 @@ TriangleMesh read_binary(std::string_view bytes, const std::string& name) {
   const auto count = scanner.read<std::uint32_t>("the number of triangles");
   scanner.require_room(count, triangle_bytes, "triangles");
   if (scanner.remaining() != std::size_t(count) * triangle_bytes) {
-    scanner.fail(std::to_string(scanner.remaining()) + " bytes",
-                 std::to_string(std::size_t(count) * triangle_bytes) + ", 50 for each of its " +
-                     std::to_string(count) + " triangles");
+    scanner.fail(
+        fmt::format("{} bytes", scanner.remaining()),
+        fmt::format("{}, 50 for each of its {} triangles", std::size_t(count) * triangle_bytes, count));
   }
   if (count == 0) scanner.fail("no triangle", "at least one");
-  if (count > most_triangles) scanner.fail(std::to_string(count) + " triangles", "fewer than 2^32 vertices");
+  if (count > most_triangles) scanner.fail(fmt::format("{} triangles", count), "fewer than 2^32 vertices");
   TriangleMesh mesh;
   mesh.positions.reserve(3 * std::size_t(count));
   mesh.triangles.reserve(count);

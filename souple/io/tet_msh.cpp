@@ -7,6 +7,8 @@
 #include <map>
 #include <span>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -116,14 +118,15 @@ class MshReader {
         scanner_.fail(quoted(name), "a name in quotes");
       name = name.substr(1, name.size() - 2);
       if (!physical_names_.emplace(DimensionTag{dimension, tag}, std::string(name)).second) {
-        scanner_.fail("a second name of physical group " + std::to_string(tag), "one name each");
+        scanner_.fail(fmt::format("a second name of physical group {}", tag), "one name each");
       }
     }
   }
 
   int read_dimension() {
     const std::int64_t dimension = scanner_.integer("dimension");
-    if (dimension < 0 || dimension > 3) scanner_.fail(std::to_string(dimension), "a dimension from 0 to 3");
+    if (dimension < 0 || dimension > 3)
+      scanner_.fail(fmt::format("{}", dimension), "a dimension from 0 to 3");
     return int(dimension);
   }
 
@@ -142,13 +145,13 @@ class MshReader {
     for (int i = 0; i < box_numbers; ++i) scanner_.real("box of an entity");
     const auto count = std::int64_t(scanner_.count("number of physical groups", 2));
     if (count > most_groups_at_once)
-      scanner_.fail(std::to_string(count) + " physical groups at once", "at most 16");
+      scanner_.fail(fmt::format("{} physical groups at once", count), "at most 16");
     std::vector<std::string> names;
     // A negative tag means the entity turned round.
     for (std::int64_t i = 0; i < count; ++i)
       names.push_back(group_name(dimension, scanner_.integer("physical group")));
     if (!names.empty() && !entity_groups_.emplace(DimensionTag{dimension, tag}, std::move(names)).second) {
-      scanner_.fail("a second entity " + std::to_string(tag), "each entity once");
+      scanner_.fail(fmt::format("a second entity {}", tag), "each entity once");
     }
     scanner_.rest_of_line();
   }
@@ -157,7 +160,7 @@ class MshReader {
     const auto named = physical_names_.find({dimension, tag < 0 && tag != INT64_MIN ? -tag : tag});
     if (named != physical_names_.end()) return named->second;
     constexpr std::array<const char*, 4> kinds = {"point_", "curve_", "surface_", "volume_"};
-    return kinds[std::size_t(dimension)] + std::to_string(tag);
+    return fmt::format("{}{}", kinds[std::size_t(dimension)], tag);
   }
 
   void read_nodes() {
@@ -167,8 +170,7 @@ class MshReader {
     else
       read_nodes_2();
     std::int64_t duplicate = 0;
-    if (!tags_.finish(duplicate))
-      scanner_.fail("node " + std::to_string(duplicate) + " twice", "each node once");
+    if (!tags_.finish(duplicate)) scanner_.fail(fmt::format("node {} twice", duplicate), "each node once");
   }
 
   // COUNT, then lines TAG X Y Z
@@ -193,21 +195,20 @@ class MshReader {
       scanner_.integer("whether nodes are parametric");
       const std::size_t in_block = scanner_.count("nodes of a block", 8);
       if (in_block > count - mesh_.positions.size()) {
-        scanner_.fail(std::to_string(in_block) + " nodes in a block",
-                      "no more in all than the " + std::to_string(count) + " that the section counts");
+        scanner_.fail(fmt::format("{} nodes in a block", in_block),
+                      fmt::format("no more in all than the {} that the section counts", count));
       }
       for (std::size_t i = 0; i < in_block; ++i) tags_.add(scanner_.integer("tag of a node"));
       for (std::size_t i = 0; i < in_block; ++i) read_position();
     }
     if (mesh_.positions.size() != count) {
-      scanner_.fail(std::to_string(mesh_.positions.size()) + " nodes",
-                    std::to_string(count) + ", as counted");
+      scanner_.fail(fmt::format("{} nodes", mesh_.positions.size()), fmt::format("{}, as counted", count));
     }
   }
 
   std::size_t node_count(const char* what, std::size_t bytes_each) {
     const std::size_t count = scanner_.count(what, bytes_each);
-    if (count >= 0xffffffff) scanner_.fail(std::to_string(count) + " nodes", "fewer than 2^32 - 1");
+    if (count >= 0xffffffff) scanner_.fail(fmt::format("{} nodes", count), "fewer than 2^32 - 1");
     mesh_.positions.reserve(count);
     tags_.reserve(count);
     return count;
@@ -229,7 +230,7 @@ class MshReader {
       read_elements_2();
     std::int64_t duplicate = 0;
     if (!element_tags_.finish(duplicate)) {
-      scanner_.fail("element " + std::to_string(duplicate) + " twice", "each element once");
+      scanner_.fail(fmt::format("element {} twice", duplicate), "each element once");
     }
   }
 
@@ -269,9 +270,8 @@ class MshReader {
       const std::size_t count = scanner_.count("elements of a block", 4);
       const ElementType* type = count == 0 ? nullptr : checked_type(code);
       if (type != nullptr && type->dimension != dimension) {
-        scanner_.fail("elements of type " + std::to_string(code) + " in an entity of dimension " +
-                          std::to_string(dimension),
-                      "dimension " + std::to_string(type->dimension));
+        scanner_.fail(fmt::format("elements of type {} in an entity of dimension {}", code, dimension),
+                      fmt::format("dimension {}", type->dimension));
       }
       std::vector<std::vector<std::uint32_t>*> groups;
       const auto named = entity_groups_.find({dimension, entity});
@@ -290,7 +290,7 @@ class MshReader {
 
   const ElementType* checked_type(std::int64_t code) const {
     if (std::find(other_volumes.begin(), other_volumes.end(), code) != other_volumes.end()) {
-      scanner_.fail("a volume element of Gmsh type " + std::to_string(code),
+      scanner_.fail(fmt::format("a volume element of Gmsh type {}", code),
                     "tets of four nodes only (type 4, order 1)");
     }
     return find_type(code);
@@ -302,7 +302,7 @@ class MshReader {
       const std::int64_t tag = scanner_.integer("node of an element");
       corners[i] = tags_.find(tag);
       if (corners[i] == TagIndex::none)
-        scanner_.fail("node " + std::to_string(tag), "a node that $Nodes lists");
+        scanner_.fail(fmt::format("node {}", tag), "a node that $Nodes lists");
     }
     if (type.code == tet_code && !mesh_detail::append_oriented(mesh_, corners)) {
       scanner_.fail("a flat tet", "a tet with a volume");

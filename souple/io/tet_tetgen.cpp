@@ -2,6 +2,8 @@
 #include "souple/io/mesh_parse.h"
 #include "souple/io/tet_builder.h"
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -26,24 +28,24 @@ class TetgenReader {
   void read_nodes() {
     const std::size_t count = nodes_.count("number of nodes", 8);
     const std::int64_t dimension = nodes_.integer("dimension of the nodes");
-    if (dimension != 3) nodes_.fail("dimension " + std::to_string(dimension), "dimension 3");
+    if (dimension != 3) nodes_.fail(fmt::format("dimension {}", dimension), "dimension 3");
     nodes_.rest_of_line();
     if (count == 0) nodes_.fail("no nodes", "at least four");
-    if (count >= 0xffffffff) nodes_.fail(std::to_string(count) + " nodes", "fewer than 2^32 - 1");
+    if (count >= 0xffffffff) nodes_.fail(fmt::format("{} nodes", count), "fewer than 2^32 - 1");
     mesh_.positions.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
       const std::int64_t index = nodes_.integer("index of a node");
-      if (i == 0 && index != 0 && index != 1) nodes_.fail("first index " + std::to_string(index), "0 or 1");
+      if (i == 0 && index != 0 && index != 1) nodes_.fail(fmt::format("first index {}", index), "0 or 1");
       if (i == 0) first_ = index;
       if (index != first_ + std::int64_t(i)) {
-        nodes_.fail("index " + std::to_string(index),
-                    std::to_string(first_ + std::int64_t(i)) + ", the next node");
+        nodes_.fail(fmt::format("index {}", index),
+                    fmt::format("{}, the next node", first_ + std::int64_t(i)));
       }
       const double x = nodes_.coordinate("x"), y = nodes_.coordinate("y"), z = nodes_.coordinate("z");
       mesh_.positions.emplace_back(x, y, z);
       nodes_.rest_of_line();
     }
-    expect_end(nodes_, "the end, since the first line counts " + std::to_string(count) + " nodes");
+    expect_end(nodes_, fmt::format("the end, since the first line counts {} nodes", count));
   }
 
   // COUNT 4 ATTRIBUTES, then lines INDEX A B C D [REGION]
@@ -51,7 +53,7 @@ class TetgenReader {
     const std::size_t count = tets_.count("number of tets", 10);
     const std::int64_t corners = tets_.integer("nodes per tet");
     if (corners != 4) {
-      tets_.fail(std::to_string(corners) + " nodes per tet", "4 (run tetgen without -o2)");
+      tets_.fail(fmt::format("{} nodes per tet", corners), "4 (run tetgen without -o2)");
     }
     const std::string_view attributes = tets_.word();
     const bool has_regions =
@@ -60,30 +62,29 @@ class TetgenReader {
     if (count == 0) tets_.fail("no tets", "at least one");
     mesh_.tets.reserve(count);
     for (std::size_t i = 0; i < count; ++i) read_tet(i, has_regions);
-    expect_end(tets_, "the end, since the first line counts " + std::to_string(count) + " tets");
+    expect_end(tets_, fmt::format("the end, since the first line counts {} tets", count));
   }
 
   void read_tet(std::size_t i, bool has_regions) {
     const std::int64_t index = tets_.integer("index of a tet");
     if (index != first_ + std::int64_t(i)) {
-      tets_.fail("index " + std::to_string(index),
-                 std::to_string(first_ + std::int64_t(i)) + ", the next tet");
+      tets_.fail(fmt::format("index {}", index), fmt::format("{}, the next tet", first_ + std::int64_t(i)));
     }
     Tet tet{};
     for (std::uint32_t& corner : tet) {
       const std::int64_t node = tets_.integer("node of a tet");
       const std::int64_t last = first_ + std::int64_t(mesh_.positions.size()) - 1;
       if (node < first_ || node > last) {
-        tets_.fail("node " + std::to_string(node), std::to_string(first_) + " to " + std::to_string(last));
+        tets_.fail(fmt::format("node {}", node), fmt::format("{} to {}", first_, last));
       }
       corner = std::uint32_t(node - first_);
     }
     if (!mesh_detail::append_oriented(mesh_, tet)) {
-      tets_.fail("the flat tet " + std::to_string(index), "a tet with a volume");
+      tets_.fail(fmt::format("the flat tet {}", index), "a tet with a volume");
     }
     if (has_regions) {
       const auto region = std::int64_t(tets_.coordinate_from(tets_.word(), "region of a tet"));
-      std::vector<std::uint32_t>& group = groups_["region_" + std::to_string(region)];
+      std::vector<std::uint32_t>& group = groups_[fmt::format("region_{}", region)];
       group.insert(group.end(), tet.begin(), tet.end());
     }
     tets_.rest_of_line();

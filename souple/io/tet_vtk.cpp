@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -153,8 +155,7 @@ class VtkReader {
 
   void require_text_room(std::size_t count, const char* what) const {
     if (count > (scanner_.remaining() + 1) / 2) {
-      scanner_.fail(std::to_string(count) + " numbers (" + what + ")",
-                    "no more than the file is long enough for");
+      scanner_.fail(fmt::format("{} numbers ({})", count, what), "no more than the file is long enough for");
     }
   }
 
@@ -163,7 +164,7 @@ class VtkReader {
     if (!mesh_.positions.empty()) scanner_.fail("a second POINTS", "one");
     const std::size_t count = scanner_.count("number of points", 3);
     const TypeName type = type_from(scanner_.word());
-    if (count == 0 || count >= 0xffffffff) scanner_.fail(std::to_string(count) + " points", "4 to 2^32 - 2");
+    if (count == 0 || count >= 0xffffffff) scanner_.fail(fmt::format("{} points", count), "4 to 2^32 - 2");
     mesh_.positions.reserve(count);
     std::array<double, 3> point{};
     std::size_t filled = 0;
@@ -222,13 +223,12 @@ class VtkReader {
         if (--left_in_cell == 0) offsets_.push_back(std::int64_t(connectivity_.size()));
         return;
       }
-      if (value <= 0) scanner_.fail("a cell of " + std::to_string(value) + " points", "one or more");
+      if (value <= 0) scanner_.fail(fmt::format("a cell of {} points", value), "one or more");
       left_in_cell = value;
     });
     if (left_in_cell > 0 || offsets_.size() != count + 1) {
-      scanner_.fail(
-          std::to_string(offsets_.size() - 1) + " whole cells in " + std::to_string(size) + " numbers",
-          std::to_string(count) + " cells");
+      scanner_.fail(fmt::format("{} whole cells in {} numbers", offsets_.size() - 1, size),
+                    fmt::format("{} cells", count));
     }
   }
 
@@ -236,9 +236,9 @@ class VtkReader {
   void read_cell_types() {
     const std::size_t count = scanner_.count("number of cell types", 1);
     if (count == 0 || count + 1 != offsets_.size()) {
-      scanner_.fail(std::to_string(count) + " cell types",
-                    "one for each of the cells, which stand before (" +
-                        std::to_string(offsets_.empty() ? 0 : offsets_.size() - 1) + ")");
+      scanner_.fail(fmt::format("{} cell types", count),
+                    fmt::format("one for each of the cells, which stand before ({})",
+                                offsets_.empty() ? 0 : offsets_.size() - 1));
     }
     read_numbers(count, {"int", Type::int32, 4}, "type of a cell",
                  [&](double, std::int64_t value) { cell_types_.push_back(value); });
@@ -276,10 +276,10 @@ class VtkReader {
     for (std::size_t cell = 0; cell < cell_types_.size(); ++cell) {
       if (is_flat_cell(cell_types_[cell])) continue;
       const auto fail_cell = [&](const std::string& found, const char* expected) {
-        fail("cell " + std::to_string(cell) + found, expected);
+        fail(fmt::format("cell {}{}", cell, found), expected);
       };
       if (cell_types_[cell] != vtk_tet) {
-        fail_cell(" of type " + std::to_string(cell_types_[cell]), "tets of four points only (type 10)");
+        fail_cell(fmt::format(" of type {}", cell_types_[cell]), "tets of four points only (type 10)");
       }
       const auto begin = std::size_t(offsets_[cell]);
       if (offsets_[cell + 1] - offsets_[cell] != 4) fail_cell(", a tet without four points", "four points");
@@ -287,7 +287,7 @@ class VtkReader {
       for (std::size_t i = 0; i < 4; ++i) {
         const std::int64_t point = connectivity_[begin + i];
         if (point < 0 || point >= points) {
-          fail_cell(" with point " + std::to_string(point), "points from 0 to one less than POINTS counts");
+          fail_cell(fmt::format(" with point {}", point), "points from 0 to one less than POINTS counts");
         }
         tet[i] = std::uint32_t(point);
       }

@@ -9,6 +9,8 @@
 #include <memory>
 #include <numeric>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 namespace {
@@ -152,8 +154,9 @@ class Random {
 std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3d& origin, double spacing,
                                  double reach, std::uint64_t seed) {
   if (counts[0] * counts[1] * counts[2] > most_grains) {
-    throw Error("would have " + std::to_string(counts[0] * counts[1] * counts[2]) +
-                " grains; at most 4000000 are allowed: enlarge the grains or the spacing");
+    throw Error(
+        fmt::format("would have {} grains; at most 4000000 are allowed: enlarge the grains or the spacing",
+                    counts[0] * counts[1] * counts[2]));
   }
   Random random(seed);
   std::vector<Vec3d> centres;
@@ -198,8 +201,7 @@ struct GrainMaker {
     Vec3d origin;
     for (int i = 0; i < 3; ++i) {
       const double room = b.hi[i] - b.lo[i] - 2 * margin;
-      if (room < 0)
-        throw Error("the box is too small for one grain of radius " + std::to_string(radius) + " m");
+      if (room < 0) throw Error(fmt::format("the box is too small for one grain of radius {} m", radius));
       const double count = std::floor(room / step + 1e-9) + 1;
       counts[static_cast<std::size_t>(i)] = count;
       origin[i] = 0.5 * (b.lo[i] + b.hi[i]) - 0.5 * step * (count - 1);
@@ -264,21 +266,21 @@ class Builder {
     if (log_) world_.set_log(log_);
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) add_object(i);
     for (std::size_t i = 0; i < scene_.colliders.size(); ++i) {
-      inside("colliders[" + std::to_string(i) + "]", [&] { add_collider(scene_.colliders[i]); });
+      inside(fmt::format("colliders[{}]", i), [&] { add_collider(scene_.colliders[i]); });
     }
     for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
       const PairDescription& pair = scene_.pairs[i];
       const std::string &a = pair.between[0], &b = pair.between[1];
-      inside("pairs[" + std::to_string(i) + "]", [&] {
+      inside(fmt::format("pairs[{}]", i), [&] {
         if (pair.friction) world_.set_pair(a, b, *pair.friction, pair.restitution);
         world_.set_collide(a, b, pair.collide);
       });
     }
     for (std::size_t i = 0; i < scene_.connections.size(); ++i) {
-      inside("connections[" + std::to_string(i) + "]", [&] { connect(scene_.connections[i]); });
+      inside(fmt::format("connections[{}]", i), [&] { connect(scene_.connections[i]); });
     }
     for (std::size_t i = 0; i < scene_.drains.size(); ++i)
-      inside("drains[" + std::to_string(i) + "]", [&] { add_drain(scene_.drains[i]); });
+      inside(fmt::format("drains[{}]", i), [&] { add_drain(scene_.drains[i]); });
     if (log_) world_.set_log({});
     return std::move(world_);
   }
@@ -295,7 +297,7 @@ class Builder {
   }
 
   void add_object(std::size_t index) {
-    const std::string place = "objects[" + std::to_string(index) + "]";
+    const std::string place = fmt::format("objects[{}]", index);
     const ObjectDescription& shared = common(scene_.objects[index]);
     ObjectId object{};
     inside(place, [&] {
@@ -303,13 +305,13 @@ class Builder {
       object = std::visit([&](const auto& kind) { return add(kind); }, scene_.objects[index]);
     });
     for (std::size_t i = 0; i < shared.pins.size(); ++i) {
-      inside(place + ".pins[" + std::to_string(i) + "]", [&] {
+      inside(fmt::format("{}.pins[{}]", place, i), [&] {
         const PinDescription& pin = shared.pins[i];
         world_.pin(object, pin.where, target(object, pin, scene_.objects[index]));
       });
     }
     for (std::size_t i = 0; i < shared.attachments.size(); ++i) {
-      inside(place + ".attachments[" + std::to_string(i) + "]", [&] {
+      inside(fmt::format("{}.attachments[{}]", place, i), [&] {
         const AttachmentDescription& attachment = shared.attachments[i];
         world_.attach(object, attachment.where, target(object, attachment, scene_.objects[index]),
                       attachment.compliance);
@@ -397,8 +399,8 @@ class Builder {
     try {
       AnimatedPoints points(scene_.folder / description.file, {description.frame_rate}, read_points);
       if (points.points() != vertices)
-        throw Error(description.file + " has " + std::to_string(points.points()) +
-                    " vertices, but the mesh has " + std::to_string(vertices));
+        throw Error(fmt::format("{} has {} vertices, but the mesh has {}", description.file, points.points(),
+                                vertices));
       MeshSequence sequence{.start_time = description.start_time, .loop = description.loop};
       for (const double time : points.times()) {
         std::vector<Vec3f>& frame = sequence.frames.emplace_back(vertices);
@@ -476,8 +478,8 @@ class Builder {
         transform_of(common(description).transform));
     const std::size_t vertices = world_.positions(object).size();
     if (followed->points() != vertices) {
-      throw Error("sequence: " + sequence.file + " has " + std::to_string(followed->points()) +
-                  " vertices, but the object has " + std::to_string(vertices));
+      throw Error(fmt::format("sequence: {} has {} vertices, but the object has {}", sequence.file,
+                              followed->points(), vertices));
     }
     return [followed](std::uint32_t vertex, double time) { return followed->at(vertex, time); };
   }
@@ -539,9 +541,10 @@ class Builder {
     const std::vector<VertexRef> from = end(connection.from), to = end(connection.to);
     const bool in_order = connection.pairing == Pairing::in_order;
     if (in_order && from.size() != to.size() && from.size() != 1 && to.size() != 1) {
-      throw Error("\"from\" means " + std::to_string(from.size()) + " vertices and \"to\" " +
-                  std::to_string(to.size()) +
-                  "; in_order needs as many on both sides, or one on one side (or use pairing nearest)");
+      throw Error(
+          fmt::format("\"from\" means {} vertices and \"to\" {}; in_order needs as many on both sides, or "
+                      "one on one side (or use pairing nearest)",
+                      from.size(), to.size()));
     }
     std::vector<std::pair<VertexRef, VertexRef>> pairs;
     const std::size_t count = in_order ? std::max(from.size(), to.size()) : from.size();

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cstdio>
 
+#include <fmt/core.h>
+
 namespace souple::scene_format {
 
 template class Number<double>;
@@ -39,7 +41,7 @@ std::string Place::path() const {
   for (const Place* place = this; place->parent_ != nullptr; place = place->parent_) chain.push_back(place);
   for (auto place = chain.rbegin(); place != chain.rend(); ++place) {
     if ((*place)->name_.empty()) {
-      path += "[" + std::to_string((*place)->index_) + "]";
+      path += fmt::format("[{}]", (*place)->index_);
     } else {
       path += (path.empty() ? "" : ".") + printable((*place)->name_);
     }
@@ -50,6 +52,10 @@ std::string Place::path() const {
 void Place::fail(const std::string& message) const {
   const std::string where = path();
   throw Error(reading_->source + ": " + (where.empty() ? "" : where + ": ") + message);
+}
+
+void Place::fail_length(std::size_t least, std::size_t most, std::size_t found) const {
+  fail(fmt::format("expected a list of {} to {} entries, found {}", least, most, found));
 }
 
 std::string Range::text(const std::string& noun) const {

@@ -45,6 +45,7 @@ class Place {
   [[noreturn]] void unexpected(const std::string& expected, const Json& found) const {
     fail("expected " + expected + ", found " + brief(found));
   }
+  [[noreturn]] void fail_length(std::size_t least, std::size_t most, std::size_t found) const;
 
  private:
   Place(const Place& parent, std::string_view name, std::size_t index)
@@ -295,8 +296,7 @@ class List : public Codec<std::vector<T>> {
   void read(const Json& json, const Place& place, std::vector<T>& value) const override {
     if (!json.is(Json::Kind::array)) place.unexpected("a list: [ ... ]", json);
     if (json.items.size() < least_ || json.items.size() > most_) {
-      place.fail("expected a list of " + std::to_string(least_) + " to " + std::to_string(most_) +
-                 " entries, found " + std::to_string(json.items.size()));
+      place.fail_length(least_, most_, json.items.size());
     }
     std::vector<T> read(json.items.size());
     for (std::size_t i = 0; i < read.size(); ++i) item_->read(json.items[i], place.item(i), read[i]);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include <fmt/core.h>
 // The only file of the folder that sees nlohmann: it costs seconds.
 #include <nlohmann/json.hpp>
 
@@ -22,7 +23,7 @@ std::string line_and_column(std::string_view text, std::size_t position) {
   const std::string_view before = text.substr(0, position);
   const auto line = std::count(before.begin(), before.end(), '\n') + 1;
   const std::size_t start = before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1;
-  return std::to_string(line) + ":" + std::to_string(std::max<std::size_t>(position - start, 1));
+  return fmt::format("{}:{}", line, std::max<std::size_t>(position - start, 1));
 }
 
 /// nlohmann says "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
@@ -65,8 +66,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
                   ": the key stands here twice; keep one of the two");
     }
     if (object.members.size() >= most_keys) {
-      throw Error(std::string(source_) + ": " + path_to(name) + ": more than " + std::to_string(most_keys) +
-                  " keys in one object");
+      throw Error(fmt::format("{}: {}: more than {} keys in one object", source_, path_to(name), most_keys));
     }
     key_ = std::move(name);
     return true;
@@ -92,8 +92,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
 
   bool open(Json value) {
     if (open_.size() >= deepest) {
-      throw Error(std::string(source_) + ": nested deeper than " + std::to_string(deepest) +
-                  " levels; a scene needs fewer than 10");
+      throw Error(
+          fmt::format("{}: nested deeper than {} levels; a scene needs fewer than 10", source_, deepest));
     }
     // Addresses of open containers stay: only the innermost one grows.
     open_.push_back(&place(std::move(value)));
@@ -117,7 +117,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     for (std::size_t level = 0; level < open_.size(); ++level) {
       const Json& container = *open_[level];
       if (container.is(Json::Kind::array)) {
-        path += "[" + std::to_string(container.items.size() - 1) + "]";
+        path += fmt::format("[{}]", container.items.size() - 1);
       } else {
         const std::string& here = level + 1 < open_.size() ? container.members.back().key : name;
         path += (path.empty() ? "" : ".") + here;
@@ -323,7 +323,7 @@ std::string number_text(double value) {
   if (value == 0 && std::signbit(value)) return "-0.0";
   constexpr double exact = 9007199254740992.0;  // 2^53
   if (value >= -exact && value <= exact && value == static_cast<double>(static_cast<std::int64_t>(value))) {
-    return std::to_string(static_cast<std::int64_t>(value));
+    return fmt::format("{}", static_cast<std::int64_t>(value));
   }
   return nlohmann::json(value).dump();
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include <fmt/core.h>
+
 namespace souple::scene_format {
 
 namespace {
@@ -35,7 +37,7 @@ void complete_names(Items& items, const char* list_key, const Place& place, Name
   for (auto& item : items) {
     if (!name_of(item).empty()) continue;
     std::string name = base(item);
-    for (int number = 2; !taken.insert(name).second; ++number) name = base(item) + std::to_string(number);
+    for (int number = 2; !taken.insert(name).second; ++number) name = fmt::format("{}{}", base(item), number);
     name_of(item) = name;
   }
 }

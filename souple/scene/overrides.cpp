@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include <fmt/core.h>
+
 namespace souple::scene_format {
 
 namespace {
@@ -38,7 +40,8 @@ std::vector<std::string> names_of(const Json& list, const std::string& key) {
     const std::string base = key == "colliders" ? "collider" : (kind != nullptr ? kind->text : "");
     if (!names[i].empty() || base.empty()) continue;
     names[i] = base;
-    for (int number = 2; !taken.insert(names[i]).second; ++number) names[i] = base + std::to_string(number);
+    for (int number = 2; !taken.insert(names[i]).second; ++number)
+      names[i] = fmt::format("{}{}", base, number);
   }
   return names;
 }
@@ -84,8 +87,8 @@ class Override {
     const bool digits = part.size() <= 9 && part.find_first_not_of("0123456789") == std::string::npos;
     if (digits && std::stoul(part) < list.items.size()) return std::stoul(part);
     names.erase(std::remove(names.begin(), names.end(), ""), names.end());
-    fail(quoted(key) + " has " + std::to_string(list.items.size()) + " entries and none is called " +
-         quoted(part) + suggestion(part, names));
+    fail(fmt::format("{} has {} entries and none is called {}{}", quoted(key), list.items.size(),
+                     quoted(part), suggestion(part, names)));
   }
 
   /// Whatever was typed, a message is one line.

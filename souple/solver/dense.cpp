@@ -3,9 +3,9 @@
 #include "souple/error.h"
 
 #include <cmath>
-#include <string>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -34,9 +34,10 @@ Dense::~Dense() = default;
 void Dense::prepare_system(LinearSystem& system, const ParticleView&) {
   floors_ = false;
   if (system.rows() > most_rows)
-    throw Error("the solver dense takes " + std::to_string(most_rows) +
-                " rows of constraints at most, here are " + std::to_string(system.rows()) +
-                ": use direct or conjugate_gradient");
+    throw Error(
+        fmt::format("the solver dense takes {} rows of constraints at most, here are {}: use direct or "
+                    "conjugate_gradient",
+                    most_rows, system.rows()));
   impl_->J.resize(static_cast<Eigen::Index>(system.rows()), static_cast<Eigen::Index>(3 * system.unknowns()));
 }
 

@@ -4,7 +4,8 @@
 #include "souple/math/scalar.h"
 
 #include <algorithm>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -12,9 +13,7 @@ namespace {
 using Triangle = EnclosedVolume::Triangle;
 
 void require(bool good, const char* name, double value, const char* expected) {
-  if (!good)
-    throw Error(std::string("enclosed_volume: ") + name + " is " + std::to_string(value) + ", expected " +
-                expected);
+  if (!good) throw Error(fmt::format("enclosed_volume: {} is {:g}, expected {}", name, value, expected));
 }
 
 void check(double rest_volume, const EnclosedVolumeOptions& o) {
@@ -50,11 +49,11 @@ void require_closed(std::span<const Triangle> triangles) {
     int sum = 0;
     for (; i < walks.size() && walks[i].a == first.a && walks[i].b == first.b; ++i) sum += walks[i].way;
     if (sum != 0)
-      throw Error("enclosed_volume: the edge between particles " + std::to_string(first.a) + " and " +
-                  std::to_string(first.b) +
-                  " has no triangle on its other side, or one wound the other way; expected a closed "
-                  "surface: fill its "
-                  "holes, weld its seams and wind its triangles alike");
+      throw Error(
+          fmt::format("enclosed_volume: the edge between particles {} and {} has no triangle on its other "
+                      "side, or one wound the other way; expected a closed surface: fill its holes, weld its "
+                      "seams and wind its triangles alike",
+                      first.a, first.b));
   }
 }
 

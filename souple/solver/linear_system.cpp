@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -94,8 +95,9 @@ void LinearSystem::prepare(std::span<Projector* const> projectors, const Particl
 void LinearSystem::add_structure(const LinearConstraint& constraint, const ParticleView& particles) {
   const std::size_t rows = constraint.C.size(), arity = constraint.particles.size();
   if (rows > most_rows)
-    throw Error("a constraint couples " + std::to_string(rows) + " rows, the linear solvers take at most " +
-                std::to_string(most_rows) + ": use the solver gauss_seidel");
+    throw Error(fmt::format(
+        "a constraint couples {} rows, the linear solvers take at most {}: use the solver gauss_seidel", rows,
+        most_rows));
   const double size = shortest_distance(constraint.particles, particles);
   smallest_size_ = std::min(smallest_size_, size);
   blocks_.push_back({static_cast<std::uint32_t>(b.size()), static_cast<std::uint32_t>(unknown.size()),

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 void ParticleGroups::add(std::span<const std::uint32_t> particles, std::string_view what) {
@@ -14,8 +16,8 @@ void ParticleGroups::add(std::span<const std::uint32_t> particles, std::string_v
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end())
-    throw Error(std::string(what) + " names particle " + std::to_string(*twice) +
-                " twice, expected every particle once: remove the repetition");
+    throw Error(fmt::format("{} names particle {} twice, expected every particle once: remove the repetition",
+                            what, *twice));
   particles_.insert(particles_.end(), particles.begin(), particles.end());
   begin_.push_back(static_cast<std::uint32_t>(particles_.size()));
   dirty_ = true;
@@ -25,8 +27,8 @@ void ParticleGroups::prepare(std::size_t particle_count, std::string_view what) 
   if (!dirty_) return;
   for (const std::uint32_t particle : particles_)
     if (particle >= particle_count)
-      throw Error(std::string(what) + " names particle " + std::to_string(particle) +
-                  ", expected one below " + std::to_string(particle_count) + ": add the particles first");
+      throw Error(fmt::format("{} names particle {}, expected one below {}: add the particles first", what,
+                              particle, particle_count));
   // The groups already placed on each particle have taken colours; a group takes the first colour free on all
   // of its own.
   std::vector<std::vector<bool>> taken(particle_count);

@@ -1,5 +1,7 @@
 #include "souple/solver/partitioned_gauss_seidel.h"
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -143,7 +145,7 @@ void PartitionedGaussSeidel::solve(std::span<Projector* const>, const ParticleVi
 
 std::string PartitionedGaussSeidel::remark() const {
   const std::size_t count = split_.empty() ? 0 : all_.position.size() - particle_count_;
-  return std::to_string(count) + " phantoms cut the constraints to " + std::to_string(colours_) + " colours";
+  return fmt::format("{} phantoms cut the constraints to {} colours", count, colours_);
 }
 
 }  // namespace souple

@@ -4,7 +4,8 @@
 #include "souple/math/polar_decomposition.h"
 
 #include <algorithm>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -14,19 +15,16 @@ constexpr double flat = 1e-6;  // squared thickness beside squared length below 
 constexpr double least_det = 0.1;  // below it, linear regions turn rigid
 
 void require(bool good, const char* name, float value, const char* expected) {
-  if (!good)
-    throw Error(std::string("shape_matching: ") + name + " is " + std::to_string(value) + ", expected " +
-                expected);
+  if (!good) throw Error(fmt::format("shape_matching: {} is {}, expected {}", name, value, expected));
 }
 
 void check(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest,
            const ShapeMatchingOptions& options) {
   if (particles.size() != rest.size())
-    throw Error("shape_matching: " + std::to_string(particles.size()) + " particles with " +
-                std::to_string(rest.size()) + " rest positions, expected as many of each");
+    throw Error(fmt::format("shape_matching: {} particles with {} rest positions, expected as many of each",
+                            particles.size(), rest.size()));
   for (std::size_t i = 0; i < rest.size(); ++i)
-    if (!is_finite(rest[i]))
-      throw Error("shape_matching: rest position " + std::to_string(i) + " is not finite");
+    if (!is_finite(rest[i])) throw Error(fmt::format("shape_matching: rest position {} is not finite", i));
   require(options.linear >= 0 && options.linear <= 1, "linear", options.linear, "0 to 1");
   require(options.stiffness >= 0 && options.stiffness <= 1, "stiffness", options.stiffness, "0 to 1");
   require(options.compliance >= 0 && std::isfinite(options.compliance), "compliance", options.compliance,

@@ -9,6 +9,8 @@
 #include "souple/solver/jacobi.h"
 #include "souple/solver/partitioned_gauss_seidel.h"
 
+#include <fmt/core.h>
+
 namespace souple {
 
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
@@ -27,7 +29,7 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
     case SolverKind::hierarchical:
       return std::make_unique<Hierarchical>(settings);
   }
-  throw Error("no solver of kind " + std::to_string(static_cast<int>(settings.kind)));
+  throw Error(fmt::format("no solver of kind {}", static_cast<int>(settings.kind)));
 }
 
 }  // namespace souple

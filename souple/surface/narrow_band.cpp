@@ -7,8 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
+
+#include <fmt/core.h>
 
 namespace souple {
 
@@ -175,17 +176,18 @@ class BrickSearch {
 
 void check(std::span<const Vec3f> positions, float cell, int width) {
   if (!(std::isfinite(cell) && cell > 0))
-    throw Error("narrow_band: cell is " + std::to_string(cell) + "; expected a finite length above 0 [m]");
+    throw Error(fmt::format("narrow_band: cell is {}; expected a finite length above 0 [m]", cell));
   if (width < 1 || width > 100)
-    throw Error("narrow_band: width is " + std::to_string(width) + "; expected 1 to 100 cells");
+    throw Error(fmt::format("narrow_band: width is {}; expected 1 to 100 cells", width));
   constexpr double furthest = double(Bricks::limit - 32) * side;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3f& x = positions[i];
     const double far = std::max({std::abs(double(x.x)), std::abs(double(x.y)), std::abs(double(x.z))});
     if (!is_finite(x) || far > furthest * double(cell))
-      throw Error("narrow_band: vertex " + std::to_string(i) +
-                  " is not finite, or too far from the origin for cells of " + std::to_string(cell) +
-                  " m; take larger ones");
+      throw Error(
+          fmt::format("narrow_band: vertex {} is not finite, or too far from the origin for cells of {} m; "
+                      "take larger ones",
+                      i, cell));
   }
 }
 

@@ -20,6 +20,8 @@
 #include <limits>
 #include <numeric>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -38,10 +40,12 @@ Draft draft(const WorldState& world, ObjectKind kind, const Material& material,
   Draft result;
   result.object->kind = kind;
   result.object->name = world.unique_name(options.name, kind_name(kind));
-  if (options.most_particles > (kind == ObjectKind::fluid ? most_of_a_fluid : 0))
-    throw Error(result.object->name + ": most_particles is " + std::to_string(options.most_particles) +
-                (kind == ObjectKind::fluid ? ", expected at most " + std::to_string(most_of_a_fluid)
-                                           : ": only a fluid gets more particles; leave it 0"));
+  if (kind != ObjectKind::fluid && options.most_particles > 0)
+    throw Error(fmt::format("{}: most_particles is {}: only a fluid gets more particles; leave it 0",
+                            result.object->name, options.most_particles));
+  if (options.most_particles > most_of_a_fluid)
+    throw Error(fmt::format("{}: most_particles is {}, expected at most {}", result.object->name,
+                            options.most_particles, most_of_a_fluid));
   result.object->material = material;
   std::visit([&](const auto& m) { validate(m, result.object->name); }, material);
   validate(options.transform, result.object->name);
@@ -55,7 +59,7 @@ void place_points(std::vector<Vec3d>& points, const Transform& transform, const 
     points[i] = transform.point(points[i]);
     // A float holds up to 3e38, but squared lengths have to fit as well.
     if (!is_finite(points[i]) || length(points[i]) > 1e15)
-      throw Error(name + ": vertex " + std::to_string(i) + " is not finite or further than 1e15 m away");
+      throw Error(fmt::format("{}: vertex {} is not finite or further than 1e15 m away", name, i));
   }
 }
 
@@ -63,13 +67,13 @@ std::vector<float> gather_map(const std::vector<float>& map, const Object& objec
                               const char* what) {
   if (map.empty()) return {};
   if (map.size() != vertices)
-    throw Error(object.name + ": the " + what + " map has " + std::to_string(map.size()) + " values for " +
-                std::to_string(vertices) + " vertices");
+    throw Error(
+        fmt::format("{}: the {} map has {} values for {} vertices", object.name, what, map.size(), vertices));
   std::vector<float> per_particle;
   for (const std::uint32_t vertex : object.vertex_of) {
     if (!(map[vertex] >= 0) || !std::isfinite(map[vertex]))
-      throw Error(object.name + ": the " + what + " map is " + std::to_string(map[vertex]) + " at vertex " +
-                  std::to_string(vertex) + ", expected a finite number >= 0");
+      throw Error(fmt::format("{}: the {} map is {} at vertex {}, expected a finite number >= 0", object.name,
+                              what, map[vertex], vertex));
     per_particle.push_back(map[vertex]);
   }
   return per_particle;
@@ -115,7 +119,7 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   const std::size_t left_out = check_constraints(object);
   if (left_out > 0)
     world.tell(object.name,
-               {std::to_string(left_out) + " elements are too thin to carry bending or a membrane"});
+               {fmt::format("{} elements are too thin to carry bending or a membrane", left_out)});
   object.self_collision = options.self_collision;
   require_layer(object, options.layer);
   object.layer = options.layer;
@@ -217,8 +221,7 @@ void require_lasting(const Object& object, const char* what) {
 void require_layer(const Object& object, int layer) {
   constexpr int most = 1000;
   if (layer < 0 || layer > most)
-    throw Error(object.name + ": layer: " + std::to_string(layer) + " is not a whole number from 0 to " +
-                std::to_string(most));
+    throw Error(fmt::format("{}: layer: {} is not a whole number from 0 to {}", object.name, layer, most));
   if (layer != 0 && object.surface.empty())
     throw Error(object.name +
                 ": layer: only an object with a surface of its own can be one (cloth, a soft body "
@@ -286,8 +289,10 @@ void require_volumes(const TetMesh& mesh, const std::string& name) {
   const std::vector<double> volumes = tet_volumes(mesh);
   for (std::size_t t = 0; t < volumes.size(); ++t)
     if (!(volumes[t] > 0))
-      throw Error(name + ": tet " + std::to_string(t) + " is " + (volumes[t] < 0 ? "inside out" : "flat") +
-                  "; expected a positive volume, vertices (a, b, c, d) with (b - a) x (c - a) . (d - a) > 0");
+      throw Error(
+          fmt::format("{}: tet {} is {}; expected a positive volume, vertices (a, b, c, d) with "
+                      "(b - a) x (c - a) . (d - a) > 0",
+                      name, t, volumes[t] < 0 ? "inside out" : "flat"));
 }
 
 /// vertex_of for embedded objects: for each particle the nearest of the vertices it carries, or of its
@@ -379,9 +384,9 @@ ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, 
   Draft rope = draft(world, ObjectKind::rope, material, options);
   Object& object = *rope.object;
   if (points.size() < 2)
-    throw Error(object.name + ": a rope needs at least two points, got " + std::to_string(points.size()));
+    throw Error(fmt::format("{}: a rope needs at least two points, got {}", object.name, points.size()));
   if (segments < 1 || segments > 10000000)
-    throw Error(object.name + ": segments is " + std::to_string(segments) + ", expected 1 to 10,000,000");
+    throw Error(fmt::format("{}: segments is {}, expected 1 to 10,000,000", object.name, segments));
   std::vector<Vec3d> path(points.begin(), points.end());
   place_points(path, options.transform, object.name);
   object.rest = resample_polyline(path, segments);
@@ -416,8 +421,9 @@ void require_same_spacing(const WorldState& world, const Object& fluid, float sp
   for (const auto& other : world.objects) {
     const auto* material = std::get_if<FluidMaterial>(&other->material);
     if (material && other.get() != &fluid && material->spacing != spacing)
-      throw Error(fluid.name + ": spacing is " + std::to_string(spacing) + " m, but that of " + other->name +
-                  " is " + std::to_string(material->spacing) + " m: all fluids of a world have the same");
+      throw Error(
+          fmt::format("{}: spacing is {} m, but that of {} is {} m: all fluids of a world have the same",
+                      fluid.name, spacing, other->name, material->spacing));
   }
 }
 

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -177,10 +179,10 @@ void report_tangles(WorldState& world) {
     const std::string& one = world.objects[pair.edge_surface]->name;
     const std::string& other = world.objects[pair.surface]->name;
     const bool itself = pair.edge_surface == pair.surface;
-    words += std::to_string(pair.edges) + (pair.edges == 1 ? " edge of '" : " edges of '") + one +
-             (pair.edges == 1 ? "' passes through " : "' pass through ") +
-             (itself ? "its own triangles" : "triangles of '" + other + "'") +
-             (pair.held ? ", where nothing can move" : "") + "; ";
+    words += fmt::format("{} {} of '{}' {} through {}{}; ", pair.edges, pair.edges == 1 ? "edge" : "edges",
+                         one, pair.edges == 1 ? "passes" : "pass",
+                         itself ? "its own triangles" : fmt::format("triangles of '{}'", other),
+                         pair.held ? ", where nothing can move" : "");
   }
   if (world.report.tangles > 0) world.complain(Flag::tangled, words + std::string(advice(Flag::tangled)));
 }

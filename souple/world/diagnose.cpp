@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstring>
 
+#include <fmt/core.h>
+
 namespace souple {
 namespace {
 
@@ -24,8 +26,8 @@ void restore_last_good(WorldState& world) {
   particles.offset = world.good_offset;
   particles.velocity = world.good_velocity;
   hold_sleepers(world);
-  world.complain(Flag::non_finite, object.name + ", vertex " + std::to_string(world.report.bad_vertex) +
-                                       ": " + std::string(advice(Flag::non_finite)));
+  world.complain(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
+                                               advice(Flag::non_finite)));
 }
 
 void measure(WorldState& world) {
@@ -143,8 +145,7 @@ bool begin_step(WorldState& world, double dt) {
   report.step = world.steps;
   report.time = world.time;
   if (!(dt > 0) || !std::isfinite(dt) || !(static_cast<float>(dt / world.settings.substeps) > 0)) {
-    report.message =
-        "step: dt is " + std::to_string(dt) + " s, expected a positive finite time; nothing was done";
+    report.message = fmt::format("step: dt is {} s, expected a positive finite time; nothing was done", dt);
     return false;
   }
   try {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include <fmt/core.h>
+
 // What users say of emitters and drains; flow.cpp does it.
 
 namespace souple {
@@ -15,8 +17,7 @@ Record& find(std::vector<Record>& records, std::uint32_t id, const char* kind) {
   const auto found = std::find_if(records.begin(), records.end(),
                                   [&](const Record& record) { return record.id.value == id; });
   if (found != records.end()) return *found;
-  throw Error(std::string("no ") + kind + " has the handle " + std::to_string(id) +
-              ": it was removed, or belongs to another world");
+  throw Error(fmt::format("no {} has the handle {}: it was removed, or belongs to another world", kind, id));
 }
 
 }  // namespace

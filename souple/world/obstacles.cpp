@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 bool is_static(const ObstacleMotion& motion) {
@@ -90,17 +92,17 @@ void at_moment(WorldState& world, const Object& object, double time, const Funct
 
 void validate_times(const MeshSequence& sequence, const std::string& where) {
   if (!(sequence.frame_rate > 0) || !std::isfinite(sequence.frame_rate))
-    throw Error(where + ": the frame rate is " + std::to_string(sequence.frame_rate) +
-                ", expected a finite number > 0");
+    throw Error(
+        fmt::format("{}: the frame rate is {}, expected a finite number > 0", where, sequence.frame_rate));
   if (!std::isfinite(sequence.start_time)) throw Error(where + ": the start time is not finite");
   if (sequence.times.empty()) return;
   if (sequence.times.size() != sequence.frames.size())
-    throw Error(where + ": there are " + std::to_string(sequence.times.size()) + " times for " +
-                std::to_string(sequence.frames.size()) + " frames");
+    throw Error(fmt::format("{}: there are {} times for {} frames", where, sequence.times.size(),
+                            sequence.frames.size()));
   if (sequence.times[0] != 0) throw Error(where + ": the time of frame 0 is not 0");
   for (std::size_t k = 1; k < sequence.times.size(); ++k)
     if (!(sequence.times[k] > sequence.times[k - 1]) || !std::isfinite(sequence.times[k]))
-      throw Error(where + ": the time of frame " + std::to_string(k) + " is not later than that before it");
+      throw Error(fmt::format("{}: the time of frame {} is not later than that before it", where, k));
 }
 
 }  // namespace
@@ -113,12 +115,12 @@ void validate(const ObstacleMotion& motion, std::size_t vertices, std::string_vi
   for (std::size_t k = 0; k < sequence.frames.size(); ++k) {
     const std::vector<Vec3f>& frame = sequence.frames[k];
     if (frame.size() != vertices)
-      throw Error(where + " has " + std::to_string(frame.size()) + " vertices in frame " + std::to_string(k) +
-                  ", but the mesh has " + std::to_string(vertices));
+      throw Error(fmt::format("{} has {} vertices in frame {}, but the mesh has {}", where, frame.size(), k,
+                              vertices));
     for (std::size_t i = 0; i < frame.size(); ++i)
       if (!is_finite(frame[i]) || length(Vec3d(frame[i])) > 1e15)
-        throw Error(where + " holds a number that is not finite or above 1e15 m in frame " +
-                    std::to_string(k) + " at vertex " + std::to_string(i));
+        throw Error(fmt::format(
+            "{} holds a number that is not finite or above 1e15 m in frame {} at vertex {}", where, k, i));
   }
 }
 

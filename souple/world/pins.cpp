@@ -11,6 +11,8 @@
 #include <limits>
 #include <queue>
 
+#include <fmt/core.h>
+
 // Selectors, pins, and the constraints that users add between vertices.
 
 namespace souple {
@@ -30,8 +32,8 @@ struct Choose {
     std::sort(result.begin(), result.end());
     result.erase(std::unique(result.begin(), result.end()), result.end());
     if (!result.empty() && result.back() >= positions.size())
-      throw Error("vertices: " + object.name + " has " + std::to_string(positions.size()) +
-                  " vertices, no number " + std::to_string(result.back()));
+      throw Error(fmt::format("vertices: {} has {} vertices, no number {}", object.name, positions.size(),
+                              result.back()));
     return result;
   }
   std::vector<std::uint32_t> operator()(const Selector::InBox& box) const {
@@ -83,8 +85,7 @@ void set_inverse_mass(WorldState& world, const Object& object, std::uint32_t par
 
 void require_compliance(float compliance, const char* what) {
   if (!(compliance >= 0) || !std::isfinite(compliance))
-    throw Error(std::string(what) + ": the compliance is " + std::to_string(compliance) +
-                " m/N, expected a finite number >= 0");
+    throw Error(fmt::format("{}: the compliance is {} m/N, expected a finite number >= 0", what, compliance));
 }
 
 }  // namespace
@@ -185,7 +186,7 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
   world.require_between_steps("connect");
   require_compliance(compliance, "connect");
   if (until && !(std::isfinite(*until) && *until >= 0))
-    throw Error("connect: until is " + std::to_string(*until) + " s, expected a finite time >= 0");
+    throw Error(fmt::format("connect: until is {} s, expected a finite time >= 0", *until));
   if (pairs.empty()) throw Error("connect: there are no pairs");
   auto projector = std::make_unique<SetProjector<Distance>>();
   for (const auto& [a, b] : pairs) {
@@ -260,7 +261,7 @@ ProjectorId World::add_tethers(ObjectId id, float slack) {
   if (object.pins.empty())
     throw Error("add_tethers: " + object.name + " has no pinned vertex; pin some first");
   if (!(slack >= 0) || !std::isfinite(slack))
-    throw Error("add_tethers: the slack is " + std::to_string(slack) + ", expected a finite number >= 0");
+    throw Error(fmt::format("add_tethers: the slack is {}, expected a finite number >= 0", slack));
   const Reach reach = reach_from(object, object.pins);
   auto projector = std::make_unique<SetProjector<Tether>>();
   for (std::uint32_t i = 0; i < object.particle_count(); ++i) {
@@ -297,8 +298,8 @@ namespace {
 std::size_t find_extra(const WorldState& world, ProjectorId id) {
   for (std::size_t k = 0; k < world.extras.size(); ++k)
     if (world.extras[k].id.value == id.value) return k;
-  throw Error("no projector has the handle " + std::to_string(id.value) +
-              ": it was removed, or belongs to another world");
+  throw Error(
+      fmt::format("no projector has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
 }  // namespace
@@ -331,8 +332,8 @@ Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
                 ", expected a closed cloth");
   const std::size_t open = boundary_edges(object.surface).size();
   if (object.surface.empty() || open > 0)
-    throw Error(std::string(what) + ": the surface of " + object.name + " is not closed (" +
-                std::to_string(open) + " open edges), so it encloses no volume");
+    throw Error(fmt::format("{}: the surface of {} is not closed ({} open edges), so it encloses no volume",
+                            what, object.name, open));
   return object;
 }
 
@@ -348,8 +349,8 @@ void World::set_pressure(ObjectId id, float pascals) {
 
 void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
   if (!(factor > 0) || !std::isfinite(factor))
-    throw Error("set_enclosed_volume: the factor is " + std::to_string(factor) +
-                ", expected a finite number above 0");
+    throw Error(
+        fmt::format("set_enclosed_volume: the factor is {}, expected a finite number above 0", factor));
   require_compliance(compliance, "set_enclosed_volume");
   Object& object = closed_cloth(impl_->state, id, "set_enclosed_volume");
   wake_island(impl_->state, object);

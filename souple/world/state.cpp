@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 void Extra::follow(double t) {
@@ -25,15 +27,15 @@ void Extra::erase_particles(std::uint32_t begin, std::uint32_t end) {
 Object& WorldState::object(ObjectId id) {
   for (const auto& object : objects)
     if (object->id == id) return *object;
-  throw Error("no object has the handle " + std::to_string(id.value) +
-              ": it was removed, or belongs to another world");
+  throw Error(
+      fmt::format("no object has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
 ColliderRecord& WorldState::collider(ColliderId id) {
   for (ColliderRecord& record : colliders)
     if (record.id == id) return record;
-  throw Error("no collider has the handle " + std::to_string(id.value) +
-              ": it was removed, or belongs to another world");
+  throw Error(
+      fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
 void WorldState::place(std::size_t i, const Vec3d& x) {
@@ -68,7 +70,7 @@ std::string WorldState::unique_name(const std::string& wanted, std::string_view 
                        [&](const auto& c) { return c.options.name == name; });
   };
   std::string name(base);
-  for (int n = 2; taken(name); ++n) name = std::string(base) + std::to_string(n);
+  for (int n = 2; taken(name); ++n) name = fmt::format("{}{}", base, n);
   return name;
 }
 

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple {
 
 std::string_view kind_name(ObjectKind kind) {
@@ -169,8 +171,8 @@ void World::set_material(ObjectId id, const ObstacleMaterial& m) {
 void World::set_material(ObjectId id, const FluidMaterial& m) {
   const float spacing = fluid_material(id).spacing;
   if (m.spacing != spacing)
-    throw Error(impl_->state.object(id).name + ": spacing is " + std::to_string(m.spacing) + " m, was " +
-                std::to_string(spacing) + " m: add the fluid anew to change it");
+    throw Error(fmt::format("{}: spacing is {} m, was {} m: add the fluid anew to change it",
+                            impl_->state.object(id).name, m.spacing, spacing));
   change_material(impl_->state, id, m);
 }
 const ClothMaterial& World::cloth_material(ObjectId id) const {
@@ -294,14 +296,14 @@ void require_particle_vertices(const Object& object, const char* what) {
 
 void require_count(const Object& object, std::size_t count, const char* what) {
   if (count != object.vertex_count())
-    throw Error(std::string(what) + ": " + object.name + " has " + std::to_string(object.vertex_count()) +
-                " vertices, got " + std::to_string(count) + " values");
+    throw Error(fmt::format("{}: {} has {} vertices, got {} values", what, object.name, object.vertex_count(),
+                            count));
 }
 
 void require_all_finite(const Object& object, std::span<const Vec3f> values, const char* what) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!is_finite(values[i]))
-      throw Error(std::string(what) + ": " + object.name + ", value " + std::to_string(i) + " is not finite");
+      throw Error(fmt::format("{}: {}, value {} is not finite", what, object.name, i));
 }
 
 /// Whether each of its vertices can be given one of these values.
@@ -343,7 +345,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
   require_movable(object, "teleport");
   validate(transform, "teleport");
   if (transform.scale != 1)
-    throw Error("teleport: the scale is " + std::to_string(transform.scale) + ", expected 1");
+    throw Error(fmt::format("teleport: the scale is {}, expected 1", transform.scale));
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);
@@ -378,8 +380,8 @@ namespace {
 
 void require_vertex(const Object& object, std::uint32_t vertex, const char* what) {
   if (vertex >= object.vertex_count())
-    throw Error(std::string(what) + ": " + object.name + " has " + std::to_string(object.vertex_count()) +
-                " vertices, no number " + std::to_string(vertex));
+    throw Error(fmt::format("{}: {} has {} vertices, no number {}", what, object.name, object.vertex_count(),
+                            vertex));
 }
 
 }  // namespace
@@ -478,8 +480,8 @@ Vec3d World::fluid_force(ColliderId id) const {
   const WorldState& world = impl_->state;
   for (std::size_t c = 0; c < world.colliders.size(); ++c)
     if (world.colliders[c].id == id) return world.fluids.force(c);
-  throw Error("no collider has the handle " + std::to_string(id.value) +
-              ": it was removed, or belongs to another world");
+  throw Error(
+      fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
 void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution) {

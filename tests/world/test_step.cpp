@@ -1,4 +1,5 @@
 #include "souple/souple.h"
+#include "tests/expect_error.h"
 
 #include <cmath>
 #include <limits>
@@ -16,6 +17,16 @@ TEST(Step, RefusesATimeThatIsNone) {
     EXPECT_NE(world.step(dt).message.find("dt"), std::string::npos);
     EXPECT_EQ(world.hash(), before);
   }
+}
+
+// A small number is told as it is, not as 0.000000.
+TEST(Step, MessagesTellSmallNumbers) {
+  World world;
+  EXPECT_NE(world.step(-1e-9).message.find("dt is -1e-09 s"), std::string::npos);
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1));
+  world.pin(cloth, vertices({0}));
+  expect_error([&] { world.add_tethers(cloth, -1e-9f); }, {"slack is -1e-09, expected"});
+  expect_error([] { World({.drag = -1e-9f}); }, {"drag is -1e-09, expected"});
 }
 
 TEST(Step, TheReportCounts) {

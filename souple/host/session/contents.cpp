@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::host {
 
 namespace {
@@ -123,8 +125,8 @@ std::optional<std::uint32_t> Contents::collider_colour(const std::string& name) 
 Item& Contents::item(Handle handle) const {
   if (Item* found = find(handle)) return *found;
   const auto gone = gone_.find(handle);
-  if (gone == gone_.end()) throw Error("there is no object " + std::to_string(handle));
-  throw Error("\"" + gone->second + "\" (object " + std::to_string(handle) + ") is no longer there");
+  if (gone == gone_.end()) throw Error(fmt::format("there is no object {}", handle));
+  throw Error(fmt::format("\"{}\" (object {}) is no longer there", gone->second, handle));
 }
 
 // --- what is in it

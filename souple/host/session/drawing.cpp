@@ -1,5 +1,7 @@
 #include "souple/host/session/impl.h"
 
+#include <fmt/core.h>
+
 // What a session's objects look like to the host.
 
 namespace souple::host {
@@ -8,8 +10,7 @@ namespace {
 
 void require_count(const std::string& name, std::size_t given, std::size_t expected) {
   if (given != expected)
-    throw Error(name + ": the buffers hold " + std::to_string(given) + " vertices, expected " +
-                std::to_string(expected));
+    throw Error(fmt::format("{}: the buffers hold {} vertices, expected {}", name, given, expected));
 }
 
 void copy(std::span<const Vec3f> values, float* out, std::size_t stride) {

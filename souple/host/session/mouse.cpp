@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
+
 // The session's mouse: what it picks, holds and drags.
 
 namespace souple::host {
@@ -24,8 +26,7 @@ Vec3f on_triangle(const Ray& ray, const Vec3f (&x)[3], const Vec3f& otherwise) {
 std::uint32_t Session::Impl::world_vertex(const Item& item, const World& world, std::uint32_t vertex) {
   const std::size_t count = item.mesh ? item.mesh->weld.vertex_count() : world.positions(item.id).size();
   if (vertex >= count)
-    throw Error(item.name + ": there is no vertex " + std::to_string(vertex) + ", it has " +
-                std::to_string(count));
+    throw Error(fmt::format("{}: there is no vertex {}, it has {}", item.name, vertex, count));
   return item.mesh ? item.mesh->weld.particle_of()[vertex] : vertex;
 }
 
@@ -56,8 +57,7 @@ bool Session::grab_triangle(Handle object, std::uint32_t triangle, const Ray& ra
   const World& world = impl_->contents.world();
   const std::size_t count = item.mesh ? item.mesh->weld.triangle_count() : world.triangles(item.id).size();
   if (triangle >= count)
-    throw Error(item.name + ": there is no triangle " + std::to_string(triangle) + ", it has " +
-                std::to_string(count));
+    throw Error(fmt::format("{}: there is no triangle {}, it has {}", item.name, triangle, count));
   const Triangle& corners =
       item.mesh ? item.mesh->weld.render_triangles()[triangle] : world.triangles(item.id)[triangle];
   Vec3f x[3];
