@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 namespace {
@@ -51,8 +53,7 @@ void take(const std::optional<std::uint32_t>& given, const char* option, std::ui
           std::uint32_t most, int& value) {
   if (!given) return;
   if (*given < least || *given > most)
-    throw Error(std::string(option) + " " + std::to_string(*given) + ": expected " + std::to_string(least) +
-                " to " + std::to_string(most));
+    throw Error(fmt::format("{} {}: expected {} to {}", option, *given, least, most));
   value = static_cast<int>(*given);
 }
 

@@ -10,6 +10,8 @@
 #include <chrono>
 #include <cmath>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 namespace {
@@ -174,8 +176,8 @@ BenchResult measure(const BenchOptions& options) {
   result.name = scene.name;
   result.size = options.size > 0 ? options.size : scene.default_size;
   if (result.size < scene.least || result.size > scene.most)
-    throw Error("--size " + std::to_string(result.size) + ": " + scene.name + " takes " +
-                std::to_string(scene.least) + " to " + std::to_string(scene.most) + " " + scene.size_means);
+    throw Error(fmt::format("--size {}: {} takes {} to {} {}", result.size, scene.name, scene.least,
+                            scene.most, scene.size_means));
   describe(options, result);
   Settings settings = options.settings;
   settings.measure_residuals = false;  // it costs about an iteration a step, and is measured by itself

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 using scene_format::Json;
@@ -56,8 +58,8 @@ const StageBench* find_stage_bench(const std::string& name) {
 Json measure_stage(const StageBench& bench, BenchOptions options) {
   if (options.size == 0) options.size = bench.default_size;
   if (options.size < bench.least || options.size > bench.most)
-    throw Error("--size " + std::to_string(options.size) + ": " + bench.name + " takes " +
-                std::to_string(bench.least) + " to " + std::to_string(bench.most) + " " + bench.size_means);
+    throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, bench.name, bench.least,
+                            bench.most, bench.size_means));
   if (options.residual) throw Error(std::string("--residual: ") + bench.name + " solves nothing");
   Json result = Json::object();
   result.set("name", Json::of(bench.name));

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cstdio>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 namespace {
 
 std::string counted(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
+  return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
 void print_object(const World& world, ObjectId object) {
@@ -20,7 +22,7 @@ void print_object(const World& world, ObjectId object) {
   const std::size_t triangles = world.triangles(object).size();
   if (triangles > 0) line += ", " + counted(triangles, "triangle", "triangles");
   const std::size_t pinned = world.pinned(object).size();
-  if (pinned > 0) line += ", " + std::to_string(pinned) + " pinned";
+  if (pinned > 0) line += fmt::format(", {} pinned", pinned);
   std::printf("%s, %.4g kg\n", line.c_str(), world.total_mass(object));
 }
 

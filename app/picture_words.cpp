@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 namespace {
@@ -155,7 +157,7 @@ std::vector<std::uint64_t> parse_frames(std::string_view text, std::uint64_t fra
     const auto value = word == "last" ? frames : whole_number(word, 1, std::uint64_t(1) << 40);
     if (!value) refuse_frames(text);
     if (*value > frames)
-      refuse("--frames", text, "frames from 1 to " + std::to_string(frames) + ": there are no more");
+      refuse("--frames", text, fmt::format("frames from 1 to {}: there are no more", frames));
     return *value;
   };
   const std::uint64_t first = bound(words.first), last = bound(words.last);

@@ -16,6 +16,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 namespace fs = std::filesystem;
@@ -61,8 +63,8 @@ void choose_liquids(const RenderRequest& request, PictureStyle& style) {
   }
   if (!request.liquid_steps) return;
   if (*request.liquid_steps < 1 || *request.liquid_steps > render::most_liquid_steps)
-    throw Error("--liquid-steps " + std::to_string(*request.liquid_steps) + ": expected 1 to " +
-                std::to_string(render::most_liquid_steps));
+    throw Error(
+        fmt::format("--liquid-steps {}: expected 1 to {}", *request.liquid_steps, render::most_liquid_steps));
   style.liquid_steps = static_cast<int>(*request.liquid_steps);
 }
 
@@ -79,7 +81,7 @@ PictureStyle style_of(const RenderRequest& request) {
   if (request.samples) {
     constexpr std::uint32_t most = 1024;
     if (*request.samples < 1 || *request.samples > most)
-      throw Error("--samples " + std::to_string(*request.samples) + ": expected 1 to 1024");
+      throw Error(fmt::format("--samples {}: expected 1 to 1024", *request.samples));
     style.samples = static_cast<int>(*request.samples);
   }
   return style;
@@ -107,8 +109,9 @@ void choose_frames(const RenderRequest& request, const FrameSource& source, Orde
   if (words.empty()) words = order.kind == OutputKind::picture ? "last" : "all";
   order.frames = parse_frames(words, source.frames());
   if (order.kind == OutputKind::picture && order.frames.size() > 1) {
-    throw Error("--out " + order.out.string() + ": " + std::to_string(order.frames.size()) +
-                " frames do not fit into one picture: give --sheet, a film .mp4 or .gif, or a folder");
+    throw Error(fmt::format(
+        "--out {}: {} frames do not fit into one picture: give --sheet, a film .mp4 or .gif, or a folder",
+        order.out.string(), order.frames.size()));
   }
   std::uint64_t step = step_of_frames(words);
   if (order.kind == OutputKind::film && is_gif(order.out) && step == 1) {
@@ -161,7 +164,7 @@ void require_world(const Order& order, const RenderRequest& request, const Frame
 }
 
 int colours_of(std::uint32_t colours, const Order& order) {
-  const std::string option = "--colours " + std::to_string(colours);
+  const std::string option = fmt::format("--colours {}", colours);
   if (colours < 2 || colours > 256) throw Error(option + ": expected 2 to 256");
   if (order.kind == OutputKind::film)
     throw Error(option + ": is for pictures; " + order.out.string() + " is a film");
@@ -185,7 +188,7 @@ Order order_of(const RenderRequest& request, const FrameSource& source, PictureS
 }
 
 std::string counted(std::uint64_t count, const std::string& one) {
-  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
 std::string label_of(const FrameSource& source) {
@@ -246,7 +249,7 @@ int say_bad(const Order& order, const FrameSource& source, std::uint64_t picture
   const std::string left =
       pictures == 0 ? "there is nothing to show"
       : order.kind == OutputKind::picture
-          ? order.out.string() + " shows the last good frame, " + std::to_string(source.frame())
+          ? fmt::format("{} shows the last good frame, {}", order.out.string(), source.frame())
           : order.out.string() + " shows " + counted(pictures, "frame") + " before it";
   std::fprintf(stderr, "souple: %s; %s. %s\n", source.trouble().c_str(), left.c_str(),
                std::string(advice(Flag::non_finite)).c_str());
@@ -263,7 +266,7 @@ int say_interrupted(const Order& order, const FrameSource& source, std::uint64_t
 
 void print_summary(const Order& order, const FrameSource& source, const Rendering& rendering) {
   std::string what = counted(rendering.pictures(), "picture");
-  if (order.kind == OutputKind::picture) what = "frame " + std::to_string(order.frames.front());
+  if (order.kind == OutputKind::picture) what = fmt::format("frame {}", order.frames.front());
   std::printf("%s: %s of %dx%d in %.2f s, in %s\n", source.name().c_str(), what.c_str(),
               order.style.size.width, order.style.size.height, rendering.seconds(),
               order.out.string().c_str());

@@ -19,6 +19,8 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 namespace fs = std::filesystem;
@@ -51,9 +53,9 @@ std::vector<CacheFormat> formats_of(const std::vector<std::string>& names) {
 /// The command's own flags are settings like any other, and checked like them.
 std::vector<std::string> settings_of(const RunOptions& options) {
   std::vector<std::string> settings = options.settings;
-  if (options.frames) settings.push_back("frames=" + std::to_string(*options.frames));
-  if (options.substeps) settings.push_back("substeps=" + std::to_string(*options.substeps));
-  if (options.iterations) settings.push_back("iterations=" + std::to_string(*options.iterations));
+  if (options.frames) settings.push_back(fmt::format("frames={}", *options.frames));
+  if (options.substeps) settings.push_back(fmt::format("substeps={}", *options.substeps));
+  if (options.iterations) settings.push_back(fmt::format("iterations={}", *options.iterations));
   return settings;
 }
 
@@ -97,15 +99,15 @@ Job stopped_job(const RunOptions& options) {
   job.record = parse_run_record(checkpoint.scene, file.string());
   if (options.checkpoint_every) job.record.checkpoint_every = *options.checkpoint_every;
   std::vector<std::string> settings;
-  if (options.frames) settings.push_back("frames=" + std::to_string(*options.frames));
+  if (options.frames) settings.push_back(fmt::format("frames={}", *options.frames));
   job.scene = parse_scene(job.record.scene, job.record.folder, job.record.source, settings);
   job.record.scene = to_json(job.scene);
   job.out = options.resume;
   job.done = checkpoint.frame;
   job.state = std::move(checkpoint.state);
   if (job.done > job.scene.frames) {
-    throw Error("--frames " + std::to_string(job.scene.frames) + ": the stopped run already has " +
-                std::to_string(job.done) + " frames; expected at least as many");
+    throw Error(fmt::format("--frames {}: the stopped run already has {} frames; expected at least as many",
+                            job.scene.frames, job.done));
   }
   return job;
 }
@@ -142,7 +144,7 @@ void print_remarks(const Tally& tally, const Recorder& recorder) {
 }
 
 std::string frames_text(std::uint64_t frames) {
-  return std::to_string(frames) + (frames == 1 ? " frame" : " frames");
+  return fmt::format("{} {}", frames, frames == 1 ? "frame" : "frames");
 }
 
 void print_summary(const Job& job, const Tally& tally, double seconds) {

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <system_error>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 namespace fs = std::filesystem;
@@ -82,9 +84,10 @@ void SurfaceFiles::resume(const RunManifest& before, std::uint64_t done) {
   const std::uint64_t written = has_any ? known->files.front().frames : 0;
   // That run.json may tell of later frames too.
   if (before.frames < done || there > written || written - there > before.frames - done)
-    throw Error(folder_.string() + ": lacks meshes of \"" + object_ + "\": " + std::to_string(there) +
-                " of the first " + std::to_string(done) +
-                " frames are there; start the run anew, or make them of its folder with `souple surface`");
+    throw Error(
+        fmt::format("{}: lacks meshes of \"{}\": {} of the first {} frames are there; start the run anew, or "
+                    "make them of its folder with `souple surface`",
+                    folder_.string(), object_, there, done));
   meshes_.go_on_after(done);
   if (there == 0) return;
   listed_ = *known;

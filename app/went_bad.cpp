@@ -1,10 +1,13 @@
 #include "app/went_bad.h"
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 std::string went_bad_text(const std::string& source, const StepReport& report, std::uint64_t frame) {
-  return source + ": the simulation went bad in frame " + std::to_string(frame) + ": object \"" +
-         report.bad_object + "\", particle " + std::to_string(report.bad_vertex) + " is no longer finite";
+  return fmt::format(
+      "{}: the simulation went bad in frame {}: object \"{}\", particle {} is no longer finite", source,
+      frame, report.bad_object, report.bad_vertex);
 }
 
 }  // namespace souple::app

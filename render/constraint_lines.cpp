@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::render {
 namespace {
 
@@ -153,18 +155,18 @@ void explain(const Summary& summary, const DisplayOptions& options, const HeatSc
     case ConstraintDisplay::kind:
       legend.title("constraints by kind");
       for (const auto& [kind, of] : summary)
-        legend.entry(kind_colour(kind), kind + "  " + std::to_string(of.count));
+        legend.entry(kind_colour(kind), fmt::format("{}  {}", kind, of.count));
       return;
     case ConstraintDisplay::colour:
       legend.title("constraints by solver colour");
       for (const auto& [kind, of] : summary)
-        legend.title(kind + "  " + std::to_string(of.colours) + (of.colours == 1 ? " colour" : " colours"));
+        legend.title(fmt::format("{}  {} {}", kind, of.colours, of.colours == 1 ? "colour" : "colours"));
       return;
     case ConstraintDisplay::strain:
       legend.title("constraints by |strain|");
       legend.scale(heat, 100 * options.largest_strain, "%");
       for (const auto& [kind, of] : summary)
-        if (has_strain(summary, kind)) legend.title(kind + "  " + std::to_string(of.count));
+        if (has_strain(summary, kind)) legend.title(fmt::format("{}  {}", kind, of.count));
       return;
     case ConstraintDisplay::residual:
       legend.title("constraints by residual |C|, from 0 (dark) to");

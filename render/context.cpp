@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
 namespace souple::render {
 
 namespace {
@@ -163,7 +165,7 @@ void watch_gl_errors() {
 void throw_gl_errors() {
   std::vector<std::string>& messages = gl_messages();
   for (GLenum error = glGetError(); error != GL_NO_ERROR; error = glGetError()) {
-    messages.push_back("glGetError returns " + std::to_string(error));
+    messages.push_back(fmt::format("glGetError returns {}", error));
   }
   if (messages.empty()) return;
   const std::string first = messages.front();

@@ -16,6 +16,8 @@
 #include <optional>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple::render {
 namespace {
 
@@ -293,7 +295,7 @@ void SubjectDrawing::Impl::draw_lattice(const World& world) {
   DebugDraw draw;
   draw.tet_edge = [&](const Vec3f& a, const Vec3f& b) { list.lines.push_back({a, b, lattice_ink, 1.2f}); };
   world.debug_draw(draw);
-  legend.title("lattice: " + std::to_string(list.lines.size()) + " edges of tets");
+  legend.title(fmt::format("lattice: {} edges of tets", list.lines.size()));
 }
 
 /// Lines along the normals, as long as the root of their impulse, from a small ball.
@@ -313,8 +315,8 @@ void SubjectDrawing::Impl::draw_contacts(const World& world) {
     ++count[event.other_is_collider ? 0 : 1];
   }
   legend.title("contacts; longest line " + short_number(static_cast<double>(strongest)) + " N s");
-  legend.entry(against_collider, "with colliders  " + std::to_string(count[0]));
-  legend.entry(against_object, "between objects  " + std::to_string(count[1]));
+  legend.entry(against_collider, fmt::format("with colliders  {}", count[0]));
+  legend.entry(against_object, fmt::format("between objects  {}", count[1]));
   if (contact_points.empty()) return;
   if (contacts_key == 0) contacts_key = take_key();
   Spheres spheres;
@@ -341,7 +343,7 @@ void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions&
   if (display == Display::particles) {
     std::size_t count = 0;
     for (const Spheres& spheres : list.spheres) count += spheres.centres.size();
-    legend.title("particles: " + std::to_string(count));
+    legend.title(fmt::format("particles: {}", count));
   }
   if (display == Display::normals) legend.title("normals: x red, y green, z blue");
   if (subject.world) return;

@@ -24,6 +24,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 namespace souple::render {
 
 namespace fs = std::filesystem;
@@ -106,8 +108,8 @@ class Ffmpeg {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
     std::string line = last_line();
     if (!line.empty()) return line;
-    return WIFSIGNALED(status) ? "it was ended by signal " + std::to_string(WTERMSIG(status))
-                               : "exit code " + std::to_string(WEXITSTATUS(status));
+    return WIFSIGNALED(status) ? fmt::format("it was ended by signal {}", WTERMSIG(status))
+                               : fmt::format("exit code {}", WEXITSTATUS(status));
   }
 
  private:
@@ -186,7 +188,7 @@ std::string file_word(const fs::path& file) {
 }
 
 std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
+  return fmt::format("{}x{}", width, height);
 }
 
 std::string number_text(double number) {

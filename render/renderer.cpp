@@ -23,6 +23,8 @@
 #include <optional>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple::render {
 
 namespace {
@@ -116,8 +118,8 @@ Vec4 vec4(const Colour& c, float scale) {
 
 void require_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= largest_side && height <= largest_side) return;
-  throw Error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-              " pixels: each side has to be in [1, " + std::to_string(largest_side) + "]");
+  throw Error(fmt::format("a picture of {} x {} pixels: each side has to be in [1, {}]", width, height,
+                          largest_side));
 }
 
 constexpr std::array<std::string_view, liquid_filter_count> liquid_filter_names{"none", "curvature-flow",

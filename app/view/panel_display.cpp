@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 namespace souple::viewer {
 
 namespace {
@@ -14,7 +16,7 @@ std::vector<std::string> names_of(std::size_t count, Name name, bool numbered) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < count; ++i) {
     const std::string text(name(static_cast<Value>(i)));
-    names.push_back(numbered ? std::to_string(i + 1) + "  " + text : text);
+    names.push_back(numbered ? fmt::format("{}  {}", i + 1, text) : text);
   }
   return names;
 }

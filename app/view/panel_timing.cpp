@@ -8,6 +8,8 @@
 #include <imgui.h>
 #include <string>
 
+#include <fmt/core.h>
+
 namespace souple::viewer {
 
 namespace {
@@ -158,9 +160,9 @@ void timing_panel(const Simulation& simulation) {
 void numbers_panel(const Simulation& simulation) {
   if (!section("Numbers")) return;
   const StepReport& report = simulation.report();
-  value_row("Particles", std::to_string(report.particles));
-  value_row("Constraints", std::to_string(report.constraints));
-  value_row("Contacts", std::to_string(report.contacts));
+  value_row("Particles", fmt::format("{}", report.particles));
+  value_row("Constraints", fmt::format("{}", report.constraints));
+  value_row("Contacts", fmt::format("{}", report.contacts));
   value_row("Deepest contact", text("%.2g mm", 1e3 * report.deepest_contact));
   value_row("Largest strain", text("%.2g %%", 100 * report.largest_strain));
   residual_table(report);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
+
 namespace souple::viewer {
 
 namespace {
@@ -28,8 +30,7 @@ Recording::Recording(const std::filesystem::path& path)
                 "OBJ or PLY");
   }
   rate_ = cache_.playback().manifest().frame_rate;
-  description_ =
-      cache_.scene() ? cache_.scene()->description : "A run of " + std::to_string(frames()) + " frames.";
+  description_ = cache_.scene() ? cache_.scene()->description : fmt::format("A run of {} frames.", frames());
   seek(1);
 }
 

@@ -9,6 +9,8 @@
 #include <span>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::viewer {
 
 namespace {
@@ -120,8 +122,8 @@ void Simulation::take_trouble() {
   trouble.vertex = report.bad_vertex;
   const std::span<const Vec3f> positions = world_.positions(world_.find_object(report.bad_object));
   if (report.bad_vertex < positions.size()) trouble.place = positions[report.bad_vertex];
-  trouble.message = "object \"" + report.bad_object + "\", particle " + std::to_string(report.bad_vertex) +
-                    " is no longer finite: " + std::string(advice(Flag::non_finite));
+  trouble.message = fmt::format("object \"{}\", particle {} is no longer finite: {}", report.bad_object,
+                                report.bad_vertex, advice(Flag::non_finite));
   trouble_ = std::move(trouble);
 }
 

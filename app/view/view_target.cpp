@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <epoxy/gl.h>
-#include <string>
+
+#include <fmt/core.h>
 
 namespace souple::viewer {
 
@@ -39,8 +40,8 @@ void ViewTarget::resize(int width, int height) {
   glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error("the graphics card gave no picture of " + std::to_string(width) + " x " +
-                std::to_string(height) + " pixels; try a smaller window");
+    throw Error(fmt::format("the graphics card gave no picture of {} x {} pixels; try a smaller window",
+                            width, height));
   }
 }
 

@@ -16,6 +16,8 @@
 #include <imgui_internal.h>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::viewer {
 
 namespace fs = std::filesystem;
@@ -294,7 +296,7 @@ void Viewer::switch_film() {
   if (film_) {
     const std::unique_ptr<render::Film> finished = std::move(film_);
     finished->finish();
-    notices_.say("film: " + film_file_.string() + ", " + std::to_string(film_frames_) + " frames");
+    notices_.say(fmt::format("film: {}, {} frames", film_file_.string(), film_frames_));
     return;
   }
   film_width_ = std::min(area_.width, largest_picture) / 2 * 2;

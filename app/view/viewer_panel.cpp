@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
 // The panel on the left, and what is written over the scene.
 
 namespace souple::viewer {
@@ -141,11 +143,11 @@ void Viewer::simulation_sections(Simulation& simulation) {
 
 void Viewer::recording_section(const Recording& recording) {
   if (section("Recording")) {
-    value_row("Frames", std::to_string(recording.frames()));
+    value_row("Frames", fmt::format("{}", recording.frames()));
     value_row("Frame rate", formatted("%.4g frames/s", recording.frame_rate()));
     std::size_t points = 0;
     for (const render::Body& body : recording.subject().bodies) points += body.positions.size();
-    value_row("Points", std::to_string(points));
+    value_row("Points", fmt::format("{}", points));
   }
   display_panel(display_, rendering_, options_.half_resolution, false, shows_fluids());
 }
@@ -153,7 +155,7 @@ void Viewer::recording_section(const Recording& recording) {
 void Viewer::draw_status() {
   const float right = static_cast<float>(width_) / area_.scale - 12;
   const float line = ImGui::GetFontSize() * 1.5f + 6;
-  std::string text = formatted("%.2f s", session_->time()) + "   frame " + std::to_string(session_->frame());
+  std::string text = fmt::format("{:.2f} s   frame {}", session_->time(), session_->frame());
   text_from_right(right, 12, ui_colour(theme::text), text);
   if (film_) {
     text_from_right(right, 12 + line, ui_colour(theme::bad), "filming " + film_file_.filename().string());
@@ -186,7 +188,7 @@ void Viewer::draw_trouble() {
   draw.AddCircle(at, radius, ui_colour(theme::background, 0.8f), 32, 5);
   draw.AddCircle(at, radius, ui_colour(theme::bad), 32, 2.5f);
   const std::string name =
-      trouble.object + ", particle " + std::to_string(trouble.vertex) + (inside ? "" : " (out of view)");
+      fmt::format("{}, particle {}{}", trouble.object, trouble.vertex, inside ? "" : " (out of view)");
   const ImVec2 size = ImGui::CalcTextSize(name.c_str());
   const bool leftwards = at.x + radius + size.x + 12 > hi.x;
   const ImVec2 corner{leftwards ? at.x - radius - size.x - 8 : at.x + radius + 8, at.y - size.y / 2};
@@ -212,7 +214,7 @@ void Viewer::draw_time_slider() {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PopStyleVar();
   int frame = static_cast<int>(recorded->frame());
-  const std::string text = "frame %d of " + std::to_string(recorded->frames());
+  const std::string text = fmt::format("frame %d of {}", recorded->frames());
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##frame_shown", &frame, 1, static_cast<int>(recorded->frames()), text.c_str())) {
     guarded([&] {

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <imgui.h>
 
+#include <fmt/core.h>
+
 namespace souple::viewer {
 
 namespace {
@@ -66,7 +68,7 @@ std::string number_text(double value) {
   const std::size_t exponent = result.find('e');
   if (exponent == std::string::npos) return result;
   const int power = std::atoi(result.c_str() + exponent + 1);
-  return result.substr(0, exponent + 1) + std::to_string(power);
+  return fmt::format("{}{}", result.substr(0, exponent + 1), power);
 }
 
 /// The slider that is drawn while it lives is a bar that is filled up to its value.

@@ -2,7 +2,7 @@
 
 #include "souple/error.h"
 
-#include <string>
+#include <fmt/core.h>
 
 namespace souple::render::gl {
 
@@ -35,10 +35,10 @@ Framebuffer::Framebuffer(std::string_view what, const std::vector<const Texture*
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error("OpenGL cannot draw into the buffer for " + std::string(what) + " of " +
-                std::to_string(width_) + " x " + std::to_string(height_) + " pixels (status " +
-                std::to_string(status) +
-                "); try a smaller picture, or Mesa's llvmpipe: LIBGL_ALWAYS_SOFTWARE=1");
+    throw Error(
+        fmt::format("OpenGL cannot draw into the buffer for {} of {} x {} pixels (status {}); try a smaller "
+                    "picture, or Mesa's llvmpipe: LIBGL_ALWAYS_SOFTWARE=1",
+                    what, width_, height_, status));
   }
 }
 
