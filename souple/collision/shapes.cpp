@@ -2,9 +2,10 @@
 
 #include "souple/error.h"
 
-#include <cstdio>
 #include <limits>
 #include <string>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -73,24 +74,18 @@ SurfaceDistance distance_to(const SignedDistanceField& field, const Vec3d& point
   return field.at(point);
 }
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", value);
-  return buffer;
-}
-
 struct Validator {
   std::string where;
 
   void size(const char* what, float value, bool zero_allowed = false) const {
     if (std::isfinite(value) && (value > 0 || (zero_allowed && value == 0))) return;
-    throw Error(where + ": " + what + " is " + text(double(value)) + "; expected a finite length " +
-                (zero_allowed ? "of at least 0" : "above 0") + ", in metres");
+    throw Error(fmt::format("{}: {} is {:g}; expected a finite length {}, in metres", where, what, value,
+                            zero_allowed ? "of at least 0" : "above 0"));
   }
   void point(const char* what, const Vec3f& value) const {
     if (is_finite(value)) return;
-    throw Error(where + ": " + what + " is (" + text(double(value.x)) + ", " + text(double(value.y)) + ", " +
-                text(double(value.z)) + "); expected finite numbers");
+    throw Error(fmt::format("{}: {} is ({:g}, {:g}, {:g}); expected finite numbers", where, what, value.x,
+                            value.y, value.z));
   }
 
   void operator()(const Plane& plane) const {
@@ -98,7 +93,7 @@ struct Validator {
     if (!(length(Vec3d(plane.normal)) > 0))
       throw Error(where + ": plane normal is (0, 0, 0); expected the direction out of the solid");
     if (!std::isfinite(plane.offset))
-      throw Error(where + ": plane offset is " + text(double(plane.offset)) + "; expected a finite number");
+      throw Error(fmt::format("{}: plane offset is {:g}; expected a finite number", where, plane.offset));
   }
   void operator()(const Sphere& sphere) const {
     point("sphere center", sphere.center);

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <string>
 
 #include <fmt/core.h>
 
@@ -18,19 +16,14 @@ constexpr double margin_cells = SignedDistanceField::fine_cells;  // around the 
 constexpr double slack = 1.000001;      // what lies on the surface, a whole spacing away, has either sign
 constexpr double far_tolerance = 0.01;  // of distances far from the surface
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
-
 // Memory goes with the surface, so with spacing^-2.
 [[noreturn]] void too_large(double spacing, double bytes) {
   const double room = SignedDistanceField::max_bytes;
   const double fits = spacing * sqrt(bytes / room) * 1.1;
-  throw Error("SignedDistanceField: a spacing of " + text(spacing) + " m needs " + text(bytes / 1048576) +
-              " MiB for this mesh; at most " + text(room / 1048576) +
-              " are allowed: take a spacing of about " + text(fits) + " m or more");
+  throw Error(
+      fmt::format("SignedDistanceField: a spacing of {:.3g} m needs {:.3g} MiB for this mesh; at most {:.3g} "
+                  "are allowed: take a spacing of about {:.3g} m or more",
+                  spacing, bytes / 1048576, room / 1048576, fits));
 }
 
 /// The mesh as it can be mended. If it is not closed then, the user's own mesh is blamed, if that can be.
@@ -152,8 +145,8 @@ struct SignedDistanceField::Builder {
 
 SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacing) {
   if (!(std::isfinite(spacing) && spacing > 0))
-    throw Error("SignedDistanceField: spacing is " + text(spacing) +
-                "; expected a finite length above 0, in metres");
+    throw Error(fmt::format(
+        "SignedDistanceField: spacing is {:.3g}; expected a finite length above 0, in metres", spacing));
   const TriangleMesh solid = closed_surface(mesh);
   const MeshTree tree(solid.positions, solid.triangles);
   const auto grid = std::make_shared<Grid>();

@@ -4,17 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
 
 void check(std::string_view where, const char* what, float value, float largest, const char* expected) {
   if (std::isfinite(value) && value >= 0 && value <= largest) return;
-  char number[32];
-  std::snprintf(number, sizeof number, "%g", static_cast<double>(value));
-  throw Error(std::string(where) + ": " + what + " is " + number + "; expected " + expected);
+  throw Error(fmt::format("{}: {} is {:g}; expected {}", where, what, value, expected));
 }
 
 std::pair<std::string, std::string> key_of(std::string_view a, std::string_view b) {

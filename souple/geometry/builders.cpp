@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <string>
 #include <vector>
 
 #include <fmt/core.h>
@@ -26,18 +24,14 @@ void require_count(const char* builder, const char* what, int value, int minimum
 
 void require_length(const char* builder, const char* what, double value) {
   if (std::isfinite(value) && value > 0) return;
-  char text[64];
-  std::snprintf(text, sizeof text, "%g", value);
-  throw Error(std::string(builder) + ": " + what + " is " + text + ", expected a positive length in metres");
+  throw Error(fmt::format("{}: {} is {:g}, expected a positive length in metres", builder, what, value));
 }
 
 // `count` is computed in double, where the product of absurd counts cannot overflow.
 void require_total(const char* builder, double count) {
   if (count <= max_built_vertices) return;
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3g", count);
-  throw Error(std::string(builder) + ": " + text +
-              " elements are more than the 100 million a builder makes; ask for fewer");
+  throw Error(fmt::format("{}: {:.3g} elements are more than the 100 million a builder makes; ask for fewer",
+                          builder, count));
 }
 
 // Cuts the quad a b / c d (a to b and a to c are neighbours, winding a, c, b) along a-d or b-c.

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -426,12 +425,6 @@ Lattice lattice_of_count(const Solid& solid, int target) {
   return best;
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 Solid solid_of(const TriangleMesh& mesh, const std::string& name) {
   check_indices(mesh, name.c_str());
   RepairedSurface surface = repair(mesh);
@@ -453,8 +446,9 @@ Solid solid_of(const TriangleMesh& mesh, const std::string& name) {
   solid.box = bounding_box(corners);
   const double diagonal = solid.box.diagonal();
   if (!(solid.volume > 1e-15 * diagonal * diagonal * diagonal) || !std::isfinite(solid.volume))
-    throw Error(name + ": the surface encloses no volume (" + number(solid.volume) +
-                " m^3); a soft body needs a solid shape");
+    throw Error(
+        fmt::format("{}: the surface encloses no volume ({:.3g} m^3); a soft body needs a solid shape", name,
+                    solid.volume));
   return solid;
 }
 
@@ -464,8 +458,8 @@ void check_options(const LatticeOptions& options, const std::string& name) {
     throw Error(name + ": a lattice needs either a cell size or a number of tets, " +
                 (size ? "and has both" : "and has neither"));
   if (size && !(std::isfinite(options.cell_size) && options.cell_size > 0))
-    throw Error(name + ": the lattice's cell size is " + number(options.cell_size) +
-                ", expected a positive length in metres");
+    throw Error(fmt::format("{}: the lattice's cell size is {:.3g}, expected a positive length in metres",
+                            name, options.cell_size));
   if (count && options.cells > 10'000'000)
     throw Error(
         fmt::format("{}: the lattice's number of tets is {}, expected 1 to 10000000", name, options.cells));
@@ -478,9 +472,10 @@ Lattice build_lattice(const TriangleMesh& mesh, const LatticeOptions& options, c
   const Solid solid = solid_of(mesh, name);
   const double cubes = options.cell_size > 0 ? cubes_needed(solid, options.cell_size) : 0;
   if (cubes > max_cubes)
-    throw Error(name + ": a lattice of " + number(options.cell_size) + " m cells needs " + number(cubes) +
-                " cubes, more than 4 million; the surface is " + number(solid.box.diagonal()) +
-                " m across: take larger cells, or check the unit of its file");
+    throw Error(
+        fmt::format("{}: a lattice of {:.3g} m cells needs {:.3g} cubes, more than 4 million; the surface is "
+                    "{:.3g} m across: take larger cells, or check the unit of its file",
+                    name, options.cell_size, cubes, solid.box.diagonal()));
   Lattice lattice = options.cell_size > 0 ? lattice_of_size(solid, options.cell_size)
                                           : lattice_of_count(solid, static_cast<int>(options.cells));
   if (lattice.mesh.tets.empty())

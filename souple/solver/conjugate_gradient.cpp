@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -169,12 +170,10 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
 }
 
 std::string ConjugateGradient::remark() const {
-  char line[160];
-  std::snprintf(line, sizeof line,
-                "conjugate gradients: %d products to a residual of %.1e of the first, at worst %d to %.1e",
-                products_, reached_, most_used_, worst_);
   const std::string floor = floor_remark();
-  return floor.empty() ? line : line + ("; " + floor);
+  return fmt::format(
+      "conjugate gradients: {} products to a residual of {:.1e} of the first, at worst {} to {:.1e}{}{}",
+      products_, reached_, most_used_, worst_, floor.empty() ? "" : "; ", floor);
 }
 
 }  // namespace souple

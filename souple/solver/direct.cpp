@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include <Eigen/SparseCholesky>
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -39,10 +39,10 @@ class Factorisation : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
 };
 
 [[noreturn]] void refuse(double amount, const char* what, double most) {
-  char numbers[120];
-  std::snprintf(numbers, sizeof numbers, "%.3g %s, at most %.3g are taken", amount, what, most);
-  throw Error("the solver direct would need " + std::string(numbers) +
-              ": use conjugate_gradient, or a coarser mesh");
+  throw Error(
+      fmt::format("the solver direct would need {:.3g} {}, at most {:.3g} are taken: use conjugate_gradient, "
+                  "or a coarser mesh",
+                  amount, what, most));
 }
 
 /// An unknown in a constraint row.

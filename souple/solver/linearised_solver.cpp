@@ -3,7 +3,8 @@
 #include "souple/error.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -95,19 +96,15 @@ void LinearisedSolver::advance(const ParticleView& particles, const Substep& sub
 
 std::string LinearisedSolver::floor_remark() const {
   std::string text;
-  char line[200];
   if (floors_ && system_.floored() > 0) {
-    std::snprintf(
-        line, sizeof line,
-        "%zu rigid rows are held by springs, at the smallest constraint one of %.3g N/m: strain below "
-        "1e-5 under the weight of the whole scene",
+    text += fmt::format(
+        "{} rigid rows are held by springs, at the smallest constraint one of {:.3g} N/m: strain below 1e-5 "
+        "under the weight of the whole scene",
         system_.floored(), 1 / system_.floor_compliance());
-    text += line;
   }
   if (failures_ > 0) {
-    std::snprintf(line, sizeof line, "%s%zu iterations could not be solved and were projected instead",
-                  text.empty() ? "" : "; ", failures_);
-    text += line;
+    text += fmt::format("{}{} iterations could not be solved and were projected instead",
+                        text.empty() ? "" : "; ", failures_);
   }
   return text;
 }
