@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Checks what each file may include: the floors of the architecture, and which outside library belongs where.
 
-An include goes to a strictly lower floor or stays in its folder, and never in a circle. Prints one line per
-violation and exits with 1 if there is any. `--root DIR` checks another tree.
+An include goes to a strictly lower floor or stays in its folder, and never in a circle. Two habits are refused as well:
+`using namespace` in a header, and std::to_string. Prints one line per violation and exits with 1 if there is any.
+`--root DIR` checks another tree.
 """
 
 import argparse
@@ -44,6 +45,8 @@ OUTSIDE = [
     (r"(unsupported/)?Eigen/", lambda p: p == "souple/eigen.h" or p.endswith(".cpp"), "Eigen only in .cpp files"),
     (r"nlohmann/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/scene", "souple/io"),
      "nlohmann only in .cpp files of souple/scene and souple/io"),
+    (r"fmt/", lambda p: p.endswith(".cpp") and in_folder(p, "souple", "render", "app"),
+     "fmt only in .cpp files of souple, render and app"),
     (r"CLI/", lambda p: p.endswith(".cpp") and in_folder(p, "app"), "CLI11 only in .cpp files of app"),
     (r"assimp/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/io"), "assimp only in .cpp files of souple/io"),
     (r"openvdb/", lambda p: p == "app/vdb.cpp", "OpenVDB only in app/vdb.cpp"),
@@ -54,6 +57,7 @@ OUTSIDE = [
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 USING_NAMESPACE = re.compile(r"^\s*using\s+namespace\b")
+TO_STRING = re.compile(r"\bstd::to_string\b")
 
 
 def folder_of(path):
@@ -96,6 +100,8 @@ def check_file(path, root, graph):
     for number, line in enumerate((root / path).read_text(encoding="utf-8").splitlines(), 1):
         if path.endswith(".h") and USING_NAMESPACE.match(line):
             problems.append((number, "using namespace in a header"))
+        if TO_STRING.search(line) and not in_folder(path, "plugins"):
+            problems.append((number, "std::to_string writes 1e-9 as 0.000000: use fmt::format"))
         match = INCLUDE.match(line)
         if not match:
             continue
