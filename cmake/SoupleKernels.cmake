@@ -16,6 +16,8 @@ function(souple_add_kernels)
       continue()
     endif()
     target_sources(souple PRIVATE ${name}.cpp)
+    # A header compiled for another instruction set is of no use here.
+    set_source_files_properties(${name}.cpp TARGET_DIRECTORY souple PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
     if(DEFINED ${name})
       set_source_files_properties(${name}.cpp TARGET_DIRECTORY souple PROPERTIES COMPILE_OPTIONS "${${name}}")
     endif()

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The viewer in a real window, with a real keyboard and mouse: test_view_window.py PROGRAM [unittest's arguments].
+"""The viewer in a real window, with a real keyboard and mouse: test_view_window.py PROGRAM SOURCE_FOLDER
+[unittest's arguments].
 
 The screen is Xvfb's, the hand is xdotool's; without them the tests that need a screen are skipped.
 """
@@ -15,7 +16,7 @@ import time
 import unittest
 from pathlib import Path
 
-PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 1 else ""
+PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
 MISSING = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
 PATIENCE = 60  # s; a busy machine without a graphics card draws slowly
 
@@ -176,4 +177,4 @@ class Window(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

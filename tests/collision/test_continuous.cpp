@@ -307,7 +307,7 @@ TEST_P(Continuous, NeverPastTheFirstTouchOfExactArithmetic) {
   ASSERT_NO_FATAL_FAILURE(compare_with_exact(GetParam(), 40, 21));
 }
 
-TEST_P(Continuous, NeverPastTheFirstTouchOfExactArithmeticSlow) {
+TEST_P(Continuous, NeverPastTouchSlow) {
   ASSERT_NO_FATAL_FAILURE(compare_with_exact(GetParam(), 1500, 23));
 }
 

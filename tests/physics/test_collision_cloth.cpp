@@ -46,7 +46,7 @@ TEST(ClothCollisions, DrapedAndFoldedNothingPasses) {
 }
 
 class LargeCloth : public ::testing::TestWithParam<Support> {};
-TEST_P(LargeCloth, DrapedAndFoldedNothingPassesSlow) {
+TEST_P(LargeCloth, NothingPassesSlow) {
   drape_fold_and_look(100, GetParam(), 1);
 }
 INSTANTIATE_TEST_SUITE_P(Slow, LargeCloth, ::testing::ValuesIn(supports),
@@ -66,7 +66,7 @@ TEST(ClothCollisions, ASheetFallsInAHeapAndNeverPassesThroughItself) {
   drop_and_look(40, 1.2, 1);
 }
 
-TEST(ClothCollisions, ALargeSheetFallsInAHeapAndNeverPassesThroughItselfSlow) {
+TEST(ClothCollisions, ALargeHeapNeverPassesItselfSlow) {
   drop_and_look(200, 1.2, 1);
 }
 
@@ -93,7 +93,7 @@ TEST(ClothCollisions, ATubeTwistedByTurnsNeverPassesThroughItself) {
   twist_and_look(14, 3, 2.5);
 }
 
-TEST(ClothCollisions, ATubeTwistedByTenTurnsNeverPassesThroughItselfSlow) {
+TEST(ClothCollisions, TenTurnsOfATubePassNothingSlow) {
   twist_and_look(16, 10, 8);
 }
 
@@ -118,7 +118,7 @@ TEST(ClothCollisions, AKnotHoldsWhenItsEndsArePulled) {
   pull_and_look(5, 2, 4);
 }
 
-TEST(ClothCollisions, AFinerKnotHoldsWhenItsEndsArePulledSlow) {
+TEST(ClothCollisions, AFinerKnotHoldsWhenPulledSlow) {
   pull_and_look(7, 1, 6);
 }
 

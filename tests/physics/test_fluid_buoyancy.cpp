@@ -83,28 +83,28 @@ TEST(FluidBuoyancy, AStiffCubeFloatsAsDeepAsItsDensity) {
   EXPECT_NEAR(sunk(600, SoftBodyModel::shape_matching), 0.6, 0.03);
 }
 
-TEST(FluidBuoyancy, LightAndSoftCubesFloatAsDeepAsTheirDensitySlow) {
+TEST(FluidBuoyancy, LightAndSoftCubesAtTheirDepthSlow) {
   EXPECT_NEAR(sunk(300, SoftBodyModel::shape_matching), 0.3, 0.03);
   EXPECT_NEAR(sunk(600, SoftBodyModel::neo_hookean), 0.6, 0.03);
 }
 
-TEST(FluidBuoyancy, ALightSoftCubeFloatsAsDeepAsItsDensitySlow) {
+TEST(FluidBuoyancy, ALightSoftCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(300, SoftBodyModel::neo_hookean), 0.3, 0.03);
 }
 
 // Water stands for a fluid in channels wide enough to hold no order of their own: in a basin of 36 spacings
 // this cube floats 5 % of its height too high.
-TEST(FluidBuoyancy, AHeavyCubeFloatsAsDeepAsItsDensitySlow) {
+TEST(FluidBuoyancy, AHeavyCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 46, 32), 0.9, 0.03);
 }
 
 // With more neighbours there is less order in the same channel.
-TEST(FluidBuoyancy, AHeavyCubeFloatsInANarrowBasinWithTheWideKernelSlow) {
+TEST(FluidBuoyancy, AHeavyCubeInANarrowBasinSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 36, 26, {.kernel = SmoothingShape::wide_wendland}),
               0.9, 0.015);
 }
 
-TEST(FluidBuoyancy, AHeavySoftCubeFloatsAsDeepAsItsDensitySlow) {
+TEST(FluidBuoyancy, AHeavySoftCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::neo_hookean, 46, 32), 0.9, 0.03);
 }
 

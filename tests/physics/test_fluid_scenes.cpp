@@ -33,7 +33,7 @@ class FluidScene : public ::testing::TestWithParam<std::filesystem::path> {};
 
 // Whatever is shipped: no fluid is compressed by more than a percent, on the mean over its particles and
 // frames.
-TEST_P(FluidScene, KeepsItsDensitySlow) {
+TEST_P(FluidScene, KeepsDensitySlow) {
   const SceneDescription scene = load_scene(GetParam());
   World world = build_world(scene);
   double mean = 0, worst_frame = 0, largest = 0, step = 0;

@@ -136,7 +136,7 @@ TEST(Tangles, ObstaclesPutIntoAFreeSheetAreLeft) {
   expect_left(true, 0.04);
 }
 
-TEST(Tangles, ObstaclesPutIntoASheetThatIsHeldAreLeftSlow) {
+TEST(Tangles, ObstaclesInAHeldSheetAreLeftSlow) {
   expect_left(false, -0.03);
 }
 
