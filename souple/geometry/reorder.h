@@ -18,8 +18,7 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3d> positions);
 
 /// Reverse Cuthill-McKee (Cuthill & McKee 1969, reversed by George 1971): breadth-first from a far end of
 /// each piece, neighbours by degree, so that the ends of every edge get near numbers. Throws Error if an edge
-/// names a vertex
-/// >= vertex_count.
+/// names a vertex >= vertex_count.
 std::vector<std::uint32_t> cuthill_mckee_order(std::span<const Edge> edges, std::size_t vertex_count);
 
 /// inverse[order[k]] = k: the new number of each vertex.

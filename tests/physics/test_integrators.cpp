@@ -120,8 +120,8 @@ double speed_left(Integrator integrator, double drag_h, int steps, Curves* curve
   return particle.v();
 }
 
-// Both explicit forms take (1 - c h) of the speed a step and explode above c h = 2; implicit takes 1 / (1 + c
-// h).
+// Both explicit forms take (1 - c h) of the speed a step and explode above c h = 2; implicit takes
+// 1 / (1 + c h).
 TEST(Integrators, Drag) {
   const std::string name = "integrators on drag";
   Curves curves(name, "c t", "speed / its start, c h = 0.5");
