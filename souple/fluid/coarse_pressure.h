@@ -24,9 +24,9 @@ namespace souple {
 /// element: 1/3 on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube.
 /// G_i = V sum_j grad W_ij and g_i, the walls' part, say how far from uniform the surroundings of a particle
 /// are: where 2 G + g is large, as at a free surface, a smooth multiplier pushes it about, and the diagonal
-/// holds y down. Particles of a free surface (C_i below -surface) have none of b. A rigid body, W = diag(1/m,
-/// I^-1), gives way to all pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the particles that
-/// touch it.
+/// holds y down. Particles of a free surface (C_i below -surface) have none of b. A rigid body,
+/// W = diag(1/m, I^-1), gives way to all pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the
+/// particles that touch it.
 class CoarsePressure {
  public:
   /// What a particle brings in.
