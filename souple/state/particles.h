@@ -17,7 +17,7 @@ struct alignas(16) Vec4f {
 
 /// All particles of a world, as plain arrays of equal length; an object owns a contiguous range.
 ///
-/// Two ways to advance them share these arrays (DESIGN: small steps eat float digits):
+/// Two ways to advance them share these arrays (docs/architecture.md: small steps eat float digits):
 /// - plain form: during a substep `position` holds the predicted p and `start` the x it left;
 ///   v = (p - start) / h;
 /// - displacement form: `position` holds x and stays, `offset` holds q = (what x cannot represent) + d, and
