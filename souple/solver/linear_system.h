@@ -75,9 +75,8 @@ class LinearSystem {
   void accept(double factor);
 
   std::size_t rows() const { return b.size(); }
-  std::size_t unknowns() const {
-    return particle_of.size();
-  }  ///< free particles in a constraint, 3 numbers each
+  /// Free particles in a constraint, 3 numbers each.
+  std::size_t unknowns() const { return particle_of.size(); }
   /// How soft the floor makes rigid constraints: m / N for a gradient of length 1, for the whole scene's
   /// smallest constraint.
   double floor_compliance() const { return floor_ * smallest_size_; }
