@@ -160,8 +160,8 @@ class DensitySolver {
   Neighbours neighbours_;
   CoarsePressure coarse_;
   std::vector<Vec4f> listed_;  // positions when neighbours were found, by particle
-  std::vector<Vec4f> x_,
-      q_;  // by place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away
+  // By place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away.
+  std::vector<Vec4f> x_, q_;
   std::vector<BoundarySums> boundary_;
   std::vector<float> denominator_;  // w |grad_i C|^2 + ...
   std::vector<CoarsePressure::Sample> samples_;

@@ -11,8 +11,8 @@ namespace souple {
 struct EnclosedVolumeOptions {
   float pressure = 0;         ///< above the surroundings' [Pa]; negative sucks
   bool holds_volume = false;  ///< whether the volume constraint acts as well
-  float volume_factor =
-      1;  ///< the "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume
+  /// The "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume.
+  float volume_factor = 1;
   float compliance = 0;  ///< alpha = dV / dP [m^3/Pa = m^6/J]; for a gas or liquid of bulk modulus K, V0 / K
   float damping_time = 0;  ///< s
   float stiffness = 1;     ///< PBD mode only: k in [0, 1]
