@@ -22,8 +22,8 @@ struct GlyphSheet {
 
   int width = 0, height = 0;
   std::vector<std::uint8_t> coverage;  ///< width * height, rows from the top
-  std::map<char32_t, Glyph>
-      glyphs;  ///< of every character that was asked for: '?' stands in for what the font lacks
+  /// Of every character that was asked for: '?' stands in for what the font lacks.
+  std::map<char32_t, Glyph> glyphs;
   float solid_u = 0, solid_v = 0;  ///< where the picture is full
 };
 

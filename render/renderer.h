@@ -46,8 +46,8 @@ struct PassTime {
 /// What lies under a pixel.
 struct Picked {
   std::uint32_t pick = 0;  ///< of the Surface, Spheres or Liquid; 0: nothing
-  std::uint32_t element =
-      0;          ///< of spheres and liquids: which; of a surface: the vertex nearest to the point
+  /// Of spheres and liquids: which; of a surface: the vertex nearest to the point.
+  std::uint32_t element = 0;
   Vec3f point{};  ///< m
 };
 

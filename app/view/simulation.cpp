@@ -79,8 +79,7 @@ std::optional<render::Camera> Simulation::camera() const {
   return camera_of(scene_.camera);
 }
 
-// --- time
-// ----------------------------------------------------------------------------------------------------
+// --- time ----------------------------------------------------------------------------------------
 
 void Simulation::advance(double seconds) {
   if (!playing_) return;
@@ -138,8 +137,7 @@ void Simulation::set_playing(bool playing) {
   playing_ = playing;
 }
 
-// --- changes
-// -------------------------------------------------------------------------------------------------
+// --- changes -------------------------------------------------------------------------------------
 
 void Simulation::set_settings(const Settings& settings) {
   world_.set_settings(settings);

@@ -56,8 +56,7 @@ void Viewer::guarded(const std::function<void()>& what) {
   }
 }
 
-// --- one picture
-// ---------------------------------------------------------------------------------------------
+// --- one picture ---------------------------------------------------------------------------------
 
 void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   Ui::begin();
@@ -140,8 +139,7 @@ void Viewer::draw_scene(std::uint32_t framebuffer) {
   Ui::draw();
 }
 
-// --- what is shown
-// -------------------------------------------------------------------------------------------
+// --- what is shown -------------------------------------------------------------------------------
 
 void Viewer::show(std::unique_ptr<Session> session) {
   mouse_.forget();
@@ -178,8 +176,7 @@ void Viewer::frame_all() {
   if (!bounds.empty()) camera_.frame(bounds, aspect);
 }
 
-// --- keys
-// ----------------------------------------------------------------------------------------------------
+// --- keys ----------------------------------------------------------------------------------------
 
 void Viewer::obey_keys() {
   const ImGuiIO& io = ImGui::GetIO();
@@ -247,8 +244,7 @@ void Viewer::act(Action action) {
   }
 }
 
-// --- mouse
-// ---------------------------------------------------------------------------------------------------
+// --- mouse ---------------------------------------------------------------------------------------
 
 void Viewer::use_mouse() {
   mouse_.update(camera_, simulation(), area_, [this](int x, int y) { return pick(x, y); });
@@ -265,8 +261,7 @@ std::optional<Mouse::Found> Viewer::pick(int x, int y) {
   return Mouse::Found{ObjectId{body.id}, vertex, picked.point};
 }
 
-// --- pictures
-// ------------------------------------------------------------------------------------------------
+// --- pictures ------------------------------------------------------------------------------------
 
 /// souple-NAME-0001.png, or the first number that is free: nothing is ever overwritten.
 fs::path Viewer::new_file(const std::string& ending) const {

@@ -17,8 +17,7 @@ inline void delete_program(GLuint id) {
 
 /// A vertex and a fragment shader. Their text, in the GLSL of OpenGL ES 3.00 without `#version`, lies in
 /// render/shaders and is built into the library; it may `#include "other.glsl"`, each once. The uniform
-/// block `Frame` is bound to `frame_binding`; each sampler NAME_map to
-/// its Unit in texture.h.
+/// block `Frame` is bound to `frame_binding`; each sampler NAME_map to its Unit in texture.h.
 class Program {
  public:
   static constexpr GLuint frame_binding = 0;

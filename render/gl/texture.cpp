@@ -3,7 +3,7 @@
 namespace souple::render::gl {
 
 Texture::Texture(GLenum internal_format, int width, int height, GLenum filter)
-    : internal_format_(internal_format), width_(width), height_(height) {
+    : width_(width), height_(height) {
   GLuint id = 0;
   glGenTextures(1, &id);
   handle_ = Handle<delete_texture>(id);

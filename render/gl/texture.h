@@ -39,13 +39,11 @@ class Texture {
   void upload_bytes(const unsigned char* values) const;
   void bind(Unit unit) const;
   GLuint id() const { return handle_.id(); }
-  GLenum internal_format() const { return internal_format_; }
   int width() const { return width_; }
   int height() const { return height_; }
 
  private:
   Handle<delete_texture> handle_;
-  GLenum internal_format_ = 0;
   int width_ = 0, height_ = 0;
 };
 

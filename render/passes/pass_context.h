@@ -13,9 +13,8 @@
 //   shadow     casters from the sun                              -> depth           (target depth)
 //   material   surfaces, spheres, ground                         -> albedo, normal, depth  (target material)
 //   occlusion  how much sky each pixel sees, from normal, depth
-//   lighting   one full-screen shader lights what it finds there, with shadows and occlusion, and tone-maps
-//   it
-//              -> colour (linear)
+//   lighting   one full-screen shader lights what it finds there, with shadows and occlusion, and
+//              tone-maps it                                      -> colour (linear)
 //   liquids    over that colour, where there are any: the depth of their particles, smoothed; how thick they
 //              are; shaded with what is behind (see liquid.h; their shadow is drawn after the other shadows)
 //   lines      over that colour, hidden by that depth

@@ -161,8 +161,8 @@ void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float
 }
 
 // A moving collider may go anywhere, so every particle is looked at in every substep: first against a ball.
-// The motion of a point at distance D from the ball's centre, relative to the collider, is at most |p - x| +
-// |centre's motion| + |R1 - R0| D.
+// The motion of a point at distance D from the ball's centre, relative to the collider, is at most
+// |p - x| + |centre's motion| + |R1 - R0| D.
 bool ColliderContacts::may_reach(const Body& body, const Member& member,
                                  const ParticleView& particles) const {
   const std::uint32_t i = member.particle;

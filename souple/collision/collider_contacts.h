@@ -16,11 +16,12 @@ namespace souple {
 ///   C = n . (p - s) - r >= 0,   s the surface point, n the outward normal, r the particle's radius.
 ///
 /// How a step uses it:
-///   begin_step(...)                              once: which particles may meet which collider
+///   begin_step(...)                                 once: which particles may meet which collider
 ///   for each substep, at time t:
-///     refresh(view, substep, t)                  after prediction: the contacts along x -> p, colliders t ->
-///     t + h project(colour, view, substep)             each iteration: push out, friction
-///     apply_restitution(view, velocities, substep)   after v = (p - x) / h
+///     refresh(view, substep, t)                     after prediction: the contacts along x -> p,
+///                                                   colliders t -> t + h
+///     project(colour, view, substep)                each iteration: push out, friction
+///     apply_restitution(view, velocities, substep)  after v = (p - x) / h
 ///     report(), events()
 ///
 /// n and s are read anew from the shape at each projection while the particle's centre is outside the shape

@@ -49,7 +49,6 @@ class ColliderMotion {
   /// What it was made of, for those who write scenes back: one key or none when fixed, none for a callback.
   const std::vector<PoseKey>& keys() const { return keys_; }
   bool loops() const { return loop_; }
-  bool has_callback() const { return static_cast<bool>(callback_); }
 
  private:
   std::vector<PoseKey> keys_;

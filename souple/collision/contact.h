@@ -25,8 +25,8 @@ struct ContactStep {
   double time = 0;        ///< at the step's begin [s]
   float dt = 0;           ///< its length [s]
   float gravity = 9.81f;  ///< |g| [m/s^2]: approach slower than 2 |g| h does not bounce
-  float depenetration_speed =
-      3.f;      ///< how fast an overlap that was there before the substep is pushed out [m/s]
+  /// How fast an overlap that was there before the substep is pushed out. [m/s]
+  float depenetration_speed = 3.f;
   float h = 0;  ///< the length of its substeps; 0: there is one [s]
 };
 

@@ -9,16 +9,15 @@
 //
 // What E has to hold, with eps = 2^-52, S = |c0| + |c1| + |c2| + |c3| and t in [0, 1]:
 // (1) Horner's rule is wrong by at most 3 eps S (Higham, Accuracy and Stability of Numerical Algorithms,
-// 2002,
-//     eq. 5.3).
+//     2002, eq. 5.3).
 // (2) The zeros of f' are rounded, so that a piece is only nearly monotone. The zeros below are those of
 //     a quadratic whose coefficients differ by at most 5 eps from those of f' (the discriminant's two terms
-//     and root, one sum, one division). So where f' has the wrong sign on a piece, |f'| <= 5 eps (|c1| + 2
-//     |c2| + 3 |c3|) <= 15 eps S: between a true zero and the rounded one beside it |f'| is at most its value
-//     at the latter. Where the discriminant is rounded to below zero, two close zeros are taken for none;
-//     then |f'| = |discriminant / (3 c3)| between them, and with the zeros in [0, 1] and hence |c2| <= 3 |c3|
-//     and |c1| <= |c2| (1 + eps) this is at most 8 eps |c2|. A piece is at most 1 long, so f turns back by at
-//     most 15 eps S.
+//     and root, one sum, one division). So where f' has the wrong sign on a piece,
+//     |f'| <= 5 eps (|c1| + 2 |c2| + 3 |c3|) <= 15 eps S: between a true zero and the rounded one beside it
+//     |f'| is at most its value at the latter. Where the discriminant is rounded to below zero, two close
+//     zeros are taken for none; then |f'| = |discriminant / (3 c3)| between them, and with the zeros in
+//     [0, 1] and hence |c2| <= 3 |c3| and |c1| <= |c2| (1 + eps) this is at most 8 eps |c2|. A piece is at
+//     most 1 long, so f turns back by at most 15 eps S.
 // Together 18 eps S; 64 leaves room. `error` is added to it.
 
 namespace souple {

@@ -92,7 +92,6 @@ class FeaturePairs {
            pair < valid_from_[i[3]];
   }
   const NearPair& pair(std::size_t index) const { return particle_[index]; }
-  float thickness(std::size_t pair) const { return thickness_[pair]; }
   /// They were at least so far apart when the substep began. [m]
   float known(std::size_t pair) const { return known_[pair]; }
   kernels::FeatureColumns columns();

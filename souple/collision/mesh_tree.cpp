@@ -117,8 +117,9 @@ MeshTree::Nearest MeshTree::nearest(const Vec3d& point, std::uint32_t guess, dou
   return {distance, best};
 }
 
-// tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|),  a, b, c as seen from
-// the point   (van Oosterom & Strackee 1983, eq. 8). Positive where the point is behind the triangle.
+// tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|),
+// a, b, c as seen from the point (van Oosterom & Strackee 1983, eq. 8). Positive where the point is behind
+// the triangle.
 double MeshTree::solid_angle(const Corners& t, const Vec3d& point) {
   const Vec3d a = t.a - point, b = t.b - point, c = t.c - point;
   const double la = length(a), lb = length(b), lc = length(c);

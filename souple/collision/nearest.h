@@ -67,9 +67,9 @@ void nearest_on_triangle(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, c
 ///
 /// With d = p1 - p0, e = q1 - q0, n = d x e, r = q0 - p0, the lines are nearest at s = (r x e) . n / |n|^2.
 /// Clamped to [0, 1], then projected onto q and from there back onto p, it is the answer (Ericson,
-/// section 5.1.9, who projects back only if t was clamped). Of edges at a small angle a, s is wrong by eps /
-/// a; the distance changes by a times that, so it is right however parallel they are, and the ends need not
-/// be tried.
+/// section 5.1.9, who projects back only if t was clamped). Of edges at a small angle a, s is wrong by
+/// eps / a; the distance changes by a times that, so it is right however parallel they are, and the ends need
+/// not be tried.
 template <class T>
 void nearest_on_edges(const Vec3<T>& p0, const Vec3<T>& p1, const Vec3<T>& q0, const Vec3<T>& q1, T& s,
                       T& t) {

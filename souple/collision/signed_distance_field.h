@@ -32,8 +32,8 @@ class SignedDistanceField {
   SignedDistanceField(const TriangleMesh& mesh, double spacing);
 
   static constexpr double max_bytes = 512.0 * 1024 * 1024;
-  static constexpr int fine_cells =
-      8;  ///< distances of up to so many spacings are exact at the grid's points
+  /// Distances of up to so many spacings are exact at the grid's points.
+  static constexpr int fine_cells = 8;
 
   /// The spacing that cuts the longest side of the mesh into `resolution` cells [m].
   static double spacing_of(const TriangleMesh& mesh, int resolution);

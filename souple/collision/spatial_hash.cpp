@@ -126,11 +126,8 @@ void SpatialHash::place(Threads& threads) {
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) place_chunk(chunk);
   });
-  left_out_ = 0;
-  for (const auto& counts : boxes_in_) {
+  for (const auto& counts : boxes_in_)
     for (std::size_t g = 0; g < grid_count; ++g) grids_[g].boxes += counts[g];
-    left_out_ += counts[nowhere];
-  }
 }
 
 void SpatialHash::place_chunk(std::size_t chunk) {
@@ -268,13 +265,6 @@ void SpatialHash::find_from(const Bounds& box, int first_grid, std::vector<std::
       find_in(box, grids_[static_cast<std::size_t>(g)], 0, found);
 }
 
-void SpatialHash::find(const Bounds& box, Sizes sizes, std::vector<std::uint32_t>& found) const {
-  const auto before = static_cast<std::ptrdiff_t>(found.size());
-  const int grid = grid_of(box);
-  find_from(box, sizes == Sizes::larger ? grid + 1 : grid, found);
-  std::sort(found.begin() + before, found.end());
-}
-
 void SpatialHash::find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const {
   const auto before = static_cast<std::ptrdiff_t>(found.size());
   const int grid = grid_[a];
@@ -321,14 +311,6 @@ void SpatialHash::find_in_finer(const Bounds& box, int index, std::vector<std::u
           if (first_here && overlap(box, boxes_[b])) found.push_back(b);
         }
       }
-}
-
-bool SpatialHash::larger_than_some(const Bounds& box) const {
-  const std::uint8_t grid = grid_of(box);
-  if (grid == nowhere) return false;
-  for (std::size_t g = 0; g < grid; ++g)
-    if (grids_[g].boxes > 0) return true;
-  return false;
 }
 
 std::size_t SpatialHash::bytes() const {

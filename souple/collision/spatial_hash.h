@@ -71,23 +71,13 @@ class SpatialHash {
   /// nothing when warm.
   void build(std::span<const Bounds> boxes, float cell_size, Threads& threads);
 
-  /// Those that were entered overlap `box` and are as large or larger, by grids, or only those larger:
-  /// appended to `found`, ascending. Who asks one hash for "as large or larger" and, with the boxes of that
-  /// one, another for "larger" has all pairs between the two once.
-  enum class Sizes { as_large_or_larger, larger };
-  void find(const Bounds& box, Sizes sizes, std::vector<std::uint32_t>& found) const;
-  /// All that overlap `box`, of any size, ascending.
+  /// All that overlap `box`, of any size: appended to `found`, ascending.
   void find(const Bounds& box, std::vector<std::uint32_t>& found) const;
   /// Those that overlap box a and are larger, by grids, or as large and come after it: appended, ascending.
   /// Asked for every a, this gives each pair once.
   void find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const;
 
-  /// Whether `box` may have something in find(box, Sizes::larger) of a hash in which it is the only one:
-  /// larger than some box that is here.
-  bool larger_than_some(const Bounds& box) const;
-
   std::size_t size() const { return boxes_.size(); }
-  std::size_t left_out() const { return left_out_; }
   /// Boxes in cells.
   std::size_t entries() const { return entry_count_; }
   std::size_t bytes() const;
@@ -134,7 +124,7 @@ class SpatialHash {
   std::span<const Bounds> boxes_;
   const kernels::PatchKernels* kernels_ = nullptr;
   std::array<Grid, grid_count> grids_;
-  std::size_t left_out_ = 0, entry_count_ = 0, chunks_ = 0, parts_ = 0;
+  std::size_t entry_count_ = 0, chunks_ = 0, parts_ = 0;
   int part_shift_ = 0;
   std::vector<std::uint8_t> grid_;                                   // of each box
   std::vector<std::array<std::uint32_t, grid_count + 1>> boxes_in_;  // of each chunk, by grid

@@ -53,10 +53,6 @@ void PairTable::set(std::string_view a, std::string_view b, const SurfacePair& p
   entries_[key_of(a, b)] = pair;
 }
 
-void PairTable::erase(std::string_view a, std::string_view b) {
-  entries_.erase(key_of(a, b));
-}
-
 const SurfacePair* PairTable::find(std::string_view a, std::string_view b) const {
   const auto found = entries_.find(key_of(a, b));
   return found == entries_.end() ? nullptr : &found->second;

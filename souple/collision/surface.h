@@ -57,10 +57,8 @@ class PairTable {
  public:
   /// Throws Error when the pair is not valid.
   void set(std::string_view a, std::string_view b, const SurfacePair& pair);
-  void erase(std::string_view a, std::string_view b);
   const SurfacePair* find(std::string_view a, std::string_view b) const;
   SurfacePair resolve(const NamedSurface& a, const NamedSurface& b) const;
-  const std::map<std::pair<std::string, std::string>, SurfacePair>& entries() const { return entries_; }
 
   /// Whether the two collide at all; they do until told otherwise. A name with itself: whether it collides
   /// with itself, if it would.

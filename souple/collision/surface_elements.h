@@ -21,8 +21,8 @@ struct SurfaceElement {
   std::uint8_t owns_edge = 0;      ///< bit k: so does side k
 };
 
-/// Neighbouring elements and what they own, all in a row: triangles, edges and vertices [begin, begin +
-/// count).
+/// Neighbouring elements and what they own, all in a row: triangles, edges and vertices
+/// [begin, begin + count).
 struct SurfacePatch {
   static constexpr std::uint32_t most_triangles = 15, most_edges = 8;  ///< most_edges: of a rope
   std::uint32_t first_triangle = 0, first_edge = 0, first_vertex = 0;

@@ -10,9 +10,10 @@
 //     static constexpr const char* name = "distance";
 //     static constexpr int arity = 2;                       // particles
 //     static constexpr Sense sense = Sense::equality;
-//     template <class T> struct Params { T rest_length; };  // members of type T only: stored as plain
-//     numbers template <class T> static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T>
-//     (&gradient)[2]);
+//     template <class T> struct Params { T rest_length; };  // members of type T only:
+//                                                           // stored as plain numbers
+//     template <class T>
+//     static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]);
 //   };
 //
 // Several coupled strains declare `rows` > 1 and fill arrays; their compliance is a symmetric rows x rows
@@ -20,8 +21,8 @@
 //
 //   static constexpr int rows = 3;
 //   template <class T>
-//   static void evaluate(const Vec3<T> (&x)[arity], const Params<T>& p, T (&C)[rows], Vec3<T>
-//   (&gradient)[rows][arity]);
+//   static void evaluate(const Vec3<T> (&x)[arity], const Params<T>& p, T (&C)[rows],
+//                        Vec3<T> (&gradient)[rows][arity]);
 //
 // A constraint on absolute positions (an attachment) also declares the point its positions are measured from,
 // so that nothing is lost far from the origin; all others are invariant to translation and get positions

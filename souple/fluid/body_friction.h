@@ -15,8 +15,9 @@ namespace souple {
 ///
 /// with r = h V mu wall_friction(hold) what the particle would lose to a wall (see xsph.h), R the sum over
 /// all that it touches, u the point's velocity, p the particles that carry it. k is the implicit step of the
-/// fluid's particle; the sum K_p over all that rub on p makes that of the body a bound: p goes K_p w_p / (1 +
-/// K_p w_p) of the way to what rubs on it at most. So neither overshoots, be the body as light as it will.
+/// fluid's particle; the sum K_p over all that rub on p makes that of the body a bound: p goes
+/// K_p w_p / (1 + K_p w_p) of the way to what rubs on it at most. So neither overshoots, be the body as light
+/// as it will.
 class BodyFriction {
  public:
   /// Over h seconds; NearPlane::hold is known. `velocity` [m/s] and `inverse_mass` (w, [1/kg]) of the world's

@@ -21,11 +21,12 @@ namespace souple {
 ///   A = sum_cells (sum_i w_i) / H^2 K + diag(2 sum_i w_i |2 G_i + g_i|^2 N_a(x_i)) + sum_bodies J^T W J
 ///
 /// with w_i the inverse masses of a cell's particles and K the Laplacian of the unit cube's trilinear
-/// element: 1/3 on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j
-/// grad W_ij and g_i, the walls' part, say how far from uniform the surroundings of a particle are: where 2 G
-/// + g is large, as at a free surface, a smooth multiplier pushes it about, and the diagonal holds y down.
-/// Particles of a free surface (C_i below -surface) have none of b. A rigid body, W = diag(1/m, I^-1), gives
-/// way to all pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the particles that touch it.
+/// element: 1/3 on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube.
+/// G_i = V sum_j grad W_ij and g_i, the walls' part, say how far from uniform the surroundings of a particle
+/// are: where 2 G + g is large, as at a free surface, a smooth multiplier pushes it about, and the diagonal
+/// holds y down. Particles of a free surface (C_i below -surface) have none of b. A rigid body,
+/// W = diag(1/m, I^-1), gives way to all pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the
+/// particles that touch it.
 class CoarsePressure {
  public:
   /// What a particle brings in.

@@ -33,8 +33,8 @@ struct FixedBoundary {
 
 /// Keeps a fluid from being compressed (Macklin & Müller 2013, "Position based fluids"): for each particle
 ///
-///   C_i = V sum_j W_ij + boundary - 1 <= 0,   dx_i = w (V sum_j (lambda_i + lambda_j) grad W_ij + lambda_i
-///   g_i)
+///   C_i = V sum_j W_ij + boundary - 1 <= 0,
+///   dx_i = w (V sum_j (lambda_i + lambda_j) grad W_ij + lambda_i g_i)
 ///
 /// with V the volume of a particle at rest, the same for all, w its inverse mass, g_i the boundary's slope
 /// and lambda_i <= 0, so that its pressure is -lambda_i / (V h^2) after a substep of h seconds. Pushes
@@ -89,7 +89,7 @@ class DensitySolver {
   ///   boundary.look(place, x) -> BoundarySums    where the particle is now
   ///   boundary.respond(place, sums)              of bodies that give way
   ///   boundary.push(place, change)               then: it was pushed by the slope times this change of
-  ///   lambda
+  ///                                              lambda
   ///
   /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
   /// boundary.pushed(changes of lambda). h > 0 [s] is the substep's length: only a fluid that gives way, or
@@ -160,8 +160,8 @@ class DensitySolver {
   Neighbours neighbours_;
   CoarsePressure coarse_;
   std::vector<Vec4f> listed_;  // positions when neighbours were found, by particle
-  std::vector<Vec4f> x_,
-      q_;  // by place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away
+  // By place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away.
+  std::vector<Vec4f> x_, q_;
   std::vector<BoundarySums> boundary_;
   std::vector<float> denominator_;  // w |grad_i C|^2 + ...
   std::vector<CoarsePressure::Sample> samples_;

@@ -24,8 +24,7 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 
 }  // namespace
 
-// --- where bodies are
-// ----------------------------------------------------------------------------------------
+// --- where bodies are ----------------------------------------------------------------------------
 
 void FluidBodies::place(const Skin& skin, State& state, const ParticleView& particles,
                         std::span<const float> mass) const {
@@ -79,8 +78,7 @@ void FluidBodies::begin_substep(const ParticleView& particles, std::span<const f
   if (!lists_hold(positions)) list(positions, reach, threads);
 }
 
-// --- who may be near
-// -----------------------------------------------------------------------------------------
+// --- who may be near -----------------------------------------------------------------------------
 
 bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
   if (listed_.size() != positions.size()) return false;
@@ -142,8 +140,7 @@ void FluidBodies::list_triangle(std::uint32_t skin, std::uint32_t triangle, std:
   });
 }
 
-// --- what is near
-// --------------------------------------------------------------------------------------------
+// --- what is near --------------------------------------------------------------------------------
 
 // Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
 // whether it is inside: the others' planes may have it on the wrong side.
@@ -215,8 +212,7 @@ Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& verti
   return corner_mix(skins_[plane.skin].triangles[plane.triangle], plane.weights, vertices);
 }
 
-// --- how bodies give way
-// -------------------------------------------------------------------------------------
+// --- how bodies give way -------------------------------------------------------------------------
 
 void FluidBodies::weigh(const Surroundings& surroundings, std::span<const Vec4f> x, CoarsePressure& coarse) {
   for (State& state : states_) {

@@ -42,8 +42,8 @@ struct SmallBody {
 /// Drag is that of a ball or a cylinder, with u = the mean velocity around it less its own:
 ///
 ///   ball      F = phi (6 pi mu r + rho / 2 C pi r^2 |u|) u,          C = 0.47
-///   cylinder  across F = phi (4 pi mu l + rho C r l |u|) u, C = 1.2;  along C = 0.03 and half the viscous
-///   part
+///   cylinder  across F = phi (4 pi mu l + rho C r l |u|) u, C = 1.2;
+///             along C = 0.03 and half the viscous part
 ///
 /// taken from the particles around by s_ib, with the bound of body_friction.h for stability. e_i is added to
 /// the density C, so the fluid's level rises by what is in it.

@@ -24,9 +24,8 @@ using Hinge = std::array<std::uint32_t, 4>;
 std::vector<Edge> unique_edges(std::span<const Triangle> triangles);
 std::vector<Edge> unique_edges(std::span<const Tet> tets);
 
-/// The distinct edges of triangles, and which edge each triangle side is: side i joins corners i and (i + 1)
-/// % 3
-/// (`no_edge` for a side from a vertex to itself).
+/// The distinct edges of triangles, and which edge each triangle side is: side i joins corners i and
+/// (i + 1) % 3 (`no_edge` for a side from a vertex to itself).
 struct TriangleEdges {
   static constexpr std::uint32_t no_edge = ~std::uint32_t(0);
   std::vector<Edge> edges;

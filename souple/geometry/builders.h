@@ -37,8 +37,8 @@ TriangleMesh box(const Vec3d& size, int divisions = 1);
 TriangleMesh box(const Vec3d& size, const std::array<int, 3>& divisions);
 
 /// A closed ring around the Y axis: `major_radius` from the axis to the middle of the tube, `minor_radius` of
-/// the tube, smaller than the major one. Vertex index = i * minor_segments + j, i around the axis. Segments
-/// >= 3.
+/// the tube, smaller than the major one. Vertex index = i * minor_segments + j, i around the axis.
+/// Segments >= 3.
 TriangleMesh torus(double major_radius, double minor_radius, int major_segments, int minor_segments);
 
 /// A closed capsule along Y: a cylinder of the given `length` between two half spheres (total height

@@ -32,13 +32,6 @@ BoundingBox bounding_box(std::span<const Vec3d> positions) {
   return any ? box : BoundingBox{};
 }
 
-std::vector<double> triangle_areas(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
-  std::vector<double> areas;
-  areas.reserve(triangles.size());
-  for (const Triangle& t : triangles) areas.push_back(area_of(positions, t));
-  return areas;
-}
-
 double surface_area(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   double sum = 0;
   for (const Triangle& t : triangles) sum += area_of(positions, t);

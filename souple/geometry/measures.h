@@ -22,8 +22,7 @@ struct BoundingBox {
 /// The box of all finite positions; a point at the origin where there are none.
 BoundingBox bounding_box(std::span<const Vec3d> positions);
 
-/// Area of each triangle [m^2], and their sum.
-std::vector<double> triangle_areas(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
+/// Area of all triangles together [m^2].
 double surface_area(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
 
 /// Volume enclosed by a closed surface [m^3], positive when it is wound outward. Without meaning on an open

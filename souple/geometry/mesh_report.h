@@ -19,8 +19,8 @@ struct MeshReport {
   std::vector<std::uint32_t> unreferenced_vertices;  ///< in no triangle
   std::vector<std::uint32_t> duplicate_vertices;     ///< coincide with an earlier vertex
   std::vector<std::uint32_t> collapsed_triangles;    ///< two corners are one vertex
-  std::vector<std::uint32_t>
-      zero_area_triangles;               ///< three corners on a line (height below 1e-10 of the length)
+  /// Three corners on a line (height below 1e-10 of the length).
+  std::vector<std::uint32_t> zero_area_triangles;
   std::vector<Edge> open_edges;          ///< in one triangle
   std::vector<Edge> non_manifold_edges;  ///< in three or more
   std::vector<Edge> inconsistent_edges;  ///< two triangles that wind against each other

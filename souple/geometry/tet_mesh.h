@@ -17,8 +17,8 @@ using Tet = std::array<std::uint32_t, 4>;
 struct TetMesh {
   std::vector<Vec3d> positions;  ///< metres, user order
   std::vector<Tet> tets;         ///< positively oriented
-  std::map<std::string, std::vector<std::uint32_t>>
-      groups;  ///< vertex indices of each named group, ascending
+  /// Vertex indices of each named group, ascending.
+  std::map<std::string, std::vector<std::uint32_t>> groups;
 };
 
 }  // namespace souple

@@ -21,8 +21,8 @@ struct TriangleMesh {
   std::vector<std::vector<std::uint32_t>> faces;     ///< polygons as read; empty when all are triangles
   std::vector<std::vector<std::uint32_t>> face_uvs;  ///< per face corner, index into uvs; empty or like faces
   std::vector<Vec3f> colours;                        ///< empty, or one per vertex, linear RGB in [0, 1]
-  std::map<std::string, std::vector<std::uint32_t>>
-      groups;  ///< vertex indices of each named group, ascending
+  /// Vertex indices of each named group, ascending.
+  std::map<std::string, std::vector<std::uint32_t>> groups;
 };
 
 }  // namespace souple

@@ -13,8 +13,8 @@ namespace souple {
 /// creases, and those must move as one. The user's mesh itself is never changed.
 struct Weld {
   std::vector<std::uint32_t> to_welded;  ///< per user vertex: its welded vertex
-  std::vector<std::uint32_t>
-      to_vertex;  ///< per welded vertex: the lowest user vertex among those it stands for
+  /// Per welded vertex: the lowest user vertex among those it stands for.
+  std::vector<std::uint32_t> to_vertex;
   std::size_t size() const { return to_vertex.size(); }
   bool is_identity() const { return to_vertex.size() == to_welded.size(); }
 };

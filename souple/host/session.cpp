@@ -27,8 +27,7 @@ const char* kind_name(Kind kind) {
 Session::Session(const ClockOptions& clock) : impl_(std::make_unique<Impl>(clock)) {}
 Session::~Session() = default;
 
-// --- what is in it
-// ---------------------------------------------------------------------------------------------------
+// --- what is in it -------------------------------------------------------------------------------
 
 void Session::open_scene(const std::string& file) {
   const std::uint64_t version_now = version();
@@ -102,8 +101,7 @@ void Session::set_pinned(Handle object, std::uint32_t vertex, bool pinned) {
   impl_->contents.set_pinned(object, Impl::world_vertex(item, impl_->contents.world(), vertex), pinned);
 }
 
-// --- from any thread
-// -------------------------------------------------------------------------------------------------
+// --- from any thread -----------------------------------------------------------------------------
 
 void Session::post(std::string name, std::function<void(Session&)> action) {
   impl_->actions.post(std::move(name), std::move(action));

@@ -31,8 +31,8 @@ class AnimatedPoints {
   using ReadMesh = std::function<std::vector<Vec3f>(const std::filesystem::path&)>;
 
   struct Options {
-    double frame_rate =
-        60;                 ///< frames a second of a .pc2 or a sequence of meshes; a .mdd holds its own times
+    /// Frames a second of a .pc2 or a sequence of meshes; a .mdd holds its own times.
+    double frame_rate = 60;
     double start_time = 0;  ///< when the first frame plays [s]
   };
 

@@ -17,8 +17,8 @@ struct RecorderOptions {
   double frame_rate = 60;    ///< frames a second
   std::uint64_t frames = 0;  ///< planned, 0 when unknown
   std::string scene{};       ///< the scene file's JSON text, embedded in run.json; may be empty
-  std::uint64_t resume_from =
-      0;  ///< > 0: continue the folder's caches after this many frames, dropping later ones
+  /// > 0: continue the folder's caches after this many frames, dropping later ones.
+  std::uint64_t resume_from = 0;
 };
 
 /// Writes what a world does into a folder that other programs open: run.json, and per object a rest mesh

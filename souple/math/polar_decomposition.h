@@ -13,9 +13,9 @@ struct PolarDecomposition {
 
 /// R = U V^T, S = V diag(sigma) V^T of the singular value decomposition (see svd.h for its conventions).
 ///
-/// R minimises |M - R| and maximises trace(R^T M) among rotations (Kabsch 1978). It is unique unless sigma.y
-/// + sigma.z = 0: for M of rank 1 or 0, and for reflections with two equal smallest singular values, one of
-/// the nearest comes back; for M = 0, the identity.
+/// R minimises |M - R| and maximises trace(R^T M) among rotations (Kabsch 1978). It is unique unless
+/// sigma.y + sigma.z = 0: for M of rank 1 or 0, and for reflections with two equal smallest singular values,
+/// one of the nearest comes back; for M = 0, the identity.
 template <class T>
 PolarDecomposition<T> polar_decomposition(const Mat3<T>& m) {
   const Svd<T> d = svd(m);

@@ -9,10 +9,10 @@ namespace souple {
 
 /// M = U diag(sigma) V^T.
 ///
-/// U and V are rotations (det = +1), so a reflection shows in the singular values: sigma.x >= sigma.y >=
-/// |sigma.z|, the first two never negative, and sigma.z has the sign of det M (Irving et al. 2004, section
-/// 4). The order holds to rounding. Singular values that are equal, or zero, leave freedom in U and V: any
-/// choice that reproduces M may come back, the same one for the same bits.
+/// U and V are rotations (det = +1), so a reflection shows in the singular values:
+/// sigma.x >= sigma.y >= |sigma.z|, the first two never negative, and sigma.z has the sign of det M (Irving
+/// et al. 2004, section 4). The order holds to rounding. Singular values that are equal, or zero, leave
+/// freedom in U and V: any choice that reproduces M may come back, the same one for the same bits.
 template <class T>
 struct Svd {
   Mat3<T> u;

@@ -97,8 +97,8 @@ struct PinDescription {
   Selector where{};
   std::vector<KeyframeDescription> keyframes;
   bool loop = false;
-  std::optional<Vec3d>
-      about;  ///< centre of the keyframes' rotations; the middle of the vertices if not given
+  /// Centre of the keyframes' rotations; the middle of the vertices if not given.
+  std::optional<Vec3d> about;
   std::optional<SequenceDescription> sequence;
 };
 

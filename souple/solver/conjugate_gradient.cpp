@@ -8,8 +8,8 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t chunk =
-    1024;  // unknowns summed by one thread: fixed, so that sums do not depend on threads
+// Unknowns summed by one thread: fixed, so that sums do not depend on threads.
+constexpr std::size_t chunk = 1024;
 constexpr std::size_t grain = 512;
 
 // A^-1 y for the rows of a block.

@@ -40,8 +40,8 @@ class ConjugateGradient final : public LinearisedSolver {
     std::uint32_t row;
     Vec3f gradient;
   };
-  /// What a product with the matrix needs of the step before: dx += alpha direction, direction = W residual +
-  /// beta direction.
+  /// What a product with the matrix needs of the step before: dx += alpha direction,
+  /// direction = W residual + beta direction.
   struct Lengths {
     double alpha = 0, beta = 0;
   };

@@ -11,8 +11,8 @@ namespace souple {
 struct EnclosedVolumeOptions {
   float pressure = 0;         ///< above the surroundings' [Pa]; negative sucks
   bool holds_volume = false;  ///< whether the volume constraint acts as well
-  float volume_factor =
-      1;  ///< the "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume
+  /// The "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume.
+  float volume_factor = 1;
   float compliance = 0;  ///< alpha = dV / dP [m^3/Pa = m^6/J]; for a gas or liquid of bulk modulus K, V0 / K
   float damping_time = 0;  ///< s
   float stiffness = 1;     ///< PBD mode only: k in [0, 1]
@@ -21,13 +21,13 @@ struct EnclosedVolumeOptions {
 /// Closed triangle surfaces that hold a volume, or a pressure, or both.
 ///
 /// The volume, Müller et al. 2007, section 4.4, with the 1/6 that makes V a volume:
-///   C = V - p V0  [m^3],   V = 1/6 sum x0 . (x1 x x2) over the triangles,   grad_i V = 1/6 sum (x1 - x0) x
-///   (x2 - x0) over
-/// the triangles at i. Energy C^2 / (2 alpha). One projection moves no particle further than a quarter of the
-/// radius of the ball of volume p V0: a collapsed surface has hardly a gradient, and would be thrown apart.
+///   C = V - p V0  [m^3],   V = 1/6 sum x0 . (x1 x x2) over the triangles,
+///   grad_i V = 1/6 sum (x1 - x0) x (x2 - x0) over the triangles at i.
+/// Energy C^2 / (2 alpha). One projection moves no particle further than a quarter of the radius of the ball
+/// of volume p V0: a collapsed surface has hardly a gradient, and would be thrown apart.
 ///
-/// The pressure is the linear energy -P V, that is C = V with the multiplier known beforehand, lambda = P
-/// h^2:
+/// The pressure is the linear energy -P V, that is C = V with the multiplier known beforehand,
+/// lambda = P h^2:
 ///   dx_i = w_i h^2 P grad_i V
 /// the force P times a third of the area on each corner of each triangle. It is applied once per substep, in
 /// `begin_substep`, to the predicted positions: iterations do not multiply it, and mode, compliance and

@@ -49,7 +49,6 @@ class Hierarchical final : public Solver {
 
   /// Constraints projected on coarse levels by one iteration, all sweeps.
   std::size_t coarse_projections() const;
-  std::size_t level_count() const { return levels_.size(); }
 
  private:
   /// A coarser level and what its particles and links hold during a substep.

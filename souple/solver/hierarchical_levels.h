@@ -23,9 +23,9 @@ struct CoarseLevel {
   std::vector<Link> links;           ///< between coarse particles; a < b, sorted
   /// A way along finer links from a to b of each link: way[k], k in [way_begin[e], way_begin[e + 1]).
   std::vector<std::uint32_t> way_begin, way;
-  /// Where the correction of the finer level's particle i comes from: sum_k weight[k] *
-  /// correction(parent[k]), k in [parent_begin[i], parent_begin[i + 1]). Weights of a particle are at least 0
-  /// and sum to 1.
+  /// Where the correction of the finer level's particle i comes from:
+  /// sum_k weight[k] * correction(parent[k]), k in [parent_begin[i], parent_begin[i + 1]). Weights of a
+  /// particle are at least 0 and sum to 1.
   std::vector<std::uint32_t> parent_begin, parent;
   std::vector<float> weight;
   /// Mean of the finer particles that follow coarse particle j, by mass: sum_k share[k] * of child[k], k in

@@ -75,11 +75,8 @@ class LinearSystem {
   void accept(double factor);
 
   std::size_t rows() const { return b.size(); }
-  std::size_t unknowns() const {
-    return particle_of.size();
-  }  ///< free particles in a constraint, 3 numbers each
-  /// Smallest of the blocks. [m]
-  double smallest_size() const { return smallest_size_; }
+  /// Free particles in a constraint, 3 numbers each.
+  std::size_t unknowns() const { return particle_of.size(); }
   /// How soft the floor makes rigid constraints: m / N for a gradient of length 1, for the whole scene's
   /// smallest constraint.
   double floor_compliance() const { return floor_ * smallest_size_; }
@@ -112,8 +109,8 @@ class LinearSystem {
   std::vector<Projector*> projectors_;
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> unknown_of_;  // of each particle
-  double smallest_size_ = 0;
-  double floor_ = 0;  // compliance over size [1/N]
+  double smallest_size_ = 0;               // of the blocks [m]
+  double floor_ = 0;                       // compliance over size [1/N]
   std::size_t floored_ = 0;
 };
 

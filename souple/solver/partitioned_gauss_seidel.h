@@ -13,8 +13,8 @@ namespace souple {
 /// set.
 ///
 /// A split particle shares its mass equally among its n phantoms (Tonge et al. 2012, "Mass Splitting for
-/// Jitter-Free Parallel Rigid Body Simulation"): w_k = n w, and x = 1/n sum_k x_k is their common
-/// centre of mass. So momentum is kept whatever two particles' numbers of phantoms are, and since
+/// Jitter-Free Parallel Rigid Body Simulation"): w_k = n w, and x = 1/n sum_k x_k is their common centre of
+/// mass. So momentum is kept whatever two particles' numbers of phantoms are, and since
 ///   w grad C dlambda = 1/n (n w) grad C dlambda,
 /// x = x* + W J^T lambda holds as without phantoms: the solution is the same, the way to it longer.
 ///

@@ -21,8 +21,9 @@ struct ShapeMatchingOptions {
 ///   C = sqrt(sum m |x - g|^2 / M)  [m]
 ///
 /// C is the mass-weighted root mean square distance from the goals g, so the energy C^2 / (2 alpha) gives
-/// alpha the unit m/N: 1/alpha is the stiffness of the region as a whole. As T is best, grad_i C = m_i (x_i -
-/// g_i) / (M C) and sum w |grad C|^2 = 1/M: with alpha = 0 a projection moves the particles onto their goals.
+/// alpha the unit m/N: 1/alpha is the stiffness of the region as a whole. As T is best,
+///   grad_i C = m_i (x_i - g_i) / (M C) and sum w |grad C|^2 = 1/M:
+/// with alpha = 0 a projection moves the particles onto their goals.
 /// Linear and angular momentum are kept, for any beta and compliance.
 ///
 /// Where we deviate, so that nothing breaks: a flat or straight rest shape has no A in the directions it

@@ -23,7 +23,7 @@ enum class SolverKind {
 /// In which order Gauss-Seidel visits the colours.
 enum class Sweep {
   forward,   ///< first to last, every iteration
-  symmetric  ///< forward, then backward, alternating by iteration; one iteration does both
+  symmetric  ///< forward, then backward, every iteration; kinds without a linear form once, last
 };
 
 struct SolverSettings {

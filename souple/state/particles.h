@@ -17,13 +17,12 @@ struct alignas(16) Vec4f {
 
 /// All particles of a world, as plain arrays of equal length; an object owns a contiguous range.
 ///
-/// Two ways to advance them share these arrays (DESIGN: small steps eat float digits):
-/// - plain form: during a substep `position` holds the predicted p and `start` the x it left; v = (p - start)
-/// / h;
+/// Two ways to advance them share these arrays (docs/architecture.md: small steps eat float digits):
+/// - plain form: during a substep `position` holds the predicted p and `start` the x it left;
+///   v = (p - start) / h;
 /// - displacement form: `position` holds x and stays, `offset` holds q = (what x cannot represent) + d, and
-/// `start` the
-///   offset at the substep's beginning; v = (q - start) / h; then x += q rounds and `offset` keeps the
-///   remainder.
+///   `start` the offset at the substep's beginning; v = (q - start) / h; then x += q rounds and `offset`
+///   keeps the remainder.
 struct Particles {
   std::vector<Vec4f> position;  ///< x, y, z [m], w = inverse mass [1/kg], 0 = moved by targets only
   std::vector<Vec4f> offset;    ///< displacement form: q [m]; zero in the plain form

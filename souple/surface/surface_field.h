@@ -40,8 +40,6 @@ class SurfaceField {
   /// By place of the order.
   const kernels::ParticleKernel* particle_kernels() const { return particle_kernels_; }
   const kernels::SurfaceKernels& functions() const { return *functions_; }
-  /// Bricks in which the field was computed.
-  std::size_t evaluated() const { return evaluated_count_; }
 
  private:
   struct BrickRange {
@@ -76,7 +74,7 @@ class SurfaceField {
   std::vector<float> values_;
   std::vector<std::uint32_t> list_;   // bricks evaluated so far, in the order of their evaluation
   std::vector<std::uint32_t> place_;  // of each evaluated brick in the list
-  std::size_t evaluated_count_ = 0;
+  std::size_t evaluated_count_ = 0;   // bricks in which the field was computed
   std::vector<Gathered> gathered_;
 };
 

@@ -13,7 +13,7 @@ void build_contact_tables(WorldState& world);
 void tell_counts(WorldState& world);
 /// After the solver: shortens what would pass through something.
 void keep_apart(WorldState& world, const Substep& substep);
-/// Stage (5) at contacts.
+/// Stage (6) at contacts.
 void apply_restitution(WorldState& world, const Substep& substep);
 /// Fills the report's counts.
 void report_contacts(WorldState& world);

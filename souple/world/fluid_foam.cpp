@@ -147,8 +147,7 @@ std::size_t FluidFoam::bytes() const {
   return foam_->bytes() + bodies_.bytes() + bytes_of(start_, end_, wanted_, positions_);
 }
 
-// --- what fluids tell of themselves
-// -----------------------------------------------------------------------------
+// --- what fluids tell of themselves --------------------------------------------------------------
 
 void Fluids::step_foam(WorldState& world, double time, double dt) {
   const bool foams = std::any_of(tables_.materials.begin(), tables_.materials.end(),

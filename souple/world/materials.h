@@ -29,9 +29,9 @@ inline constexpr float rigid = std::numeric_limits<float>::infinity();
 /// A thin sheet. SI units; thickness is the full thickness.
 struct ClothMaterial {
   float areal_density = 0.15f;  ///< kg/m^2
-  float membrane_stiffness =
-      4000;                  ///< Y = Young's modulus times thickness [N/m]; of the warp in the membrane model
-  float weft_stiffness = 0;  ///< membrane model [N/m]; 0: as membrane_stiffness
+  /// Y = Young's modulus times thickness [N/m]; of the warp in the membrane model.
+  float membrane_stiffness = 4000;
+  float weft_stiffness = 0;         ///< membrane model [N/m]; 0: as membrane_stiffness
   float shear_stiffness = 0;        ///< membrane model [N/m]; 0: isotropic, Y / (2 (1 + nu))
   float poisson_ratio = 0.3f;       ///< membrane model, in [0, 1)
   float bending_stiffness = 1e-5f;  ///< D per unit width [N m]

@@ -120,8 +120,7 @@ Hit World::closest_point(const Vec3f& point) const {
   return nearest.hit;
 }
 
-// --- sums over an object
-// -----------------------------------------------------------------------------------------------
+// --- sums over an object -------------------------------------------------------------------------
 
 double World::kinetic_energy(ObjectId id) const {
   const WorldState& world = impl_->state;

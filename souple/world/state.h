@@ -58,8 +58,8 @@ struct Object {
   std::vector<std::uint32_t> particle_of;  ///< user vertex -> particle within the object; empty when embedded
   std::vector<std::uint32_t> vertex_of;    ///< particle -> one user vertex on it, or near it when embedded
   std::optional<Embedding> embedding;      ///< user vertices in `tets`, when they are no particles
-  std::vector<std::array<std::uint32_t, 3>>
-      surface;  ///< triangles over particles, for wind and pressure; may be empty
+  /// Triangles over particles, for wind and pressure; may be empty.
+  std::vector<std::array<std::uint32_t, 3>> surface;
   /// Made of `surface` when the wind first blows: triangles [triangle_begin[i], triangle_begin[i + 1]) of
   /// triangles_of touch particle i, in ascending order.
   std::vector<std::uint32_t> triangle_begin, triangles_of;

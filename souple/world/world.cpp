@@ -77,8 +77,7 @@ void World::after(Stage stage, std::function<void(World&)> callback) {
   impl_->state.after[static_cast<std::size_t>(stage)].push_back(std::move(callback));
 }
 
-// --- objects
-// --------------------------------------------------------------------------------------------------------
+// --- objects -------------------------------------------------------------------------------------
 
 void World::remove(ObjectId id) {
   WorldState& world = impl_->state;
@@ -407,8 +406,7 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
   return result;
 }
 
-// --- colliders, forces, events
-// --------------------------------------------------------------------------------------
+// --- colliders, forces, events -------------------------------------------------------------------
 
 ColliderId World::add_collider(const Shape& shape, const ColliderOptions& options) {
   WorldState& world = impl_->state;

@@ -149,8 +149,7 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  // --- the loop
-  // ---------------------------------------------------------------------------------------------------
+  // --- the loop ----------------------------------------------------------------------------------
   /// Advances by dt seconds in `substeps` equal parts.
   const StepReport& step(double dt);
   const StepReport& report() const;
@@ -161,8 +160,7 @@ class World {
   void before(Stage stage, std::function<void(World&)> callback);
   void after(Stage stage, std::function<void(World&)> callback);
 
-  // --- objects
-  // ----------------------------------------------------------------------------------------------------
+  // --- objects -----------------------------------------------------------------------------------
   ObjectId add_cloth(const TriangleMesh& mesh, const ClothMaterial& material = {},
                      const ObjectOptions& options = {});
   ObjectId add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material = {},
@@ -247,8 +245,7 @@ class World {
   /// Which vertices a selector means, user order, ascending. Throws when it means none.
   std::vector<std::uint32_t> select(ObjectId object, const Selector& selector) const;
 
-  // --- pins, attachments, other constraints
-  // -----------------------------------------------------------------------
+  // --- pins, attachments, other constraints ------------------------------------------------------
   /// Fixes vertices where they are, or drives them along `target`. A pinned vertex ignores every force.
   void pin(ObjectId object, const Selector& selector, Target target = {});
   void unpin(ObjectId object, const Selector& selector);
@@ -279,8 +276,7 @@ class World {
   /// sum up to 1; they are negative where the vertex lies a little outside its tet.
   std::vector<Carrier> carriers(ObjectId object, std::uint32_t vertex) const;
 
-  // --- colliders, forces, events
-  // ----------------------------------------------------------------------------------
+  // --- colliders, forces, events -----------------------------------------------------------------
   ColliderId add_collider(const Shape& shape, const ColliderOptions& options = {});
   void remove(ColliderId collider);
   void set_collider(ColliderId collider, const Shape& shape, const ColliderOptions& options);
@@ -312,14 +308,12 @@ class World {
   std::span<const ContactEvent> contacts() const;
   void set_log(std::function<void(LogLevel, std::string_view)> log);
 
-  // --- sleeping, see Settings::sleeping
-  // ------------------------------------------------------------------------------
+  // --- sleeping, see Settings::sleeping ----------------------------------------------------------
   bool is_asleep(ObjectId object) const;
   /// Wakes an object and all that sleep in touch with it; one that is awake begins its rest anew.
   void wake(ObjectId object);
 
-  // --- queries
-  // ----------------------------------------------------------------------------------------------------
+  // --- queries -----------------------------------------------------------------------------------
   Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double longest = 1e30) const;
   Hit closest_point(const Vec3f& point) const;
   double kinetic_energy(ObjectId object) const;    ///< J
@@ -328,14 +322,12 @@ class World {
   Vec3d momentum(ObjectId object) const;           ///< kg m/s
   Vec3d centre_of_mass(ObjectId object) const;     ///< m; of an obstacle the mean of its vertices
 
-  // --- for renderers
-  // -------------------------------------------------------------------------------------------------
+  // --- for renderers -----------------------------------------------------------------------------
   /// Hands out what is inside: constraints kind after kind and colour after colour, in the order in which
   /// they are solved, contacts, particles, edges of tets. Changes nothing.
   void debug_draw(const DebugDraw& draw) const;
 
-  // --- state
-  // ------------------------------------------------------------------------------------------------------
+  // --- state -------------------------------------------------------------------------------------
   /// Everything a step changes. Restoring into a world built the same way continues bitwise the same.
   Snapshot snapshot() const;
   /// Throws when the snapshot is of a world with other objects or is damaged; then nothing has changed.
@@ -345,8 +337,7 @@ class World {
   /// Grows whenever positions or velocities may have changed: what was made from them is out of date.
   std::uint64_t version() const;
 
-  // --- measuring; all leave every particle as it was
-  // -----------------------------------------------------
+  // --- measuring; all leave every particle as it was ---------------------------------------------
   /// Projects the constraints of each kind alone, `sweeps` times, as a substep of step(dt) would. Attachments
   /// and the like are kinds of their own; contacts are left out. Throws Error as for a step that cannot be
   /// done.

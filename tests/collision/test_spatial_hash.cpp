@@ -65,30 +65,6 @@ TEST(SpatialHash, EachPairHasOneWhoFindsIt) {
   EXPECT_EQ(found, expected);
 }
 
-// Two hashes with the same cells: small ones ask for those as large, and the others for what is larger.
-TEST(SpatialHash, TwoHashesMeetOnce) {
-  const auto threads = make_threads(Threading::serial, 1);
-  const std::vector<Bounds> boxes_a = random_boxes(800, 1, 0.6, 4), boxes_b = random_boxes(900, 1, 0.2, 5);
-  SpatialHash a, b;
-  a.build(boxes_a, 0.01f, *threads);
-  b.build(boxes_b, 0.01f, *threads);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> found, expected;
-  std::vector<std::uint32_t> one;
-  for (std::uint32_t i = 0; i < boxes_a.size(); ++i) {
-    one.clear();
-    b.find(boxes_a[i], SpatialHash::Sizes::as_large_or_larger, one);
-    for (const std::uint32_t j : one) found.push_back({i, j});
-    for (const std::uint32_t j : overlapping(boxes_b, boxes_a[i])) expected.push_back({i, j});
-  }
-  for (std::uint32_t j = 0; j < boxes_b.size(); ++j) {
-    one.clear();
-    a.find(boxes_b[j], SpatialHash::Sizes::larger, one);
-    for (const std::uint32_t i : one) found.push_back({i, j});
-  }
-  std::sort(found.begin(), found.end());
-  EXPECT_EQ(found, expected);
-}
-
 // What one huge box costs is one entry in few cells, and no other is entered more often for it.
 TEST(SpatialHash, AHugeBoxCostsNothing) {
   const auto threads = make_threads(Threading::serial, 1);

@@ -25,8 +25,6 @@ TEST(Surface, ThePairTableComesFirstInEitherOrder) {
   EXPECT_EQ(matrix.rows(), 2u);
   EXPECT_FLOAT_EQ(matrix.at(0, 0).kinetic_friction, 0.01f);
   EXPECT_FLOAT_EQ(matrix.at(1, 0).static_friction, 0.5f);
-  table.erase("skate", "ice");
-  EXPECT_EQ(table.find("ice", "skate"), nullptr);
 }
 
 TEST(Surface, BadCoefficientsAreRefused) {

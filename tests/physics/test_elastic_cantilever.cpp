@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// A bar of neo-Hookean tets, one end held, bent a little by its own weight: 0.5 x 0.1 x 0.1 m, E = 1 MPa, nu
-// = 0.3, 1000 kg/m^3 under a weak gravity, so that the tip sinks by about 1 % of the length.
+// A bar of neo-Hookean tets, one end held, bent a little by its own weight: 0.5 x 0.1 x 0.1 m, E = 1 MPa,
+// nu = 0.3, 1000 kg/m^3 under a weak gravity, so that the tip sinks by about 1 % of the length.
 
 namespace souple {
 namespace {

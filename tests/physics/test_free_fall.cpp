@@ -7,8 +7,7 @@
 namespace souple {
 namespace {
 
-// --- free fall
-// -----------------------------------------------------------------------------------------------------
+// --- free fall -----------------------------------------------------------------------------------
 
 struct Fall {
   double x_error = 0, v_error = 0;  // the largest on the way, relative to what has been fallen
@@ -53,8 +52,7 @@ TEST(FreeFall, FollowsTheDiscreteClosedForm) {
   state(name, "plain form, 10,000 x 1/600 s: v", plain_short.v_error);
 }
 
-// --- a free body
-// ---------------------------------------------------------------------------------------------------
+// --- a free body ---------------------------------------------------------------------------------
 
 enum class Make { links, springs, solid };
 std::string words(Make make) {
@@ -135,8 +133,7 @@ TEST(FreeLattice, KeepsItsMomentum) {
   state(name, "plain, tet springs, 50 substeps", error(Make::springs, Form::plain, 50));
 }
 
-// --- far from the origin, and at other rates
-// ---------------------------------------------------------------------------
+// --- far from the origin, and at other rates -----------------------------------------------------
 
 struct Trajectory {
   std::vector<std::vector<Vec3d>> frames;  // at 30 Hz, relative to the start [m]

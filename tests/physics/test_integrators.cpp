@@ -43,8 +43,7 @@ struct Particle {
   double v() const { return world.momentum(id).x / world.total_mass(id); }
 };
 
-// --- a stiff force, f = -k x
-// ---------------------------------------------------------------------------------------------
+// --- a stiff force, f = -k x ---------------------------------------------------------------------
 
 // 1/2 v^2 + 1/2 omega^2 x^2 after `steps`, relative to the start; let go at x = 1 m.
 double spring_energy(Integrator integrator, double omega_h, int steps, Curves* curves = nullptr) {
@@ -109,8 +108,7 @@ TEST(Integrators, EnergyDriftOnASpring) {
   }
 }
 
-// --- drag, f = -c m v
-// ------------------------------------------------------------------------------------------------------
+// --- drag, f = -c m v ----------------------------------------------------------------------------
 
 double speed_left(Integrator integrator, double drag_h, int steps, Curves* curves = nullptr) {
   const double h = 0.01;
@@ -122,8 +120,8 @@ double speed_left(Integrator integrator, double drag_h, int steps, Curves* curve
   return particle.v();
 }
 
-// Both explicit forms take (1 - c h) of the speed a step and explode above c h = 2; implicit takes 1 / (1 + c
-// h).
+// Both explicit forms take (1 - c h) of the speed a step and explode above c h = 2; implicit takes
+// 1 / (1 + c h).
 TEST(Integrators, Drag) {
   const std::string name = "integrators on drag";
   Curves curves(name, "c t", "speed / its start, c h = 0.5");
@@ -140,8 +138,7 @@ TEST(Integrators, Drag) {
   }
 }
 
-// --- gravity
-// -------------------------------------------------------------------------------------------------------------
+// --- gravity -------------------------------------------------------------------------------------
 
 // x_n = -g h^2 (n^2 + s n) / 2 with s = 1 (both implicit ones) or -1 (explicit): off by g h t / 2, to either
 // side.
@@ -162,8 +159,7 @@ TEST(Integrators, Gravity) {
     }
 }
 
-// --- cost
-// ----------------------------------------------------------------------------------------------------------------
+// --- cost ----------------------------------------------------------------------------------------
 
 // Of 10,000 falling particles in a force field f = -x, the least of 20 steps.
 TEST(Integrators, Cost) {

@@ -87,8 +87,7 @@ TEST(Chain, StretchesByTheSquareOfTheStep) {
   curves.add("theory: a line through the finest", {0, coarsest}, {0, before / number * coarsest});
 }
 
-// --- a heavy load on light particles
-// -----------------------------------------------------------------------------------
+// --- a heavy load on light particles -------------------------------------------------------------
 
 struct Load {
   double elongation = 0;  // mean over the last second, relative to the length

@@ -7,8 +7,7 @@
 namespace souple {
 namespace {
 
-// --- spin
-// --------------------------------------------------------------------------------------------------------------
+// --- spin ----------------------------------------------------------------------------------------
 
 // The angular velocity about z that fits best: sum m (r x v) / sum m r^2.
 double spin_of(const World& world, ObjectId body) {
@@ -77,8 +76,7 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
       }
 }
 
-// --- energy
-// --------------------------------------------------------------------------------------------------------------
+// --- energy --------------------------------------------------------------------------------------
 
 // A cube of 0.2 m, stretched by 10 % along x and let go. Its energy relative to the start at each frame of 2
 // s.

@@ -15,8 +15,8 @@ struct FeaturePoints {
   float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
   const float* moved = nullptr;     ///< moving - start; read by reaches, near, judge and describe
-  const float* pressed =
-      nullptr;  ///< how much earlier contacts of a particle begin [m]; read by reaches and judge
+  /// How much earlier contacts of a particle begin [m]; read by reaches and judge.
+  const float* pressed = nullptr;
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.

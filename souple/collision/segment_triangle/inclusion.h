@@ -10,8 +10,8 @@ namespace souple {
 /// The point of the plane, t = a . n / d . n, with g = t d, is joined to the corners; projected along the
 /// axis in which n is largest, the three triangles that this makes are to the whole as the weights:
 ///
-///   weight of a = [b - g, c - g] / [e, f],   of b = [c - g, a - g] / [e, f],   of c = [a - g, b - g] / [e,
-///   f].
+///   weight of a = [b - g, c - g] / [e, f],   of b = [c - g, a - g] / [e, f],
+///   of c = [a - g, b - g] / [e, f].
 ///
 /// Inside where none is negative. All corners are treated alike: no weight is a difference of the others, as
 /// in Badouel's test and in Möller and Trumbore's. Slivers are as hard as for Badouel's.

@@ -129,8 +129,7 @@ Item& Contents::item(Handle handle) const {
   throw Error(fmt::format("\"{}\" (object {}) is no longer there", gone->second, handle));
 }
 
-// --- what is in it
-// ---------------------------------------------------------------------------------------------------
+// --- what is in it -------------------------------------------------------------------------------
 
 void Contents::open(const std::string& file) {
   replace(load_scene(file), true);
@@ -207,8 +206,7 @@ void Contents::rebuild() {
   listen();
 }
 
-// --- what is changed in it
-// ----------------------------------------------------------------------------------------------
+// --- what is changed in it -----------------------------------------------------------------------
 
 void Contents::set_settings(const Settings& settings) {
   world_.set_settings(settings);

@@ -4,16 +4,16 @@
 
 // How a constraint moves its particles, written once for all of them.
 //
-//   PBD   (Müller et al. 2007, eq. 8 and section 3.3):  dlambda = -k' C / sum_i w_i |grad_i C|^2,   k' = 1 -
-//   (1 - k)^(1/n) XPBD  (Macklin et al. 2016, eqs. 18 and 26):
-//          dlambda = (-C - alpha~ lambda - gamma grad C . (x - x_start)) / ((1 + gamma) sum_i w_i |grad_i
-//          C|^2 + alpha~)
-//   both:  dx_i = w_i grad_i C dlambda
+//   PBD   (Müller et al. 2007, eq. 8 and section 3.3):
+//           dlambda = -k' C / sum_i w_i |grad_i C|^2,   k' = 1 - (1 - k)^(1/n)
+//   XPBD  (Macklin et al. 2016, eqs. 18 and 26):
+//           dlambda = (-C - alpha~ lambda - gamma grad C . (x - x_start))
+//                     / ((1 + gamma) sum_i w_i |grad_i C|^2 + alpha~)
+//   both:   dx_i = w_i grad_i C dlambda
 //
 // with alpha~ = alpha / h^2 and gamma = alpha~ beta~ / h. The damping coefficient is beta = tau / alpha
 // (Kelvin-Voigt, tau a time), so gamma = tau / h whatever the stiffness, rigid constraints included. Several
-// coupled rows solve
-// ((1 + gamma) J W J^T + alpha~) dlambda = rhs at once.
+// coupled rows solve ((1 + gamma) J W J^T + alpha~) dlambda = rhs at once.
 
 namespace souple {
 
