@@ -1,5 +1,7 @@
 #include "golden_file.h"
+#include "souple/error.h"
 #include "souple/scene/scene.h"
+#include "trace.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,15 +9,19 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// Every shipped scene runs 300 frames: calm, and bit for bit as when tests/golden.json was written.
-//   SOUPLE_GOLDEN_UPDATE=1   rewrites tests/golden.json (script/golden --update)
-//   SOUPLE_GOLDEN_FRAMES=30  stops there; the later hashes are not looked at
+// Every shipped scene runs 300 frames: calm, and bit for bit as when tests/golden.json and its trace in
+// tests/golden/trace were written. Compared are the hashes of a few frames, and the codes of these frames and
+// of the last one. Only where one differs the scene runs again, with every frame compared with its trace.
+//   SOUPLE_GOLDEN_UPDATE=1   rewrites both, from all 300 frames (script/golden --update)
+//   SOUPLE_GOLDEN_FRAMES=30  stops there; what comes later is not looked at
 //   SOUPLE_GOLDEN_FLUID_FRAMES=30  the same for scenes with fluids alone, which take longest
 
 namespace souple::test {
@@ -23,25 +29,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int hashed_frames[] = {1, 30, 300};
+constexpr int all_frames = 300;
+constexpr int hashed_frames[] = {1, 30, all_frames};
+constexpr const char* how_to_update = "; script/golden --update rewrites it";
 
 const fs::path source_folder = SOUPLE_SOURCE_DIR;
 const fs::path golden_path = source_folder / "tests" / "golden.json";
+const fs::path trace_folder = source_folder / "tests" / "golden" / "trace";
 
 int at_most(const char* variable) {
   const char* limit = std::getenv(variable);
-  return limit ? std::clamp(std::atoi(limit), 1, 300) : 300;
-}
-
-int frames_to_run(const SceneDescription& scene) {
-  const bool fluid = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                 [](const auto& object) { return kind_of(object) == ObjectKind::fluid; });
-  return std::min(at_most("SOUPLE_GOLDEN_FRAMES"), fluid ? at_most("SOUPLE_GOLDEN_FLUID_FRAMES") : 300);
+  return limit ? std::clamp(std::atoi(limit), 1, all_frames) : all_frames;
 }
 
 bool updating() {
   const char* update = std::getenv("SOUPLE_GOLDEN_UPDATE");
   return update && std::string(update) == "1";
+}
+
+bool is_hashed(int frame) {
+  return std::find(std::begin(hashed_frames), std::end(hashed_frames), frame) != std::end(hashed_frames);
+}
+
+int frames_to_run(const SceneDescription& scene) {
+  if (updating()) return all_frames;
+  const bool fluid = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                 [](const auto& object) { return kind_of(object) == ObjectKind::fluid; });
+  return std::min(at_most("SOUPLE_GOLDEN_FRAMES"),
+                  fluid ? at_most("SOUPLE_GOLDEN_FLUID_FRAMES") : all_frames);
 }
 
 std::vector<std::string> scene_names() {
@@ -183,18 +198,36 @@ double farthest(const World& world) {
   return largest;
 }
 
-void update_golden(const std::string& scene, const FrameHashes& hashes) {
-  auto golden = read_golden(golden_path);
+/// What of a run is compared.
+struct RunResults {
+  FrameHashes hashes;
+  std::map<int, FrameCodes> codes;  ///< of the hashed frames and the last one; of all when updating
+};
+
+fs::path trace_path(const std::string& scene) {
+  return trace_folder / (scene + ".txt");
+}
+
+void remove_what_is_gone(std::map<std::string, FrameHashes>& golden) {
   const std::vector<std::string> shipped = scene_names();
   for (auto entry = golden.begin(); entry != golden.end();) {
     const bool gone = std::find(shipped.begin(), shipped.end(), entry->first) == shipped.end();
+    if (gone) fs::remove(trace_path(entry->first));
     entry = gone ? golden.erase(entry) : std::next(entry);
   }
-  for (const auto& [frame, hash] : hashes) golden[scene][frame] = hash;
-  write_golden(golden_path, golden);
 }
 
-void expect_golden(const std::string& scene, const FrameHashes& hashes) {
+void update_golden(const std::string& scene, const RunResults& run) {
+  auto golden = read_golden(golden_path);
+  remove_what_is_gone(golden);
+  golden[scene] = run.hashes;
+  write_golden(golden_path, golden);
+  Trace trace;
+  for (const auto& [frame, codes] : run.codes) append(trace, codes);
+  write_trace(trace_path(scene), trace);
+}
+
+void expect_hashes(const std::string& scene, const FrameHashes& hashes) {
   const auto golden = read_golden(golden_path);
   const auto known = golden.find(scene);
   ASSERT_NE(known, golden.end()) << scene
@@ -208,6 +241,66 @@ void expect_golden(const std::string& scene, const FrameHashes& hashes) {
   }
 }
 
+/// Of the frames that were coded.
+std::optional<int> first_differing_frame(const Trace& trace, const RunResults& run) {
+  for (const auto& [frame, codes] : run.codes) {
+    if (difference_in(trace, frame, codes)) return frame;
+  }
+  return std::nullopt;
+}
+
+/// Runs a scene that changed once more, up to frame `last` at most, and says where it leaves its trace.
+std::string where_it_changed(const SceneDescription& scene, const Trace& trace, const RunResults& run,
+                             int last) {
+  World world = build_world(scene);
+  int frame = 0;
+  bool repeated = true;  // as far as this run was coded the first time
+  const auto next = [&] {
+    world.step(1 / scene.frame_rate);
+    FrameCodes codes = codes_of(world);
+    const auto before = run.codes.find(++frame);
+    if (before != run.codes.end()) repeated = repeated && before->second == codes;
+    return codes;
+  };
+  const auto difference = first_difference(trace, last, next);
+  if (!repeated) {
+    return fmt::format("not deterministic: a second run differs from the first one in frame {} or before; {}",
+                       frame, difference ? "it " + difference_text(*difference) : "it agrees with the trace");
+  }
+  if (difference) return difference_text(*difference);
+  return fmt::format("frames 1-{} agree with the trace, which was not written with tests/golden.json{}", last,
+                     how_to_update);
+}
+
+void expect_trace(const std::string& name, const SceneDescription& scene, const RunResults& run,
+                  bool same_hashes) {
+  const std::string file = "tests/golden/trace/" + name + ".txt";
+  ASSERT_TRUE(fs::exists(trace_path(name))) << "there is no " << file << how_to_update;
+  Trace trace;
+  try {
+    trace = read_trace(trace_path(name));
+  } catch (const Error& error) {
+    FAIL() << "tests/golden/trace/" << error.what() << how_to_update;
+  }
+  ASSERT_EQ(trace.frames(), all_frames) << file << " has another number of frames" << how_to_update;
+  const std::string changes = changes_of_objects(trace, run.codes.begin()->second);
+  EXPECT_EQ(changes, "") << name << ": its objects are not those of " << file << how_to_update;
+  const std::optional<int> differs = first_differing_frame(trace, run);
+  if (same_hashes && !differs) return;
+  if (same_hashes && is_hashed(*differs)) {
+    ADD_FAILURE() << name << ": in frame " << *differs << " the hash is that of tests/golden.json, but "
+                  << file << " is out of date" << how_to_update;
+    return;
+  }
+  const int last = differs.value_or(run.codes.rbegin()->first);
+  ADD_FAILURE() << name << ": " << where_it_changed(scene, trace, run, last);
+}
+
+void expect_unchanged(const std::string& name, const SceneDescription& scene, const RunResults& run) {
+  expect_hashes(name, run.hashes);
+  expect_trace(name, scene, run, !testing::Test::HasFailure());
+}
+
 class GoldenScene : public testing::TestWithParam<std::string> {};
 
 TEST_P(GoldenScene, IsCalmAndUnchanged) {
@@ -216,9 +309,10 @@ TEST_P(GoldenScene, IsCalmAndUnchanged) {
   World world = build_world(scene);
   Energies energies(world, scene);
   const double dt = 1 / scene.frame_rate;
-  FrameHashes hashes;
+  const int last = frames_to_run(scene);
+  RunResults run;
   double worst = 0;
-  for (int frame = 1; frame <= frames_to_run(scene); ++frame) {
+  for (int frame = 1; frame <= last; ++frame) {
     const StepReport& report = world.step(dt);
     ASSERT_TRUE(report.ok()) << "frame " << frame << ": " << report.message;
     energies.watch(dt);
@@ -226,15 +320,14 @@ TEST_P(GoldenScene, IsCalmAndUnchanged) {
     worst = std::max(worst, kinetic / std::max(bound, 1e-300));
     ASSERT_LE(kinetic, 1.02 * bound + 1e-6) << "frame " << frame << ": kinetic energy [J] from nowhere";
     ASSERT_LT(farthest(world), 100) << "frame " << frame << ": something flies away [m]";
-    const bool hashed =
-        std::find(std::begin(hashed_frames), std::end(hashed_frames), frame) != std::end(hashed_frames);
-    if (hashed) hashes[frame] = world.hash();
+    if (is_hashed(frame)) run.hashes[frame] = world.hash();
+    if (is_hashed(frame) || frame == last || updating()) run.codes[frame] = codes_of(world);
   }
   RecordProperty("largest_share_of_energy_bound", std::to_string(worst));
   if (updating()) {
-    update_golden(name, hashes);
+    update_golden(name, run);
   } else {
-    expect_golden(name, hashes);
+    expect_unchanged(name, scene, run);
   }
 }
 

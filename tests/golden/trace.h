@@ -1,0 +1,75 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+#include "souple/world/world.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace souple::test {
+
+/// A short code of what one object's positions or velocities are in one frame.
+struct QuantityCode {
+  std::string object;
+  std::string quantity;  ///< "positions" or "velocities"
+  std::string code;      ///< see code_of
+  friend bool operator==(const QuantityCode&, const QuantityCode&) = default;
+};
+
+/// All quantities of a world in one frame, in the order of its objects.
+using FrameCodes = std::vector<QuantityCode>;
+
+/// Two characters of base64: 12 bits of a hash of the values' bytes, however many there are. One difference
+/// in 4096 goes unseen.
+std::string code_of(std::span<const Vec3f> values);
+FrameCodes codes_of(const World& world);
+
+/// tests/golden/trace/SCENE.txt: the codes of every frame from the first on. tests/golden.json says that a
+/// scene changed; the trace says where it began.
+struct Trace {
+  struct Line {
+    std::string object, quantity;
+    std::string codes;  ///< two characters a frame
+  };
+  std::vector<Line> lines;
+
+  int frames() const;  ///< as many in every line
+};
+
+/// The next frame. The first one says which objects there are, and the others have the same.
+void append(Trace& trace, const FrameCodes& codes);
+
+/// One line of text per line of the trace: object, quantity, codes. Of each object first the positions, then
+/// the velocities.
+std::string trace_text(const Trace& trace);
+/// Throws Error, which begins with `source` and the line's number, on anything that trace_text does not
+/// write.
+Trace parse_trace(const std::string& text, const std::string& source);
+Trace read_trace(const std::filesystem::path& file);
+/// Leaves a file alone that says the same already.
+void write_trace(const std::filesystem::path& file, const Trace& trace);
+
+/// Which objects only one of the two knows, as text: `added: "crate"; removed: "duck", "ring"`; or nothing.
+std::string changes_of_objects(const Trace& trace, const FrameCodes& codes);
+
+/// Where what runs leaves the trace.
+struct Difference {
+  int frame = 0;
+  FrameCodes quantities;     ///< that differ in this frame
+  std::size_t compared = 0;  ///< quantities that both have
+};
+
+/// Of one frame, counted from 1; what only one of the two has is not compared.
+std::optional<Difference> difference_in(const Trace& trace, int frame, const FrameCodes& codes);
+/// Of frames 1 to `last`, whose codes `next` gives one after another; it is not asked for more than it takes.
+std::optional<Difference> first_difference(const Trace& trace, int last,
+                                           const std::function<FrameCodes()>& next);
+
+/// `first differs in frame 17: positions of "duck" (1 of 8 quantities); frames 1-16 agree`.
+std::string difference_text(const Difference& difference);
+
+}  // namespace souple::test
