@@ -174,6 +174,10 @@ BoundingBall ball_of(const SignedDistanceField& field) {
 
 }  // namespace
 
+bool is_convex(const Shape& shape) {
+  return !std::holds_alternative<SignedDistanceField>(shape);
+}
+
 SurfaceDistance surface_distance(const Shape& shape, const Vec3d& point) {
   return std::visit([&](const auto& s) { return distance_to(s, point); }, shape);
 }

@@ -46,9 +46,7 @@ struct Cylinder {
 using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceField>;
 
 /// Whether the way between any two points of it lies in it.
-inline bool is_convex(const Shape& shape) {
-  return !std::holds_alternative<SignedDistanceField>(shape);
-}
+bool is_convex(const Shape& shape);
 
 /// Exact distance from a local point to the shape's surface, outside and inside (a signed distance field: see
 /// there). For a finite point the result is always finite and point - normal * distance lies on the surface.

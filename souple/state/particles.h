@@ -34,29 +34,12 @@ struct Particles {
 
   std::size_t size() const { return position.size(); }
 
-  void resize(std::size_t count) {
-    for_each_array([count](auto& array) { array.resize(count); });
-  }
-  void shrink_to_fit() {
-    for_each_array([](auto& array) { array.shrink_to_fit(); });
-  }
+  void resize(std::size_t count);
+  void shrink_to_fit();
   /// Makes particle `to` the same as particle `from`.
-  void copy(std::size_t from, std::size_t to) {
-    for_each_array([from, to](auto& array) { array[to] = array[from]; });
-  }
+  void copy(std::size_t from, std::size_t to);
   /// Removes particles [begin, end).
-  void erase(std::size_t begin, std::size_t end) {
-    for_each_array([begin, end](auto& array) {
-      array.erase(array.begin() + static_cast<std::ptrdiff_t>(begin),
-                  array.begin() + static_cast<std::ptrdiff_t>(end));
-    });
-  }
-
- private:
-  template <class Function>
-  void for_each_array(const Function& f) {
-    f(position), f(offset), f(start), f(velocity), f(mass), f(radius), f(pressed);
-  }
+  void erase(std::size_t begin, std::size_t end);
 };
 
 }  // namespace souple

@@ -4,7 +4,7 @@
 
 namespace souple::kernels {
 
-template struct Compile<simd::Avx2, EveryConstraint>;
+template struct Compile<simd::Avx2, OtherConstraints>;
 template const MotionKernels& motion_kernels<simd::Avx2>();
 template const TriangleKernels& triangle_kernels<simd::Avx2>();
 

@@ -4,7 +4,7 @@
 
 namespace souple::kernels {
 
-template struct Compile<simd::Avx512, EveryConstraint>;
+template struct Compile<simd::Avx512, OtherConstraints>;
 template const MotionKernels& motion_kernels<simd::Avx512>();
 template const TriangleKernels& triangle_kernels<simd::Avx512>();
 

@@ -6,7 +6,7 @@
 
 namespace souple::kernels {
 
-template struct Compile<simd::Neon, EveryConstraint>;
+template struct Compile<simd::Neon, OtherConstraints>;
 template const MotionKernels& motion_kernels<simd::Neon>();
 template const TriangleKernels& triangle_kernels<simd::Neon>();
 

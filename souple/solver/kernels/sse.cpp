@@ -4,7 +4,7 @@
 
 namespace souple::kernels {
 
-template struct Compile<simd::Sse, EveryConstraint>;
+template struct Compile<simd::Sse, OtherConstraints>;
 template const MotionKernels& motion_kernels<simd::Sse>();
 template const TriangleKernels& triangle_kernels<simd::Sse>();
 

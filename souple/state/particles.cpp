@@ -1,0 +1,32 @@
+#include "souple/state/particles.h"
+
+namespace souple {
+namespace {
+
+template <class Function>
+void for_each_array(Particles& p, const Function& f) {
+  f(p.position), f(p.offset), f(p.start), f(p.velocity), f(p.mass), f(p.radius), f(p.pressed);
+}
+
+}  // namespace
+
+void Particles::resize(std::size_t count) {
+  for_each_array(*this, [count](auto& array) { array.resize(count); });
+}
+
+void Particles::shrink_to_fit() {
+  for_each_array(*this, [](auto& array) { array.shrink_to_fit(); });
+}
+
+void Particles::copy(std::size_t from, std::size_t to) {
+  for_each_array(*this, [from, to](auto& array) { array[to] = array[from]; });
+}
+
+void Particles::erase(std::size_t begin, std::size_t end) {
+  for_each_array(*this, [begin, end](auto& array) {
+    array.erase(array.begin() + static_cast<std::ptrdiff_t>(begin),
+                array.begin() + static_cast<std::ptrdiff_t>(end));
+  });
+}
+
+}  // namespace souple
