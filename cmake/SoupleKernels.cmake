@@ -11,13 +11,9 @@ function(souple_add_kernels)
   # g++ 12 takes the "undefined" registers of its own AVX-512 header for mistakes (GCC bug 105593).
   set(avx512 -mavx512f -mavx512dq $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized>
              $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  # These four checks of every access to a pack take clang three times as long as all else. What they find, the address
-  # sanitizer finds too, an unaligned load the processor, and scalar code has them.
-  if(SOUPLE_SANITIZERS MATCHES undefined AND CMAKE_CXX_COMPILER_ID MATCHES Clang)
-    foreach(set IN LISTS known)
-      list(APPEND ${set} -fno-sanitize=null,alignment,object-size,pointer-overflow)
-    endforeach()
-  endif()
+  foreach(set IN LISTS known)
+    list(APPEND ${set} ${SOUPLE_FEWER_CHECKS})
+  endforeach()
   foreach(name IN LISTS ARGN)
     string(REGEX REPLACE "_.*" "" set ${name})
     if(NOT set IN_LIST known)
