@@ -3,6 +3,7 @@
 #include "souple/collision/cubic.h"
 #include "souple/collision/nearest.h"
 
+#include <initializer_list>
 #include <limits>
 
 // Two ways to know that nothing touches, each sound by itself.

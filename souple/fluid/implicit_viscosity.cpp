@@ -1,5 +1,6 @@
 #include "souple/fluid/implicit_viscosity.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace souple {

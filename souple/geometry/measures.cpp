@@ -1,5 +1,6 @@
 #include "souple/geometry/measures.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace souple {

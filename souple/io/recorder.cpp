@@ -230,8 +230,8 @@ void Recorder::Impl::finish() {
   }
 }
 
-Recorder::Recorder(const World& world, std::filesystem::path folder, const RecorderOptions& options)
-    : impl_(std::make_unique<Impl>(world, std::move(folder), options)) {}
+Recorder::Recorder(const World& world, const std::string& folder, const RecorderOptions& options)
+    : impl_(std::make_unique<Impl>(world, folder, options)) {}
 
 Recorder::~Recorder() {
   try {

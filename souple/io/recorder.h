@@ -3,7 +3,6 @@
 #include "souple/world/world.h"
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,9 +29,9 @@ struct RecorderOptions {
 /// outlive the recorder, in its place.
 class Recorder {
  public:
-  /// Creates the folder. Objects that files are started for are those of the world now. Throws Error when it
-  /// cannot be written, or when resume_from does not fit what is there.
-  Recorder(const World& world, std::filesystem::path folder, const RecorderOptions& options = {});
+  /// Creates the folder (a std::filesystem::path will do). Objects that files are started for are those of
+  /// the world now. Throws Error when it cannot be written, or when resume_from does not fit what is there.
+  Recorder(const World& world, const std::string& folder, const RecorderOptions& options = {});
   /// Finishes; a failure is swallowed, so call finish() to hear of it.
   ~Recorder();
   Recorder(const Recorder&) = delete;

@@ -4,7 +4,6 @@
 // float, double, a dual number or a SIMD pack. A T brings the four operators, comparisons whose result
 // `select` takes, and these functions, found by argument-dependent lookup for types that are not built in.
 
-#include <algorithm>
 #include <cmath>
 
 namespace souple {
@@ -12,10 +11,18 @@ namespace souple {
 using std::abs;
 using std::acos;
 using std::cos;
-using std::max;
-using std::min;
 using std::sin;
 using std::sqrt;
+
+// As in std, without <algorithm>: every file that simulates comes by here.
+template <class T>
+constexpr const T& min(const T& a, const T& b) {
+  return b < a ? b : a;
+}
+template <class T>
+constexpr const T& max(const T& a, const T& b) {
+  return a < b ? b : a;
+}
 
 /// `condition ? a : b`, lane by lane for packs.
 inline float select(bool condition, float a, float b) {

@@ -3,7 +3,6 @@
 #include "souple/solver/threads.h"
 #include "souple/state/particles.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -81,11 +80,11 @@ struct Residual {
 
   /// Takes in the residual of further constraints.
   void add(const Residual& other) {
-    largest = std::max(largest, other.largest);
+    largest = max(largest, other.largest);
     sum += other.sum;
     count += other.count;
     energy += other.energy;
-    largest_strain = std::max(largest_strain, other.largest_strain);
+    largest_strain = max(largest_strain, other.largest_strain);
   }
 };
 

@@ -2,12 +2,23 @@
 
 #include <fmt/core.h>
 
-namespace souple::detail {
+namespace souple {
 
-void throw_missing_particle(std::string_view kind, std::size_t constraint, std::uint32_t particle,
-                            std::size_t particle_count) {
+void detail::throw_missing_particle(std::string_view kind, std::size_t constraint, std::uint32_t particle,
+                                    std::size_t particle_count) {
   throw Error(
       fmt::format("{} {} names particle {}, but there are {}", kind, constraint, particle, particle_count));
 }
 
-}  // namespace souple::detail
+template class SetProjector<Distance>;
+template class SetProjector<DihedralBending>;
+template class SetProjector<IsometricBending>;
+template class SetProjector<TriangleMembrane>;
+template class SetProjector<TetVolume>;
+template class SetProjector<NeoHookean>;
+template class SetProjector<RopeBending>;
+template class SetProjector<ParticleContact>;
+template class SetProjector<Attachment>;
+template class SetProjector<Tether>;
+
+}  // namespace souple

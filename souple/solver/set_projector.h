@@ -278,7 +278,7 @@ class SetProjector final : public Projector {
       for (std::size_t k = 0; k < Set::param_count; ++k) of_one[k] = parameters[k][i];
       Params params;
       std::memcpy(&params, of_one, sizeof params);
-      strains[i] = Kind::strain(params, C[i]);
+      if constexpr (has_strain) strains[i] = Kind::strain(params, C[i]);
     }
   }
 
@@ -427,5 +427,17 @@ class SetProjector final : public Projector {
   bool dirty_ = true;
   bool damped_ = true;
 };
+
+// What worlds are made of is compiled once, by set_projector.cpp.
+extern template class SetProjector<Distance>;
+extern template class SetProjector<DihedralBending>;
+extern template class SetProjector<IsometricBending>;
+extern template class SetProjector<TriangleMembrane>;
+extern template class SetProjector<TetVolume>;
+extern template class SetProjector<NeoHookean>;
+extern template class SetProjector<RopeBending>;
+extern template class SetProjector<ParticleContact>;
+extern template class SetProjector<Attachment>;
+extern template class SetProjector<Tether>;
 
 }  // namespace souple

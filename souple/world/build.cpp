@@ -14,6 +14,7 @@
 #include "souple/solver/shape_matching.h"
 #include "souple/world/add.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace souple {

@@ -1,5 +1,6 @@
 #include "souple/world/fluid_account.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace souple {

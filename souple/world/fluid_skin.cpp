@@ -2,6 +2,7 @@
 
 #include "souple/world/add.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 

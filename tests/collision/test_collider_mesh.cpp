@@ -1,5 +1,6 @@
 #include "souple/collision/collider_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>

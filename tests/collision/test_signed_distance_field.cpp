@@ -7,6 +7,7 @@
 #include "tests/collision/random.h"
 #include "tests/expect_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

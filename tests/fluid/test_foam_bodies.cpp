@@ -1,6 +1,7 @@
 #include "souple/fluid/foam_bodies.h"
 #include "tests/fluid/fluid_arrays.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

@@ -4,6 +4,7 @@
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <set>

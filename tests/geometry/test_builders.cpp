@@ -3,6 +3,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/geometry/circle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

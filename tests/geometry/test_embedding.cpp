@@ -5,6 +5,7 @@
 #include "souple/geometry/lattice.h"
 #include "souple/math/mat3.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -5,6 +5,7 @@
 #include "tests/expect_error.h"
 #include "tests/host/soups.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

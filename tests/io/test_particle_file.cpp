@@ -3,6 +3,7 @@
 #include "souple/io/endian.h"
 #include "souple/io/particle_file.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace souple::test {

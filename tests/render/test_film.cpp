@@ -1,6 +1,7 @@
 #include "render/film.h"
 #include "tests/expect_error.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

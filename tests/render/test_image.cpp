@@ -3,6 +3,7 @@
 #include "render/image.h"
 #include "souple/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

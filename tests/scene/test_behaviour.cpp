@@ -3,6 +3,7 @@
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace souple::scene_test {

@@ -1,6 +1,7 @@
 // A scene becomes the world it describes.
 #include "scene_test.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace souple::scene_test {

@@ -1,6 +1,7 @@
 // Whatever is done to a scene, reading it gives a scene or an Error.
 #include "scene_test.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>

@@ -7,6 +7,7 @@
 #include "souple/io/recorder.h"
 #include "tests/expect_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -2,6 +2,7 @@
 #include "souple/error.h"
 #include "souple/solver/enclosed_volume.h"
 
+#include <algorithm>
 #include <map>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 #include "souple/constraints/distance.h"
 #include "souple/solver/set_projector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 

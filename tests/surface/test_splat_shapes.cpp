@@ -3,6 +3,7 @@
 #include "tests/collision/random.h"
 #include "tests/count_allocations.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>

@@ -1,5 +1,6 @@
 #include "souple/souple.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include "souple/souple.h"
 #include "tests/expect_error.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 #include "souple/souple.h"
 #include "tests/expect_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

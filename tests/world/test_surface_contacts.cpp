@@ -2,6 +2,7 @@
 #include "souple/world/world.h"
 #include "tests/collision/crossings.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
