@@ -29,6 +29,7 @@ TEST(Embedding, OfRandomPointsInABarIsExactAndInside) {
   const TetMesh bar = tet_bar(6, 3, 4, {2, 2, 2});
   check::Random random(1);
   std::vector<Vec3d> points;
+  points.reserve(2000 + bar.positions.size());
   for (int i = 0; i < 2000; ++i) points.push_back(random.in_cube());
   points.insert(points.end(), bar.positions.begin(), bar.positions.end());
   const Embedding embedding = embed(points, bar);
@@ -59,6 +60,7 @@ TEST(Embedding, NearestAgreesWithTryingAllTets) {
   const TetMesh mesh = build_lattice(torus(1.0, 0.2, 32, 12), {.cell_size = 0.15}).mesh;
   check::Random random(7);
   std::vector<Vec3d> points;
+  points.reserve(300);
   for (int i = 0; i < 300; ++i) points.push_back(random.in_cube() * 2.0);
   const Embedding embedding = embed(points, mesh);
   EXPECT_GT(embedding.outside, 100u);

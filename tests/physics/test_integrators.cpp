@@ -169,6 +169,7 @@ TEST(Integrators, Cost) {
   for (const Integrator integrator : every_integrator) {
     World world({.substeps = 10, .integrator = integrator, .drag = 0.1f});
     std::vector<Vec3d> points;
+    points.reserve(10000);
     for (int i = 0; i < 10000; ++i) points.push_back({i * 0.1, 0, 0});
     world.add_grains(points, grain_of_mass(1));
     world.add_force_field([](const Vec3f& p, const Vec3f&, float, double) { return -p; });

@@ -7,10 +7,9 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
+namespace souple::test {
 namespace {
 
-using namespace test;
 using Triangle = EnclosedVolume::Triangle;
 
 struct Surface {
@@ -56,6 +55,7 @@ Body body_of(const Surface& s, double size, Form form = Form::displacement, cons
 TEST(EnclosedVolume, MeasuresTheVolumeOfABox) {
   // 2 x 3 x 4, corners by binary x y z.
   std::vector<Vec3d> corners;
+  corners.reserve(8);
   for (int i = 0; i < 8; ++i) corners.push_back({2.0 * (i & 1), 3.0 * (i >> 1 & 1), 4.0 * (i >> 2 & 1)});
   const std::vector<Triangle> triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
@@ -209,4 +209,4 @@ TEST(EnclosedVolume, RefusesOpenSurfacesAndBadNumbers) {
 }
 
 }  // namespace
-}  // namespace souple
+}  // namespace souple::test
