@@ -63,7 +63,7 @@ SolverSettings solver_settings(const BenchRequest& request) {
   if (!request.sweep.empty()) solver.sweep = value_of(sweep_names, request.sweep, "--sweep");
   if (request.relaxation) solver.relaxation = *request.relaxation;
   if (request.chebyshev) solver.chebyshev = *request.chebyshev;
-  take(request.colours, "--colours", 0, 64, solver.colours);
+  take(request.colors, "--colors", 0, 64, solver.colors);
   return solver;
 }
 

@@ -155,7 +155,7 @@ void describe(const BenchOptions& options, BenchResult& result) {
   result.mode = name_of(mode_names, s.mode);
   result.relaxation = static_cast<double>(s.solver.relaxation);
   result.chebyshev = static_cast<double>(s.solver.chebyshev);
-  result.colours = s.solver.colours;
+  result.colors = s.solver.colors;
   result.substeps = s.substeps;
   result.iterations = s.iterations;
   result.warm_up = options.warm_up;

@@ -46,7 +46,7 @@ struct BenchResult {
   std::string simd;
   std::string solver, sweep, form, mode;
   double relaxation = 1, chebyshev = 0;
-  int colours = 0;
+  int colors = 0;
   int substeps = 0, iterations = 0, warm_up = 0, runs = 0;
   std::size_t particles = 0, constraints = 0;
   double ms_per_step = 0;             ///< median of the runs, wall clock

@@ -124,7 +124,7 @@ void print_residual(const Json& residual) {
 /// Settings in which two results differ make their ratio something else than a speed-up of the code.
 void print_differences(const Json& now, const Json& before) {
   for (const char* key : {"name", "size", "threads", "simd", "substeps", "iterations", "solver", "sweep",
-                          "relaxation", "chebyshev", "colours", "form", "mode"}) {
+                          "relaxation", "chebyshev", "colors", "form", "mode"}) {
     const std::string is = text_at(now, key), was = text_at(before, key);
     if (is != was) std::printf("  %s: %s, was %s\n", key, is.c_str(), was.c_str());
   }
@@ -150,7 +150,7 @@ Json bench_json(const BenchResult& r) {
   object.set("sweep", Json::of(r.sweep));
   object.set("relaxation", rounded(r.relaxation));
   object.set("chebyshev", rounded(r.chebyshev));
-  object.set("colours", Json::whole(r.colours));
+  object.set("colors", Json::whole(r.colors));
   object.set("form", Json::of(r.form));
   object.set("mode", Json::of(r.mode));
   object.set("substeps", Json::whole(r.substeps));

@@ -24,8 +24,8 @@ constexpr std::array benches{
                500000, 2, 20000000, measure_triangles},
     StageBench{"dam-break", "a block of water falls apart in a tank: steps of 2 ms, 5 iterations",
                "particles", 97336, 1000, 4000000, measure_dam_break},
-    StageBench{"neighbours", "neighbour lists of random points in motion, 29 each", "points", 100000, 100,
-               20000000, measure_neighbours},
+    StageBench{"neighbors", "neighbor lists of random points in motion, 29 each", "points", 100000, 100,
+               20000000, measure_neighbors},
     StageBench{"surface", "the surface of a broken dam as a mesh, cells of a particle's radius",
                "particles, about", 98000, 100, 5000000, measure_surface},
 };

@@ -39,8 +39,8 @@ void print_stage(const scene_format::Json& now, const scene_format::Json* before
 /// Crumpled sheets in motion: boxes, hash and near pairs.
 scene_format::Json measure_triangles(const BenchOptions& options);
 
-/// Random points in motion, in the order of the cells they were in: cells and neighbour lists.
-scene_format::Json measure_neighbours(const BenchOptions& options);
+/// Random points in motion, in the order of the cells they were in: cells and neighbor lists.
+scene_format::Json measure_neighbors(const BenchOptions& options);
 
 /// The surface of a broken dam: a mesh of its particles, by both kinds of kernels.
 scene_format::Json measure_surface(const BenchOptions& options);

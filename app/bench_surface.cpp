@@ -98,7 +98,7 @@ Json measure_surface(const BenchOptions& options) {
 
   Json stages = Json::object(), result = Json::object();
   stages.set("sort", measured.stage(&SurfaceTimes::sort));
-  stages.set("neighbours", measured.stage(&SurfaceTimes::neighbours));
+  stages.set("neighbors", measured.stage(&SurfaceTimes::neighbors));
   stages.set("kernels", measured.stage(&SurfaceTimes::kernels));
   stages.set("field", measured.stage(&SurfaceTimes::field));
   stages.set("mesh", measured.stage(&SurfaceTimes::mesh));

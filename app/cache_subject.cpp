@@ -1,6 +1,6 @@
 #include "app/cache_subject.h"
 
-#include "app/scene_colours.h"
+#include "app/scene_colors.h"
 #include "souple/error.h"
 #include "souple/io/recorded_foam.h"
 
@@ -80,7 +80,7 @@ const render::Subject& CacheSubject::read(std::uint64_t frame, bool velocities) 
     subject_.colliders.push_back(
         {collider.value, options.name, &stage_.shape(collider), options.motion.at(time), {}});
   }
-  if (scene_) add_colours(*scene_, subject_);
+  if (scene_) add_colors(*scene_, subject_);
   return subject_;
 }
 

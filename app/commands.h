@@ -31,7 +31,7 @@ struct RenderRequest {
   std::filesystem::path out;
   std::string frames, sheet, size, camera;
   std::string display = "shaded", constraints = "none", liquid_splats, liquid_filter;
-  std::optional<std::uint32_t> samples, colours, liquid_steps;
+  std::optional<std::uint32_t> samples, colors, liquid_steps;
   std::vector<std::string> settings;  ///< path=value
   bool quiet = false;
 };
@@ -65,7 +65,7 @@ int surface(const SurfaceRequest& request);
 /// The words of the command line; empty: the default.
 struct BenchRequest {
   std::string name;  ///< empty: list them
-  std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colours;
+  std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colors;
   std::string solver, sweep, form, mode, threading;
   std::optional<float> relaxation, chebyshev;
   std::optional<double> residual;

@@ -2,7 +2,7 @@
 
 #include "app/cache_subject.h"
 #include "app/find_scene.h"
-#include "app/scene_colours.h"
+#include "app/scene_colors.h"
 #include "app/went_bad.h"
 #include "souple/error.h"
 
@@ -42,7 +42,7 @@ class SceneFrames : public FrameSource {
   double time() const override { return static_cast<double>(frame_) / scene_.frame_rate; }
   const render::Subject& subject() override {
     subject_ = render::subject_of(world_);
-    add_colours(scene_, subject_);
+    add_colors(scene_, subject_);
     return subject_;
   }
   std::string trouble() const override { return trouble_; }

@@ -2,7 +2,7 @@
 
 #include "app/picture_sink.h"
 #include "app/pictures.h"
-#include "app/scene_colours.h"
+#include "app/scene_colors.h"
 #include "souple/error.h"
 
 namespace souple::app {
@@ -36,7 +36,7 @@ void LastPicture::write(const World& world, const SceneDescription& scene) {
   PictureStyle style;
   style.display.pins = false;
   render::Subject subject = render::subject_of(world);
-  add_colours(scene, subject);
+  add_colors(scene, subject);
   const render::Camera camera = camera_for({}, &scene.camera, subject, style.aspect());
   impl_->sink->add(impl_->maker.picture(subject, camera, style), 0);
 }

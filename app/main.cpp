@@ -78,7 +78,7 @@ A .gif shows at most 50 pictures a second: of faster runs every second or third 
 EGL; the same frame is the same file each time. Ctrl-C finishes the picture and the film so far.
 
 displays:     shaded, plain, wireframe, strain, speed, particles, lattice, normals, contacts
-constraints:  none, kind, colour, strain, residual)";
+constraints:  none, kind, color, strain, residual)";
 
 const std::string view_footer = R"(Examples:
   souple view flag
@@ -186,8 +186,8 @@ void add_render(CLI::App& app, std::function<int()>& action) {
   command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
       ->type_name("N");
   command
-      .add_option("--colours", request->colours,
-                  "reduce pictures to so many colours, at most 256: a third of the size")
+      .add_option("--colors", request->colors,
+                  "reduce pictures to so many colors, at most 256: a third of the size")
       ->type_name("N");
   command
       .add_option(
@@ -197,7 +197,7 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->type_name("CAMERA");
   command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
       ->type_name("DISPLAY");
-  command.add_option("--constraints", request->constraints, "how constraints are coloured, see below [none]")
+  command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")
       ->type_name("CONSTRAINTS");
   command
       .add_option("--liquid-splats", request->liquid_splats,
@@ -252,10 +252,10 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
                   "of this one only; may be repeated [all fluids, else all grains]")
       ->type_name("NAME");
   command
-      .add_option("--cell", request->cell, "of the grid the mesh is cut out of, in metres [half a spacing]")
-      ->type_name("METRES");
-  command.add_option("--spacing", request->spacing, "of particles, in metres [the scene's]")
-      ->type_name("METRES");
+      .add_option("--cell", request->cell, "of the grid the mesh is cut out of, in meters [half a spacing]")
+      ->type_name("METerS");
+  command.add_option("--spacing", request->spacing, "of particles, in meters [the scene's]")
+      ->type_name("METerS");
   command.add_option("--smoothing", request->smoothing, "passes of Laplacian smoothing [0]")->type_name("N");
   command.add_option("--threads", request->threads, "threads; 0: one for each processor [0]")->type_name("N");
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
@@ -265,13 +265,13 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
 void add_bench_solver(CLI::App& command, BenchRequest& request) {
   command.add_option("--solver", request.solver, "how constraints are solved, see below [gauss_seidel]")
       ->type_name("SOLVER");
-  command.add_option("--sweep", request.sweep, "order of the colours: forward, symmetric [forward]")
+  command.add_option("--sweep", request.sweep, "order of the colors: forward, symmetric [forward]")
       ->type_name("SWEEP");
   command.add_option("--relaxation", request.relaxation, "factor on corrections, between 0 and 2 [1]")
       ->type_name("FACTOR");
   command.add_option("--chebyshev", request.chebyshev, "acceleration: spectral radius, below 1 [0: none]")
       ->type_name("RHO");
-  command.add_option("--colours", request.colours, "cut the constraint graph to so many [0: do not]")
+  command.add_option("--colors", request.colors, "cut the constraint graph to so many [0: do not]")
       ->type_name("N");
 }
 

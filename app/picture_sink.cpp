@@ -40,33 +40,31 @@ void require_writable(const fs::path& file) {
 
 class OnePicture : public PictureSink {
  public:
-  OnePicture(fs::path file, int colours) : file_(std::move(file)), colours_(colours) {
-    require_writable(file_);
-  }
-  void add(const render::Image& image, std::uint64_t) override { render::write_png(file_, image, colours_); }
+  OnePicture(fs::path file, int colors) : file_(std::move(file)), colors_(colors) { require_writable(file_); }
+  void add(const render::Image& image, std::uint64_t) override { render::write_png(file_, image, colors_); }
   void finish() override {}
 
  private:
   fs::path file_;
-  int colours_;
+  int colors_;
 };
 
 class Sheet : public PictureSink {
  public:
-  Sheet(fs::path file, SheetShape shape, int colours)
-      : file_(std::move(file)), shape_(shape), colours_(colours) {
+  Sheet(fs::path file, SheetShape shape, int colors)
+      : file_(std::move(file)), shape_(shape), colors_(colors) {
     require_writable(file_);
   }
   void add(const render::Image& image, std::uint64_t) override { pictures_.push_back(image); }
   void finish() override {
     if (!pictures_.empty())
-      render::write_png(file_, render::contact_sheet(pictures_, shape_.columns, shape_.rows), colours_);
+      render::write_png(file_, render::contact_sheet(pictures_, shape_.columns, shape_.rows), colors_);
   }
 
  private:
   fs::path file_;
   SheetShape shape_;
-  int colours_;
+  int colors_;
   std::vector<render::Image> pictures_;
 };
 
@@ -89,21 +87,21 @@ class FilmFile : public PictureSink {
 /// Pictures carry the numbers of their frames: a frame rendered again replaces its picture.
 class Folder : public PictureSink {
  public:
-  Folder(fs::path folder, std::string name, int colours)
-      : folder_(std::move(folder)), name_(std::move(name)), colours_(colours) {
+  Folder(fs::path folder, std::string name, int colors)
+      : folder_(std::move(folder)), name_(std::move(name)), colors_(colors) {
     require_writable(folder_ / (name_ + "_0001.png"));
   }
   void add(const render::Image& image, std::uint64_t frame) override {
     std::array<char, 32> number{};
     std::snprintf(number.data(), number.size(), "_%04llu.png", static_cast<unsigned long long>(frame));
-    render::write_png(folder_ / (name_ + number.data()), image, colours_);
+    render::write_png(folder_ / (name_ + number.data()), image, colors_);
   }
   void finish() override {}
 
  private:
   fs::path folder_;
   std::string name_;
-  int colours_;
+  int colors_;
 };
 
 }  // namespace
@@ -127,15 +125,15 @@ OutputKind output_kind(const fs::path& out, bool sheet) {
 std::unique_ptr<PictureSink> open_sink(const SinkWish& wish) {
   switch (wish.kind) {
     case OutputKind::picture:
-      return std::make_unique<OnePicture>(wish.out, wish.colours);
+      return std::make_unique<OnePicture>(wish.out, wish.colors);
     case OutputKind::sheet:
-      return std::make_unique<Sheet>(wish.out, wish.sheet, wish.colours);
+      return std::make_unique<Sheet>(wish.out, wish.sheet, wish.colors);
     case OutputKind::film:
       return std::make_unique<FilmFile>(wish.out, wish.film_rate);
     case OutputKind::folder:
       break;
   }
-  return std::make_unique<Folder>(wish.out, wish.name, wish.colours);
+  return std::make_unique<Folder>(wish.out, wish.name, wish.colors);
 }
 
 }  // namespace souple::app

@@ -30,7 +30,7 @@ struct SinkWish {
   std::string name;       ///< of the pictures in a folder: NAME_0012.png
   double film_rate = 60;  ///< pictures a second
   SheetShape sheet;
-  int colours = 0;  ///< of pictures, at most 256; 0: all
+  int colors = 0;  ///< of pictures, at most 256; 0: all
 };
 /// Throws Error, before there is any picture, when nothing can be written there or ffmpeg is missing.
 std::unique_ptr<PictureSink> open_sink(const SinkWish& wish);

@@ -57,7 +57,7 @@ std::optional<float> number(const std::string& word) {
 }
 
 constexpr const char* camera_words =
-    "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it (metres; 1 < fov < 170), or \"auto\"";
+    "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it (meters; 1 < fov < 170), or \"auto\"";
 
 /// Takes the words of a camera one after the other.
 class CameraReader {

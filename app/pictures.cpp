@@ -52,7 +52,7 @@ render::Image PictureMaker::picture(const render::Subject& subject, const render
     words.size = std::max(12.0f, static_cast<float>(style.size.height) / 16);
     words.x = 0.4f * words.size;
     words.y = static_cast<float>(style.size.height) - 1.4f * words.size;
-    words.background = render::Colour{0, 0, 0, 0.5f};
+    words.background = render::Color{0, 0, 0, 0.5f};
     drawing_.list().labels.push_back(words);
   }
   render::RenderOptions options;

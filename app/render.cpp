@@ -33,7 +33,7 @@ struct Order {
   SheetShape sheet;
   std::vector<std::uint64_t> frames;  ///< to show, ascending
   double film_rate = 60;              ///< pictures a second
-  int colours = 0;                    ///< of pictures; 0: all
+  int colors = 0;                     ///< of pictures; 0: all
   bool quiet = false;
 };
 
@@ -163,12 +163,12 @@ void require_world(const Order& order, const RenderRequest& request, const Frame
     refuse("--constraints " + request.constraints);
 }
 
-int colours_of(std::uint32_t colours, const Order& order) {
-  const std::string option = fmt::format("--colours {}", colours);
-  if (colours < 2 || colours > 256) throw Error(option + ": expected 2 to 256");
+int colors_of(std::uint32_t colors, const Order& order) {
+  const std::string option = fmt::format("--colors {}", colors);
+  if (colors < 2 || colors > 256) throw Error(option + ": expected 2 to 256");
   if (order.kind == OutputKind::film)
     throw Error(option + ": is for pictures; " + order.out.string() + " is a film");
-  return static_cast<int>(colours);
+  return static_cast<int>(colors);
 }
 
 Order order_of(const RenderRequest& request, const FrameSource& source, PictureStyle style, CameraWish camera,
@@ -180,7 +180,7 @@ Order order_of(const RenderRequest& request, const FrameSource& source, PictureS
   order.quiet = request.quiet;
   order.out = request.out.empty() ? default_out(request, source) : request.out;
   order.kind = output_kind(order.out, !request.sheet.empty());
-  if (request.colours) order.colours = colours_of(*request.colours, order);
+  if (request.colors) order.colors = colors_of(*request.colors, order);
   choose_frames(request, source, order);
   choose_size(request, order);
   require_world(order, request, source);
@@ -284,7 +284,7 @@ int render_frames(const RenderRequest& request) {
   const Order order = order_of(request, *source, style, camera, sheet);
   PictureMaker maker;
   const std::unique_ptr<PictureSink> sink =
-      open_sink({order.kind, order.out, source->name(), order.film_rate, order.sheet, order.colours});
+      open_sink({order.kind, order.out, source->name(), order.film_rate, order.sheet, order.colors});
   // From here on files appear; an interrupt ends the work in good order.
   watch_interrupts();
   try {

@@ -11,7 +11,7 @@ bool has_vdb();
 /// Throws Error, saying what to install, when it was not.
 void require_vdb();
 
-/// An OpenVDB file: a level set named "surface" (float, negative inside, metres), tiles inside filled.
+/// An OpenVDB file: a level set named "surface" (float, negative inside, meters), tiles inside filled.
 /// `object` becomes its metadata of that name. The same band gives the same bytes.
 std::string vdb_bytes(const NarrowBand& band, const std::string& object);
 

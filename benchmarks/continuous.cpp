@@ -27,7 +27,7 @@ using test::Random;
 
 enum Case { boxes, apart, turning, crossing };
 
-/// A particle above a triangle (or edges crossed at a height) of a millimetre to a centimetre, as in cloth.
+/// A particle above a triangle (or edges crossed at a height) of a millimeter to a centimeter, as in cloth.
 Moving4 motion(Case kind, bool edges, Random& random) {
   Moving4 m;
   const int upper = edges ? 2 : 1;

@@ -43,16 +43,16 @@ float noise(std::uint32_t i) {
 }
 
 std::vector<Vec3f> pool(float spacing) {
-  std::vector<Vec3f> centres;
+  std::vector<Vec3f> centers;
   std::uint32_t number = 0;
   for (float x = -1 + spacing / 2; x < 1; x += spacing)
     for (float z = -0.4f + spacing / 2; z < 0.4f; z += spacing)
       for (float y = spacing / 2; y < height_of_water(x, z); y += spacing) {
         const Vec3f moved{noise(number), noise(number + 1), noise(number + 2)};
         number += 3;
-        centres.push_back(Vec3f{x, y, z} + moved * (0.3f * spacing));
+        centers.push_back(Vec3f{x, y, z} + moved * (0.3f * spacing));
       }
-  return centres;
+  return centers;
 }
 
 /// The spacing at which the pool has about so many particles. [m]
@@ -67,27 +67,27 @@ double median(std::vector<double> values) {
 }
 
 /// With two threads. [ms]
-double shape(SplatShapes& shapes, const std::vector<Vec3f>& centres, int runs) {
+double shape(SplatShapes& shapes, const std::vector<Vec3f>& centers, int runs) {
   using Clock = std::chrono::steady_clock;
   const auto threads = make_threads(Threading::automatic, 2);
-  shapes.build(centres, *threads);
+  shapes.build(centers, *threads);
   std::vector<double> times;
   for (int run = 0; run < runs; ++run) {
     const Clock::time_point start = Clock::now();
-    shapes.build(centres, *threads);
+    shapes.build(centers, *threads);
     times.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
   return median(times);
 }
 
-DrawList list_of(const std::vector<Vec3f>& centres, float spacing, const SplatShapes* shapes) {
+DrawList list_of(const std::vector<Vec3f>& centers, float spacing, const SplatShapes* shapes) {
   Liquid liquid;
   liquid.key = shapes != nullptr ? 2 : 1;
-  liquid.centres = centres;
+  liquid.centers = centers;
   liquid.spacing = spacing;
   liquid.radius = 0.75f * spacing;
   if (shapes != nullptr) {
-    liquid.centres = shapes->centres();
+    liquid.centers = shapes->centers();
     liquid.ellipsoids = shapes->axes();
   }
   DrawList list;
@@ -157,13 +157,13 @@ int run(int count, char** words) {
   const OffscreenContext context;
   Renderer renderer;
   const float spacing = spacing_for(options.particles);
-  const std::vector<Vec3f> centres = pool(spacing);
-  std::printf("%s\n%zu particles, %dx%d, medians of %d\n", context_description().c_str(), centres.size(),
+  const std::vector<Vec3f> centers = pool(spacing);
+  std::printf("%s\n%zu particles, %dx%d, medians of %d\n", context_description().c_str(), centers.size(),
               options.width, options.height, options.runs);
   SplatShapes shapes(spacing);
-  std::printf("shapes of ellipsoids  %8.2f ms\n", shape(shapes, centres, options.runs));
+  std::printf("shapes of ellipsoids  %8.2f ms\n", shape(shapes, centers, options.runs));
   for (const SplatShape splat : {SplatShape::spheres, SplatShape::ellipsoids}) {
-    const DrawList list = list_of(centres, spacing, splat == SplatShape::ellipsoids ? &shapes : nullptr);
+    const DrawList list = list_of(centers, spacing, splat == SplatShape::ellipsoids ? &shapes : nullptr);
     for (std::size_t i = 0; i < liquid_filter_count; ++i)
       measure(renderer, list, splat, static_cast<LiquidFilter>(i), options);
   }

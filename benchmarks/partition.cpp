@@ -1,4 +1,4 @@
-// What phantoms cost and bring: colours asked for against time and convergence, for docs/solvers.md.
+// What phantoms cost and bring: colors asked for against time and convergence, for docs/solvers.md.
 //
 //   partition [--threads N] [--runs N]
 //
@@ -144,10 +144,10 @@ double milliseconds(const Threads& threads) {
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-/// One number of colours on a body. Splitting changes the set, so the variants of a body take turns.
+/// One number of colors on a body. Splitting changes the set, so the variants of a body take turns.
 struct Variant {
-  int colours = 0;
-  int colour_count = 0;
+  int colors = 0;
+  int color_count = 0;
   std::size_t phantoms = 0;
   double one = std::numeric_limits<double>::infinity(), all = one;  // ms of 1 and of `many` iterations
   double error = 0, error_in_time = 0;
@@ -160,9 +160,9 @@ template <class Function>
 void with_solver(Body& body, Variant& variant, Threads& threads, const Function& f) {
   Projector* const projectors[] = {body.set.get()};
   body.set->split(0, 0);
-  const std::unique_ptr<Solver> solver = make_solver({.colours = variant.colours});
+  const std::unique_ptr<Solver> solver = make_solver({.colors = variant.colors});
   solver->prepare(projectors, body.view());
-  variant.colour_count = body.set->colour_count();
+  variant.color_count = body.set->color_count();
   f([&](int iterations) {
     const Substep substep{.h = 1.0f / 600, .iterations = iterations, .mode = Mode::pbd};
     body.offset = body.start;
@@ -173,7 +173,7 @@ void with_solver(Body& body, Variant& variant, Threads& threads, const Function&
     return milliseconds(threads) - begin;
   });
   const auto count = static_cast<std::uint32_t>(body.position.size());
-  variant.phantoms = variant.colours == 0 ? 0 : body.set->split(variant.colours, count).size();
+  variant.phantoms = variant.colors == 0 ? 0 : body.set->split(variant.colors, count).size();
 }
 
 void measure(Body& body, Threads& threads, int runs) {
@@ -187,7 +187,7 @@ void measure(Body& body, Threads& threads, int runs) {
   const double before = rms();
   const auto error = [&] { return 100 * rms() / before; };
   std::vector<Variant> variants;
-  for (const int colours : {0, 8, 6, 4, 3, 2, 1}) variants.push_back({.colours = colours});
+  for (const int colors : {0, 8, 6, 4, 3, 2, 1}) variants.push_back({.colors = colors});
   for (int turn = 0; turn < runs; ++turn)
     for (Variant& variant : variants)
       with_solver(body, variant, threads, [&](const auto& solve) {
@@ -203,7 +203,7 @@ void measure(Body& body, Threads& threads, int runs) {
     });
   for (const Variant& variant : variants)
     std::printf("| %s, %zu | %d | %d | %zu | %.4g | %.4g | %.3g | %.3g |\n", body.name.c_str(),
-                body.set->size(), variant.colours, variant.colour_count, variant.phantoms, variant.one,
+                body.set->size(), variant.colors, variant.color_count, variant.phantoms, variant.one,
                 variant.each(), variant.error, variant.error_in_time);
   std::fflush(stdout);
 }
@@ -212,7 +212,7 @@ void run(int threads, int runs) {
   const std::unique_ptr<Threads> workers =
       make_threads(threads > 1 ? Threading::pool : Threading::serial, threads);
   std::printf(
-      "| constraints | colours asked for | used | phantoms | one iteration [ms] | each further [ms] | error "
+      "| constraints | colors asked for | used | phantoms | one iteration [ms] | each further [ms] | error "
       "after %d [%%] | error in equal time [%%] |\n|---|---:|---:|---:|---:|---:|---:|---:|\n",
       many);
   std::vector<Body> bodies;

@@ -12,7 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
-// Projection alone, kind by kind and form by form, through SetProjector: all colours of a mesh, once an
+// Projection alone, kind by kind and form by form, through SetProjector: all colors of a mesh, once an
 // iteration; and the stages of a step. SOUPLE_SIMD chooses the instruction set.
 
 namespace souple {

@@ -5,7 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-// What a 200 x 200 cloth that moves adds to a frame besides rasterising: positions and normals in user order,
+// What a 200 x 200 cloth that moves adds to a frame besides rasterizing: positions and normals in user order,
 // the draw list, the upload. Bound: 3 ms of CPU time.
 
 namespace souple::render {

@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-// What it costs to hand work to other threads and to wait for them, as between two colours of a cloth. Real
+// What it costs to hand work to other threads and to wait for them, as between two colors of a cloth. Real
 // time; more threads than processors measure the scheduler.
 
 namespace souple {
@@ -45,8 +45,8 @@ void meet_and_part(benchmark::State& state) {
   state.SetLabel(names[state.range(0)]);
 }
 
-/// A colour of some 10 microseconds on one thread: square roots in registers.
-void short_colour(benchmark::State& state) {
+/// A color of some 10 microseconds on one thread: square roots in registers.
+void short_color(benchmark::State& state) {
   const auto threads = make_threads(static_cast<Threading>(state.range(0)), static_cast<int>(state.range(1)));
   std::vector<float> values(8192, 2.0f);
   const Wakefulness awake(*threads);
@@ -81,7 +81,7 @@ BENCHMARK(meet_and_part)
     ->Arg(static_cast<int>(Threading::pool))
     ->Arg(static_cast<int>(Threading::tbb))
     ->UseRealTime();
-BENCHMARK(short_colour)->Apply(kinds_and_counts);
+BENCHMARK(short_color)->Apply(kinds_and_counts);
 BENCHMARK(wake_and_rest)->Apply(kinds_and_counts);
 
 }  // namespace

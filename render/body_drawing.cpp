@@ -33,7 +33,7 @@ bool is_measured(Display display) {
 BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t key)
     : kind_(body.kind),
       index_(index),
-      chosen_(body.colour),
+      chosen_(body.color),
       key_(key),
       vertices_(body.positions.size()),
       triangle_count_(body.triangles.size()),
@@ -43,11 +43,11 @@ BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t ke
   if (kind_ == ObjectKind::rope) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
   const bool has_creases = kind_ == ObjectKind::soft_body || kind_ == ObjectKind::obstacle;
   if (has_creases && body.rest.size() == vertices_) creased_ = CreasedSurface(body.rest, body.triangles);
-  if (kind_ == ObjectKind::grains) grain_colours_ = grain_colours(vertices_, index_, chosen_);
+  if (kind_ == ObjectKind::grains) grain_colors_ = grain_colors(vertices_, index_, chosen_);
 }
 
 bool BodyDrawing::fits(const Body& body) const {
-  return body.kind == kind_ && body.colour == chosen_ && body.positions.size() == vertices_ &&
+  return body.kind == kind_ && body.color == chosen_ && body.positions.size() == vertices_ &&
          body.triangles.data() == triangles_ && body.triangles.size() == triangle_count_;
 }
 
@@ -71,7 +71,7 @@ bool BodyDrawing::draws_liquid(const Drawing& drawing) const {
 Look BodyDrawing::look(const Drawing& drawing) const {
   const Display display = drawing.options.display;
   Look result = own_look();
-  if (!colours_.empty() && is_measured(display)) return measured_look();
+  if (!colors_.empty() && is_measured(display)) return measured_look();
   const bool behind_lines = drawing.options.constraints != ConstraintDisplay::none ||
                             display == Display::contacts || display == Display::lattice ||
                             is_measured(display);
@@ -81,10 +81,10 @@ Look BodyDrawing::look(const Drawing& drawing) const {
 }
 
 Look BodyDrawing::own_look() const {
-  // A rope's particles are seen better in a colour of the palette than in that of hemp.
+  // A rope's particles are seen better in a color of the palette than in that of hemp.
   const bool as_balls = as_particles_ && kind_ == ObjectKind::rope;
-  const std::optional<Colour> chosen =
-      kind_ == ObjectKind::fluid ? std::optional(liquid_colour(density_, chosen_)) : chosen_;
+  const std::optional<Color> chosen =
+      kind_ == ObjectKind::fluid ? std::optional(liquid_color(density_, chosen_)) : chosen_;
   return body_look(as_balls ? ObjectKind::soft_body : kind_, index_, chosen);
 }
 
@@ -121,10 +121,10 @@ void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, 
   if (kind_ == ObjectKind::rope && !as_particles_) tube_.update(body.positions, body.radius);
   if (creased_.has_creases()) creased_.update(body.positions);
   if (now.splats == SplatShape::ellipsoids) shape_splats(body, drawing.threads);
-  set_colours(body, rope_strain, drawing);
-  if (!creased_.has_creases() || colours_.empty()) return;
-  colours_.reserve(creased_.source().size());  // the copies come after the vertices themselves
-  for (const std::uint32_t v : creased_.source().subspan(colours_.size())) colours_.push_back(colours_[v]);
+  set_colors(body, rope_strain, drawing);
+  if (!creased_.has_creases() || colors_.empty()) return;
+  colors_.reserve(creased_.source().size());  // the copies come after the vertices themselves
+  for (const std::uint32_t v : creased_.source().subspan(colors_.size())) colors_.push_back(colors_[v]);
 }
 
 void BodyDrawing::shape_splats(const Body& body, Threads& threads) {
@@ -151,15 +151,15 @@ std::span<const float> BodyDrawing::values(const Body& body, std::span<const flo
   return values_;
 }
 
-void BodyDrawing::set_colours(const Body& body, std::span<const float> rope_strain, const Drawing& drawing) {
-  colours_.clear();
+void BodyDrawing::set_colors(const Body& body, std::span<const float> rope_strain, const Drawing& drawing) {
+  colors_.clear();
   const Display display = drawing.options.display;
   const bool is_tube = kind_ == ObjectKind::rope;
-  if (display == Display::normals) colour_normals(is_tube ? tube_.normals() : body.normals, colours_);
+  if (display == Display::normals) color_normals(is_tube ? tube_.normals() : body.normals, colors_);
   if (display != Display::strain && display != Display::speed) return;
   const std::span<const float> known = values(body, rope_strain, display);
   if (known.size() != body.positions.size()) return;
-  if (!is_tube) return drawing.heat.colour(known, shown_.largest, colours_);
+  if (!is_tube) return drawing.heat.color(known, shown_.largest, colors_);
   std::vector<float> along(tube_.positions().size());
   for (std::size_t v = 0; v < along.size(); ++v) {
     const float place = tube_.parameter(v);
@@ -167,7 +167,7 @@ void BodyDrawing::set_colours(const Body& body, std::span<const float> rope_stra
     const float part = place - static_cast<float>(i);
     along[v] = known[i] * (1 - part) + known[std::min(i + 1, known.size() - 1)] * part;
   }
-  drawing.heat.colour(along, shown_.largest, colours_);
+  drawing.heat.color(along, shown_.largest, colors_);
 }
 
 void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const Drawing& drawing) {
@@ -186,7 +186,7 @@ void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const Drawi
   surface.normals = creased ? creased_.normals() : body.normals;
   surface.triangles = creased ? creased_.triangles() : body.triangles;
   surface.texture = checker_.texture;
-  surface.colours = colours_;
+  surface.colors = colors_;
   surface.look = seen;
   if (checker_.texture.empty()) surface.look.checker_size = 0;
   surface.wireframe = drawing.options.wireframe || drawing.options.display == Display::wireframe;
@@ -204,7 +204,7 @@ void BodyDrawing::draw_tube(std::uint32_t pick, const Drawing& drawing) {
   surface.normals = tube_.normals();
   surface.triangles = tube_.triangles();
   surface.texture = tube_.texture();
-  surface.colours = colours_;
+  surface.colors = colors_;
   surface.look = look(drawing);
   surface.wireframe = drawing.options.wireframe || drawing.options.display == Display::wireframe;
   surface.pick = pick;
@@ -212,18 +212,18 @@ void BodyDrawing::draw_tube(std::uint32_t pick, const Drawing& drawing) {
 }
 
 void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawing& drawing) {
-  // Half the edge of a cube of all of it, so that its colour does not depend on how large the scene is or how
+  // Half the edge of a cube of all of it, so that its color does not depend on how large the scene is or how
   // fine; of a little liquid that is still to come some spacings.
   const float spacing = 2 * body.radius;
   const float edge = std::max(std::cbrt(static_cast<float>(body.positions.size())), 16.0f) * spacing;
   Liquid liquid;
   liquid.key = key_ + 1;
   liquid.version = version_;
-  liquid.centres = body.positions;
+  liquid.centers = body.positions;
   liquid.spacing = spacing;
   liquid.radius = 0.75f * spacing;
   if (shown_.splats == SplatShape::ellipsoids) {
-    liquid.centres = splats_->centres();
+    liquid.centers = splats_->centers();
     liquid.ellipsoids = splats_->axes();
   }
   liquid.look = liquid_look(density_, 0.5f * edge, chosen_);
@@ -233,7 +233,7 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawin
   Foam foam;
   foam.key = key_;
   foam.version = version_;
-  foam.centres = body.foam;
+  foam.centers = body.foam;
   foam.radius = 0.2f * spacing;
   foam.opacity = 0.4f;
   drawing.list.foams.push_back(foam);
@@ -243,13 +243,13 @@ void BodyDrawing::draw_grains(const Body& body, std::uint32_t pick, const Drawin
   Spheres spheres;
   spheres.key = key_ + 1;
   spheres.version = version_;
-  spheres.centres = body.positions;
+  spheres.centers = body.positions;
   spheres.radius = body.radius;
   spheres.look = look(drawing);
   const bool as_sand =
       drawing.options.display <= Display::wireframe && drawing.options.constraints == ConstraintDisplay::none;
-  if (as_sand) spheres.colours = grain_colours_;
-  if (!colours_.empty()) spheres.colours = colours_;
+  if (as_sand) spheres.colors = grain_colors_;
+  if (!colors_.empty()) spheres.colors = colors_;
   spheres.pick = pick;
   drawing.list.spheres.push_back(spheres);
 }
@@ -259,7 +259,7 @@ void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const Dra
   spheres.key = key_ + 1;
   spheres.version = version_;
   const bool of_world = drawing.has_world;
-  spheres.centres = of_world ? std::span<const Vec3f>(particles_.centres) : body.positions;
+  spheres.centers = of_world ? std::span<const Vec3f>(particles_.centers) : body.positions;
   if (of_world) spheres.radii = particles_.radii;
   spheres.radius = body.radius;
   spheres.look = own_look();
@@ -270,7 +270,7 @@ void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const Dra
 
 void BodyDrawing::draw_normals(const Body& body, DrawList& list) const {
   if (body.normals.size() != body.positions.size()) return;
-  const PackedColour ink = pack(srgb(0x20262c));
+  const PackedColor ink = pack(srgb(0x20262c));
   for (std::size_t i = 0; i < body.positions.size(); ++i)
     list.lines.push_back(
         {body.positions[i], body.positions[i] + body.normals[i] * (0.6f * mean_edge_), ink, 1});
@@ -280,12 +280,12 @@ std::uint32_t BodyDrawing::vertex_of(const Body& body, std::uint32_t element) co
   if (!as_particles_ && kind_ == ObjectKind::rope)
     return element < tube_.positions().size() ? tube_.point_of(element) : element;
   if (!as_particles_) return element < creased_.source().size() ? creased_.source()[element] : element;
-  if (element >= particles_.centres.size()) return element;
+  if (element >= particles_.centers.size()) return element;
   // A particle has no place in the user's order: the vertex on it, or nearest to it, is meant.
   std::uint32_t best = 0;
   for (std::uint32_t v = 1; v < body.positions.size(); ++v)
-    if (length_squared(body.positions[v] - particles_.centres[element]) <
-        length_squared(body.positions[best] - particles_.centres[element]))
+    if (length_squared(body.positions[v] - particles_.centers[element]) <
+        length_squared(body.positions[best] - particles_.centers[element]))
       best = v;
   return best;
 }

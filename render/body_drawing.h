@@ -3,7 +3,7 @@
 #include "render/checker.h"
 #include "render/display.h"
 #include "render/tube.h"
-#include "render/vertex_colours.h"
+#include "render/vertex_colors.h"
 #include "souple/geometry/creased_surface.h"
 #include "souple/surface/splat_shapes.h"
 
@@ -16,11 +16,11 @@ namespace souple::render {
 
 /// Balls that stand for an object's particles.
 struct ParticleCloud {
-  std::vector<Vec3f> centres;
+  std::vector<Vec3f> centers;
   std::vector<float> radii;
 
   void clear() {
-    centres.clear();
+    centers.clear();
     radii.clear();
   }
 };
@@ -38,7 +38,7 @@ struct Drawing {
 /// Draws one object and keeps its buffers from picture to picture.
 class BodyDrawing {
  public:
-  /// `index` chooses its colours; `key` and `key` + 1 are those of its surface and its balls.
+  /// `index` chooses its colors; `key` and `key` + 1 are those of its surface and its balls.
   BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t key);
 
   /// Whether the body still has the mesh it had.
@@ -73,7 +73,7 @@ class BodyDrawing {
   void refresh(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
   void shape_splats(const Body& body, Threads& threads);
   std::span<const float> values(const Body& body, std::span<const float> rope_strain, Display display);
-  void set_colours(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
+  void set_colors(const Body& body, std::span<const float> rope_strain, const Drawing& drawing);
   void draw_surface(const Body& body, std::uint32_t pick, const Drawing& drawing);
   void draw_tube(std::uint32_t pick, const Drawing& drawing);
   void draw_liquid(const Body& body, std::uint32_t pick, const Drawing& drawing);
@@ -83,7 +83,7 @@ class BodyDrawing {
 
   ObjectKind kind_;
   std::uint32_t index_;
-  std::optional<Colour> chosen_;
+  std::optional<Color> chosen_;
   std::uint64_t key_;
   std::size_t vertices_, triangle_count_;
   const Triangle* triangles_;
@@ -97,9 +97,9 @@ class BodyDrawing {
   CreasedSurface creased_;  ///< of soft bodies with sharp edges
   EdgeStrain strain_;
   bool has_strain_ = false;
-  std::vector<float> values_;          ///< per vertex
-  std::vector<PackedColour> colours_;  ///< per vertex or per vertex of the tube; or empty
-  std::vector<PackedColour> grain_colours_;
+  std::vector<float> values_;        ///< per vertex
+  std::vector<PackedColor> colors_;  ///< per vertex or per vertex of the tube; or empty
+  std::vector<PackedColor> grain_colors_;
   ParticleCloud particles_;
   std::optional<SplatShapes> splats_;  ///< of a liquid drawn as ellipsoids
 };

@@ -31,9 +31,9 @@ struct Range {
 };
 
 /// Where an eye has to be to see points at x (across) and f (along the view) within the slope s on both
-/// sides: |x_i - centre| <= s (distance + f_i) for all i, with the smallest such distance.
+/// sides: |x_i - center| <= s (distance + f_i) for all i, with the smallest such distance.
 struct Fit {
-  float distance = 0, centre = 0;
+  float distance = 0, center = 0;
 };
 
 Fit fit(const std::array<Vec3f, 8>& points, const Vec3f& middle, const Vec3f& across, const Vec3f& along,
@@ -142,12 +142,12 @@ void Camera::frame(const Bounds& box, float aspect) {
   if (box.empty()) return;
   const float filled = 0.88f;  // of the picture; the rest is margin
   const float s = filled * std::tan(half_fov(fov));
-  const Vec3f along = forward(), middle = box.centre();
+  const Vec3f along = forward(), middle = box.center();
   const std::array<Vec3f, 8> points = corners(box);
   const Fit horizontal = fit(points, middle, right(), along, s * aspect);
   const Fit vertical = fit(points, middle, up(), along, s);
   const float away = std::clamp(std::max(horizontal.distance, vertical.distance), 1e-2f, 1e5f);
-  to = middle + right() * horizontal.centre + up() * vertical.centre;
+  to = middle + right() * horizontal.center + up() * vertical.center;
   from = to - along * away;
 }
 

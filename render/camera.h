@@ -14,7 +14,7 @@ struct Bounds {
   bool empty() const { return lo.x > hi.x; }
   void add(const Vec3f& point, float radius = 0);
   void add(const Bounds& other);
-  Vec3f centre() const { return (lo + hi) * 0.5f; }
+  Vec3f center() const { return (lo + hi) * 0.5f; }
   float radius() const { return empty() ? 0 : length(hi - lo) * 0.5f; }  ///< of the ball around it [m]
 };
 
@@ -22,7 +22,7 @@ struct Ray {
   Vec3f origin, direction;  ///< direction is a unit vector
 };
 
-/// A point on screen: pixels from the top left corner, y down; the centre of the first pixel is (0.5, 0.5).
+/// A point on screen: pixels from the top left corner, y down; the center of the first pixel is (0.5, 0.5).
 struct ScreenPoint {
   float x = 0, y = 0;
   float depth = 0;  ///< distance along the view direction [m]

@@ -84,7 +84,7 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
 }
 
 Checker solid_checker(std::span<const Vec3d> rest, const BoundingBox& box) {
-  const Vec3d size = box.size(), centre = box.centre();
+  const Vec3d size = box.size(), center = box.center();
   const double field = std::max({size.x, size.y, size.z}) / fields_across;
   // A side of the box in the border between two fields would flicker: such an axis is moved a quarter field.
   Vec3d shift{};
@@ -93,7 +93,7 @@ Checker solid_checker(std::span<const Vec3d> rest, const BoundingBox& box) {
     if (std::abs(side - std::round(side)) < 0.1) shift[k] = 0.25;
   }
   Checker result;
-  for (const Vec3d& x : rest) result.texture.push_back(Vec3f((x - centre) / field + shift));
+  for (const Vec3d& x : rest) result.texture.push_back(Vec3f((x - center) / field + shift));
   return result;
 }
 

@@ -15,11 +15,11 @@ namespace souple::render {
 namespace {
 
 constexpr float width = 1.2f;    ///< pixels
-constexpr float shrunk = 0.85f;  ///< elements are drawn smaller, so that neighbours do not cover each other
+constexpr float shrunk = 0.85f;  ///< elements are drawn smaller, so that neighbors do not cover each other
 
 struct KindStyle {
   std::string_view kind;
-  std::uint32_t colour;  ///< sRGB
+  std::uint32_t color;  ///< sRGB
 };
 constexpr std::array<KindStyle, 17> styles{{{"attachment", 0xe6194b},
                                             {"ball_joint", 0x9a6324},
@@ -50,8 +50,8 @@ Vec3f centroid(std::span<const Vec3f> points) {
 }
 
 /// Tethers reach across everything: what lies behind them has to be seen.
-PackedColour thinned(std::string_view kind, PackedColour colour) {
-  return kind == "tether" ? (colour & 0x00ffffffu) | 0x50000000u : colour;
+PackedColor thinned(std::string_view kind, PackedColor color) {
+  return kind == "tether" ? (color & 0x00ffffffu) | 0x50000000u : color;
 }
 
 /// Adds the lines of one constraint.
@@ -59,8 +59,8 @@ class Pen {
  public:
   Pen(std::vector<Line>& lines, float size) : lines_(lines), size_(size) {}
 
-  void draw(std::string_view kind, std::span<const Vec3f> x, PackedColour colour) {
-    colour_ = colour;
+  void draw(std::string_view kind, std::span<const Vec3f> x, PackedColor color) {
+    color_ = color;
     if (x.empty()) return;
     if (x.size() == 1) {
       cross(x[0]);
@@ -77,7 +77,7 @@ class Pen {
   }
 
  private:
-  void segment(const Vec3f& a, const Vec3f& b) { lines_.push_back({a, b, colour_, width}); }
+  void segment(const Vec3f& a, const Vec3f& b) { lines_.push_back({a, b, color_, width}); }
   void cross(const Vec3f& x) {
     for (const Vec3f& axis : {Vec3f{size_, 0, 0}, Vec3f{0, size_, 0}, Vec3f{0, 0, size_}})
       segment(x - axis, x + axis);
@@ -98,14 +98,14 @@ class Pen {
 
   std::vector<Line>& lines_;
   float size_;
-  PackedColour colour_ = 0;
+  PackedColor color_ = 0;
 };
 
 /// What the legend has to know of the constraints of one kind.
 struct KindSummary {
   std::size_t count = 0;
   float residual = 0, strain = 0;  ///< the largest
-  int colours = 0;
+  int colors = 0;
 };
 using Summary = std::map<std::string, KindSummary, std::less<>>;
 
@@ -116,7 +116,7 @@ void note(Summary& summary, const DebugConstraint& c) {
   ++kind.count;
   kind.residual = std::max(kind.residual, c.residual);
   kind.strain = std::max(kind.strain, std::abs(c.strain));
-  kind.colours = std::max(kind.colours, c.colour + 1);
+  kind.colors = std::max(kind.colors, c.color + 1);
 }
 
 /// The largest values of each kind have to be known before the first line: units differ from kind to kind, so
@@ -130,11 +130,11 @@ bool has_strain(const Summary& summary, std::string_view kind) {
   return kind == "distance" || summary.find(kind)->second.strain > 0;
 }
 
-PackedColour colour_of(const DebugConstraint& c, const DisplayOptions& options, const HeatScale& heat,
-                       const Summary& summary) {
+PackedColor color_of(const DebugConstraint& c, const DisplayOptions& options, const HeatScale& heat,
+                     const Summary& summary) {
   switch (options.constraints) {
-    case ConstraintDisplay::colour:
-      return distinct_colour(static_cast<std::uint32_t>(c.colour));
+    case ConstraintDisplay::color:
+      return distinct_color(static_cast<std::uint32_t>(c.color));
     case ConstraintDisplay::strain:
       return heat(options.largest_strain > 0 ? std::abs(c.strain) / options.largest_strain : 0);
     case ConstraintDisplay::residual: {
@@ -145,7 +145,7 @@ PackedColour colour_of(const DebugConstraint& c, const DisplayOptions& options, 
     case ConstraintDisplay::kind:
       break;
   }
-  return kind_colour(c.kind);
+  return kind_color(c.kind);
 }
 
 void explain(const Summary& summary, const DisplayOptions& options, const HeatScale& heat, Legend& legend) {
@@ -155,12 +155,12 @@ void explain(const Summary& summary, const DisplayOptions& options, const HeatSc
     case ConstraintDisplay::kind:
       legend.title("constraints by kind");
       for (const auto& [kind, of] : summary)
-        legend.entry(kind_colour(kind), fmt::format("{}  {}", kind, of.count));
+        legend.entry(kind_color(kind), fmt::format("{}  {}", kind, of.count));
       return;
-    case ConstraintDisplay::colour:
-      legend.title("constraints by solver colour");
+    case ConstraintDisplay::color:
+      legend.title("constraints by solver color");
       for (const auto& [kind, of] : summary)
-        legend.title(fmt::format("{}  {} {}", kind, of.colours, of.colours == 1 ? "colour" : "colours"));
+        legend.title(fmt::format("{}  {} {}", kind, of.colors, of.colors == 1 ? "color" : "colors"));
       return;
     case ConstraintDisplay::strain:
       legend.title("constraints by |strain|");
@@ -179,12 +179,12 @@ void explain(const Summary& summary, const DisplayOptions& options, const HeatSc
 
 }  // namespace
 
-PackedColour kind_colour(std::string_view kind) {
+PackedColor kind_color(std::string_view kind) {
   for (const KindStyle& style : styles)
-    if (style.kind == kind) return pack(srgb(style.colour));
+    if (style.kind == kind) return pack(srgb(style.color));
   std::uint32_t sum = 0;
   for (const char c : kind) sum = sum * 31 + static_cast<unsigned char>(c);
-  return distinct_colour(sum % 997);
+  return distinct_color(sum % 997);
 }
 
 void draw_constraints(const World& world, const DisplayOptions& options, const HeatScale& heat, float size,
@@ -201,7 +201,7 @@ void draw_constraints(const World& world, const DisplayOptions& options, const H
   draw.constraint = [&](const DebugConstraint& c) {
     if (!two_passes) note(summary, c);
     if (options.constraints == ConstraintDisplay::strain && !has_strain(summary, c.kind)) return;
-    pen.draw(c.kind, c.points, thinned(c.kind, colour_of(c, options, heat, summary)));
+    pen.draw(c.kind, c.points, thinned(c.kind, color_of(c, options, heat, summary)));
   };
   world.debug_draw(draw);
   explain(summary, options, heat, legend);

@@ -8,10 +8,10 @@
 
 namespace souple::render {
 
-/// The colour that constraints of a kind are drawn in.
-PackedColour kind_colour(std::string_view kind);
+/// The color that constraints of a kind are drawn in.
+PackedColor kind_color(std::string_view kind);
 
-/// Draws every constraint of a world as lines, and says in `legend` what their colours mean: two particles as
+/// Draws every constraint of a world as lines, and says in `legend` what their colors mean: two particles as
 /// a segment, three as a triangle, four as a hinge across its edge or as a tet, one as a cross, any other
 /// number as a star. `size` is that of the crosses [m].
 void draw_constraints(const World& world, const DisplayOptions& options, const HeatScale& heat, float size,

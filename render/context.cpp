@@ -127,7 +127,7 @@ OffscreenContext::~OffscreenContext() {
   if (eglGetCurrentContext() == impl_->context) {
     eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
-  // The display stays initialised: it is one for the whole program, and another context may be using it.
+  // The display stays initialized: it is one for the whole program, and another context may be using it.
   eglDestroyContext(impl_->display, impl_->context);
 }
 

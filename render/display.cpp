@@ -24,11 +24,11 @@ namespace {
 constexpr std::array<std::string_view, display_count> display_names{
     "shaded", "plain", "wireframe", "strain", "speed", "particles", "lattice", "normals", "contacts"};
 constexpr std::array<std::string_view, constraint_display_count> constraint_display_names{
-    "none", "kind", "colour", "strain", "residual"};
+    "none", "kind", "color", "strain", "residual"};
 constexpr std::array<std::string_view, splat_shape_count> splat_shape_names{"spheres", "ellipsoids"};
 
-const PackedColour against_collider = pack(srgb(0xd9480f)), against_object = pack(srgb(0x1864ab)),
-                   lattice_ink = pack(srgb(0x37474f));
+const PackedColor against_collider = pack(srgb(0xd9480f)), against_object = pack(srgb(0x1864ab)),
+                  lattice_ink = pack(srgb(0x37474f));
 
 /// Keys are told apart by which drawing gave them: one renderer may draw several subjects.
 std::uint64_t next_key_base() {
@@ -98,7 +98,7 @@ Value value_of(const std::array<std::string_view, n>& names, std::string_view na
   throw Error(missing + (" '" + std::string(name)) + "', expected one of: " + known);
 }
 
-/// Half a metre for things of a few metres, and so on up and down in steps of two.
+/// Half a meter for things of a few meters, and so on up and down in steps of two.
 float tile_for(float radius) {
   return 0.5f * std::exp2(std::round(std::log2(std::clamp(radius, 1e-3f, 1e4f) / 2)));
 }
@@ -132,14 +132,14 @@ struct SubjectDrawing::Impl {
   Legend legend;
   std::uint64_t next_key = next_key_base();
   std::optional<std::uint64_t> topology;               ///< of the subject seen last
-  std::uint32_t next_index = 0;                        ///< for the colours of the next object
+  std::uint32_t next_index = 0;                        ///< for the colors of the next object
   std::map<std::uint32_t, BodyDrawing> bodies;         ///< by Body::id
   std::map<std::uint32_t, ColliderDrawing> colliders;  ///< by ColliderBody::id
   Bounds scene;                                        ///< when an object last came or went
   std::uint64_t pins_key = 0, pins_version = 0, contacts_key = 0, contacts_version = 0;
   std::vector<Vec3f> pins, contact_points;
   std::vector<float> pin_radii;
-  std::vector<PackedColour> contact_colours;
+  std::vector<PackedColor> contact_colors;
   std::vector<std::vector<float>> rope_strain;  ///< per body, per point
 
   std::uint64_t take_key() { return next_key += 2; }
@@ -158,7 +158,7 @@ struct SubjectDrawing::Impl {
   void update(const Subject& subject, const DisplayOptions& options);
 };
 
-/// Another world. With which colour it begins depends on its first name: not every cloth shall be blue.
+/// Another world. With which color it begins depends on its first name: not every cloth shall be blue.
 void SubjectDrawing::Impl::start(const Subject& subject) {
   topology = subject.topology;
   bodies.clear();
@@ -197,10 +197,10 @@ void SubjectDrawing::Impl::meet_colliders(const Subject& subject) {
     if (drawing.key == 0) drawing.key = take_key();
     if (drawing.topology == 0 || !std::visit(SameShape{*collider.shape}, drawing.shape)) {
       drawing.shape = *collider.shape;
-      const Vec3d centre =
+      const Vec3d center =
           rotate(conjugate(collider.pose.rotation),
-                 Vec3d(scene.empty() ? Vec3f{} : scene.centre()) - collider.pose.translation);
-      drawing.mesh = collider_mesh(drawing.shape, centre, std::max(4.0 * static_cast<double>(size()), 1.0));
+                 Vec3d(scene.empty() ? Vec3f{} : scene.center()) - collider.pose.translation);
+      drawing.mesh = collider_mesh(drawing.shape, center, std::max(4.0 * static_cast<double>(size()), 1.0));
       ++drawing.topology;
     }
     present.try_emplace(collider.id, std::move(drawing));
@@ -218,7 +218,7 @@ void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawin
     const auto found = bodies.find(particle.object);
     if (found == bodies.end() || !found->second.draws_particles(drawing)) return;
     ParticleCloud& cloud = found->second.particles();
-    cloud.centres.push_back(particle.position);
+    cloud.centers.push_back(particle.position);
     // Thin cloth would hardly be seen. Lattice nodes outside the surface they carry have radii below zero:
     // they touch nothing before it does.
     const float dot = 0.006f * size();
@@ -237,7 +237,7 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.normals = drawing.mesh.normals;
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
-  surface.look = collider_look(collider.colour);
+  surface.look = collider_look(collider.color);
   // The walls of a tank: one looks in through those that stand before it.
   surface.one_sided = std::holds_alternative<Plane>(*collider.shape);
   surface.pick = pick;
@@ -264,7 +264,7 @@ void SubjectDrawing::Impl::draw_colliders(const Subject& subject, const DisplayO
 }
 
 void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
-  std::vector<Vec3f> centres;
+  std::vector<Vec3f> centers;
   pin_radii.clear();
   for (const Body& body : subject.bodies) {
     const bool balls =
@@ -272,20 +272,20 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
     const float radius =
         balls ? 1.5f * body.radius : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
     for (const std::uint32_t v : subject.world->pinned({body.id})) {
-      centres.push_back(body.positions[v]);
+      centers.push_back(body.positions[v]);
       pin_radii.push_back(radius);
     }
   }
-  if (centres.empty()) return;
+  if (centers.empty()) return;
   if (pins_key == 0) pins_key = take_key();
-  if (centres != pins) {
-    pins = std::move(centres);
+  if (centers != pins) {
+    pins = std::move(centers);
     ++pins_version;
   }
   Spheres spheres;
   spheres.key = pins_key;
   spheres.version = pins_version;
-  spheres.centres = pins;
+  spheres.centers = pins;
   spheres.radii = pin_radii;
   spheres.look = pin_look();
   list.spheres.push_back(spheres);
@@ -304,14 +304,14 @@ void SubjectDrawing::Impl::draw_contacts(const World& world) {
   std::array<std::size_t, 2> count{};
   for (const ContactEvent& event : world.contacts()) strongest = std::max(strongest, event.impulse);
   contact_points.clear();
-  contact_colours.clear();
+  contact_colors.clear();
   for (const ContactEvent& event : world.contacts()) {
-    const PackedColour colour = event.other_is_collider ? against_collider : against_object;
+    const PackedColor color = event.other_is_collider ? against_collider : against_object;
     const float share = strongest > 0 ? std::sqrt(std::max(event.impulse, 0.0f) / strongest) : 0;
     const float reach = size() * (0.02f + 0.13f * share);
-    list.top_lines.push_back({event.point, event.point + event.normal * reach, colour, 2});
+    list.top_lines.push_back({event.point, event.point + event.normal * reach, color, 2});
     contact_points.push_back(event.point);
-    contact_colours.push_back(colour);
+    contact_colors.push_back(color);
     ++count[event.other_is_collider ? 0 : 1];
   }
   legend.title("contacts; longest line " + short_number(static_cast<double>(strongest)) + " N s");
@@ -322,14 +322,14 @@ void SubjectDrawing::Impl::draw_contacts(const World& world) {
   Spheres spheres;
   spheres.key = contacts_key;
   spheres.version = ++contacts_version;
-  spheres.centres = contact_points;
+  spheres.centers = contact_points;
   spheres.radius = 0.006f * size();
-  spheres.colours = contact_colours;
+  spheres.colors = contact_colors;
   spheres.casts_shadow = false;
   list.spheres.push_back(spheres);
 }
 
-/// What the colours of the surfaces mean, and what a cache cannot show.
+/// What the colors of the surfaces mean, and what a cache cannot show.
 void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions& options) {
   const Display display = options.display;
   if (display == Display::strain) {
@@ -342,7 +342,7 @@ void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions&
   }
   if (display == Display::particles) {
     std::size_t count = 0;
-    for (const Spheres& spheres : list.spheres) count += spheres.centres.size();
+    for (const Spheres& spheres : list.spheres) count += spheres.centers.size();
     legend.title(fmt::format("particles: {}", count));
   }
   if (display == Display::normals) legend.title("normals: x red, y green, z blue");

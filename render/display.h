@@ -12,14 +12,14 @@ namespace souple::render {
 
 /// How objects are shown; the viewer's keys 1 to 9, and `--display`.
 enum class Display {
-  shaded,     ///< one colour each, lit; cloth with a checker
+  shaded,     ///< one color each, lit; cloth with a checker
   plain,      ///< the same without checker
   wireframe,  ///< with the edges of the triangles
-  strain,     ///< surfaces coloured by how much their edges are stretched
-  speed,      ///< coloured by speed
+  strain,     ///< surfaces colored by how much their edges are stretched
+  speed,      ///< colored by speed
   particles,  ///< the particles alone, at their radius
   lattice,    ///< edges of the tets inside soft bodies
-  normals,    ///< coloured by normal, with a line at every vertex
+  normals,    ///< colored by normal, with a line at every vertex
   contacts    ///< contacts that push, as lines along their normal
 };
 inline constexpr std::size_t display_count = 9;
@@ -28,7 +28,7 @@ std::string_view display_name(Display display);
 Display display_of(std::string_view name);
 
 /// How constraints are drawn over the objects; the viewer's key C goes through them.
-enum class ConstraintDisplay { none, kind, colour, strain, residual };
+enum class ConstraintDisplay { none, kind, color, strain, residual };
 inline constexpr std::size_t constraint_display_count = 5;
 std::string_view constraint_display_name(ConstraintDisplay display);
 
@@ -48,7 +48,7 @@ struct DisplayOptions {
   bool wireframe = false;  ///< added to any display
   bool colliders = true;
   bool pins = true;             ///< pinned vertices as small balls
-  float largest_strain = 0.1f;  ///< what the hottest colour means
+  float largest_strain = 0.1f;  ///< what the hottest color means
   float largest_speed = 3;      ///< m/s, likewise
   SplatShape liquid_splats = SplatShape::ellipsoids;
 };

@@ -20,14 +20,14 @@ Bounds box_of(std::span<const Vec3f> points) {
 
 Bounds box_of_ellipsoids(const Liquid& liquid) {
   Bounds box;
-  if (liquid.ellipsoids.size() != liquid.centres.size()) return box;
-  for (std::size_t i = 0; i < liquid.centres.size(); ++i) {
+  if (liquid.ellipsoids.size() != liquid.centers.size()) return box;
+  for (std::size_t i = 0; i < liquid.centers.size(); ++i) {
     const auto& [x, y, z] = liquid.ellipsoids[i].column;
     const Vec3f half{length(Vec3f{x.x, y.x, z.x}), length(Vec3f{x.y, y.y, z.y}),
                      length(Vec3f{x.z, y.z, z.z})};
-    if (!is_finite(liquid.centres[i]) || !is_finite(half)) continue;
-    box.add(liquid.centres[i] - half);
-    box.add(liquid.centres[i] + half);
+    if (!is_finite(liquid.centers[i]) || !is_finite(half)) continue;
+    box.add(liquid.centers[i] - half);
+    box.add(liquid.centers[i] + half);
   }
   return box;
 }
@@ -47,32 +47,32 @@ Bounds box_of(const Surface& surface) {
 
 }  // namespace
 
-Vec3f absorption_of(const Colour& left, float distance) {
+Vec3f absorption_of(const Color& left, float distance) {
   const auto channel = [&](float c) { return -std::log(std::clamp(c, 0.005f, 1.0f)) / distance; };
   return {channel(left.r), channel(left.g), channel(left.b)};
 }
 
 Bounds DrawList::bounds() const {
   Bounds box;
-  const auto add = [&box](std::span<const Vec3f> centres, float radius) {
-    const Bounds of_centres = box_of(centres);
-    if (of_centres.empty()) return;
-    box.add(of_centres.lo, radius);
-    box.add(of_centres.hi, radius);
+  const auto add = [&box](std::span<const Vec3f> centers, float radius) {
+    const Bounds of_centers = box_of(centers);
+    if (of_centers.empty()) return;
+    box.add(of_centers.lo, radius);
+    box.add(of_centers.hi, radius);
   };
   for (const Liquid& liquid : liquids) {
-    add(liquid.centres, liquid.radius);
+    add(liquid.centers, liquid.radius);
     box.add(box_of_ellipsoids(liquid));
   }
-  for (const Foam& foam : foams) add(foam.centres, foam.radius);
+  for (const Foam& foam : foams) add(foam.centers, foam.radius);
   for (const Surface& surface : surfaces) box.add(box_of(surface));
   for (const Spheres& balls : spheres) {
     if (balls.radii.empty()) {
-      add(balls.centres, balls.radius);
+      add(balls.centers, balls.radius);
       continue;
     }
-    for (std::size_t i = 0; i < std::min(balls.centres.size(), balls.radii.size()); ++i) {
-      if (is_finite(balls.centres[i])) box.add(balls.centres[i], balls.radii[i]);
+    for (std::size_t i = 0; i < std::min(balls.centers.size(), balls.radii.size()); ++i) {
+      if (is_finite(balls.centers[i])) box.add(balls.centers[i], balls.radii[i]);
     }
   }
   return box;

@@ -269,7 +269,7 @@ struct Film::Impl {
   }
 
   void start() {
-    const int side = kind == Kind::mp4 ? 2 : 1;  // H.264 stores colours for 2 x 2 pixels
+    const int side = kind == Kind::mp4 ? 2 : 1;  // H.264 stores colors for 2 x 2 pixels
     film_width = (width + side - 1) / side * side;
     film_height = (height + side - 1) / side * side;
     std::vector<std::string> words{"-f",
@@ -381,15 +381,15 @@ struct Film::Impl {
     if (error) throw Error(file.string() + ": cannot be written: " + error.message());
   }
 
-  /// Two passes: the palette that serves all pictures best, then the film in these colours.
+  /// Two passes: the palette that serves all pictures best, then the film in these colors.
   fs::path make_gif() {
-    const fs::path colours = part_of(file, ".png");
+    const fs::path colors = part_of(file, ".png");
     fs::path gif = part_of(file, ".gif");
-    spares.push_back(colours);
+    spares.push_back(colors);
     spares.push_back(gif);
     run_to_end({"-i", file_word(part), "-vf", "palettegen=stats_mode=full:reserve_transparent=0", "-frames:v",
-                "1", "-update", "1", "-fflags", "+bitexact", file_word(colours)});
-    run_to_end({"-i", file_word(part), "-f", "image2", "-pattern_type", "none", "-i", file_word(colours),
+                "1", "-update", "1", "-fflags", "+bitexact", file_word(colors)});
+    run_to_end({"-i", file_word(part), "-f", "image2", "-pattern_type", "none", "-i", file_word(colors),
                 "-filter_complex", "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle",
                 "-fflags", "+bitexact", "-f", "gif", file_word(gif)});
     return gif;

@@ -5,7 +5,7 @@
 #include <imgui.h>
 #include <iterator>
 
-// Dear ImGui serves as a rasteriser of fonts alone: an ImFontAtlas needs no context.
+// Dear ImGui serves as a rasterizer of fonts alone: an ImFontAtlas needs no context.
 
 namespace souple::render {
 
@@ -32,7 +32,7 @@ std::size_t big_endian(const std::vector<char>& data, std::size_t at, std::size_
   return value;
 }
 
-/// Whether this is a TrueType font with all of its tables: the rasteriser trusts what it reads.
+/// Whether this is a TrueType font with all of its tables: the rasterizer trusts what it reads.
 bool is_whole_font(const std::vector<char>& data) {
   constexpr std::size_t head = 12, entry = 16;  // bytes; an entry is tag, checksum, offset, length
   if (data.size() < head || big_endian(data, 0, 4) != 0x00010000) return false;
@@ -46,7 +46,7 @@ bool is_whole_font(const std::vector<char>& data) {
 }
 
 /// With the font in `data`, or the built-in one when that is empty. False for a damaged font.
-bool rasterise(ImFontAtlas& atlas, const std::vector<char>& data, int size, const ImVector<ImWchar>& ranges) {
+bool rasterize(ImFontAtlas& atlas, const std::vector<char>& data, int size, const ImVector<ImWchar>& ranges) {
   atlas.Flags = ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
   ImFontConfig config;
   config.SizePixels = float(size);
@@ -103,9 +103,9 @@ GlyphSheet Font::sheet(int size, const std::vector<char32_t>& characters) const 
   ImVector<ImWchar> ranges;
   builder.BuildRanges(&ranges);
   ImFontAtlas atlas;
-  if (built_in() || !rasterise(atlas, data_, size, ranges)) {
+  if (built_in() || !rasterize(atlas, data_, size, ranges)) {
     atlas.Clear();
-    rasterise(atlas, {}, size, ranges);
+    rasterize(atlas, {}, size, ranges);
   }
   GlyphSheet sheet;
   unsigned char* coverage = nullptr;

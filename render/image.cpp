@@ -48,13 +48,13 @@ std::vector<std::uint8_t> encode(const Image& image, int palette) {
   png.image.height = png_uint_32(image.height);
   std::vector<std::uint8_t> samples;
   PaletteImage reduced;
-  const void* colours = nullptr;
+  const void* colors = nullptr;
   if (palette > 0) {
-    reduced = reduce_colours(image, palette);
+    reduced = reduce_colors(image, palette);
     samples = std::move(reduced.indices);
-    colours = reduced.colours.data();
+    colors = reduced.colors.data();
     png.image.format = PNG_FORMAT_RGB_COLORMAP;
-    png.image.colormap_entries = png_uint_32(reduced.colours.size() / 3);
+    png.image.colormap_entries = png_uint_32(reduced.colors.size() / 3);
   } else {
     samples = without_alpha(image);
     png.image.format = PNG_FORMAT_RGB;
@@ -62,10 +62,10 @@ std::vector<std::uint8_t> encode(const Image& image, int palette) {
   png_alloc_size_t size = 0;
   std::vector<std::uint8_t> bytes;
   // Asked for the size first; it encodes twice, and a picture takes milliseconds.
-  bool good = png_image_write_to_memory(&png.image, nullptr, &size, 0, samples.data(), 0, colours) != 0;
+  bool good = png_image_write_to_memory(&png.image, nullptr, &size, 0, samples.data(), 0, colors) != 0;
   if (good) {
     bytes.resize(size);
-    good = png_image_write_to_memory(&png.image, bytes.data(), &size, 0, samples.data(), 0, colours) != 0;
+    good = png_image_write_to_memory(&png.image, bytes.data(), &size, 0, samples.data(), 0, colors) != 0;
   }
   if (!good)
     throw Error(
@@ -130,7 +130,7 @@ void write_png(const std::filesystem::path& file, const Image& image, int palett
                             image.width, image.height));
   }
   if (palette < 0 || palette > 256) {
-    throw Error(fmt::format("{}: a palette of {} colours; expected at most 256", file.string(), palette));
+    throw Error(fmt::format("{}: a palette of {} colors; expected at most 256", file.string(), palette));
   }
   write_whole(file, encode(image, palette));
 }

@@ -27,7 +27,7 @@ struct Image {
 };
 
 /// Writes an opaque PNG, whole or not at all (NAME.part, then renamed). The same picture is the same file.
-/// `palette` > 0 first reduces it to that many colours (at most 256), dithered: a third of the size.
+/// `palette` > 0 first reduces it to that many colors (at most 256), dithered: a third of the size.
 /// Throws Error when it cannot be written.
 void write_png(const std::filesystem::path& file, const Image& image, int palette = 0);
 /// Throws Error for a file that is no PNG.

@@ -12,19 +12,19 @@ namespace {
 constexpr float margin = 14, line_height = 22, text_size = 15;  // pixels
 
 /// Black or white, whichever reads better.
-Colour ink_on(const Colour& background) {
+Color ink_on(const Color& background) {
   const float luminance = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
   return luminance > 0.2f ? srgb(0x101418) : srgb(0xffffff);
 }
 
 }  // namespace
 
-void Legend::add(std::string text, const Colour& colour, const Colour& background) {
+void Legend::add(std::string text, const Color& color, const Color& background) {
   labels_.push_back({.text = " " + std::move(text) + " ",
                      .x = margin,
                      .y = margin + line_height * static_cast<float>(labels_.size()),
                      .size = text_size,
-                     .colour = colour,
+                     .color = color,
                      .background = background});
 }
 
@@ -32,8 +32,8 @@ void Legend::title(std::string text) {
   add(std::move(text), srgb(0xffffff), srgb(0x20262c, 0.8f));
 }
 
-void Legend::entry(PackedColour colour, std::string text) {
-  Colour background = unpack(colour);
+void Legend::entry(PackedColor color, std::string text) {
+  Color background = unpack(color);
   background.a = 1;
   add(std::move(text), ink_on(background), background);
 }
@@ -46,9 +46,9 @@ void Legend::scale(const HeatScale& heat, float largest, const std::string& unit
   }
 }
 
-Colour unpack(PackedColour colour) {
-  Colour result = srgb((colour & 0xff) << 16 | (colour & 0xff00) | (colour >> 16 & 0xff));
-  result.a = static_cast<float>(colour >> 24) / 255;
+Color unpack(PackedColor color) {
+  Color result = srgb((color & 0xff) << 16 | (color & 0xff00) | (color >> 16 & 0xff));
+  result.a = static_cast<float>(color >> 24) / 255;
   return result;
 }
 

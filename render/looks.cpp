@@ -6,7 +6,7 @@
 namespace souple::render {
 namespace {
 
-const Colour linen = srgb(0xf4ede0), hemp = srgb(0xe8d9bd);
+const Color linen = srgb(0xf4ede0), hemp = srgb(0xe8d9bd);
 
 /// A number in [0, 1) from an index: the same on every machine. The mixing is that of SplitMix64.
 float noise(std::uint64_t index) {
@@ -17,8 +17,8 @@ float noise(std::uint64_t index) {
 }
 
 struct LiquidKind {
-  Colour left;       // of white light, on its way through a middling body of it
-  Colour particles;  // drawn one by one
+  Color left;        // of white light, on its way through a middling body of it
+  Color particles;   // drawn one by one
   float cloudiness;  // the part of light scattered on that way, about
   float refractive_index;
 };
@@ -33,44 +33,44 @@ const LiquidKind& liquid_kind(float density) {
   return density > 0 && density < 960 ? oil : water;
 }
 
-Colour scaled(const Colour& colour, float s) {
-  return {colour.r * s, colour.g * s, colour.b * s, colour.a};
+Color scaled(const Color& color, float s) {
+  return {color.r * s, color.g * s, color.b * s, color.a};
 }
 
 }  // namespace
 
-Colour mix(const Colour& a, const Colour& b, float t) {
+Color mix(const Color& a, const Color& b, float t) {
   return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t, a.a + (b.a - a.a) * t};
 }
 
-Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Colour>& chosen) {
-  const Colour colour = chosen.value_or(palette(index));
+Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>& chosen) {
+  const Color color = chosen.value_or(palette(index));
   switch (kind) {
     case ObjectKind::cloth:
-      return {.colour = colour, .second = mix(colour, linen, 0.86f), .roughness = 0.8f, .sheen = 0.4f};
+      return {.color = color, .second = mix(color, linen, 0.86f), .roughness = 0.8f, .sheen = 0.4f};
     case ObjectKind::soft_body:
-      return {.colour = colour, .second = colour, .roughness = 0.3f};
+      return {.color = color, .second = color, .roughness = 0.3f};
     case ObjectKind::rope:
-      return {.colour = chosen.value_or(hemp),
-              .second = mix(colour, hemp, 0.15f),
+      return {.color = chosen.value_or(hemp),
+              .second = mix(color, hemp, 0.15f),
               .roughness = 0.7f,
               .sheen = 0.2f};
     case ObjectKind::obstacle:
       return collider_look(chosen);
     case ObjectKind::fluid: {
-      const Colour blue = chosen.value_or(water.particles);
-      return {.colour = blue, .second = blue, .roughness = 0.2f};
+      const Color blue = chosen.value_or(water.particles);
+      return {.color = blue, .second = blue, .roughness = 0.2f};
     }
     case ObjectKind::grains:
       break;
   }
-  const Colour sand = chosen.value_or(srgb(0xd2ab6d));
-  return {.colour = sand, .second = sand, .roughness = 0.9f};
+  const Color sand = chosen.value_or(srgb(0xd2ab6d));
+  return {.color = sand, .second = sand, .roughness = 0.9f};
 }
 
-LiquidLook liquid_look(float density, float way, const std::optional<Colour>& chosen) {
+LiquidLook liquid_look(float density, float way, const std::optional<Color>& chosen) {
   const LiquidKind& kind = liquid_kind(density);
-  const Colour left = chosen.value_or(kind.left);
+  const Color left = chosen.value_or(kind.left);
   LiquidLook look;
   look.absorption = absorption_of(left, way);
   look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness / way);
@@ -78,44 +78,44 @@ LiquidLook liquid_look(float density, float way, const std::optional<Colour>& ch
   return look;
 }
 
-Colour liquid_colour(float density, const std::optional<Colour>& chosen) {
+Color liquid_color(float density, const std::optional<Color>& chosen) {
   return chosen.value_or(liquid_kind(density).particles);
 }
 
 Look pale(const Look& look) {
   Look result = measured_look();
-  result.colour = result.second = mix(srgb(0xc6cbd0), look.colour, 0.2f);
+  result.color = result.second = mix(srgb(0xc6cbd0), look.color, 0.2f);
   return result;
 }
 
 Look measured_look() {
-  return {.colour = srgb(0xc4c8cc), .second = srgb(0xc4c8cc), .roughness = 0.75f};
+  return {.color = srgb(0xc4c8cc), .second = srgb(0xc4c8cc), .roughness = 0.75f};
 }
 
-Look collider_look(const std::optional<Colour>& chosen) {
-  const Colour colour = chosen.value_or(srgb(0xcfd1d3));
-  return {.colour = colour, .second = colour, .roughness = 0.6f};
+Look collider_look(const std::optional<Color>& chosen) {
+  const Color color = chosen.value_or(srgb(0xcfd1d3));
+  return {.color = color, .second = color, .roughness = 0.6f};
 }
 
 Look pin_look() {
-  return {.colour = srgb(0xd8a23c), .second = srgb(0xd8a23c), .roughness = 0.3f, .metalness = 0.9f};
+  return {.color = srgb(0xd8a23c), .second = srgb(0xd8a23c), .roughness = 0.3f, .metalness = 0.9f};
 }
 
-std::vector<PackedColour> grain_colours(std::size_t count, std::uint32_t index,
-                                        const std::optional<Colour>& chosen) {
+std::vector<PackedColor> grain_colors(std::size_t count, std::uint32_t index,
+                                      const std::optional<Color>& chosen) {
   static constexpr std::array<std::uint32_t, 6> sand{0xd9b679, 0xc79d5e, 0xe8cf9c,
                                                      0xb68a55, 0xf0dfb6, 0xcfa872};
-  const Colour tint = chosen.value_or(palette(index));
+  const Color tint = chosen.value_or(palette(index));
   const float strength = chosen ? 0.8f : 0.08f;
-  std::vector<PackedColour> result(count);
+  std::vector<PackedColor> result(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const Colour colour = srgb(sand[static_cast<std::size_t>(noise(2 * i) * sand.size()) % sand.size()]);
-    result[i] = pack(scaled(mix(colour, tint, strength), 0.85f + 0.3f * noise(2 * i + 1)));
+    const Color color = srgb(sand[static_cast<std::size_t>(noise(2 * i) * sand.size()) % sand.size()]);
+    result[i] = pack(scaled(mix(color, tint, strength), 0.85f + 0.3f * noise(2 * i + 1)));
   }
   return result;
 }
 
-PackedColour distinct_colour(std::uint32_t index) {
+PackedColor distinct_color(std::uint32_t index) {
   // Hues a golden angle apart, in three lightnesses.
   const float hue = std::fmod(static_cast<float>(index) * 0.61803399f, 1.0f) * 6;
   const float light = 0.55f + 0.2f * static_cast<float>(index % 3);

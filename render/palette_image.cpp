@@ -11,17 +11,17 @@ namespace {
 
 using Rgb = std::array<float, 3>;  // sRGB-encoded, in [0, 255]: distances there are near to what the eye sees
 
-/// All pixels whose colours agree in the upper five bits of each channel, as one.
+/// All pixels whose colors agree in the upper five bits of each channel, as one.
 struct Bin {
-  Rgb colour{};
+  Rgb color{};
   float pixels = 0;
 };
 
 constexpr std::size_t bin_count = 1 << 15;
 
-std::size_t bin_of(const Rgb& colour) {
+std::size_t bin_of(const Rgb& color) {
   const auto upper = [](float value) { return std::size_t(std::clamp(value, 0.0f, 255.0f)) >> 3; };
-  return upper(colour[0]) << 10 | upper(colour[1]) << 5 | upper(colour[2]);
+  return upper(color[0]) << 10 | upper(color[1]) << 5 | upper(color[2]);
 }
 
 Rgb rgb(const std::uint8_t* pixel) {
@@ -37,9 +37,9 @@ float distance_squared(const Rgb& a, const Rgb& b) {
 std::vector<Bin> bins_of(const Image& image) {
   std::vector<std::array<double, 4>> sums(bin_count);
   for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
-    const Rgb colour = rgb(&image.pixels[i]);
-    std::array<double, 4>& sum = sums[bin_of(colour)];
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += double(colour[c]);
+    const Rgb color = rgb(&image.pixels[i]);
+    std::array<double, 4>& sum = sums[bin_of(color)];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += double(color[c]);
     sum[3] += 1;
   }
   std::vector<Bin> bins;
@@ -62,7 +62,7 @@ Box box_of(const std::vector<Bin>& bins, std::size_t begin, std::size_t end) {
   for (std::size_t c = 0; c < 3; ++c) {
     double sum = 0, squares = 0, pixels = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const double value = double(bins[i].colour[c]), weight = double(bins[i].pixels);
+      const double value = double(bins[i].color[c]), weight = double(bins[i].pixels);
       sum += weight * value;
       squares += weight * value * value;
       pixels += weight;
@@ -92,31 +92,30 @@ std::vector<Rgb> median_cut(std::vector<Bin>& bins, std::size_t count) {
                                         [](const Box& a, const Box& b) { return a.spread < b.spread; });
     if (worst->spread <= 0 || worst->end - worst->begin < 2) break;
     const Box box = *worst;
-    std::stable_sort(
-        bins.begin() + std::ptrdiff_t(box.begin), bins.begin() + std::ptrdiff_t(box.end),
-        [&](const Bin& a, const Bin& b) { return a.colour[box.channel] < b.colour[box.channel]; });
+    std::stable_sort(bins.begin() + std::ptrdiff_t(box.begin), bins.begin() + std::ptrdiff_t(box.end),
+                     [&](const Bin& a, const Bin& b) { return a.color[box.channel] < b.color[box.channel]; });
     const std::size_t cut = middle_of(bins, box);
     *worst = box_of(bins, box.begin, cut);
     boxes.push_back(box_of(bins, cut, box.end));
   }
-  std::vector<Rgb> colours;
+  std::vector<Rgb> colors;
   for (const Box& box : boxes) {
     std::array<double, 3> sum{};
     double pixels = 0;
     for (std::size_t i = box.begin; i < box.end; ++i) {
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += double(bins[i].pixels * bins[i].colour[c]);
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += double(bins[i].pixels * bins[i].color[c]);
       pixels += double(bins[i].pixels);
     }
-    colours.push_back({float(sum[0] / pixels), float(sum[1] / pixels), float(sum[2] / pixels)});
+    colors.push_back({float(sum[0] / pixels), float(sum[1] / pixels), float(sum[2] / pixels)});
   }
-  return colours;
+  return colors;
 }
 
-std::size_t nearest(const std::vector<Rgb>& colours, const Rgb& colour) {
+std::size_t nearest(const std::vector<Rgb>& colors, const Rgb& color) {
   std::size_t best = 0;
   float least = std::numeric_limits<float>::max();
-  for (std::size_t i = 0; i < colours.size(); ++i) {
-    const float distance = distance_squared(colours[i], colour);
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const float distance = distance_squared(colors[i], color);
     if (distance < least) {
       least = distance;
       best = i;
@@ -125,22 +124,22 @@ std::size_t nearest(const std::vector<Rgb>& colours, const Rgb& colour) {
   return best;
 }
 
-/// One round of Lloyd's method: each colour moves to the mean of the pixels it is nearest to.
-void improve(std::vector<Rgb>& colours, const std::vector<Bin>& bins) {
-  std::vector<std::array<double, 4>> sums(colours.size());
+/// One round of Lloyd's method: each color moves to the mean of the pixels it is nearest to.
+void improve(std::vector<Rgb>& colors, const std::vector<Bin>& bins) {
+  std::vector<std::array<double, 4>> sums(colors.size());
   for (const Bin& bin : bins) {
-    std::array<double, 4>& sum = sums[nearest(colours, bin.colour)];
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += double(bin.pixels * bin.colour[c]);
+    std::array<double, 4>& sum = sums[nearest(colors, bin.color)];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += double(bin.pixels * bin.color[c]);
     sum[3] += double(bin.pixels);
   }
-  for (std::size_t i = 0; i < colours.size(); ++i) {
+  for (std::size_t i = 0; i < colors.size(); ++i) {
     if (sums[i][3] == 0) continue;
-    for (std::size_t c = 0; c < 3; ++c) colours[i][c] = float(sums[i][c] / sums[i][3]);
+    for (std::size_t c = 0; c < 3; ++c) colors[i][c] = float(sums[i][c] / sums[i][3]);
   }
 }
 
-/// Every pixel gets the nearest colour to what it should be plus what its neighbours missed.
-std::vector<std::uint8_t> diffuse(const Image& image, const std::vector<Rgb>& colours) {
+/// Every pixel gets the nearest color to what it should be plus what its neighbors missed.
+std::vector<std::uint8_t> diffuse(const Image& image, const std::vector<Rgb>& colors) {
   const auto width = std::size_t(image.width);
   std::vector<std::uint8_t> indices(width * std::size_t(image.height));
   std::vector<Rgb> here(width + 2), below(width + 2);  // what is missed so far, one pixel of margin
@@ -151,10 +150,10 @@ std::vector<std::uint8_t> diffuse(const Image& image, const std::vector<Rgb>& co
       const std::size_t ahead = rightwards ? x + 2 : x, behind = rightwards ? x : x + 2;
       Rgb wanted = rgb(image.at(int(x), int(y)));
       for (std::size_t c = 0; c < 3; ++c) wanted[c] = std::clamp(wanted[c] + here[x + 1][c], 0.0f, 255.0f);
-      const std::size_t index = nearest(colours, wanted);
+      const std::size_t index = nearest(colors, wanted);
       indices[y * width + x] = std::uint8_t(index);
       for (std::size_t c = 0; c < 3; ++c) {
-        const float missed = (wanted[c] - colours[index][c]) / 16;
+        const float missed = (wanted[c] - colors[index][c]) / 16;
         here[ahead][c] += 7 * missed;
         below[behind][c] += 3 * missed;
         below[x + 1][c] += 5 * missed;
@@ -169,18 +168,18 @@ std::vector<std::uint8_t> diffuse(const Image& image, const std::vector<Rgb>& co
 
 }  // namespace
 
-PaletteImage reduce_colours(const Image& image, int count) {
+PaletteImage reduce_colors(const Image& image, int count) {
   std::vector<Bin> bins = bins_of(image);
-  std::vector<Rgb> colours = median_cut(bins, std::size_t(count));
-  for (int round = 0; round < 4; ++round) improve(colours, bins);
+  std::vector<Rgb> colors = median_cut(bins, std::size_t(count));
+  for (int round = 0; round < 4; ++round) improve(colors, bins);
   PaletteImage result;
-  for (Rgb& colour : colours) {
-    for (float& channel : colour) {
+  for (Rgb& color : colors) {
+    for (float& channel : color) {
       channel = std::round(channel);
-      result.colours.push_back(std::uint8_t(channel));
+      result.colors.push_back(std::uint8_t(channel));
     }
   }
-  result.indices = diffuse(image, colours);
+  result.indices = diffuse(image, colors);
   return result;
 }
 

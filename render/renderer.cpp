@@ -46,7 +46,7 @@ void require_extensions() {
 // What depends on the size of the picture alone.
 struct Targets {
   int width, height;
-  gl::Texture albedo, normal, depth, colour;
+  gl::Texture albedo, normal, depth, color;
   gl::Framebuffer material, lighting;
 
   Targets(int w, int h)
@@ -55,17 +55,17 @@ struct Targets {
         albedo(GL_RGBA8, w, h),
         normal(GL_RGBA16F, w, h),
         depth(GL_DEPTH_COMPONENT32F, w, h),
-        colour(GL_RGBA16F, w, h),
+        color(GL_RGBA16F, w, h),
         material("materials", {&albedo, &normal}, &depth),
-        lighting("light", {&colour}, &depth) {}
+        lighting("light", {&color}, &depth) {}
 };
 
 // Where pictures are drawn that go into memory.
 struct Canvas {
-  gl::Texture colour;
+  gl::Texture color;
   gl::Framebuffer target;
 
-  Canvas(int width, int height) : colour(GL_RGBA8, width, height), target("a picture", {&colour}, nullptr) {}
+  Canvas(int width, int height) : color(GL_RGBA8, width, height), target("a picture", {&color}, nullptr) {}
 };
 
 // The fractional part of i times the golden ratio's powers: well spread points (Roberts 2018, R2 sequence).
@@ -112,7 +112,7 @@ Bounds bounds_of_liquids(const DrawList& list) {
 Vec4 vec4(const Vec3f& v, float w) {
   return {v.x, v.y, v.z, w};
 }
-Vec4 vec4(const Colour& c, float scale) {
+Vec4 vec4(const Color& c, float scale) {
   return {c.r * scale, c.g * scale, c.b * scale, scale};
 }
 
@@ -219,7 +219,7 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   const float reach = std::max(bounds.radius(), camera.distance());
   f.ground = {list.ground.height, std::max(list.ground.tile, 1e-6f), list.ground.shown ? 1.0f : 0.0f,
               8 * reach};
-  f.ground_colour = vec4(list.ground.colour, 1);
+  f.ground_color = vec4(list.ground.color, 1);
   f.ground_second = vec4(list.ground.second, 1);
   f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
   f.sample_info = {float(sample), float(options.samples), options.samples > 1 ? offset[0] : 0.0f, 0};
@@ -274,7 +274,7 @@ void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context
   glDepthMask(GL_TRUE);
 }
 
-/// One sample, from an empty buffer to linear colour. The shadow map is drawn, `frame` bound.
+/// One sample, from an empty buffer to linear color. The shadow map is drawn, `frame` bound.
 void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
                                  const RenderOptions& options) {
   draw_material(list, context);
@@ -317,9 +317,9 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     m.bind(frame);
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
     m.draw_sample(list, context, frame, options);
-    if (samples > 1) m.finish.add(m.targets->colour, sample == 0, m.nothing);
+    if (samples > 1) m.finish.add(m.targets->color, sample == 0, m.nothing);
   }
-  m.finish.draw(m.targets->colour, samples, framebuffer, m.nothing);
+  m.finish.draw(m.targets->color, samples, framebuffer, m.nothing);
   m.labels.draw(list.labels, width, height);
   m.clock.done("finish");
   default_state();

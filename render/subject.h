@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/colour.h"
+#include "render/color.h"
 #include "souple/collision/shapes.h"
 #include "souple/world/world.h"
 
@@ -21,20 +21,20 @@ struct Body {
   std::span<const Vec3f> normals;     ///< empty for ropes and grains
   std::span<const Vec3f> velocities;  ///< m/s; may be empty
   std::span<const Triangle> triangles;
-  std::span<const Vec3d> rest;     ///< of the mesh; empty for ropes and grains
-  float radius = 0.005f;           ///< of ropes and grains, half the thickness of others, half of a fluid's
-                                   ///< spacing [m]
-  float density = 0;               ///< of fluids; 0: not known [kg/m^3]
-  std::span<const Vec3f> foam;     ///< of the first of all fluids: their spray, foam and bubbles [m]
-  std::optional<Colour> colour{};  ///< if none: one of the palette
+  std::span<const Vec3d> rest;   ///< of the mesh; empty for ropes and grains
+  float radius = 0.005f;         ///< of ropes and grains, half the thickness of others, half of a fluid's
+                                 ///< spacing [m]
+  float density = 0;             ///< of fluids; 0: not known [kg/m^3]
+  std::span<const Vec3f> foam;   ///< of the first of all fluids: their spray, foam and bubbles [m]
+  std::optional<Color> color{};  ///< if none: one of the palette
 };
 
 struct ColliderBody {
   std::uint32_t id = 0;
   std::string_view name;
   const Shape* shape = nullptr;
-  Transform pose{};                ///< now
-  std::optional<Colour> colour{};  ///< if none: light grey
+  Transform pose{};              ///< now
+  std::optional<Color> color{};  ///< if none: light gray
 };
 
 /// What is looked at. Spans point into the world or the cache, which has to live and stay as it is until the

@@ -89,25 +89,25 @@ std::uint32_t Tube::point_of(std::size_t vertex) const {
 
 void Tube::sample_curve(std::span<const Vec3f> points) {
   const std::size_t n = points.size();
-  frames_.back().centre = points[n - 1];
+  frames_.back().center = points[n - 1];
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const Vec3f before =
         i > 0 ? points[i - 1] : beyond(points[i], points[i + 1], points[std::min(i + 2, n - 1)]);
     const Vec3f after =
         i + 2 < n ? points[i + 2] : beyond(points[i + 1], points[i], points[i > 0 ? i - 1 : 0]);
     for (std::uint32_t k = 0; k < steps_; ++k)
-      frames_[i * steps_ + k].centre = catmull_rom({before, points[i], points[i + 1], after},
+      frames_[i * steps_ + k].center = catmull_rom({before, points[i], points[i + 1], after},
                                                    static_cast<float>(k) / static_cast<float>(steps_));
   }
 }
 
-// Where neighbours coincide there is no direction: the one before is kept, and the first there is serves
+// Where neighbors coincide there is no direction: the one before is kept, and the first there is serves
 // those before it.
 void Tube::set_tangents() {
   const std::size_t n = frames_.size();
   Vec3f along{};
   for (std::size_t j = 0; j < n; ++j) {
-    const auto at = [&](std::size_t k) { return frames_[std::min(k, n - 1)].centre; };
+    const auto at = [&](std::size_t k) { return frames_[std::min(k, n - 1)].center; };
     const Vec3f before = j > 0 ? at(j - 1) : beyond(at(0), at(1), at(2));
     const Vec3f after = j + 1 < n ? at(j + 1) : beyond(at(j), at(n > 1 ? n - 2 : 0), at(n > 2 ? n - 3 : 0));
     const Vec3f direction = normalized(after - before);
@@ -128,7 +128,7 @@ void Tube::turn_frames() {
     Frame& frame = frames_[j];
     if (j > 0) {
       const Frame& before = frames_[j - 1];
-      const Vec3f mirror = frame.centre - before.centre;
+      const Vec3f mirror = frame.center - before.center;
       const Vec3f along = reflected(before.along, mirror);
       frame.across = reflected(reflected(before.across, mirror), frame.along - along);
     }
@@ -146,7 +146,7 @@ void Tube::set_ring(std::size_t ring, const Frame& frame, float angle, float rad
     const Vec3f around = frame.across * std::cos(turn) + frame.up * std::sin(turn);
     const Vec3f normal = around * out + frame.along * forward;
     normals_[1 + ring * row + s] = normal;
-    positions_[1 + ring * row + s] = frame.centre + normal * radius;
+    positions_[1 + ring * row + s] = frame.center + normal * radius;
   }
 }
 
@@ -161,9 +161,9 @@ void Tube::update(std::span<const Vec3f> points, float radius) {
     set_ring(cap_rings - 2 + frames_.size() + c, frames_.back(), angle, radius);
   }
   normals_.front() = -frames_.front().along;
-  positions_.front() = frames_.front().centre + normals_.front() * radius;
+  positions_.front() = frames_.front().center + normals_.front() * radius;
   normals_.back() = frames_.back().along;
-  positions_.back() = frames_.back().centre + normals_.back() * radius;
+  positions_.back() = frames_.back().center + normals_.back() * radius;
 }
 
 }  // namespace souple::render

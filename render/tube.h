@@ -36,9 +36,9 @@ class Tube {
   std::uint32_t point_of(std::size_t vertex) const;
 
  private:
-  /// A cross-section: its centre, the directions that span it, and the way along the rope.
+  /// A cross-section: its center, the directions that span it, and the way along the rope.
   struct Frame {
-    Vec3f centre, along, across, up;
+    Vec3f center, along, across, up;
   };
 
   std::size_t ring_count() const { return frames_.size() + 2 * (cap_rings - 1); }

@@ -51,10 +51,10 @@ void Notices::draw(float x, float bottom, float width) {
     const ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, wrap);
     const float y = below - size.y - 2 * padding;
     const ImVec2 hi{x + size.x + 2 * padding + stripe, below};
-    draw.AddRectFilled({x, y}, hi, ui_colour(theme::background, 0.88f * fade), 4);
-    draw.AddRectFilled({x, y}, {x + stripe, hi.y}, ui_colour(notice.bad ? theme::bad : theme::accent, fade),
+    draw.AddRectFilled({x, y}, hi, ui_color(theme::background, 0.88f * fade), 4);
+    draw.AddRectFilled({x, y}, {x + stripe, hi.y}, ui_color(notice.bad ? theme::bad : theme::accent, fade),
                        2);
-    draw.AddText(nullptr, 0, {x + padding + stripe, y + padding}, ui_colour(theme::text, fade), text, nullptr,
+    draw.AddText(nullptr, 0, {x + padding + stripe, y + padding}, ui_color(theme::text, fade), text, nullptr,
                  wrap);
     below = y - padding;
   }

@@ -66,7 +66,7 @@ void display_panel(render::DisplayOptions& display, render::RenderOptions& rende
       display.constraints = static_cast<render::ConstraintDisplay>(constraints);
   }
   slider_row("Hottest strain", "##largest_strain", display.largest_strain, {0.001f, 1, true}, "",
-             "What the warmest colour of a strain means; 0.1 is 10 %.");
+             "What the warmest color of a strain means; 0.1 is 10 %.");
   slider_row("Hottest speed", "##largest_speed", display.largest_speed, {0.01f, 100, true}, "m/s");
   check_row("Wireframe", "##wireframe", display.wireframe);
   check_row("Pins", "##pins", display.pins);

@@ -14,9 +14,9 @@ namespace souple::viewer {
 
 namespace {
 
-// Told apart by the colour-blind too; in the order of Stage.
-constexpr std::array<unsigned, stage_count> stage_colours{0x5b8def, 0x8d97a6, 0x3fb4e0, 0xf0a35e,
-                                                          0x4fb6a8, 0xd7dbe2, 0xc983d6, 0xe0dc7a};
+// Told apart by the color-blind too; in the order of Stage.
+constexpr std::array<unsigned, stage_count> stage_colors{0x5b8def, 0x8d97a6, 0x3fb4e0, 0xf0a35e,
+                                                         0x4fb6a8, 0xd7dbe2, 0xc983d6, 0xe0dc7a};
 
 /// "isometric_bending" as words.
 std::string spaced(std::string_view name) {
@@ -48,13 +48,12 @@ void stage_bar(const StageTimes& mean) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 0.8f;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_colour(theme::field), 3);
+  draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_color(theme::field), 3);
   const double total = std::max(sum(mean), 1e-9);
   float x = at.x;
   for (std::size_t stage = 0; stage < stage_count; ++stage) {
     const float part = width * static_cast<float>(mean[stage] / total);
-    if (part >= 0.5f)
-      draw.AddRectFilled({x, at.y}, {x + part, at.y + height}, ui_colour(stage_colours[stage]));
+    if (part >= 0.5f) draw.AddRectFilled({x, at.y}, {x + part, at.y + height}, ui_color(stage_colors[stage]));
     x += part;
   }
   ImGui::Dummy({width, height});
@@ -78,7 +77,7 @@ void history_chart(const std::deque<StageTimes>& history, double budget) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 4;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_colour(theme::field), 3);
+  draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_color(theme::field), 3);
   const double top = top_of(history, budget);
   const float column = width / static_cast<float>(Simulation::history_length);
   float x = at.x + width - column * static_cast<float>(history.size());
@@ -86,15 +85,15 @@ void history_chart(const std::deque<StageTimes>& history, double budget) {
     float y = at.y + height;
     for (std::size_t stage = 0; stage < stage_count; ++stage) {
       const float part = std::min((height - 2) * static_cast<float>(times[stage] / top), y - at.y);
-      draw.AddRectFilled({x, y - part}, {x + std::max(column, 1.0f), y}, ui_colour(stage_colours[stage]));
+      draw.AddRectFilled({x, y - part}, {x + std::max(column, 1.0f), y}, ui_color(stage_colors[stage]));
       y -= part;
     }
     x += column;
   }
   if (1.2 * budget <= top && 4 * budget >= top) {
     const float y = at.y + height - (height - 2) * static_cast<float>(budget / top);
-    draw.AddLine({at.x, y}, {at.x + width, y}, ui_colour(theme::bad, 0.9f));
-    draw.AddText({at.x + 4, y - ImGui::GetFontSize() - 1}, ui_colour(theme::bad), "real time");
+    draw.AddLine({at.x, y}, {at.x + width, y}, ui_color(theme::bad, 0.9f));
+    draw.AddText({at.x + 4, y - ImGui::GetFontSize() - 1}, ui_color(theme::bad), "real time");
   }
   ImGui::Dummy({width, height});
 }
@@ -106,7 +105,7 @@ void legend(const StageTimes& mean) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float size = ImGui::GetFontSize() * 0.6f, drop = ImGui::GetFontSize() * 0.25f;
     ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + drop}, {at.x + size, at.y + drop + size},
-                                              ui_colour(stage_colours[stage]), 2);
+                                              ui_color(stage_colors[stage]), 2);
     ImGui::Dummy({size, size});
     ImGui::SameLine();
     const std::string name = spaced(stage_name(static_cast<Stage>(stage)));
@@ -128,7 +127,7 @@ void residual_table(const StepReport& report) {
   ImGui::TableSetupColumn("constraint", 0, 3);
   for (const char* name : {"count", "largest", "mean"}) ImGui::TableSetupColumn(name, 0, 1.25f);
   ImGui::PushStyleColor(ImGuiCol_TableHeaderBg, 0);
-  ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::dim));
+  ImGui::PushStyleColor(ImGuiCol_Text, ui_color(theme::dim));
   ImGui::TableHeadersRow();
   ImGui::PopStyleColor(2);
   for (const KindReport& kind : report.kinds) {
@@ -167,7 +166,7 @@ void numbers_panel(const Simulation& simulation) {
   value_row("Largest strain", text("%.2g %%", 100 * report.largest_strain));
   residual_table(report);
   if (report.message.empty() || simulation.trouble()) return;
-  ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::warm));
+  ImGui::PushStyleColor(ImGuiCol_Text, ui_color(theme::warm));
   ImGui::TextWrapped("%s", report.message.c_str());
   ImGui::PopStyleColor();
 }

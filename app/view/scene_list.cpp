@@ -43,7 +43,7 @@ std::unique_ptr<Session> SceneList::open(std::size_t entry) {
   return std::make_unique<Simulation>(file);
 }
 
-std::size_t SceneList::neighbour(int by) const {
+std::size_t SceneList::neighbor(int by) const {
   const std::size_t count = entries_.size();
   if (count == 0) return 0;
   if (current_ >= count) return by > 0 ? 0 : count - 1;

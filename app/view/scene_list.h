@@ -24,7 +24,7 @@ class SceneList {
   std::unique_ptr<Session> open(const std::filesystem::path& path);
   std::unique_ptr<Session> open(std::size_t entry);
   /// The entry `by` places on; comes round at the ends.
-  std::size_t neighbour(int by) const;
+  std::size_t neighbor(int by) const;
 
  private:
   std::vector<app::ShippedScene> entries_;

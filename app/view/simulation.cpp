@@ -1,6 +1,6 @@
 #include "app/view/simulation.h"
 
-#include "app/scene_colours.h"
+#include "app/scene_colors.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -71,7 +71,7 @@ std::uint64_t Simulation::frame() const {
 render::Subject Simulation::subject() const {
   render::Subject subject = render::subject_of(world_, generation_);
   subject.frame = steps_;
-  app::add_colours(scene_, subject);
+  app::add_colors(scene_, subject);
   return subject;
 }
 

@@ -44,36 +44,36 @@ std::string add_font(float scale, const std::vector<std::filesystem::path>& font
   return "built in";
 }
 
-ImVec4 colour(unsigned hex, float alpha = 1) {
+ImVec4 color(unsigned hex, float alpha = 1) {
   const auto part = [&](unsigned shift) { return static_cast<float>((hex >> shift) & 255u) / 255; };
   return {part(16), part(8), part(0), alpha};
 }
 
-void set_colours(ImGuiStyle& style) {
+void set_colors(ImGuiStyle& style) {
   ImVec4* c = style.Colors;
-  c[ImGuiCol_Text] = colour(theme::text);
-  c[ImGuiCol_TextDisabled] = colour(theme::dim);
-  c[ImGuiCol_WindowBg] = colour(theme::background);
-  c[ImGuiCol_PopupBg] = colour(theme::raised, 0.98f);
-  c[ImGuiCol_Border] = colour(theme::line, 0.6f);
-  c[ImGuiCol_FrameBg] = colour(theme::field);
-  c[ImGuiCol_FrameBgHovered] = colour(0x343b48);
-  c[ImGuiCol_FrameBgActive] = colour(0x3a4250);
-  c[ImGuiCol_ScrollbarBg] = colour(theme::background, 0);
-  c[ImGuiCol_ScrollbarGrab] = colour(theme::line);
-  c[ImGuiCol_ScrollbarGrabHovered] = colour(0x454d5b);
-  c[ImGuiCol_ScrollbarGrabActive] = colour(0x545d6d);
-  c[ImGuiCol_CheckMark] = colour(theme::accent);
-  c[ImGuiCol_SliderGrab] = colour(theme::accent);
-  c[ImGuiCol_SliderGrabActive] = colour(0x73d6c8);
-  c[ImGuiCol_Button] = colour(theme::field);
-  c[ImGuiCol_ButtonHovered] = colour(0x3a4250);
-  c[ImGuiCol_ButtonActive] = colour(theme::accent, 0.7f);
-  c[ImGuiCol_Header] = colour(theme::raised);
-  c[ImGuiCol_HeaderHovered] = colour(0x2d3440);
-  c[ImGuiCol_HeaderActive] = colour(0x343b48);
-  c[ImGuiCol_Separator] = colour(theme::line, 0.6f);
-  c[ImGuiCol_TextSelectedBg] = colour(theme::accent, 0.35f);
+  c[ImGuiCol_Text] = color(theme::text);
+  c[ImGuiCol_TextDisabled] = color(theme::dim);
+  c[ImGuiCol_WindowBg] = color(theme::background);
+  c[ImGuiCol_PopupBg] = color(theme::raised, 0.98f);
+  c[ImGuiCol_Border] = color(theme::line, 0.6f);
+  c[ImGuiCol_FrameBg] = color(theme::field);
+  c[ImGuiCol_FrameBgHovered] = color(0x343b48);
+  c[ImGuiCol_FrameBgActive] = color(0x3a4250);
+  c[ImGuiCol_ScrollbarBg] = color(theme::background, 0);
+  c[ImGuiCol_ScrollbarGrab] = color(theme::line);
+  c[ImGuiCol_ScrollbarGrabHovered] = color(0x454d5b);
+  c[ImGuiCol_ScrollbarGrabActive] = color(0x545d6d);
+  c[ImGuiCol_CheckMark] = color(theme::accent);
+  c[ImGuiCol_SliderGrab] = color(theme::accent);
+  c[ImGuiCol_SliderGrabActive] = color(0x73d6c8);
+  c[ImGuiCol_Button] = color(theme::field);
+  c[ImGuiCol_ButtonHovered] = color(0x3a4250);
+  c[ImGuiCol_ButtonActive] = color(theme::accent, 0.7f);
+  c[ImGuiCol_Header] = color(theme::raised);
+  c[ImGuiCol_HeaderHovered] = color(0x2d3440);
+  c[ImGuiCol_HeaderActive] = color(0x343b48);
+  c[ImGuiCol_Separator] = color(theme::line, 0.6f);
+  c[ImGuiCol_TextSelectedBg] = color(theme::accent, 0.35f);
 }
 
 void set_style(float scale) {
@@ -88,7 +88,7 @@ void set_style(float scale) {
   style.WindowBorderSize = style.FrameBorderSize = 0;
   style.ScrollbarSize = 10;
   style.GrabMinSize = 8;
-  set_colours(style);
+  set_colors(style);
   style.ScaleAllSizes(scale);
 }
 
@@ -125,8 +125,8 @@ void Ui::draw() {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-unsigned ui_colour(unsigned hex, float alpha) {
-  return ImGui::ColorConvertFloat4ToU32(colour(hex, alpha));
+unsigned ui_color(unsigned hex, float alpha) {
+  return ImGui::ColorConvertFloat4ToU32(color(hex, alpha));
 }
 
 }  // namespace souple::viewer

@@ -6,7 +6,7 @@
 
 namespace souple::viewer {
 
-/// Colours of the panels, sRGB as 0xRRGGBB.
+/// Colors of the panels, sRGB as 0xRRGGBB.
 namespace theme {
 inline constexpr unsigned background = 0x16191f, raised = 0x232831, field = 0x2b313c, line = 0x363d49;
 inline constexpr unsigned text = 0xe4e8ee, dim = 0x8d97a6, accent = 0x4fb6a8, warm = 0xf0a35e, bad = 0xe8645a;
@@ -34,6 +34,6 @@ class Ui {
 };
 
 /// 0xRRGGBB and opacity to ImGui's packing.
-unsigned ui_colour(unsigned hex, float alpha = 1);
+unsigned ui_color(unsigned hex, float alpha = 1);
 
 }  // namespace souple::viewer

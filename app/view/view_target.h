@@ -25,7 +25,7 @@ class ViewTarget {
  private:
   void release();
 
-  std::uint32_t framebuffer_ = 0, colour_ = 0, depth_ = 0;
+  std::uint32_t framebuffer_ = 0, color_ = 0, depth_ = 0;
   int width_ = 0, height_ = 0;
 };
 

@@ -120,8 +120,8 @@ void Viewer::update_list() {
   look_at_session();
   drawing_.update(subject_, display_);
   if (mouse_.grabbing()) {
-    const render::PackedColour colour = render::pack(render::srgb(theme::warm));
-    drawing_.list().top_lines.push_back({mouse_.grabbed_at(), mouse_.pulled_to(), colour, 2.5f});
+    const render::PackedColor color = render::pack(render::srgb(theme::warm));
+    drawing_.list().top_lines.push_back({mouse_.grabbed_at(), mouse_.pulled_to(), color, 2.5f});
   }
 }
 
@@ -213,9 +213,9 @@ void Viewer::act(Action action) {
       mouse_.forget();
       return session_->reset();
     case Action::next_scene:
-      return open_entry(scenes_.neighbour(1));
+      return open_entry(scenes_.neighbor(1));
     case Action::previous_scene:
-      return open_entry(scenes_.neighbour(-1));
+      return open_entry(scenes_.neighbor(-1));
     case Action::frame_all:
       return frame_all();
     case Action::wireframe:

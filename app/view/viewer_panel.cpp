@@ -22,7 +22,7 @@ namespace souple::viewer {
 namespace {
 
 bool wide_button(const char* name, float width, bool lit = false) {
-  if (lit) ImGui::PushStyleColor(ImGuiCol_Button, ui_colour(theme::accent, 0.55f));
+  if (lit) ImGui::PushStyleColor(ImGuiCol_Button, ui_color(theme::accent, 0.55f));
   const bool pressed = ImGui::Button(name, {width, 0});
   if (lit) ImGui::PopStyleColor();
   return pressed;
@@ -34,7 +34,7 @@ float share_of_line(int buttons) {
 }
 
 void dim_text(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::dim));
+  ImGui::PushStyleColor(ImGuiCol_Text, ui_color(theme::dim));
   ImGui::TextWrapped("%s", text.c_str());
   ImGui::PopStyleColor();
 }
@@ -46,13 +46,13 @@ std::string formatted(const char* format, double value) {
 }
 
 /// Words with a dark ground, from their upper right corner.
-void text_from_right(float right, float y, unsigned colour, const std::string& text) {
+void text_from_right(float right, float y, unsigned color, const std::string& text) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   const float padding = ImGui::GetFontSize() * 0.5f;
   const ImVec2 lo{right - size.x - 2 * padding, y}, hi{right, y + size.y + padding};
-  draw.AddRectFilled(lo, hi, ui_colour(theme::background, 0.72f), 4);
-  draw.AddText({lo.x + padding, y + padding * 0.5f}, colour, text.c_str());
+  draw.AddRectFilled(lo, hi, ui_color(theme::background, 0.72f), 4);
+  draw.AddText({lo.x + padding, y + padding * 0.5f}, color, text.c_str());
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ void Viewer::draw_panel() {
 void Viewer::scene_section() {
   const float arrow = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemSpacing.x;
   std::size_t wanted = scenes_.entries().size();
-  if (ImGui::ArrowButton("##previous", ImGuiDir_Left)) wanted = scenes_.neighbour(-1);
+  if (ImGui::ArrowButton("##previous", ImGuiDir_Left)) wanted = scenes_.neighbor(-1);
   ImGui::SameLine();
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - arrow - gap);
   if (ImGui::BeginCombo("##scene", session_->name().c_str(), ImGuiComboFlags_HeightLarge)) {
@@ -92,7 +92,7 @@ void Viewer::scene_section() {
     ImGui::EndCombo();
   }
   ImGui::SameLine();
-  if (ImGui::ArrowButton("##next", ImGuiDir_Right)) wanted = scenes_.neighbour(1);
+  if (ImGui::ArrowButton("##next", ImGuiDir_Right)) wanted = scenes_.neighbor(1);
   if (!session_->description().empty()) dim_text(session_->description());
   if (wanted < scenes_.entries().size()) open_entry(wanted);
 }
@@ -156,16 +156,16 @@ void Viewer::draw_status() {
   const float right = static_cast<float>(width_) / area_.scale - 12;
   const float line = ImGui::GetFontSize() * 1.5f + 6;
   std::string text = fmt::format("{:.2f} s   frame {}", session_->time(), session_->frame());
-  text_from_right(right, 12, ui_colour(theme::text), text);
+  text_from_right(right, 12, ui_color(theme::text), text);
   if (film_) {
-    text_from_right(right, 12 + line, ui_colour(theme::bad), "filming " + film_file_.filename().string());
+    text_from_right(right, 12 + line, ui_color(theme::bad), "filming " + film_file_.filename().string());
   } else if (!session_->playing()) {
-    text_from_right(right, 12 + line, ui_colour(theme::warm), "paused");
+    text_from_right(right, 12 + line, ui_color(theme::warm), "paused");
   } else if (session_->speed() < 0.9) {
-    text_from_right(right, 12 + line, ui_colour(theme::warm),
+    text_from_right(right, 12 + line, ui_color(theme::warm),
                     formatted("slowed down to %.2g of real time", session_->speed()));
   } else {
-    text_from_right(right, 12 + line, ui_colour(theme::dim), "real time");
+    text_from_right(right, 12 + line, ui_color(theme::dim), "real time");
   }
 }
 
@@ -185,16 +185,16 @@ void Viewer::draw_trouble() {
   at = {std::clamp(at.x, lo.x, std::max(lo.x, hi.x)), std::clamp(at.y, lo.y, std::max(lo.y, hi.y))};
 
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  draw.AddCircle(at, radius, ui_colour(theme::background, 0.8f), 32, 5);
-  draw.AddCircle(at, radius, ui_colour(theme::bad), 32, 2.5f);
+  draw.AddCircle(at, radius, ui_color(theme::background, 0.8f), 32, 5);
+  draw.AddCircle(at, radius, ui_color(theme::bad), 32, 2.5f);
   const std::string name =
       fmt::format("{}, particle {}{}", trouble.object, trouble.vertex, inside ? "" : " (out of view)");
   const ImVec2 size = ImGui::CalcTextSize(name.c_str());
   const bool leftwards = at.x + radius + size.x + 12 > hi.x;
   const ImVec2 corner{leftwards ? at.x - radius - size.x - 8 : at.x + radius + 8, at.y - size.y / 2};
   draw.AddRectFilled({corner.x - 5, corner.y - 3}, {corner.x + size.x + 5, corner.y + size.y + 3},
-                     ui_colour(theme::background, 0.85f), 4);
-  draw.AddText(corner, ui_colour(theme::bad), name.c_str());
+                     ui_color(theme::background, 0.85f), 4);
+  draw.AddText(corner, ui_color(theme::bad), name.c_str());
 }
 
 float Viewer::time_slider_height() {
@@ -274,16 +274,16 @@ void Viewer::draw_key_list() {
   const float right = static_cast<float>(width_) / scale, bottom = static_cast<float>(height_) / scale;
   const CapLayout layout = lay_out_caps(right - left);
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  draw.AddRectFilled({left, top}, {right, bottom}, ui_colour(theme::background));
+  draw.AddRectFilled({left, top}, {right, bottom}, ui_color(theme::background));
   for (const Cap& cap : layout.caps) {
     const float x = left + cap.x, y = top + cap.y;
-    draw.AddRectFilled({x, y}, {x + cap.key_width, y + layout.font + layout.pad}, ui_colour(theme::field), 3);
-    const auto write = [&](float at, unsigned colour, std::string_view text) {
-      draw.AddText(ImGui::GetFont(), layout.font, {at, y + layout.pad * 0.5f}, colour, text.data(),
+    draw.AddRectFilled({x, y}, {x + cap.key_width, y + layout.font + layout.pad}, ui_color(theme::field), 3);
+    const auto write = [&](float at, unsigned color, std::string_view text) {
+      draw.AddText(ImGui::GetFont(), layout.font, {at, y + layout.pad * 0.5f}, color, text.data(),
                    text.data() + text.size());
     };
-    write(x + layout.pad, ui_colour(theme::text), cap.key);
-    write(x + cap.key_width + layout.pad, ui_colour(theme::dim), cap.brief);
+    write(x + layout.pad, ui_color(theme::text), cap.key);
+    write(x + cap.key_width + layout.pad, ui_color(theme::dim), cap.brief);
   }
 }
 

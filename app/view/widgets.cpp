@@ -81,10 +81,10 @@ class Filled {
                 end = at.x + width * std::clamp(share, 0.0f, 1.0f);
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     const bool hovered = ImGui::IsMouseHoveringRect(at, {at.x + width, at.y + height});
-    draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_colour(hovered ? 0x343b48 : theme::field),
+    draw.AddRectFilled(at, {at.x + width, at.y + height}, ui_color(hovered ? 0x343b48 : theme::field),
                        rounding);
     if (end > at.x + 1)
-      draw.AddRectFilled(at, {end, at.y + height}, ui_colour(theme::accent, 0.45f), rounding);
+      draw.AddRectFilled(at, {end, at.y + height}, ui_color(theme::accent, 0.45f), rounding);
     for (const ImGuiCol part : {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive,
                                 ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive})
       ImGui::PushStyleColor(part, ImVec4{0, 0, 0, 0});
@@ -123,7 +123,7 @@ bool section(const char* name, bool open) {
 
 void row(const char* name, const char* hint) {
   ImGui::AlignTextToFramePadding();
-  ImGui::PushStyleColor(ImGuiCol_Text, ui_colour(theme::dim));
+  ImGui::PushStyleColor(ImGuiCol_Text, ui_color(theme::dim));
   ImGui::TextUnformatted(name);
   ImGui::PopStyleColor();
   hint_for_last_item(hint);

@@ -1,7 +1,7 @@
 #include <souple/souple.h>
 
 int main() {
-  souple::World world({.substeps = 10});  // metres, kilograms, seconds; Y up, right-handed
+  souple::World world({.substeps = 10});  // meters, kilograms, seconds; Y up, right-handed
   auto cloth = world.add_cloth(souple::grid(64, 64, 2.0f), souple::material::cotton);
   world.pin(cloth, souple::vertices({0, 63}));
   world.add_collider(souple::Sphere{.center = {0, -1, 0}, .radius = 0.5f}, {.friction = 0.4f});

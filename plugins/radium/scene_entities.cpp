@@ -65,7 +65,7 @@ RenderMesh finish(Ra::Engine::RadiumEngine& engine, Ra::Engine::Scene::Component
   return {engine, index};
 }
 
-std::array<float, 3> colour_of(host::Kind kind) {
+std::array<float, 3> color_of(host::Kind kind) {
   switch (kind) {
     case host::Kind::cloth:
       return {0.80f, 0.36f, 0.30f};
@@ -83,17 +83,17 @@ std::array<float, 3> colour_of(host::Kind kind) {
   return {0.62f, 0.64f, 0.68f};
 }
 
-// Splats of one colour would be a blot: each grain is a little lighter or darker than the next.
+// Splats of one color would be a blot: each grain is a little lighter or darker than the next.
 void tint(Ra::Core::Geometry::PointCloud& grains, const std::array<float, 3>& srgb) {
-  Ra::Core::VectorArray<Ra::Core::Vector4> colours;
-  colours.reserve(grains.vertices().size());
+  Ra::Core::VectorArray<Ra::Core::Vector4> colors;
+  colors.reserve(grains.vertices().size());
   for (std::uint32_t i = 0; i < grains.vertices().size(); ++i) {
     const std::uint32_t mixed = (i * 2654435761u) >> 24;
     const float light = 0.6f + 0.5f * static_cast<float>(mixed) / 255;
-    colours.emplace_back(light * linear(srgb[0]), light * linear(srgb[1]), light * linear(srgb[2]), 1.0f);
+    colors.emplace_back(light * linear(srgb[0]), light * linear(srgb[1]), light * linear(srgb[2]), 1.0f);
   }
   grains.addAttrib<Ra::Core::Vector4>(
-      Ra::Core::Geometry::getAttribName(Ra::Core::Geometry::MeshAttrib::VERTEX_COLOR), colours);
+      Ra::Core::Geometry::getAttribName(Ra::Core::Geometry::MeshAttrib::VERTEX_COLOR), colors);
 }
 
 }  // namespace
@@ -101,25 +101,25 @@ void tint(Ra::Core::Geometry::PointCloud& grains, const std::array<float, 3>& sr
 RenderMesh show_object(Ra::Engine::RadiumEngine& engine, const host::ObjectInfo& info,
                        const host::Drawable& drawable) {
   auto* entity = engine.getEntityManager()->createEntity(info.name);
-  const std::array<float, 3> colour = info.has_colour ? info.colour : colour_of(info.kind);
+  const std::array<float, 3> color = info.has_color ? info.color : color_of(info.kind);
   if (!drawable.balls()) {
     auto mesh = triangle_mesh(drawable.positions(), drawable.normals(), drawable.triangles());
-    return finish(engine, new TriangleMeshComponent(info.name + " mesh", entity, std::move(mesh)), colour);
+    return finish(engine, new TriangleMeshComponent(info.name + " mesh", entity, std::move(mesh)), color);
   }
   Ra::Core::Geometry::PointCloud points;
   points.setVertices(vectors(drawable.positions()));
-  if (info.kind == host::Kind::grains) tint(points, colour);
+  if (info.kind == host::Kind::grains) tint(points, color);
   auto* component = new PointCloudComponent(info.name + " splats", entity, std::move(points));
   // Radium calls it a diameter, and draws it as a radius.
   component->setSplatSize(drawable.radius());
-  return finish(engine, component, colour);
+  return finish(engine, component, color);
 }
 
 RenderMesh show_collider(Ra::Engine::RadiumEngine& engine, const host::ColliderShape& shape) {
   auto* entity = engine.getEntityManager()->createEntity(shape.name);
   auto mesh = triangle_mesh(shape.positions, shape.normals, shape.indices);
   return finish(engine, new TriangleMeshComponent(shape.name + " mesh", entity, std::move(mesh)),
-                shape.has_colour ? shape.colour : colour_of(host::Kind::obstacle));
+                shape.has_color ? shape.color : color_of(host::Kind::obstacle));
 }
 
 }  // namespace souple::radium

@@ -11,16 +11,16 @@ bool can_blend_floats() {
   return epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_EXT_float_blend");
 }
 
-Framebuffer::Framebuffer(std::string_view what, const std::vector<const Texture*>& colours,
+Framebuffer::Framebuffer(std::string_view what, const std::vector<const Texture*>& colors,
                          const Texture* depth) {
   GLuint id = 0;
   glGenFramebuffers(1, &id);
   handle_ = Handle<delete_framebuffer>(id);
   glBindFramebuffer(GL_FRAMEBUFFER, id);
   std::vector<GLenum> attachments;
-  for (const Texture* colour : colours) {
+  for (const Texture* color : colors) {
     const GLenum attachment = GL_COLOR_ATTACHMENT0 + GLenum(attachments.size());
-    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, colour->id(), 0);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, color->id(), 0);
     attachments.push_back(attachment);
   }
   if (depth != nullptr) {
@@ -28,8 +28,8 @@ Framebuffer::Framebuffer(std::string_view what, const std::vector<const Texture*
   }
   if (attachments.empty()) attachments.push_back(GL_NONE);
   glDrawBuffers(GLsizei(attachments.size()), attachments.data());
-  if (colours.empty()) glReadBuffer(GL_NONE);
-  const Texture& first = colours.empty() ? *depth : *colours.front();
+  if (colors.empty()) glReadBuffer(GL_NONE);
+  const Texture& first = colors.empty() ? *depth : *colors.front();
   width_ = first.width();
   height_ = first.height();
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);

@@ -18,9 +18,9 @@ bool can_blend_floats();
 class Framebuffer {
  public:
   Framebuffer() = default;
-  /// Colour attachments 0, 1, ...; `depth` may be null. Throws Error, naming `what`, when the context cannot
+  /// Color attachments 0, 1, ...; `depth` may be null. Throws Error, naming `what`, when the context cannot
   /// draw into these formats.
-  Framebuffer(std::string_view what, const std::vector<const Texture*>& colours, const Texture* depth);
+  Framebuffer(std::string_view what, const std::vector<const Texture*>& colors, const Texture* depth);
 
   /// For drawing, with a viewport of its whole size.
   void bind() const;

@@ -25,7 +25,7 @@ constexpr std::array<std::pair<std::string_view, Unit>, 14> sampler_units{
      {"albedo_map", Unit::albedo},
      {"normal_map", Unit::normal},
      {"depth_map", Unit::depth},
-     {"colour_map", Unit::colour},
+     {"color_map", Unit::color},
      {"glyph_map", Unit::glyph},
      {"pick_map", Unit::pick},
      {"liquid_depth_map", Unit::liquid_depth},
@@ -157,7 +157,7 @@ void Program::set(std::string_view name, const Vec3f& v) const {
 void Program::set(std::string_view name, const Vec4& v) const {
   glUniform4f(location(name), v.x, v.y, v.z, v.w);
 }
-void Program::set(std::string_view name, const Colour& c) const {
+void Program::set(std::string_view name, const Color& c) const {
   glUniform4f(location(name), c.r, c.g, c.b, c.a);
 }
 void Program::set(std::string_view name, const Mat4& m) const {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/colour.h"
+#include "render/color.h"
 #include "render/gl/texture.h"
 #include "render/mat4.h"
 
@@ -35,7 +35,7 @@ class Program {
   void set(std::string_view name, float x, float y) const;
   void set(std::string_view name, const Vec3f& value) const;
   void set(std::string_view name, const Vec4& value) const;
-  void set(std::string_view name, const Colour& value) const;  ///< vec4
+  void set(std::string_view name, const Color& value) const;  ///< vec4
   void set(std::string_view name, const Mat4& value) const;
 
  private:

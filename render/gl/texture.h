@@ -16,7 +16,7 @@ enum class Unit : GLuint {
   albedo,
   normal,
   depth,
-  colour,
+  color,
   glyph,
   pick,
   liquid_depth,

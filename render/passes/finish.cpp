@@ -20,17 +20,17 @@ FinishPass::Sum::Sum(int width, int height, bool two)
 }
 
 FinishPass::Encoded::Encoded(int width, int height)
-    : colour(GL_RGBA8, width, height, GL_LINEAR), target("a picture", {&colour}, nullptr) {}
+    : color(GL_RGBA8, width, height, GL_LINEAR), target("a picture", {&color}, nullptr) {}
 
 FinishPass::FinishPass() : blends_(gl::can_blend_floats()) {}
 
-void FinishPass::add(const gl::Texture& colour, bool first, const gl::VertexArray& nothing) {
-  if (!sum_ || !is_size_of(sum_->now, colour)) {
+void FinishPass::add(const gl::Texture& color, bool first, const gl::VertexArray& nothing) {
+  if (!sum_ || !is_size_of(sum_->now, color)) {
     sum_.reset();
-    sum_.emplace(colour.width(), colour.height(), !blends_);
+    sum_.emplace(color.width(), color.height(), !blends_);
   }
   nothing.bind();
-  colour.bind(gl::Unit::colour);
+  color.bind(gl::Unit::color);
   if (first || blends_) {
     sum_->now_target.bind();
     if (!first) glEnable(GL_BLEND);
@@ -48,24 +48,24 @@ void FinishPass::add(const gl::Texture& colour, bool first, const gl::VertexArra
   std::swap(sum_->now_target, sum_->next_target);
 }
 
-void FinishPass::draw(const gl::Texture& colour, int samples, std::uint32_t framebuffer,
+void FinishPass::draw(const gl::Texture& color, int samples, std::uint32_t framebuffer,
                       const gl::VertexArray& nothing) {
   const bool one = samples <= 1;
-  if (one && (!encoded_ || !is_size_of(encoded_->colour, colour))) {
+  if (one && (!encoded_ || !is_size_of(encoded_->color, color))) {
     encoded_.reset();
-    encoded_.emplace(colour.width(), colour.height());
+    encoded_.emplace(color.width(), color.height());
   }
   nothing.bind();
   glBindFramebuffer(GL_FRAMEBUFFER, one ? encoded_->target.id() : framebuffer);
-  glViewport(0, 0, colour.width(), colour.height());
-  (one ? colour : sum_->now).bind(gl::Unit::colour);
+  glViewport(0, 0, color.width(), color.height());
+  (one ? color : sum_->now).bind(gl::Unit::color);
   resolve_.use();
   resolve_.set("scale", 1.0f / float(one ? 1 : samples));
   resolve_.set("alpha_is_luma", one ? 1.0f : 0.0f);
   draw_screen();
   if (!one) return;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  encoded_->colour.bind(gl::Unit::colour);
+  encoded_->color.bind(gl::Unit::color);
   smooth_edges_.use();
   draw_screen();
 }

@@ -9,18 +9,17 @@
 
 namespace souple::render {
 
-/// From the colours of one or many samples to the caller's framebuffer.
+/// From the colors of one or many samples to the caller's framebuffer.
 class FinishPass {
  public:
   /// Whether sums are made by blending; where the context cannot, the sum goes to and fro between two
   /// buffers.
   FinishPass();
 
-  /// Adds a sample's colours to those before it.
-  void add(const gl::Texture& colour, bool first, const gl::VertexArray& nothing);
-  /// Writes the encoded mean of `samples` samples; of one, `colour` itself with its edges smoothed.
-  void draw(const gl::Texture& colour, int samples, std::uint32_t framebuffer,
-            const gl::VertexArray& nothing);
+  /// Adds a sample's colors to those before it.
+  void add(const gl::Texture& color, bool first, const gl::VertexArray& nothing);
+  /// Writes the encoded mean of `samples` samples; of one, `color` itself with its edges smoothed.
+  void draw(const gl::Texture& color, int samples, std::uint32_t framebuffer, const gl::VertexArray& nothing);
 
  private:
   struct Sum {
@@ -29,7 +28,7 @@ class FinishPass {
     Sum(int width, int height, bool two);
   };
   struct Encoded {
-    gl::Texture colour;
+    gl::Texture color;
     gl::Framebuffer target;
     Encoded(int width, int height);
   };

@@ -23,7 +23,7 @@ constexpr std::size_t most_sheets = 8;      // a window that is resized may ask 
 struct Quad {
   float x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< pixels from the top left
   float u0 = 0, v0 = 0, u1 = 0, v1 = 0;
-  PackedColour colour = 0;
+  PackedColor color = 0;
 };
 
 /// The glyphs of one size that have been needed so far, on the GPU.
@@ -42,7 +42,7 @@ struct Extent {
   float x = 0, y = 0;
 };
 Extent lay_out(const std::vector<char32_t>& text, const GlyphSheet& sheet, int size, Extent corner,
-               PackedColour colour, std::vector<Quad>& quads) {
+               PackedColor color, std::vector<Quad>& quads) {
   Extent pen = corner, end{corner.x, corner.y + float(size)};
   for (const char32_t character : text) {
     if (character == U'\n') {
@@ -54,7 +54,7 @@ Extent lay_out(const std::vector<char32_t>& text, const GlyphSheet& sheet, int s
     // Glyphs were drawn for whole pixels; moved by parts of one they would blur.
     const float x = pen.x + std::round(glyph.x0), y = pen.y + std::round(glyph.y0);
     quads.push_back({x, y, x + (glyph.x1 - glyph.x0), y + (glyph.y1 - glyph.y0), glyph.u0, glyph.v0, glyph.u1,
-                     glyph.v1, colour});
+                     glyph.v1, color});
     pen.x += glyph.advance;
     end.x = std::max(end.x, pen.x);
   }
@@ -69,7 +69,7 @@ struct LabelsPass::Impl {
     const GLsizei stride = sizeof(Quad);
     array.attribute(buffer, {0, 4, GL_FLOAT, false, stride, offsetof(Quad, x0), 1});
     array.attribute(buffer, {1, 4, GL_FLOAT, false, stride, offsetof(Quad, u0), 1});
-    array.attribute(buffer, {2, 4, GL_UNSIGNED_BYTE, false, stride, offsetof(Quad, colour), 1});
+    array.attribute(buffer, {2, 4, GL_UNSIGNED_BYTE, false, stride, offsetof(Quad, color), 1});
   }
 
   /// With all characters of the text.
@@ -92,7 +92,7 @@ struct LabelsPass::Impl {
     const std::size_t first = quads.size();
     const bool boxed = label.background.a > 0;
     if (boxed) quads.emplace_back();
-    const Extent end = lay_out(text, glyphs, size, corner, pack(label.colour), quads);
+    const Extent end = lay_out(text, glyphs, size, corner, pack(label.color), quads);
     if (!boxed) return;
     const float across = std::round(0.4f * float(size)), above = std::round(0.2f * float(size));
     quads[first] = {corner.x - across, corner.y - above, end.x + across,

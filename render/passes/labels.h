@@ -8,7 +8,7 @@
 
 namespace souple::render {
 
-/// Text over the finished picture: writes sRGB-encoded colours into the framebuffer that is bound.
+/// Text over the finished picture: writes sRGB-encoded colors into the framebuffer that is bound.
 class LabelsPass {
  public:
   LabelsPass();

@@ -11,7 +11,7 @@ struct LinesPass::Impl {
     const GLsizei stride = sizeof(Line);
     array.attribute(buffer, {0, 3, GL_FLOAT, false, stride, offsetof(Line, a), 1});
     array.attribute(buffer, {1, 3, GL_FLOAT, false, stride, offsetof(Line, b), 1});
-    array.attribute(buffer, {2, 4, GL_UNSIGNED_BYTE, false, stride, offsetof(Line, colour), 1});
+    array.attribute(buffer, {2, 4, GL_UNSIGNED_BYTE, false, stride, offsetof(Line, color), 1});
     array.attribute(buffer, {3, 1, GL_FLOAT, false, stride, offsetof(Line, width), 1});
   }
 

@@ -7,7 +7,7 @@
 
 namespace souple::render {
 
-/// Lines of constant width, as quads with smooth edges, blended over linear colour. Where the depth test is
+/// Lines of constant width, as quads with smooth edges, blended over linear color. Where the depth test is
 /// on the renderer has switched it on, without writing depth.
 class LinesPass {
  public:

@@ -22,7 +22,7 @@ GLenum sum_format() {
   return filters && gl::can_blend_floats() ? GL_RGBA32F : GL_RGBA16F;
 }
 
-void clear_colour(GLint buffer) {
+void clear_color(GLint buffer) {
   const std::array<float, 4> zero{};
   glClearBufferfv(GL_COLOR, buffer, zero.data());
 }
@@ -101,13 +101,13 @@ void LiquidPass::Targets::swap() {
 /// All of them, for passes draw into and read around a part only.
 void LiquidPass::clear() {
   targets_->other_depth.bind();
-  clear_colour(0);
+  clear_color(0);
   targets_->thickness.bind();
-  clear_colour(0);
-  clear_colour(1);
+  clear_color(0);
+  clear_color(1);
   targets_->balls.bind();
-  clear_colour(0);
-  clear_colour(1);
+  clear_color(0);
+  clear_color(1);
   const float far = 1;
   glClearBufferfv(GL_DEPTH, 0, &far);
 }
@@ -169,17 +169,17 @@ void LiquidPass::add_up(const LiquidSplats& splats, const gl::Texture& depth) {
   glDisable(GL_BLEND);
 }
 
-void LiquidPass::copy(const gl::Framebuffer& colour) {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, colour.id());
+void LiquidPass::copy(const gl::Framebuffer& color) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, color.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets_->copy.id());
-  glBlitFramebuffer(0, 0, colour.width(), colour.height(), 0, 0, colour.width(), colour.height(),
+  glBlitFramebuffer(0, 0, color.width(), color.height(), 0, 0, color.width(), color.height(),
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing) {
-  scene.colour.bind();
+  scene.color.bind();
   glDepthMask(GL_FALSE);
-  targets_->behind.bind(gl::Unit::colour);
+  targets_->behind.bind(gl::Unit::color);
   targets_->surface.bind(gl::Unit::liquid_depth);
   targets_->look.bind(gl::Unit::liquid_look);
   targets_->optics.bind(gl::Unit::liquid_optics);
@@ -234,7 +234,7 @@ void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const Li
   add_up(splats, scene.depth);
   clock.done("liquid thickness");
   glDisable(GL_SCISSOR_TEST);
-  copy(scene.colour);
+  copy(scene.color);
   keep_within(window, 1);
   shade(scene, shadow, nothing);
   glDisable(GL_SCISSOR_TEST);

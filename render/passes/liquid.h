@@ -17,14 +17,14 @@ namespace souple::render {
 struct LitScene {
   const gl::Texture& normal;
   const gl::Texture& depth;
-  const gl::Framebuffer& colour;  ///< with that depth
+  const gl::Framebuffer& color;  ///< with that depth
 };
 
 /// The surface of liquids on screen (van der Laan, Green, Sainz 2009): the depth of the balls is smoothed,
 /// and shaded over the lit scene with how thick the liquid is.
 class LiquidPass {
  public:
-  /// Draws over `scene.colour`. `bounds` is the box around all that splats draw. The camera's uniform block
+  /// Draws over `scene.color`. `bounds` is the box around all that splats draw. The camera's uniform block
   /// is bound, the shadow map drawn.
   void draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
             const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
@@ -49,7 +49,7 @@ class LiquidPass {
   void smooth(const RenderOptions& options, const gl::VertexArray& nothing);
   void step();
   void add_up(const LiquidSplats& splats, const gl::Texture& depth);
-  void copy(const gl::Framebuffer& colour);
+  void copy(const gl::Framebuffer& color);
   void shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing);
 
   gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};

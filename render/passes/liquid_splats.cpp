@@ -13,7 +13,7 @@ namespace souple::render {
 
 namespace {
 
-enum Location : GLuint { centre, radius, colour, axis_x };
+enum Location : GLuint { center, radius, color, axis_x };
 
 constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
 /// Of the clouds whose thickness is added up, in spacings: wide enough that layers look even.
@@ -22,7 +22,7 @@ constexpr float cloud_radius = 1.5f;
 /// The buffers of one liquid or foam.
 struct Buffers {
   gl::VertexArray balls, ellipsoids;
-  gl::Buffer centres, axes;
+  gl::Buffer centers, axes;
   std::uint64_t version = 0, last_used = 0;
   GLsizei count = 0;
   bool fresh = true, has_ellipsoids = false;
@@ -37,28 +37,28 @@ struct Item {
 };
 
 /// Whether they were out of date.
-bool upload_centres(Buffers& buffers, std::span<const Vec3f> centres, std::uint64_t version) {
-  const auto count = GLsizei(centres.size());
+bool upload_centers(Buffers& buffers, std::span<const Vec3f> centers, std::uint64_t version) {
+  const auto count = GLsizei(centers.size());
   if (!buffers.fresh && buffers.version == version && buffers.count == count) return false;
   buffers.fresh = false;
   buffers.version = version;
   buffers.count = count;
   if (count == 0) return false;
-  buffers.centres.upload(centres);
-  buffers.balls.attribute(buffers.centres, {.location = centre, .components = 3, .divisor = 1});
+  buffers.centers.upload(centers);
+  buffers.balls.attribute(buffers.centers, {.location = center, .components = 3, .divisor = 1});
   return true;
 }
 
 void upload(Buffers& buffers, const Foam& foam) {
-  upload_centres(buffers, foam.centres, foam.version);
+  upload_centers(buffers, foam.centers, foam.version);
 }
 
 void upload(Buffers& buffers, const Liquid& liquid) {
-  if (!upload_centres(buffers, liquid.centres, liquid.version)) return;
-  buffers.has_ellipsoids = liquid.ellipsoids.size() == liquid.centres.size();
+  if (!upload_centers(buffers, liquid.centers, liquid.version)) return;
+  buffers.has_ellipsoids = liquid.ellipsoids.size() == liquid.centers.size();
   if (!buffers.has_ellipsoids) return;
   buffers.axes.upload(liquid.ellipsoids);
-  buffers.ellipsoids.attribute(buffers.centres, {.location = centre, .components = 3, .divisor = 1});
+  buffers.ellipsoids.attribute(buffers.centers, {.location = center, .components = 3, .divisor = 1});
   for (GLuint k = 0; k < 3; ++k) {
     buffers.ellipsoids.attribute(buffers.axes, {.location = axis_x + k,
                                                 .components = 3,

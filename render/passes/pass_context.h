@@ -14,11 +14,11 @@
 //   material   surfaces, spheres, ground                         -> albedo, normal, depth  (target material)
 //   occlusion  how much sky each pixel sees, from normal, depth
 //   lighting   one full-screen shader lights what it finds there, with shadows and occlusion, and
-//              tone-maps it                                      -> colour (linear)
-//   liquids    over that colour, where there are any: the depth of their particles, smoothed; how thick they
+//              tone-maps it                                      -> color (linear)
+//   liquids    over that color, where there are any: the depth of their particles, smoothed; how thick they
 //              are; shaded with what is behind (see liquid.h; their shadow is drawn after the other shadows)
-//   lines      over that colour, hidden by that depth
-// and at the end the samples' mean (or, of one sample, the colour with its edges smoothed) is sRGB-encoded
+//   lines      over that color, hidden by that depth
+// and at the end the samples' mean (or, of one sample, the color with its edges smoothed) is sRGB-encoded
 // into the caller's framebuffer, and labels are drawn over it. A pass that draws geometry has one fragment
 // shader for all targets, compiled with a #define for each.
 
@@ -47,7 +47,7 @@ struct Frame {
   Vec4 shadow_size;  ///< edge of the cube that the map covers [m], 0, width of a texel [m], 1: on
   Vec4 sun_size;     ///< tangent of the sun's apparent radius; how much of the softness is blurred
   Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance where it becomes haze [m]
-  Vec4 ground_colour, ground_second;
+  Vec4 ground_color, ground_second;
   Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs from sample to sample, 1: occlusion on
   Vec4 occlusion;    ///< radius [m], strength
 };

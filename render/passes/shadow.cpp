@@ -50,7 +50,7 @@ void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, fl
   const float half = stepped(radius * (1.02f + 4 * std::min(tangent, 0.25f))), texel = 2 * half / map_side;
   const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
   view_ = look_at(Vec3f{}, -to_sun, up);
-  const Vec3f middle = casters.centre();
+  const Vec3f middle = casters.center();
   const Vec4 seen = view_ * Vec4{middle.x, middle.y, middle.z, 1};
   const float x = std::round(seen.x / texel) * texel, y = std::round(seen.y / texel) * texel;
   projection_ = orthographic(x - half, x + half, y - half, y + half, -seen.z - half, -seen.z + half);

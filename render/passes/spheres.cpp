@@ -11,14 +11,14 @@ namespace souple::render {
 
 namespace {
 
-enum Location : GLuint { centre, radius, colour };
+enum Location : GLuint { center, radius, color };
 
 constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
 
 /// The buffers of one cloud of balls.
 struct Buffers {
   gl::VertexArray array;
-  gl::Buffer centres, radii, colours;
+  gl::Buffer centers, radii, colors;
   std::uint64_t version = 0, last_used = 0;
   GLsizei count = 0;
   bool fresh = true;
@@ -42,18 +42,18 @@ void upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& 
 }
 
 void upload_changes(Buffers& buffers, const Spheres& spheres) {
-  const auto count = GLsizei(spheres.centres.size());
+  const auto count = GLsizei(spheres.centers.size());
   if (!buffers.fresh && buffers.version == spheres.version && buffers.count == count) return;
   buffers.fresh = false;
   buffers.version = spheres.version;
   buffers.count = count;
   if (count == 0) return;
-  buffers.centres.upload(spheres.centres);
-  buffers.array.attribute(buffers.centres, {.location = centre, .components = 3, .divisor = 1});
+  buffers.centers.upload(spheres.centers);
+  buffers.array.attribute(buffers.centers, {.location = center, .components = 3, .divisor = 1});
   upload_optional(buffers, buffers.radii, {.location = radius, .components = 1, .divisor = 1}, spheres.radii);
-  upload_optional(buffers, buffers.colours,
-                  {.location = colour, .components = 4, .type = GL_UNSIGNED_BYTE, .divisor = 1},
-                  spheres.colours);
+  upload_optional(buffers, buffers.colors,
+                  {.location = color, .components = 4, .type = GL_UNSIGNED_BYTE, .divisor = 1},
+                  spheres.colors);
 }
 
 bool takes_part(const Spheres& spheres, Target target) {
@@ -74,8 +74,8 @@ struct SpheresPass::Impl {
     program.set("pick", item.spheres->pick);
     program.set("look", Vec4{look.roughness, look.metalness, look.sheen, 0});
     glVertexAttrib1f(radius, item.spheres->radius);
-    glVertexAttrib4f(colour, srgb_of_linear(look.colour.r), srgb_of_linear(look.colour.g),
-                     srgb_of_linear(look.colour.b), look.colour.a);
+    glVertexAttrib4f(color, srgb_of_linear(look.color.r), srgb_of_linear(look.color.g),
+                     srgb_of_linear(look.color.b), look.color.a);
     item.buffers->array.bind();
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, item.buffers->count);
   }

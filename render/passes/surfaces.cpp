@@ -11,7 +11,7 @@ namespace souple::render {
 
 namespace {
 
-enum Location : GLuint { position, normal, texture, colour };
+enum Location : GLuint { position, normal, texture, color };
 
 constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
 
@@ -19,12 +19,12 @@ constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any
 // that the vertex shader can tell its corners apart.
 struct Buffers {
   gl::VertexArray array;
-  gl::Buffer positions, normals, texture, colours, indices;
+  gl::Buffer positions, normals, texture, colors, indices;
   std::uint64_t topology = 0, version = 0, last_used = 0;
   bool expanded = false;
   std::uint32_t vertices_needed = 0;  // largest index + 1
   GLsizei count = 0;                  // of indices, or of vertices when expanded
-  bool has_normals = false, has_colours = false, has_texture = false;
+  bool has_normals = false, has_colors = false, has_texture = false;
   bool fresh = true;
 };
 
@@ -82,9 +82,9 @@ void upload_vertices(Buffers& buffers, const Surface& surface, bool all) {
   buffers.array.attribute(buffers.positions, {.location = position});
   buffers.has_normals =
       upload_optional(buffers, buffers.normals, {.location = normal}, surface.normals, surface);
-  buffers.has_colours = upload_optional(buffers, buffers.colours,
-                                        {.location = colour, .components = 4, .type = GL_UNSIGNED_BYTE},
-                                        surface.colours, surface);
+  buffers.has_colors =
+      upload_optional(buffers, buffers.colors, {.location = color, .components = 4, .type = GL_UNSIGNED_BYTE},
+                      surface.colors, surface);
   if (all) {
     buffers.has_texture =
         upload_optional(buffers, buffers.texture, {.location = texture}, surface.texture, surface);
@@ -151,11 +151,11 @@ void SurfacesPass::Impl::draw(const Item& item, const gl::Program& program) cons
   const Look& look = surface.look;
   program.set("pose", to_mat4(surface.pose));
   program.set("pick", surface.pick);
-  program.set("colour_first", look.colour);
-  program.set("colour_second", look.second);
+  program.set("color_first", look.color);
+  program.set("color_second", look.second);
   const float checker = item.buffers->has_texture ? look.checker_size : 0;
   program.set("look", Vec4{look.roughness, look.metalness, look.sheen, checker});
-  program.set("has_colours", item.buffers->has_colours ? 1.0f : 0.0f);
+  program.set("has_colors", item.buffers->has_colors ? 1.0f : 0.0f);
   program.set("has_normals", item.buffers->has_normals ? 1.0f : 0.0f);
   (surface.one_sided ? glEnable : glDisable)(GL_CULL_FACE);
   item.buffers->array.bind();

@@ -1,7 +1,7 @@
 // The ball (or, with ELLIPSOIDS, the ellipsoid) that a splat stands for, and what the ray through a pixel finds of it.
-flat in vec3 ball_centre;  // in view space
+flat in vec3 ball_center;  // in view space
 #ifdef ELLIPSOIDS
-flat in mat3 to_unit_ball;  // from view space, about the centre
+flat in mat3 to_unit_ball;  // from view space, about the center
 #else
 flat in float ball_radius;
 #endif
@@ -11,7 +11,7 @@ in vec2 plane_place;
 struct Chord {
   vec3 direction;
   float foot;
-  vec3 off;            // from the centre to the foot; of an ellipsoid, in its unit ball
+  vec3 off;            // from the center to the foot; of an ellipsoid, in its unit ball
   float half_squared;  // below zero: the ray misses
 };
 
@@ -22,16 +22,16 @@ Chord chord_of_ball() {
   chord.direction = parallel ? vec3(0.0, 0.0, -1.0) : normalize(vec3(plane_place, -1.0));
   // From the foot of the perpendicular the two hits lie at equal distances. The usual b * b - c would lose its digits
   // to balls that are small and far.
-  vec3 to_centre = ball_centre - origin;
+  vec3 to_center = ball_center - origin;
 #ifdef ELLIPSOIDS
-  vec3 d = to_unit_ball * chord.direction, c = to_unit_ball * to_centre;
+  vec3 d = to_unit_ball * chord.direction, c = to_unit_ball * to_center;
   float stretch = dot(d, d);
   chord.foot = dot(c, d) / stretch;
   chord.off = chord.foot * d - c;
   chord.half_squared = (1.0 - dot(chord.off, chord.off)) / stretch;
 #else
-  chord.foot = dot(to_centre, chord.direction);
-  chord.off = chord.foot * chord.direction - to_centre;
+  chord.foot = dot(to_center, chord.direction);
+  chord.off = chord.foot * chord.direction - to_center;
   chord.half_squared = ball_radius * ball_radius - dot(chord.off, chord.off);
 #endif
   return chord;

@@ -1,4 +1,4 @@
-// Checkers without jaggies: the mean over a pixel instead of its centre (Inigo Quilez, "filtering the
+// Checkers without jaggies: the mean over a pixel instead of its center (Inigo Quilez, "filtering the
 // checkerboard", box filter).
 
 // Fields of edge 1 in space: 1 and 0 in turn, their mean where fields are smaller than a pixel.

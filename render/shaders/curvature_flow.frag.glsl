@@ -2,7 +2,7 @@
 // H, 2 H = div (grad z / sqrt(D)), D = 1 + |grad z|^2.
 //
 // Three departures. It moves by dt H along its normal, so by dt H sqrt(D) along the view, where the paper has dt H: that
-// leaves ripples on what is seen at a grazing angle. Lengths are metres, not pixels: the step of the paper smooths over so many pixels, this one over so
+// leaves ripples on what is seen at a grazing angle. Lengths are meters, not pixels: the step of the paper smooths over so many pixels, this one over so
 // many radii; where a pixel is small, differences are taken over several. And the second derivatives are those of
 // nearness 1 / z, which is linear across a plane on screen where z is not: -z^2 (1/z)'' instead of z''. So a plane
 // stays as it is, seen from anywhere.
@@ -47,7 +47,7 @@ void main() {
     float q = smooth_y ? (above - below) / (2.0 * h) : 0.0;
     float xx = smooth_x ? scale * (1.0 / right - 2.0 * m + 1.0 / left) : 0.0;
     float yy = smooth_y ? scale * (1.0 / above - 2.0 * m + 1.0 / below) : 0.0;
-    // The mixed derivative's share is left out: it needs four more neighbours and is small where z is smooth.
+    // The mixed derivative's share is left out: it needs four more neighbors and is small where z is smooth.
     float d = 1.0 + p * p + q * q;
     float twice_motion = ((1.0 + q * q) * xx + (1.0 + p * p) * yy) / d;
     moved = max(z + 0.5 * dt * twice_motion, 0.5 * z);

@@ -1,13 +1,13 @@
 // An ellipsoid as the smallest upright rectangle around what is seen of it.
 #include "frame.glsl"
 
-layout(location = 0) in vec3 centre;
+layout(location = 0) in vec3 center;
 // 1: the radius of a ball, see sphere.vert.glsl
 layout(location = 3) in vec3 axis_x;  // half axes, m
 layout(location = 4) in vec3 axis_y;
 layout(location = 5) in vec3 axis_z;
 
-flat out vec3 ball_centre;  // in view space
+flat out vec3 ball_center;  // in view space
 flat out mat3 to_unit_ball;
 out vec2 plane_place;  // where the pixel's ray cuts the plane at distance 1 before the eye
 
@@ -22,9 +22,9 @@ vec2 tangents(float c, float z, vec3 across, vec3 ahead) {
 }
 
 void main() {
-  vec3 c = (frame.view * vec4(centre, 1.0)).xyz;
+  vec3 c = (frame.view * vec4(center, 1.0)).xyz;
   mat3 axes = mat3(frame.view) * mat3(axis_x, axis_y, axis_z);
-  ball_centre = c;
+  ball_center = c;
   to_unit_ball = inverse(axes);
   plane_place = vec2(0.0);
   mat3 rows = transpose(axes);
@@ -34,7 +34,7 @@ void main() {
   }
   vec2 x = tangents(c.x, c.z, rows[0], rows[2]), y = tangents(c.y, c.z, rows[1], rows[2]);
   vec2 scale = vec2(frame.projection[0][0], frame.projection[1][1]), offset = -frame.projection[2].xy;
-  // Never wider than the screen: rasterisers lose digits on huge triangles.
+  // Never wider than the screen: rasterizers lose digits on huge triangles.
   vec4 edges = clamp(vec4(x.x, y.x, x.y, y.y) * scale.xyxy + offset.xyxy, -1.0, 1.0);
   vec2 place = vec2((gl_VertexID & 1) == 0 ? edges.x : edges.z, gl_VertexID < 2 ? edges.y : edges.w);
   plane_place = (place - offset) / scale;

@@ -14,7 +14,7 @@ layout(std140) uniform Frame {
   vec4 shadow_size;
   vec4 sun_size;
   vec4 ground;
-  vec4 ground_colour;
+  vec4 ground_color;
   vec4 ground_second;
   vec4 sample_info;
   vec4 occlusion;

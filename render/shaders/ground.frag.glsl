@@ -18,6 +18,6 @@ void main() {
   // Tiles far away would only disturb.
   float near = exp(-3.0 * depth / frame.ground.w);
   float tile = mix(0.5, checker(point.xz / frame.ground.y), near);
-  vec3 albedo = mix(frame.ground_second.rgb, frame.ground_colour.rgb, tile);
+  vec3 albedo = mix(frame.ground_second.rgb, frame.ground_color.rgb, tile);
   write_ground(albedo);
 }

@@ -1,10 +1,10 @@
 in vec2 sheet_place;
-flat in vec4 text_colour;
+flat in vec4 text_color;
 
 uniform sampler2D glyph_map;
 
-layout(location = 0) out vec4 out_colour;  // sRGB-encoded, as is all that lies below
+layout(location = 0) out vec4 out_color;  // sRGB-encoded, as is all that lies below
 
 void main() {
-  out_colour = vec4(text_colour.rgb, text_colour.a * texture(glyph_map, sheet_place).r);
+  out_color = vec4(text_color.rgb, text_color.a * texture(glyph_map, sheet_place).r);
 }

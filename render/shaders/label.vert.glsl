@@ -1,17 +1,17 @@
 // A corner of a glyph, or of the box behind a text.
 layout(location = 0) in vec4 rectangle;  // left, top, right, bottom: pixels from the top left corner
 layout(location = 1) in vec4 source;     // the same of the glyph sheet, in [0, 1]
-layout(location = 2) in vec4 colour;
+layout(location = 2) in vec4 color;
 
 uniform vec2 pixels;  // of the picture
 
 out vec2 sheet_place;
-flat out vec4 text_colour;
+flat out vec4 text_color;
 
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
   vec2 place = mix(rectangle.xy, rectangle.zw, corner) / pixels;
   sheet_place = mix(source.xy, source.zw, corner);
-  text_colour = colour;
+  text_color = color;
   gl_Position = vec4(2.0 * place.x - 1.0, 1.0 - 2.0 * place.y, 0.0, 1.0);
 }

@@ -1,5 +1,5 @@
 // Lights what the material pass has found at each pixel, and maps it to what a screen shows: lines drawn over it
-// keep their colours, and edges between bright and dark are as smooth as others.
+// keep their colors, and edges between bright and dark are as smooth as others.
 #include "frame.glsl"
 #include "common.glsl"
 #include "surface_point.glsl"
@@ -12,7 +12,7 @@
 #include "tone.glsl"
 
 in vec3 ray;
-layout(location = 0) out vec4 out_colour;
+layout(location = 0) out vec4 out_color;
 
 uniform sampler2D albedo_map;
 
@@ -33,7 +33,7 @@ void main() {
 #ifdef LIQUIDS
   sun *= sun_through_liquid(surface);
 #endif
-  vec3 colour = lit(material, surface.normal, to_eye, sun, open);
+  vec3 color = lit(material, surface.normal, to_eye, sun, open);
   float visible = surface.kind == kind_sky ? 0.0 : (surface.kind == kind_ground ? ground_visibility(surface.point) : 1.0);
-  out_colour = vec4(tone_mapped(mix(sky, colour, visible)), 1.0);
+  out_color = vec4(tone_mapped(mix(sky, color, visible)), 1.0);
 }

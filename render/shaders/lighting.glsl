@@ -9,17 +9,17 @@ const float pi = 3.14159265;
 // The sky lights less than it shows, as a photographer's backdrop does: shadows would be pale.
 const float ambient_strength = 0.5;
 // A little warmer than the sky, so that shadows look cool and what is lit looks neutral.
-const vec3 sun_colour = vec3(1.05, 1.0, 0.92);
+const vec3 sun_color = vec3(1.05, 1.0, 0.92);
 
 // Radiance of the sky in a direction (unit).
 vec3 sky_light(vec3 direction) {
   float h = max(direction.y, 0.0);
-  vec3 colour = mix(frame.sky.rgb, frame.horizon.rgb, 1.0 / (1.0 + h * (3.0 + 4.5 * h)));  // about exp(-3 h)
+  vec3 color = mix(frame.sky.rgb, frame.horizon.rgb, 1.0 / (1.0 + h * (3.0 + 4.5 * h)));  // about exp(-3 h)
   // The sun is not painted, but the air around it glows.
   float cosine = max(dot(direction, frame.to_sun.xyz), 0.0);
   float c2 = cosine * cosine, c6 = c2 * c2 * c2, c12 = c6 * c6, c24 = c12 * c12;
-  colour += frame.horizon.rgb * (0.10 * c6 + 0.18 * c24 * c24);
-  return colour;
+  color += frame.horizon.rgb * (0.10 * c6 + 0.18 * c24 * c24);
+  return color;
 }
 
 // Mean radiance that a rough surface facing `normal` receives from sky and floor.
@@ -35,7 +35,7 @@ float ground_visibility(vec3 point) {
   return exp(-distance * distance);
 }
 
-// The light that leaves towards `to_eye`. `sun` is how much of the sun is seen, of each colour, `open` how much of the sky.
+// The light that leaves towards `to_eye`. `sun` is how much of the sun is seen, of each color, `open` how much of the sky.
 vec3 lit(Material m, vec3 normal, vec3 to_eye, vec3 sun, float open) {
   vec3 to_sun = frame.to_sun.xyz;
   vec3 halfway = normalize(to_sun + to_eye);
@@ -60,9 +60,9 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, vec3 sun, float open) {
   // Sheen: cloth scatters at grazing angles (Estevez and Kulla 2017, roughness 0.5).
   float sine2 = 1.0 - nh * nh;
   float sheen = m.sheen * (2.0 + 2.0) * sine2 / (2.0 * pi) / (4.0 * (nl + nv - nl * nv) + 1e-4);
-  vec3 sheen_colour = mix(vec3(1.0), m.albedo, 0.6);
+  vec3 sheen_color = mix(vec3(1.0), m.albedo, 0.6);
 
-  vec3 direct = (diffuse_albedo / pi + specular + sheen_colour * sheen) * (frame.to_sun.w * nl) * sun * sun_colour;
+  vec3 direct = (diffuse_albedo / pi + specular + sheen_color * sheen) * (frame.to_sun.w * nl) * sun * sun_color;
 
   // The sky: diffuse, and a rough mirror (Karis 2014, the analytic fit for mobile).
   vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
@@ -71,7 +71,7 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, vec3 sun, float open) {
   vec3 mirrored = reflect(-to_eye, normal);
   vec3 around = mix(mirrored.y > 0.0 ? sky_light(mirrored) : frame.floor_light.rgb * 0.75, ambient_light(mirrored),
                     m.roughness);
-  vec3 rim = sheen_colour * (m.sheen * 0.35 * (1.0 - nv) * (1.0 - nv) * (1.0 - nv));
+  vec3 rim = sheen_color * (m.sheen * 0.35 * (1.0 - nv) * (1.0 - nv) * (1.0 - nv));
   vec3 ambient = ambient_strength * (ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y));
   return direct + ambient * open;
 }

@@ -1,9 +1,9 @@
 flat in vec2 start;
 flat in vec2 end;
-flat in vec4 line_colour;
+flat in vec4 line_color;
 flat in float half_width;
 
-layout(location = 0) out vec4 out_colour;
+layout(location = 0) out vec4 out_color;
 
 void main() {
   // Distance to the segment: ends are round, so lines that meet join.
@@ -13,5 +13,5 @@ void main() {
   // What a band of this width covers of a pixel, as if the pixel were a strip along it.
   float coverage = clamp(half_width + 0.5 - off, 0.0, min(1.0, 2.0 * half_width));
   if (coverage <= 0.0) discard;
-  out_colour = vec4(line_colour.rgb, line_colour.a * coverage);
+  out_color = vec4(line_color.rgb, line_color.a * coverage);
 }

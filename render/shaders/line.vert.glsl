@@ -1,7 +1,7 @@
 // A line as a quad around it on the screen, one pixel wider for its soft edge.
 layout(location = 0) in vec3 from;
 layout(location = 1) in vec3 to;
-layout(location = 2) in vec4 colour;  // sRGB-encoded
+layout(location = 2) in vec4 color;  // sRGB-encoded
 layout(location = 3) in float width;  // pixels
 
 #include "common.glsl"
@@ -11,7 +11,7 @@ uniform vec2 pixels;  // of the picture
 
 flat out vec2 start;  // pixels from the bottom left corner
 flat out vec2 end;
-flat out vec4 line_colour;  // linear
+flat out vec4 line_color;  // linear
 flat out float half_width;
 
 // In clip space, pulled to the eye by some pixels' worth of length: a line on a surface lies before the facets it
@@ -36,7 +36,7 @@ vec4 cut(vec4 a, vec4 b) {
 void main() {
   vec4 clip_a = clip_of(from), clip_b = clip_of(to);
   half_width = 0.5 * width;
-  line_colour = vec4(linear_of_srgb(colour.rgb), colour.a);
+  line_color = vec4(linear_of_srgb(color.rgb), color.a);
   if ((clip_a.z < -clip_a.w && clip_b.z < -clip_b.w) || !(width > 0.0)) {
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside
     return;

@@ -9,9 +9,9 @@
 #include "liquid.glsl"
 
 in vec3 ray;
-layout(location = 0) out vec4 out_colour;
+layout(location = 0) out vec4 out_color;
 
-uniform sampler2D colour_map;  // of the scene without liquids
+uniform sampler2D color_map;  // of the scene without liquids
 uniform sampler2D liquid_depth_map;
 uniform sampler2D liquid_look_map;
 uniform sampler2D liquid_optics_map;  // optical depth of red, green, blue; thickness [m]
@@ -21,7 +21,7 @@ float depth_at(ivec2 pixel) {
   return texelFetch(liquid_depth_map, clamp(pixel, ivec2(0), textureSize(liquid_depth_map, 0) - 1), 0).r;
 }
 
-// How the surface goes on to the next pixel: of the differences to two neighbours the one that stays on it.
+// How the surface goes on to the next pixel: of the differences to two neighbors the one that stays on it.
 float slope_of(float z, float back, float forth) {
   bool ahead = back <= 0.0 || (forth > 0.0 && abs(forth - z) < abs(back - z));
   return ahead ? (forth > 0.0 ? forth - z : 0.0) : z - back;
@@ -47,7 +47,7 @@ vec3 normal_of(float z, vec2 slope) {
   return dot(normal, ray) > 0.0 ? -normal : normal;
 }
 
-// The part of unpolarised light that a smooth surface mirrors (Fresnel).
+// The part of unpolarized light that a smooth surface mirrors (Fresnel).
 float fresnel(float cosine, float index) {
   float g = sqrt(max(index * index - 1.0 + cosine * cosine, 0.0));
   float a = (g - cosine) / max(g + cosine, 1e-4);
@@ -59,8 +59,8 @@ float fresnel(float cosine, float index) {
 vec3 surroundings(vec3 direction) {
   if (direction.y > 0.0 || frame.ground.z < 0.5) return sky_light(direction);
   vec3 up = vec3(0.0, 1.0, 0.0);
-  vec3 albedo = mix(frame.ground_colour.rgb, frame.ground_second.rgb, 0.5);
-  vec3 floor_light = albedo * (ambient_strength * ambient_light(up) + sun_colour * (frame.to_sun.w * max(frame.to_sun.y, 0.0) / pi));
+  vec3 albedo = mix(frame.ground_color.rgb, frame.ground_second.rgb, 0.5);
+  vec3 floor_light = albedo * (ambient_strength * ambient_light(up) + sun_color * (frame.to_sun.w * max(frame.to_sun.y, 0.0) / pi));
   vec3 horizon = sky_light(normalize(vec3(direction.x, 0.0, direction.z)));
   return mix(horizon, floor_light, 1.0 - exp(9.0 * direction.y));  // haze ends the floor
 }
@@ -84,7 +84,7 @@ struct Way {
 
 const int march_steps = 8;
 
-// `thickness` is that of all liquid on the ray, in metres.
+// `thickness` is that of all liquid on the ray, in meters.
 Way way_through(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
   vec3 straight = normalize(ray);
   float along_view = 1.0 / length(ray);
@@ -170,14 +170,14 @@ void main() {
   surface.code = 0.0;
   vec3 normal = surface.normal;
   float sun = sun_visibility(surface);
-  vec3 sunlight = sun_colour * (frame.to_sun.w * sun);
+  vec3 sunlight = sun_color * (frame.to_sun.w * sun);
 
-  vec3 seen = texelFetch(colour_map, pixel, 0).rgb;
+  vec3 seen = texelFetch(color_map, pixel, 0).rgb;
   if (wet) {
     float cosine = clamp(dot(normal, to_eye), 0.0, 1.0);
     float mirrors = fresnel(cosine, look.x);
     Way way = way_through(surface, slope, optics.a, look);
-    vec3 through = way.shown ? scene_light(texture(colour_map, way.place).rgb) : surroundings(way.direction);
+    vec3 through = way.shown ? scene_light(texture(color_map, way.place).rgb) : surroundings(way.direction);
     // What is dimmed is what is seen, so there is looked up how much of the liquid is before it.
     if (depth_at(ivec2(way.left * frame.size.xy)) > 0.0) {
       optics = texture(liquid_optics_map, way.left);
@@ -193,11 +193,11 @@ void main() {
     mirrors *= smoothstep(0.0, 0.6, (opaque - z) / look.z);
     vec3 halfway = normalize(frame.to_sun.xyz + to_eye);
     float spark = sun_mirrored(normal, to_eye, look.y) * fresnel(max(dot(halfway, to_eye), 0.0), look.x);
-    seen = tone_mapped(mix(through * left + scattered, mirrored, mirrors) + sun_colour * (spark * sun));
+    seen = tone_mapped(mix(through * left + scattered, mirrored, mirrors) + sun_color * (spark * sun));
   }
   float hides = 1.0 - exp(-glow.a);
   vec3 around = normalize(mix(normal, vec3(0.0, 1.0, 0.0), 0.5));
   float lit_ = max(0.35 + 0.65 * dot(around, frame.to_sun.xyz), 0.0);
   vec3 white = 0.85 * (ambient_strength * ambient_light(around) + sunlight * (lit_ / pi));
-  out_colour = vec4(mix(seen, tone_mapped(white), hides), 1.0);
+  out_color = vec4(mix(seen, tone_mapped(white), hides), 1.0);
 }

@@ -16,7 +16,7 @@ uniform float deviation;  // of the Gaussian [radii]
 
 const int most_taps = 12;          // on each side; where pixels are small some are passed over
 const float reach = 2.5;           // deviations
-const float narrow_range = 5.0;    // delta: how far apart in depth neighbours of one surface are [radii]
+const float narrow_range = 5.0;    // delta: how far apart in depth neighbors of one surface are [radii]
 const float behind = 1.0;          // mu: where what is farther is taken to be [radii]
 
 float depth_at(ivec2 pixel) {

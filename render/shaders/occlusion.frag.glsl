@@ -1,4 +1,4 @@
-// How much of the sky each pixel sees past its neighbours: Jimenez et al. 2016, "Practical real-time strategies
+// How much of the sky each pixel sees past its neighbors: Jimenez et al. 2016, "Practical real-time strategies
 // for accurate indirect occlusion", section 4: along a few directions on screen the highest horizon to both
 // sides, and what lies between them, weighted by the cosine, in closed form (eq. 7).
 #include "frame.glsl"

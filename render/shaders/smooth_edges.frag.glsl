@@ -1,26 +1,26 @@
 // Smooths the jaggies of a picture with one sample per pixel: FXAA (Lottes 2009, "FXAA"), its edge search. Where
 // luma jumps, it walks along the edge to both ends; how far the pixel is from the nearer end says how much of
-// the colour beyond the edge it gets.
+// the color beyond the edge it gets.
 in vec2 place;
-layout(location = 0) out vec4 out_colour;
-uniform sampler2D colour_map;  // encoded; alpha is luma; interpolated
+layout(location = 0) out vec4 out_color;
+uniform sampler2D color_map;  // encoded; alpha is luma; interpolated
 
 const float least_contrast = 0.045;
 const int steps = 7;
 
-float luma(vec2 at) { return textureLod(colour_map, at, 0.0).a; }
+float luma(vec2 at) { return textureLod(color_map, at, 0.0).a; }
 
-float luma_of(ivec2 at) { return texelFetch(colour_map, at, 0).a; }
+float luma_of(ivec2 at) { return texelFetch(color_map, at, 0).a; }
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  ivec2 size = textureSize(colour_map, 0);
-  vec4 here = texelFetch(colour_map, at, 0);
+  ivec2 size = textureSize(color_map, 0);
+  vec4 here = texelFetch(color_map, at, 0);
   float up = luma_of(at + ivec2(0, 1)), down = luma_of(at + ivec2(0, -1)), right = luma_of(at + ivec2(1, 0)), left = luma_of(at + ivec2(-1, 0));
   float highest = max(here.a, max(max(up, down), max(left, right)));
   float lowest = min(here.a, min(min(up, down), min(left, right)));
   float contrast = highest - lowest;
-  // The picture's rim has neighbours on three sides only.
+  // The picture's rim has neighbors on three sides only.
   bool at_rim = any(lessThan(at, ivec2(1))) || any(greaterThanEqual(at, size - 1));
   bool edge = !at_rim && contrast >= max(least_contrast, 0.12 * highest);
   // Software renderers compute both sides of branches, and leave only loops early: no turn without an edge.
@@ -35,7 +35,7 @@ void main() {
                          abs(down_left + down_right - 2.0 * down);
   bool horizontal = across_rows >= across_columns;
 
-  // The edge lies between this pixel and the neighbour that differs most.
+  // The edge lies between this pixel and the neighbor that differs most.
   float before = horizontal ? down : left, after = horizontal ? up : right;
   bool to_before = abs(before - here.a) >= abs(after - here.a);
   vec2 normal = (horizontal ? vec2(0.0, pixel.y) : vec2(pixel.x, 0.0)) * (to_before ? -1.0 : 1.0);
@@ -62,7 +62,7 @@ void main() {
   }
   float nearer = min(reach_a, reach_b);
   float end = reach_a < reach_b ? end_a : end_b;
-  // At the end where this side's colour goes on, the edge has not moved over this pixel.
+  // At the end where this side's color goes on, the edge has not moved over this pixel.
   bool moved = (end < 0.0) != (here.a - mean < 0.0);
   float shift = moved ? 0.5 - nearer / max(reach_a + reach_b, 1.0) : 0.0;
 
@@ -70,5 +70,5 @@ void main() {
   float around = (2.0 * (up + down + left + right) + up_left + up_right + down_left + down_right) / 12.0;
   float spot = smoothstep(0.0, 1.0, clamp(abs(around - here.a) / max(contrast, 1e-3), 0.0, 1.0));
   shift = edge ? max(shift, 0.6 * spot * spot) : 0.0;
-  out_colour = vec4(textureLod(colour_map, place + normal * shift, 0.0).rgb, 1.0);
+  out_color = vec4(textureLod(color_map, place + normal * shift, 0.0).rgb, 1.0);
 }

@@ -1,7 +1,7 @@
 #include "frame.glsl"
 #include "ball.glsl"
 
-flat in vec3 ball_colour;
+flat in vec3 ball_color;
 flat in uint ball_index;
 
 #ifdef TARGET_PICK
@@ -32,6 +32,6 @@ void main() {
 #endif
 #ifdef TARGET_MATERIAL
   vec3 normal = -side * (chord.off + side * half_chord * chord.direction) / ball_radius;
-  write_material(ball_colour, mat3(frame.inverse_view) * normal, look.x, look.y, look.z);
+  write_material(ball_color, mat3(frame.inverse_view) * normal, look.x, look.y, look.z);
 #endif
 }

@@ -2,13 +2,13 @@
 #include "common.glsl"
 #include "frame.glsl"
 
-layout(location = 0) in vec3 centre;
+layout(location = 0) in vec3 center;
 layout(location = 1) in float radius;
-layout(location = 2) in vec4 colour;  // sRGB-encoded
+layout(location = 2) in vec4 color;  // sRGB-encoded
 
-flat out vec3 ball_centre;  // in view space
+flat out vec3 ball_center;  // in view space
 flat out float ball_radius;
-flat out vec3 ball_colour;  // linear
+flat out vec3 ball_color;  // linear
 flat out uint ball_index;
 out vec2 plane_place;  // where the pixel's ray cuts the plane at distance 1 before the eye; orthographic: any plane
 
@@ -23,11 +23,11 @@ vec2 tangents(float across, float ahead, float r) {
 }
 
 void main() {
-  vec3 c = (frame.view * vec4(centre, 1.0)).xyz;
+  vec3 c = (frame.view * vec4(center, 1.0)).xyz;
   bool parallel = frame.projection[3][3] == 1.0;
-  ball_centre = c;
+  ball_center = c;
   ball_radius = radius;
-  ball_colour = linear_of_srgb(colour.rgb);
+  ball_color = linear_of_srgb(color.rgb);
   ball_index = uint(gl_InstanceID);
   plane_place = vec2(0.0);
   if (!(radius > 0.0) || !(parallel || -c.z > -radius)) {  // so written that NaN is outside
@@ -39,7 +39,7 @@ void main() {
   // From that plane to the screen; the offset moves the pixel grid, or the window of an orthographic view.
   vec2 scale = vec2(frame.projection[0][0], frame.projection[1][1]);
   vec2 offset = parallel ? frame.projection[3].xy : -frame.projection[2].xy;
-  // Never wider than the screen: rasterisers lose digits on huge triangles.
+  // Never wider than the screen: rasterizers lose digits on huge triangles.
   vec4 edges = clamp(vec4(x.x, y.x, x.y, y.y) * scale.xyxy + offset.xyxy, -1.0, 1.0);
   vec2 place = vec2((gl_VertexID & 1) == 0 ? edges.x : edges.z, gl_VertexID < 2 ? edges.y : edges.w);
   plane_place = (place - offset) / scale;

@@ -9,7 +9,7 @@
 // sampler's comparison of four texels, and the turned patterns hide the difference.
 uniform sampler2D shadow_map;
 
-// A number in [0, 1) for each pixel, well spread among neighbours (Jimenez 2014, interleaved gradient noise),
+// A number in [0, 1) for each pixel, well spread among neighbors (Jimenez 2014, interleaved gradient noise),
 // and other ones in each sample.
 float pixel_noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))) + frame.sample_info.z);

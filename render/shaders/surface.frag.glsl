@@ -4,7 +4,7 @@
 in vec3 world_point;
 in vec3 world_normal;
 in vec3 checker_point;
-in vec4 vertex_colour;
+in vec4 vertex_color;
 
 #ifdef TARGET_PICK
 layout(location = 0) out uvec2 picked;
@@ -21,10 +21,10 @@ void main() {}
 #include "material.glsl"
 #include "checker.glsl"
 
-uniform vec4 colour_first;
-uniform vec4 colour_second;
+uniform vec4 color_first;
+uniform vec4 color_second;
 uniform vec4 look;          // roughness, metalness, sheen, edge of a checker's field or 0
-uniform float has_colours;  // 1 where every vertex brings its own
+uniform float has_colors;  // 1 where every vertex brings its own
 uniform float has_normals;
 
 #ifdef WIREFRAME
@@ -50,9 +50,9 @@ void main() {
   float side = dot(flat_normal, to_eye) * dot(flat_normal, normal);
   if (side < 0.0) normal = -normal;
 
-  vec3 albedo = colour_first.rgb;
-  if (look.w > 0.0) albedo = mix(colour_second.rgb, albedo, checker(checker_point / look.w));
-  if (has_colours > 0.5) albedo = vertex_colour.rgb;
+  vec3 albedo = color_first.rgb;
+  if (look.w > 0.0) albedo = mix(color_second.rgb, albedo, checker(checker_point / look.w));
+  if (has_colors > 0.5) albedo = vertex_color.rgb;
 #ifdef WIREFRAME
   albedo = mix(albedo, albedo * 0.08, wire());
 #endif

@@ -1,15 +1,15 @@
-// From scene light to what a screen shows: colours below 0.76 are kept as they are, brighter ones are
+// From scene light to what a screen shows: colors below 0.76 are kept as they are, brighter ones are
 // compressed along with their hue and slowly turn white (after Khronos' PBR neutral tone mapper).
-vec3 tone_mapped(vec3 colour) {
+vec3 tone_mapped(vec3 color) {
   const float start = 0.76;
   const float desaturation = 0.15;
-  float peak = max(colour.r, max(colour.g, colour.b));
-  if (peak < start) return colour;
+  float peak = max(color.r, max(color.g, color.b));
+  if (peak < start) return color;
   float d = 1.0 - start;
   float new_peak = 1.0 - d * d / (peak + d - start);
-  colour *= new_peak / peak;
+  color *= new_peak / peak;
   float g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
-  return mix(colour, vec3(new_peak), g);
+  return mix(color, vec3(new_peak), g);
 }
 
 // The inverse: the light that a pixel was before.

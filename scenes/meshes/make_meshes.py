@@ -2,7 +2,7 @@
 """Writes the small meshes of the shipped scenes beside itself: duck.obj, star.obj, beam.msh.
 
 Surfaces are level sets of smooth bodies, cut by marching tetrahedra on a grid (six tets to a cube, all along the same
-diagonal, so that neighbours agree): closed, manifold and wound outward by construction. A level-set mesh has slivers
+diagonal, so that neighbors agree): closed, manifold and wound outward by construction. A level-set mesh has slivers
 where it passes near a grid point, so near points are snapped to one vertex first, and the rest is smoothed.
 """
 import math
@@ -14,9 +14,9 @@ here = pathlib.Path(__file__).parent
 TETS = [(0, 1, 3, 7), (0, 3, 2, 7), (0, 2, 6, 7), (0, 6, 4, 7), (0, 4, 5, 7), (0, 5, 1, 7)]
 
 
-def ellipsoid(p, centre, radii, tilt=0.0):
+def ellipsoid(p, center, radii, tilt=0.0):
     """About the distance to an ellipsoid, turned by tilt (degrees) about z; negative inside."""
-    x, y, z = (a - b for a, b in zip(p, centre))
+    x, y, z = (a - b for a, b in zip(p, center))
     c, s = math.cos(math.radians(tilt)), math.sin(math.radians(tilt))
     q = ((c * x + s * y) / radii[0], (c * y - s * x) / radii[1], z / radii[2])
     length = math.hypot(*q)
@@ -137,17 +137,17 @@ def collapse_short_edges(vertices, triangles, shortest):
         for v in t:
             faces_of[v].add(n)
     triangles = list(triangles)
-    neighbours = lambda v: {w for n in faces_of[v] for w in triangles[n]} - {v}
+    neighbors = lambda v: {w for n in faces_of[v] for w in triangles[n]} - {v}
     normal = lambda t: cross(sub(vertices[t[1]], vertices[t[0]]), sub(vertices[t[2]], vertices[t[0]]))
     again = True
     while again:
         again = False
-        edges = sorted((math.dist(vertices[a], vertices[b]), a, b) for a in range(len(vertices)) for b in neighbours(a) if a < b)
+        edges = sorted((math.dist(vertices[a], vertices[b]), a, b) for a in range(len(vertices)) for b in neighbors(a) if a < b)
         for _, a, b in edges:
             # Earlier collapses of this round moved or removed ends.
-            if not faces_of[a] or not faces_of[b] or b not in neighbours(a):
+            if not faces_of[a] or not faces_of[b] or b not in neighbors(a):
                 continue
-            if math.dist(vertices[a], vertices[b]) >= shortest or len(neighbours(a) & neighbours(b)) != 2:
+            if math.dist(vertices[a], vertices[b]) >= shortest or len(neighbors(a) & neighbors(b)) != 2:
                 continue
             kept = (faces_of[a] | faces_of[b]) - (faces_of[a] & faces_of[b])
             before = {n: normal(triangles[n]) for n in kept}
@@ -171,13 +171,13 @@ def collapse_short_edges(vertices, triangles, shortest):
 
 
 def smooth(field, vertices, triangles, rounds):
-    """Moves vertices half-way to the mean of their neighbours, then back to the level set."""
-    neighbours = [set() for _ in vertices]
+    """Moves vertices half-way to the mean of their neighbors, then back to the level set."""
+    neighbors = [set() for _ in vertices]
     for t in triangles:
         for i in range(3):
-            neighbours[t[i]].update((t[i - 1], t[i - 2]))
+            neighbors[t[i]].update((t[i - 1], t[i - 2]))
     for _ in range(rounds):
-        moved = [mean([v, mean([vertices[n] for n in sorted(neighbours[i])])]) for i, v in enumerate(vertices)]
+        moved = [mean([v, mean([vertices[n] for n in sorted(neighbors[i])])]) for i, v in enumerate(vertices)]
         vertices[:] = [project(field, v) for v in moved]
 
 
@@ -252,7 +252,7 @@ def write_beam(columns=8, rows=2, layers=2, cell=0.1):
 
 
 if __name__ == "__main__":
-    write_surface("duck", "A duck, 100 units long; scale 0.01 makes it a metre.", duck, duck_parts,
+    write_surface("duck", "A duck, 100 units long; scale 0.01 makes it a meter.", duck, duck_parts,
                   (-62, -6, -40), (62, 90, 40), 4.4)
     write_surface("star", "A star cushion, 100 units wide.", star, star_parts, (-60, -56, -20), (60, 62, 20), 5.0)
     write_beam()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the meshes of the shipped scenes that are swept along a circle or a curve, beside itself: glass.obj, tube.obj,
-knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj, water_balloon.obj. Metres."""
+knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj, water_balloon.obj. Meters."""
 import math
 import pathlib
 

@@ -44,7 +44,7 @@ void ColliderContacts::find_bodies() {
     body.moves = !collider.motion.is_static();
     body.ball = bounding_ball(collider.shape);
     if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
-    body.centre = body.after.to_world(body.ball.center);
+    body.center = body.after.to_world(body.ball.center);
     bodies_.push_back(body);
   }
 }
@@ -60,7 +60,7 @@ void ColliderContacts::find_members() {
 }
 
 // The margin is twice what a particle goes in a step at its present speed plus what gravity adds: forces and
-// neighbours change speeds, and a particle that leaves its margin costs a new broad phase. In the middle of a
+// neighbors change speeds, and a particle that leaves its margin costs a new broad phase. In the middle of a
 // step (h > 0) the speed is that of the predicted motion.
 void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                        float h, Threads& threads) {
@@ -96,7 +96,7 @@ bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
   const Placed& placed = placed_[member];
   const double reach = 3 * placed.margin + 2 * double(radius_[i]);
   const double clear = body.ball.radius + reach;
-  if (!(length_squared(placed.at - body.centre) <= clear * clear)) return false;
+  if (!(length_squared(placed.at - body.center) <= clear * clear)) return false;
   if (surface_distance(shape_of(body), body.after.to_local(placed.at)).distance > reach) return false;
   return particles.inverse_mass(i) > 0;
 }
@@ -125,8 +125,8 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
     const auto [before, after] =
         poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
     body.before = before, body.after = after;
-    body.centre = body.after.to_world(body.ball.center);
-    body.shift = length(body.centre - body.before.to_world(body.ball.center));
+    body.center = body.after.to_world(body.ball.center);
+    body.shift = length(body.center - body.before.to_world(body.ball.center));
     body.turn = sqrt(frobenius_squared(body.after.rotation - body.before.rotation));
   }
   if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
@@ -161,18 +161,18 @@ void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float
 }
 
 // A moving collider may go anywhere, so every particle is looked at in every substep: first against a ball.
-// The motion of a point at distance D from the ball's centre, relative to the collider, is at most
-// |p - x| + |centre's motion| + |R1 - R0| D.
+// The motion of a point at distance D from the ball's center, relative to the collider, is at most
+// |p - x| + |center's motion| + |R1 - R0| D.
 bool ColliderContacts::may_reach(const Body& body, const Member& member,
                                  const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
   if (!(particles.inverse_mass(i) > 0) || !surfaces_->collide(member.object, body.collider)) return false;
-  const double D = length(place(particles, i) - body.centre);
+  const double D = length(place(particles, i) - body.center);
   const double motion = double(length(particles.moved(i))) + body.shift + body.turn * D;
   return D <= body.ball.radius + 2 * (motion + double(radius_[i]));
 }
 
-// How far the centre is from the surface at the substep's end; far_away when it neither touched on the way
+// How far the center is from the surface at the substep's end; far_away when it neither touched on the way
 // nor is likely to be pushed in by other constraints. Both ends in the collider's frame, where it stands
 // still.
 double ColliderContacts::distance_if_near(const Body& body, const Member& member,
@@ -223,9 +223,9 @@ ColliderContacts::Gap ColliderContacts::gap(const Shape& shape, const Contact& c
           local - surface.normal * surface.distance};
 }
 
-void ColliderContacts::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+void ColliderContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                                const Substep&) {
-  const Body& body = bodies_[static_cast<std::size_t>(colour)];
+  const Body& body = bodies_[static_cast<std::size_t>(color)];
   for (std::size_t c = body.contact_begin + begin; c < body.contact_begin + end; ++c)
     project_one(body, contacts_[c], particles);
 }

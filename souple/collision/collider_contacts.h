@@ -20,18 +20,18 @@ namespace souple {
 ///   for each substep, at time t:
 ///     refresh(view, substep, t)                     after prediction: the contacts along x -> p,
 ///                                                   colliders t -> t + h
-///     project(colour, view, substep)                each iteration: push out, friction
+///     project(color, view, substep)                each iteration: push out, friction
 ///     apply_restitution(view, velocities, substep)  after v = (p - x) / h
 ///     report(), events()
 ///
-/// n and s are read anew from the shape at each projection while the particle's centre is outside the shape
-/// (outside a convex shape the normal is continuous, so it cannot flip). Where the centre is inside, or the
+/// n and s are read anew from the shape at each projection while the particle's center is outside the shape
+/// (outside a convex shape the normal is continuous, so it cannot flip). Where the center is inside, or the
 /// particle moves so fast that it may pass the shape within a substep, they are found once where the motion
 /// relative to the collider first touches the surface (sphere tracing), and that plane holds for the substep:
 /// a thin box lets nothing through and an edge does not throw a particle to its other side.
 ///
 /// Friction is solved with the positions (Macklin et al. 2014, section 6.1): the tangential displacement
-/// since the substep began, relative to that of the collider's surface, is cancelled by corrections whose sum
+/// since the substep began, relative to that of the collider's surface, is canceled by corrections whose sum
 /// stays within mu times the sum of normal corrections, so any number of iterations gives the same law and
 /// nothing creeps. Particles of inverse mass 0 are ignored. No state outlives a step.
 class ColliderContacts final : public Projector {
@@ -61,15 +61,15 @@ class ColliderContacts final : public Projector {
   std::string_view kind() const override { return "collider contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
-  /// One colour per collider: a particle meets each collider once.
-  int colour_count() const override { return static_cast<int>(bodies_.size()); }
-  std::size_t colour_size(int colour) const override {
-    const Body& body = bodies_[static_cast<std::size_t>(colour)];
+  /// One color per collider: a particle meets each collider once.
+  int color_count() const override { return static_cast<int>(bodies_.size()); }
+  std::size_t color_size(int color) const override {
+    const Body& body = bodies_[static_cast<std::size_t>(color)];
     return body.contact_end - body.contact_begin;
   }
   std::size_t grain() const override { return 64; }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -84,8 +84,8 @@ class ColliderContacts final : public Projector {
     bool moves = false;
     RigidPose before, after;  // at the substep's begin and end
     BoundingBall ball;
-    Vec3d centre;                // of the ball, at the substep's end [m]
-    double shift = 0, turn = 0;  // what the centre moves in a substep [m], and |R1 - R0|
+    Vec3d center;                // of the ball, at the substep's end [m]
+    double shift = 0, turn = 0;  // what the center moves in a substep [m], and |R1 - R0|
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };

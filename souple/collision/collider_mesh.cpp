@@ -24,10 +24,10 @@ Vec3d face_normal(const TriangleMesh& mesh, const Triangle& t) {
   return normalized(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
 }
 
-/// Copies a mesh and moves it to `centre`. `crease(face normal)` tells the smooth patches of the surface
+/// Copies a mesh and moves it to `center`. `crease(face normal)` tells the smooth patches of the surface
 /// apart, vertices between patches are doubled; `normal(vertex, face normal)` gives the normal there.
 template <class Crease, class Normal>
-ColliderMesh creased(const TriangleMesh& mesh, const Vec3f& centre, const Crease& crease,
+ColliderMesh creased(const TriangleMesh& mesh, const Vec3f& center, const Crease& crease,
                      const Normal& normal) {
   ColliderMesh result;
   std::map<std::pair<std::uint32_t, int>, std::uint32_t> copies;
@@ -40,7 +40,7 @@ ColliderMesh creased(const TriangleMesh& mesh, const Vec3f& centre, const Crease
       corners[k] = copy->second;
       if (!is_new) continue;
       const Vec3d& x = mesh.positions[triangle[k]];
-      result.positions.push_back(Vec3f(x + Vec3d(centre)));
+      result.positions.push_back(Vec3f(x + Vec3d(center)));
       result.normals.push_back(Vec3f(normal(x, face)));
     }
     result.triangles.push_back(corners);
@@ -51,14 +51,14 @@ ColliderMesh creased(const TriangleMesh& mesh, const Vec3f& centre, const Crease
 const auto no_crease = [](const Vec3d&) { return 0; };
 
 struct MeshOf {
-  Vec3d centre;
+  Vec3d center;
   double extent;
 
   ColliderMesh operator()(const Plane& plane) const {
     const Vec3d n(plane.normal);
     const double size = length(n);
     const Vec3d unit = n / size;
-    const Vec3d middle = centre + unit * (static_cast<double>(plane.offset) / size - dot(unit, centre));
+    const Vec3d middle = center + unit * (static_cast<double>(plane.offset) / size - dot(unit, center));
     const Vec3d aside = normalized(cross(unit, std::abs(unit.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1}));
     const Vec3d u = aside * extent, v = cross(unit, aside) * extent;
     ColliderMesh result;
@@ -113,8 +113,8 @@ struct MeshOf {
 
 }  // namespace
 
-ColliderMesh collider_mesh(const Shape& shape, const Vec3d& centre, double extent) {
-  return std::visit(MeshOf{centre, extent}, shape);
+ColliderMesh collider_mesh(const Shape& shape, const Vec3d& center, double extent) {
+  return std::visit(MeshOf{center, extent}, shape);
 }
 
 }  // namespace souple

@@ -15,7 +15,7 @@ struct ColliderMesh {
   std::vector<Triangle> triangles;
 };
 
-/// The mesh of a shape. A plane becomes a square of 2 `extent` [m] around the point nearest to `centre`.
-ColliderMesh collider_mesh(const Shape& shape, const Vec3d& centre, double extent);
+/// The mesh of a shape. A plane becomes a square of 2 `extent` [m] around the point nearest to `center`.
+ColliderMesh collider_mesh(const Shape& shape, const Vec3d& center, double extent);
 
 }  // namespace souple

@@ -35,7 +35,7 @@ class ColliderMotion {
   /// the callback is empty.
   static ColliderMotion callback(Callback callback);
 
-  /// The pose at `time` [s], its rotation normalised. What a callback throws passes through: the world
+  /// The pose at `time` [s], its rotation normalized. What a callback throws passes through: the world
   /// catches it. Throws Error when a callback's pose is not finite.
   Transform at(double time) const;
 

@@ -9,7 +9,7 @@ namespace souple {
 
 /// Coulomb's law for sums over a substep: the tangential correction that would stop all sliding is allowed up
 /// to mu_s times the normal correction; beyond, the surfaces slide and it is cut to mu_k times that.
-/// Corrections and their limit in one unit, metres or metres per second.
+/// Corrections and their limit in one unit, meters or meters per second.
 template <class T>
 Vec3<T> within_friction(const Vec3<T>& wanted, T static_friction, T kinetic_friction, T normal) {
   const T size = length(wanted);
@@ -26,7 +26,7 @@ struct Pressed {
 
 /// One projection of C >= allowed with friction (Macklin et al. 2014, section 6.1): changes the sums, and
 /// returns by how much, which is what the distance changes by [m]. `moved`: of the first surface relative to
-/// the second since the substep began. Pushes are taken back where a neighbour's push made them too large, so
+/// the second since the substep began. Pushes are taken back where a neighbor's push made them too large, so
 /// the sum never pulls.
 template <class T>
 Vec3<T> press(Pressed<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>& moved, T static_friction,

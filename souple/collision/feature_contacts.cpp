@@ -346,7 +346,7 @@ FeatureContacts::Deepest FeatureContacts::deepest_by_sections(const Shape& shape
 
 // min over w of d(sum_k w_k x_k),  w_k >= 0, sum_k w_k = 1:  along the chords through the corners in turn.
 // (The steps of Frank and Wolfe, which Macklin et al. take, are chords too, but only towards the corner that
-// is lowest along the gradient, and never back: on a triangle of half a metre 12 of them were centimetres
+// is lowest along the gradient, and never back: on a triangle of half a meter 12 of them were centimeters
 // off.) What that leaves undone is done by sections.
 FeatureContacts::Deepest FeatureContacts::deepest(const Shape& shape, const Corners& x, double limit,
                                                   double tolerance) {

@@ -53,12 +53,12 @@ class FeatureContacts final : public Projector {
   std::string_view kind() const override { return "feature contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
-  int colour_count() const override { return contacts_.empty() ? 0 : 1; }
-  std::size_t colour_size(int) const override { return contacts_.size(); }
+  int color_count() const override { return contacts_.empty() ? 0 : 1; }
+  std::size_t color_size(int) const override { return contacts_.size(); }
   /// They share particles: never cut.
   std::size_t grain() const override { return std::size_t{1} << 40; }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;

@@ -52,7 +52,7 @@ class FeaturePairs {
   /// Whether there are surfaces that may meet at all.
   bool any() const { return any_; }
   std::size_t size() const { return particle_.size(); }
-  /// Neighbouring pairs of one kind, which are looked at or passed over together.
+  /// Neighboring pairs of one kind, which are looked at or passed over together.
   struct Chunk {
     std::uint32_t begin = 0, end = 0;
     std::uint32_t blocks = 0;  // how many of its places in blocks_ are taken; too_many: not all fit
@@ -113,7 +113,7 @@ class FeaturePairs {
       ++count;
     }
   };
-  /// Those among some neighbours that are near already, and the others: these are seldom looked at.
+  /// Those among some neighbors that are near already, and the others: these are seldom looked at.
   struct Batch {
     List near, far;
   };
@@ -188,7 +188,7 @@ class FeaturePairs {
   std::vector<NearPair> particle_;
   std::vector<float> thickness_, known_;
   std::vector<std::uint8_t> is_edges_;
-  static constexpr std::size_t block_size = 64;  // neighbouring particles
+  static constexpr std::size_t block_size = 64;  // neighboring particles
   static constexpr std::uint32_t most_blocks = 48, too_many = most_blocks + 1;
   std::vector<std::array<std::uint32_t, most_blocks>> blocks_;  // where the particles of each chunk are
   std::vector<Vec4f> moved_;                                    // of each particle [m]

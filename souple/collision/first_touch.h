@@ -9,10 +9,10 @@ namespace souple {
 /// Where a ball is when it touches a shape.
 struct Touch {
   SurfaceDistance surface;
-  Vec3d point;  ///< its centre [m]
+  Vec3d point;  ///< its center [m]
 };
 
-/// Where a ball of radius r whose centre goes from `from` to `to` first touches a shape: sphere tracing
+/// Where a ball of radius r whose center goes from `from` to `to` first touches a shape: sphere tracing
 /// (Hart 1996), each stride as long as the free distance. Grazing paths may need many strides; one that has
 /// not passed after 64 is within a hair of the surface and counts as touching. What leaves a surface it
 /// touches meets no other side of a convex shape; of any other it may, and a smaller ball goes there.

@@ -55,12 +55,12 @@ MeshTree::Node MeshTree::node_of(std::uint32_t begin, std::uint32_t end) const {
     }
     const Vec3d area_normal = cross(t.b - t.a, t.c - t.a) * 0.5;
     node.area_normal += area_normal;
-    node.centre += (t.a + t.b + t.c) * (length(area_normal) / 3);
+    node.center += (t.a + t.b + t.c) * (length(area_normal) / 3);
     area += length(area_normal);
   }
-  node.centre = area > 0 ? node.centre / area : (node.lo + node.hi) * 0.5;
+  node.center = area > 0 ? node.center / area : (node.lo + node.hi) * 0.5;
   Vec3d reach;
-  for (int k = 0; k < 3; ++k) reach[k] = max(node.hi[k] - node.centre[k], node.centre[k] - node.lo[k]);
+  for (int k = 0; k < 3; ++k) reach[k] = max(node.hi[k] - node.center[k], node.center[k] - node.lo[k]);
   node.radius = length(reach);
   return node;
 }
@@ -135,7 +135,7 @@ double MeshTree::winding_number(const Vec3d& point) const {
   while (depth > 0) {
     const std::uint32_t n = stack[--depth];
     const Node& node = nodes_[n];
-    const Vec3d to = node.centre - point;
+    const Vec3d to = node.center - point;
     const double squared = length_squared(to), near = far_radii * node.radius;
     if (squared > near * near) {
       angle += dot(to, node.area_normal) / (squared * sqrt(squared));

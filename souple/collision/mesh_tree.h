@@ -11,7 +11,7 @@
 namespace souple {
 
 /// The triangles of a surface that stands still, in a tree of boxes: how far a point is from them, and how
-/// often they go around it. Cut at the median of the centres along the longest side.
+/// often they go around it. Cut at the median of the centers along the longest side.
 class MeshTree {
  public:
   /// At least one triangle; indices in range, positions finite.
@@ -33,7 +33,7 @@ class MeshTree {
   ///
   /// A box of triangles that is far away for its size counts as one dipole (Barill et al. 2018, eq. 11):
   ///
-  ///   w ~ (c - p) . N / (4 pi |c - p|^3),   N the sum of area times normal, c the centre weighted by area.
+  ///   w ~ (c - p) . N / (4 pi |c - p|^3),   N the sum of area times normal, c the center weighted by area.
   double winding_number(const Vec3d& point) const;
 
  private:
@@ -44,7 +44,7 @@ class MeshTree {
   };
   struct Node {
     Vec3d lo, hi;
-    Vec3d centre;         // weighted by area
+    Vec3d center;         // weighted by area
     double radius = 0;    // from there, of all that is in the box [m]
     Vec3d area_normal{};  // sum of area times normal [m^2]
     std::uint32_t begin = 0, end = 0;

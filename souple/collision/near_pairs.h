@@ -45,11 +45,11 @@ class ObjectMatrix {
 /// Finds what may touch within a step: vertices whose box overlaps that of a triangle, edges whose box
 /// overlaps that of an edge, and loose vertices (grains) whose box overlaps that of a loose edge (a rope's).
 ///
-/// Patches of up to 15 neighbouring triangles (see SurfaceElements) are entered in the spatial hash, each
+/// Patches of up to 15 neighboring triangles (see SurfaceElements) are entered in the spatial hash, each
 /// with what it owns; two patches whose boxes overlap are compared item by item, a register's worth at a
 /// time. The first version, a hash of single triangles and another of single edges that were compared one by
 /// one, took seven times as long (100 k triangles): every edge overlaps some twenty others, and most are its
-/// neighbours. Patches of at most 6, 8, 12 and 15 triangles took 1.33, 1.12, 1.06 and 1 of the time.
+/// neighbors. Patches of at most 6, 8, 12 and 15 triangles took 1.33, 1.12, 1.06 and 1 of the time.
 class NearPairFinder {
  public:
   /// Replaces `out`. `boxes`: of each particle, swept over the step and thickened [m]; that of an edge or a

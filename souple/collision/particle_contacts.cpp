@@ -211,7 +211,7 @@ void ParticleContacts::place_members(const ParticleView& particles) {
   for (const Member& member : members_) placed_.push_back(particles.relative(member.particle, corner_));
 }
 
-// Buckets of cells that follow each other along x follow each other in memory, so that three neighbours are
+// Buckets of cells that follow each other along x follow each other in memory, so that three neighbors are
 // one row.
 std::uint32_t ParticleContacts::bucket_of_row(std::int32_t y, std::int32_t z) const {
   return static_cast<std::uint32_t>(y) * 2654435761u ^ static_cast<std::uint32_t>(z) * 2246822519u;
@@ -289,7 +289,7 @@ void ParticleContacts::append_pairs_of(std::uint32_t member) {
 
 void ParticleContacts::forget_contacts() {
   contacts_.clear();
-  colour_begin_.assign(1, 0);
+  color_begin_.assign(1, 0);
 }
 
 void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
@@ -310,7 +310,7 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
     for (std::size_t p = begin; p < end; ++p)
       touches_[p] = may_touch(static_cast<std::uint32_t>(p), particles) ? 1 : 0;
   });
-  colour_touching(particles);
+  color_touching(particles);
   if (contacts_.capacity() < sorted_.size()) contacts_.reserve(2 * sorted_.size());
   contacts_.resize(sorted_.size());
   sweeps_.begin_sweep(contacts_.size());
@@ -327,34 +327,34 @@ bool ParticleContacts::may_touch(std::uint32_t pair, const ParticleView& particl
   return length(particles.difference(i, j)) < 1.1f * (radius_[i] + radius_[j]) + path;
 }
 
-// In order of (i, j) a contact takes the colour after the highest that its two particles have so far. Solving
-// colour after colour then gives, to the bit, what solving one contact after the other in order of (i, j)
+// In order of (i, j) a contact takes the color after the highest that its two particles have so far. Solving
+// color after color then gives, to the bit, what solving one contact after the other in order of (i, j)
 // gives, as two contacts of one particle keep their order; and backwards what the reverse order gives. That
 // order carries a push from the floor up through a heap in one sweep, and down again in the next. A greedy
-// colouring needs fewer colours, but loses it: a heap of 288 grains lay 0.069 m high instead of 0.08, and
+// coloring needs fewer colors, but loses it: a heap of 288 grains lay 0.069 m high instead of 0.08, and
 // still crept after six seconds.
 //
-// A particle that cannot move takes no colour: a pinned cloth under a thousand grains keeps nobody waiting.
-void ParticleContacts::colour_touching(const ParticleView& particles) {
-  next_colour_.assign(members_.size(), 0);
+// A particle that cannot move takes no color: a pinned cloth under a thousand grains keeps nobody waiting.
+void ParticleContacts::color_touching(const ParticleView& particles) {
+  next_color_.assign(members_.size(), 0);
   touching_.clear();
-  colour_begin_.assign(1, 0);
+  color_begin_.assign(1, 0);
   for (std::uint32_t p = 0; p < pairs_.size(); ++p) {
     if (touches_[p] == 0) continue;
     const auto [i, j] = pairs_[p];
-    const std::uint32_t colour = std::max(next_colour_[i], next_colour_[j]);
-    if (particles.inverse_mass(members_[i].particle) > 0) next_colour_[i] = colour + 1;
-    if (particles.inverse_mass(members_[j].particle) > 0) next_colour_[j] = colour + 1;
-    touching_.push_back({p, colour});
-    if (colour + 1 == colour_begin_.size()) colour_begin_.push_back(0);
-    ++colour_begin_[colour + 1];
+    const std::uint32_t color = std::max(next_color_[i], next_color_[j]);
+    if (particles.inverse_mass(members_[i].particle) > 0) next_color_[i] = color + 1;
+    if (particles.inverse_mass(members_[j].particle) > 0) next_color_[j] = color + 1;
+    touching_.push_back({p, color});
+    if (color + 1 == color_begin_.size()) color_begin_.push_back(0);
+    ++color_begin_[color + 1];
   }
   // Counting sort, stable.
-  for (std::size_t colour = 1; colour < colour_begin_.size(); ++colour)
-    colour_begin_[colour] += colour_begin_[colour - 1];
-  next_place_ = colour_begin_;
+  for (std::size_t color = 1; color < color_begin_.size(); ++color)
+    color_begin_[color] += color_begin_[color - 1];
+  next_place_ = color_begin_;
   sorted_.resize(touching_.size());
-  for (const Touch& touch : touching_) sorted_[next_place_[touch.colour]++] = touch.pair;
+  for (const Touch& touch : touching_) sorted_[next_place_[touch.color]++] = touch.pair;
 }
 
 ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const ParticleView& particles,
@@ -371,7 +371,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const float overlap = apart_before - reach;
   if (overlap < 0) {
     contact.allowed = min(0.0f, overlap + step_.depenetration_speed * h);
-    contact.held = dot(from, to) < 0;  // centres passed each other: part them the way they came
+    contact.held = dot(from, to) < 0;  // centers passed each other: part them the way they came
   } else if (length(motion) > 0.25f * reach) {
     const float s = first_touch(from, motion, reach);
     contact.held = s >= 0;
@@ -380,10 +380,10 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   return contact;
 }
 
-// Contacts of what comes as `colour` in this sweep.
-ParticleContacts::Range ParticleContacts::contacts_of(int colour) const {
-  const auto c = static_cast<std::size_t>(sweeps_.backwards() ? colour_count() - 1 - colour : colour);
-  return {colour_begin_[c], colour_begin_[c + 1]};
+// Contacts of what comes as `color` in this sweep.
+ParticleContacts::Range ParticleContacts::contacts_of(int color) const {
+  const auto c = static_cast<std::size_t>(sweeps_.backwards() ? color_count() - 1 - color : color);
+  return {color_begin_[c], color_begin_[c + 1]};
 }
 
 // C and the normal at a difference x_i - x_j.
@@ -395,9 +395,9 @@ float ParticleContacts::gap(const Contact& contact, const Vec3f& difference, Vec
   return l - contact.reach;
 }
 
-void ParticleContacts::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+void ParticleContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                                const Substep&) {
-  const std::size_t first = contacts_of(colour).begin;
+  const std::size_t first = contacts_of(color).begin;
   for (std::size_t c = first + begin; c < first + end; ++c) project_one(contacts_[c], particles);
   sweeps_.projected(end - begin, contacts_.size());
 }
@@ -416,16 +416,16 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   contact.rubbed = sums.rubbed;
   contact.normal = n;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  // What cannot move is shared between contacts of a colour: nobody may write to it.
+  // What cannot move is shared between contacts of a color: nobody may write to it.
   if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
   if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
 }
 
 void ParticleContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                          const Substep& substep, Threads& threads) {
-  for (std::size_t colour = 0; colour + 1 < colour_begin_.size(); ++colour) {
-    const std::size_t first = colour_begin_[colour];
-    threads.for_each(colour_begin_[colour + 1] - first, grain(), [&](std::size_t begin, std::size_t end) {
+  for (std::size_t color = 0; color + 1 < color_begin_.size(); ++color) {
+    const std::size_t first = color_begin_[color];
+    threads.for_each(color_begin_[color + 1] - first, grain(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = first + begin; c < first + end; ++c)
         restore_speed(contacts_[c], particles, velocity, substep.h);
     });
@@ -496,13 +496,13 @@ Residual ParticleContacts::residual(const ParticleView& particles) const {
 }
 
 void ParticleContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  for (std::size_t colour = 0; colour + 1 < colour_begin_.size(); ++colour)
-    for (std::size_t c = colour_begin_[colour]; c < colour_begin_[colour + 1]; ++c) {
+  for (std::size_t color = 0; color + 1 < color_begin_.size(); ++color)
+    for (std::size_t c = color_begin_[color]; c < color_begin_[color + 1]; ++c) {
       const Contact& contact = contacts_[c];
       Vec3f unused;
       const float C = gap(contact, particles.difference(contact.i, contact.j), unused);
       const std::uint32_t pair[] = {contact.i, contact.j};
-      visitor({pair, static_cast<int>(colour), 0, max(0.0f, -C)});
+      visitor({pair, static_cast<int>(color), 0, max(0.0f, -C)});
     }
 }
 

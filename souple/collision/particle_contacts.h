@@ -27,7 +27,7 @@ struct FrictionMemory {
 /// broad phase is a uniform grid, sorted by counting; it runs once per step with a margin for motion relative
 /// to the mean, and again in the middle of a step when some particle has left its margin. Contacts are
 /// solved as if one after the other (Gauss-Seidel) in order of (i, j), every second sweep backwards; they
-/// are coloured anew in each substep such that this holds, and those of one colour share no particle that can
+/// are colored anew in each substep such that this holds, and those of one color share no particle that can
 /// move. The order depends on positions and indices alone. Corrections are equal and opposite: momentum is
 /// kept to rounding. Friction and restitution follow the same rules as for colliders. A pair that is apart
 /// before and after a substep but met in between is caught where both particles are still in each other's
@@ -60,14 +60,14 @@ class ParticleContacts final : public Projector {
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   /// As many as the longest chain of contacts (i, j), (j, k), ... of ascending particles has, at least.
-  int colour_count() const override { return static_cast<int>(colour_begin_.size()) - 1; }
-  std::size_t colour_size(int colour) const override {
-    const Range range = contacts_of(colour);
+  int color_count() const override { return static_cast<int>(color_begin_.size()) - 1; }
+  std::size_t color_size(int color) const override {
+    const Range range = contacts_of(color);
     return range.end - range.begin;
   }
   std::size_t grain() const override { return 32; }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -85,7 +85,7 @@ class ParticleContacts final : public Projector {
   struct Cell {
     std::int32_t x, y, z;
   };
-  /// A member in the grid; copied there, so that neighbours are read in a row.
+  /// A member in the grid; copied there, so that neighbors are read in a row.
   struct Entry {
     Vec3f at;
     float radius;
@@ -145,7 +145,7 @@ class ParticleContacts final : public Projector {
   };
   /// A pair that makes a contact in this substep.
   struct Touch {
-    std::uint32_t pair, colour;
+    std::uint32_t pair, color;
   };
 
   bool interact(std::uint32_t object_a, std::uint32_t object_b) const;
@@ -160,10 +160,10 @@ class ParticleContacts final : public Projector {
   void append_pairs_of(std::uint32_t member);
   std::uint32_t bucket_of_row(std::int32_t y, std::int32_t z) const;
   bool may_touch(std::uint32_t pair, const ParticleView& particles) const;
-  void colour_touching(const ParticleView& particles);
+  void color_touching(const ParticleView& particles);
   Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
   void forget_contacts();
-  Range contacts_of(int colour) const;
+  Range contacts_of(int color) const;
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;
   void restore_speed(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity, float h);
@@ -191,12 +191,12 @@ class ParticleContacts final : public Projector {
   std::vector<FrictionMemory> memory_;  // taken over from the last broad phase by the next
   std::vector<Vec3d> chunk_sum_;        // of members
   std::vector<float> chunk_largest_;
-  std::vector<std::uint8_t> touches_;       // of each pair, in this substep
-  std::vector<std::uint32_t> next_colour_;  // of each member: one more than its contacts have so far
-  std::vector<Touch> touching_;             // in order of pairs
-  std::vector<std::uint32_t> sorted_;       // the same pairs by colour
-  std::vector<Contact> contacts_;           // in the order of sorted_
-  std::vector<std::uint32_t> colour_begin_{0}, next_place_;  // in contacts_
+  std::vector<std::uint8_t> touches_;      // of each pair, in this substep
+  std::vector<std::uint32_t> next_color_;  // of each member: one more than its contacts have so far
+  std::vector<Touch> touching_;            // in order of pairs
+  std::vector<std::uint32_t> sorted_;      // the same pairs by color
+  std::vector<Contact> contacts_;          // in the order of sorted_
+  std::vector<std::uint32_t> color_begin_{0}, next_place_;  // in contacts_
 };
 
 }  // namespace souple

@@ -16,7 +16,7 @@ struct RayHit {
 };
 
 /// First point of origin + s direction, 0 <= s <= max_distance, on the shape's surface, in the shape's frame.
-/// The direction need not be a unit vector (distances are metres all the same); zero never hits. A ray that
+/// The direction need not be a unit vector (distances are meters all the same); zero never hits. A ray that
 /// starts inside hits at distance 0, with the normal of the nearest surface.
 std::optional<RayHit> ray_cast(const Shape& shape, const Vec3d& origin, const Vec3d& direction,
                                double max_distance = std::numeric_limits<double>::infinity());

@@ -79,7 +79,7 @@ struct Validator {
 
   void size(const char* what, float value, bool zero_allowed = false) const {
     if (std::isfinite(value) && (value > 0 || (zero_allowed && value == 0))) return;
-    throw Error(fmt::format("{}: {} is {:g}; expected a finite length {}, in metres", where, what, value,
+    throw Error(fmt::format("{}: {} is {:g}; expected a finite length {}, in meters", where, what, value,
                             zero_allowed ? "of at least 0" : "above 0"));
   }
   void point(const char* what, const Vec3f& value) const {

@@ -8,7 +8,7 @@
 #include <variant>
 
 // The shapes of colliders, in the collider's own frame [m]: analytic ones, and a grid of distances. Distances
-// and normals are computed in double: a plane may be touched hundreds of metres from its frame's origin.
+// and normals are computed in double: a plane may be touched hundreds of meters from its frame's origin.
 
 namespace souple {
 
@@ -52,7 +52,7 @@ bool is_convex(const Shape& shape);
 /// there). For a finite point the result is always finite and point - normal * distance lies on the surface.
 SurfaceDistance surface_distance(const Shape& shape, const Vec3d& point);
 
-/// The centre and radius of a ball that holds the shape; the radius is infinite for a plane.
+/// The center and radius of a ball that holds the shape; the radius is infinite for a plane.
 struct BoundingBall {
   Vec3d center{};
   double radius = 0;

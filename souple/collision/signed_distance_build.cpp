@@ -43,7 +43,7 @@ TriangleMesh closed_surface(const TriangleMesh& mesh) {
 
 }  // namespace
 
-/// Fills a grid. Points are gone through along lines to and fro, so that each has a neighbour just before it:
+/// Fills a grid. Points are gone through along lines to and fro, so that each has a neighbor just before it:
 /// its nearest triangle is a good guess, and where it was further from the surface than the way between the
 /// two, both are on the same side.
 struct SignedDistanceField::Builder {
@@ -96,8 +96,8 @@ struct SignedDistanceField::Builder {
     std::int32_t count = 0;
     std::uint32_t guess = 0;
     to_and_fro(nx, ny, nz, [&](int i, int j, int k) {
-      const Vec3d centre = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * step;
-      const MeshTree::Nearest nearest = tree.nearest(centre, guess, far_tolerance);
+      const Vec3d center = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * step;
+      const MeshTree::Nearest nearest = tree.nearest(center, guess, far_tolerance);
       guess = nearest.triangle;
       if (nearest.distance <= reach) grid.place[grid.block_index(i, j, k)] = count++;
     });
@@ -146,7 +146,7 @@ struct SignedDistanceField::Builder {
 SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacing) {
   if (!(std::isfinite(spacing) && spacing > 0))
     throw Error(fmt::format(
-        "SignedDistanceField: spacing is {:.3g}; expected a finite length above 0, in metres", spacing));
+        "SignedDistanceField: spacing is {:.3g}; expected a finite length above 0, in meters", spacing));
   const TriangleMesh solid = closed_surface(mesh);
   const MeshTree tree(solid.positions, solid.triangles);
   const auto grid = std::make_shared<Grid>();

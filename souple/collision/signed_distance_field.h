@@ -24,8 +24,8 @@ class SignedDistanceField {
  public:
   /// No solid: not to be used before another is assigned to it.
   SignedDistanceField() = default;
-  /// The mesh in metres, in the collider's frame. What `repair` of mesh_report.h mends is mended first; solid
-  /// is what the mesh goes around more than half a time (generalised winding number), so pieces may overlap
+  /// The mesh in meters, in the collider's frame. What `repair` of mesh_report.h mends is mended first; solid
+  /// is what the mesh goes around more than half a time (generalized winding number), so pieces may overlap
   /// and hold cavities. Takes about a microsecond and a half per point of the grid. Throws Error if the mesh
   /// is not closed, saying where it is open; if `spacing` is not positive; if the field would need more than
   /// `max_bytes`, with the spacing that would do.

@@ -10,7 +10,7 @@ namespace souple {
 /// What a signed distance field holds: points at origin + spacing (i, j, k), grouped into blocks.
 struct SignedDistanceField::Grid {
   static constexpr int block_cells = 8;               // along each side
-  static constexpr int block_side = block_cells + 1;  // points; neighbours repeat those they share
+  static constexpr int block_side = block_cells + 1;  // points; neighbors repeat those they share
   static constexpr std::size_t block_points = std::size_t(block_side) * block_side * block_side;
   static constexpr std::int32_t coarse_only = -1;
 

@@ -52,8 +52,8 @@ void resize_with_room(std::vector<Item>& items, std::size_t size, double part = 
 /// - There are grids of several cell sizes, each four times that of the one below. A box is entered in the
 ///   finest whose cells are as large as itself, so in 8 cells at most: a huge triangle among small ones costs
 ///   no more than they do. Two boxes meet in the grid of the larger.
-/// - What is hashed is a block of 4 x 4 x 4 cells; within it cells lie in order. Neighbours in space are then
-///   neighbours in memory, and two cells that a box touches never fall on one bucket.
+/// - What is hashed is a block of 4 x 4 x 4 cells; within it cells lie in order. Neighbors in space are then
+///   neighbors in memory, and two cells that a box touches never fall on one bucket.
 /// - Buckets are filled by counting sort, first by parts of the table, then within each: no lists, no time
 ///   stamps, the same contents for any number of threads.
 /// - A pair that meets in several cells is taken in the one that holds the lower corner of what they share.
@@ -93,7 +93,7 @@ class SpatialHash {
   /// The last has one cell.
   static constexpr int grid_count = 16, finer_grids = 6;
   static constexpr std::uint8_t nowhere = grid_count;
-  /// The cells that a box touches in a grid: lo, and its neighbours along the axes whose bits are set.
+  /// The cells that a box touches in a grid: lo, and its neighbors along the axes whose bits are set.
   struct Cells {
     std::int32_t lo[3];
     std::uint32_t spans;

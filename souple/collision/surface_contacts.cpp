@@ -16,7 +16,7 @@ namespace {
 using kernels::Verdict;
 
 constexpr std::size_t contact_grain = 256;
-constexpr std::uint16_t no_colour = std::numeric_limits<std::uint16_t>::max();
+constexpr std::uint16_t no_color = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 // Nearer than this no side is left to keep: what began so is not held back, or two sheets that lie in one
 // plane would never come apart. [m]
@@ -86,7 +86,7 @@ void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   pairs_.set_surfaces(std::move(surfaces));
   if (!pairs_.any()) return;
   find_sides();
-  // Colours and what the solver leaves undone come and go.
+  // Colors and what the solver leaves undone come and go.
   used_.reserve(3 * pairs_.particle_count());
   begin_.reserve(512), next_place_.reserve(512);
   cut_pair_.reserve(256), cut_part_.reserve(256), cuts_.reserve(256);
@@ -188,7 +188,7 @@ void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const 
   step_ = step;
   pressed_ = pressed;
   pairs_.begin_step(particles, velocity, radius, pressed, step, threads);
-  renew_colours();
+  renew_colors();
 }
 
 void SurfaceContacts::forget_contacts() {
@@ -197,16 +197,16 @@ void SurfaceContacts::forget_contacts() {
 }
 
 // Pairs from there on are new; 0: all.
-void SurfaceContacts::renew_colours_from(std::size_t renewed_from) {
-  if (renewed_from == 0) return renew_colours();
-  const std::size_t known = colour_.size();
-  resize_with_room(colour_, pairs_.size());
-  std::fill(colour_.begin() + static_cast<std::ptrdiff_t>(known), colour_.end(), no_colour);
+void SurfaceContacts::renew_colors_from(std::size_t renewed_from) {
+  if (renewed_from == 0) return renew_colors();
+  const std::size_t known = color_.size();
+  resize_with_room(color_, pairs_.size());
+  std::fill(color_.begin() + static_cast<std::ptrdiff_t>(known), color_.end(), no_color);
 }
 
-void SurfaceContacts::renew_colours() {
-  resize_with_room(colour_, pairs_.size());
-  std::fill(colour_.begin(), colour_.end(), no_colour);
+void SurfaceContacts::renew_colors() {
+  resize_with_room(color_, pairs_.size());
+  std::fill(color_.begin(), color_.end(), no_color);
   used_.assign(pairs_.particle_count(), 0);
 }
 
@@ -241,7 +241,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   if (!pairs_.any()) return;
   limits_ = {1 / substep.h, 2 * step_.gravity * substep.h, step_.depenetration_speed * substep.h};
   pairs_.begin_substep(substep.h);
-  renew_colours_from(pairs_.keep_up(particles, substep.h, threads));
+  renew_colors_from(pairs_.keep_up(particles, substep.h, threads));
   pairs_.measure(particles, threads);
   find(touches_, threads,
        [&](std::size_t chunk, std::vector<Touch>& found) { find_touching(chunk, particles, found); });
@@ -283,10 +283,10 @@ bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned verdict, const Par
   return on_border == 0 || is_rope(particle.particle[0]) || is_rope(particle.particle[2]);
 }
 
-// --- colours
+// --- colors
 
-// The lowest colour that none of its particles has yet. A particle that cannot move takes none.
-std::uint16_t SurfaceContacts::colour_of(const NearPair& pair, const ParticleView& particles) {
+// The lowest color that none of its particles has yet. A particle that cannot move takes none.
+std::uint16_t SurfaceContacts::color_of(const NearPair& pair, const ParticleView& particles) {
   const std::size_t n = pairs_.particle_count();
   for (std::size_t round = 0;; ++round) {
     if (used_.size() == round * n) used_.resize(used_.size() + n, 0);
@@ -301,14 +301,14 @@ std::uint16_t SurfaceContacts::colour_of(const NearPair& pair, const ParticleVie
   }
 }
 
-// By colour, and within a colour in order of pairs, which has vertices and triangles first.
+// By color, and within a color in order of pairs, which has vertices and triangles first.
 void SurfaceContacts::sort_touches(const ParticleView& particles) {
   next_place_.assign(next_place_.capacity() > 0 ? 2 : 256, 0);
   for (const Touch& touch : touches_) {
-    std::uint16_t& colour = colour_[touch.pair];
-    if (colour == no_colour) colour = colour_of(pairs_.pair(touch.pair), particles);
-    const std::size_t kind = 2 * std::size_t{colour} + (pairs_.are_edges(touch.pair) ? 1 : 0);
-    if (next_place_.size() <= kind) next_place_.resize(2 * std::size_t{colour} + 2, 0);
+    std::uint16_t& color = color_[touch.pair];
+    if (color == no_color) color = color_of(pairs_.pair(touch.pair), particles);
+    const std::size_t kind = 2 * std::size_t{color} + (pairs_.are_edges(touch.pair) ? 1 : 0);
+    if (next_place_.size() <= kind) next_place_.resize(2 * std::size_t{color} + 2, 0);
     ++next_place_[kind];
   }
   begin_.clear();
@@ -325,7 +325,7 @@ void SurfaceContacts::sort_touches(const ParticleView& particles) {
   resize_with_room(part_, sum, ContactArrays::room);
   for (const Touch& touch : touches_) {
     const std::size_t place =
-        next_place_[2 * std::size_t{colour_[touch.pair]} + (pairs_.are_edges(touch.pair) ? 1 : 0)]++;
+        next_place_[2 * std::size_t{color_[touch.pair]} + (pairs_.are_edges(touch.pair) ? 1 : 0)]++;
     pair_[place] = touch.pair;
     part_[place] = touch.part;
   }
@@ -363,9 +363,9 @@ void SurfaceContacts::describe_touches(const ParticleView& particles, Threads& t
   });
 }
 
-void SurfaceContacts::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep&) {
-  const std::size_t first = begin_[2 * static_cast<std::size_t>(colour)];
+  const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
   packed().project(pairs_.points(particles), columns_, first + begin, first + end);
 }
 
@@ -404,7 +404,7 @@ void SurfaceContacts::find_cuts_again(const ParticleView& particles, const Subst
   std::sort(cut_particles_.begin(), cut_particles_.end());
   cut_particles_.erase(std::unique(cut_particles_.begin(), cut_particles_.end()), cut_particles_.end());
   const std::size_t renewed_from = pairs_.keep_up(particles, substep.h, cut_particles_, threads);
-  renew_colours_from(renewed_from);
+  renew_colors_from(renewed_from);
   if (renewed_from == 0) return find_cuts(particles, threads);
   pairs_.measure(particles, cut_particles_);
   find(cuts_, threads,
@@ -470,7 +470,7 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
   constexpr int pushes = 20, passes = 30;
   cut_pair_.clear(), cut_part_.clear();
   std::size_t count = 0;
-  renew_colours_from(pairs_.keep_up(particles, substep.h, threads));
+  renew_colors_from(pairs_.keep_up(particles, substep.h, threads));
   find_cuts(particles, threads);
   for (int pass = 0; pass < passes && !cuts_.empty(); ++pass) {
     if (pass < pushes) {
@@ -491,9 +491,9 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
 void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                         const Substep&, Threads& threads) {
   if (velocity.empty()) return;
-  for (int colour = 0; colour < colour_count(); ++colour) {
-    const std::size_t first = begin_[2 * static_cast<std::size_t>(colour)];
-    threads.for_each(colour_size(colour), grain(), [&](std::size_t begin, std::size_t end) {
+  for (int color = 0; color < color_count(); ++color) {
+    const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
+    threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
       packed().restore_speed(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin,
                              first + end);
     });
@@ -546,16 +546,16 @@ Residual SurfaceContacts::residual(const ParticleView& particles) const {
 }
 
 void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  for (int colour = 0; colour < colour_count(); ++colour)
-    for (std::size_t c = begin_[2 * static_cast<std::size_t>(colour)];
-         c < begin_[2 * static_cast<std::size_t>(colour) + 2]; ++c) {
+  for (int color = 0; color < color_count(); ++color)
+    for (std::size_t c = begin_[2 * static_cast<std::size_t>(color)];
+         c < begin_[2 * static_cast<std::size_t>(color) + 2]; ++c) {
       const std::array<std::uint32_t, 4> i{columns_.particle[0][c], columns_.particle[1][c],
                                            columns_.particle[2][c], columns_.particle[3][c]};
       Vec3f apart;
       for (std::size_t k = 1; k < 4; ++k) apart += particles.difference(i[k], i[0]) * columns_.c[k][c];
       const Vec3f n{columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]};
       const float C = dot(n, apart) - columns_.thickness[c];
-      visitor({i, colour, 0, max(0.0f, -C)});
+      visitor({i, color, 0, max(0.0f, -C)});
     }
 }
 
@@ -566,7 +566,7 @@ void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
 
 std::size_t SurfaceContacts::bytes() const {
   std::size_t sum =
-      bytes_of(owner_of_vertex_, side_begin_, sides_, touches_, colour_, used_, pair_, part_, left_of_way_);
+      bytes_of(owner_of_vertex_, side_begin_, sides_, touches_, color_, used_, pair_, part_, left_of_way_);
   for (const Found& found : found_) sum += bytes_of(found.touches);
   return sum + pairs_.bytes() + contacts_.bytes() + rescues_.bytes();
 }

@@ -66,14 +66,14 @@ class SurfaceContacts final : public Projector {
   std::string_view kind() const override { return "surface contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
-  int colour_count() const override { return static_cast<int>((begin_.size() - 1) / 2); }
-  std::size_t colour_size(int colour) const override {
-    const auto c = static_cast<std::size_t>(colour);
+  int color_count() const override { return static_cast<int>((begin_.size() - 1) / 2); }
+  std::size_t color_size(int color) const override {
+    const auto c = static_cast<std::size_t>(color);
     return begin_[2 * c + 2] - begin_[2 * c];
   }
   std::size_t grain() const override { return 256; }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -95,8 +95,8 @@ class SurfaceContacts final : public Projector {
   };
 
   void forget_contacts();
-  void renew_colours_from(std::size_t renewed_from);
-  void renew_colours();
+  void renew_colors_from(std::size_t renewed_from);
+  void renew_colors();
   void find_sides();
   bool is_owner(const NearPair& pair, unsigned on_border, const ParticleView& particles) const;
   bool is_owner_of_side(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
@@ -108,7 +108,7 @@ class SurfaceContacts final : public Projector {
   void find_cuts(const ParticleView& particles, Threads& threads);
   void find_cuts_again(const ParticleView& particles, const Substep& substep, Threads& threads);
   bool is_contact(std::uint32_t pair, unsigned verdict, const ParticleView& particles, float& part) const;
-  std::uint16_t colour_of(const NearPair& pair, const ParticleView& particles);
+  std::uint16_t color_of(const NearPair& pair, const ParticleView& particles);
   void sort_touches(const ParticleView& particles);
   void describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,
                 const std::vector<std::uint32_t>& pairs, const std::vector<float>& parts,
@@ -134,14 +134,14 @@ class SurfaceContacts final : public Projector {
   kernels::ContactLimits limits_{};
   std::vector<Found> found_;    // of each chunk
   std::vector<Touch> touches_;  // in order of pairs
-  /// Of each pair that has made a contact since all pairs were found: its colour. A pair keeps it until they
+  /// Of each pair that has made a contact since all pairs were found: its color. A pair keeps it until they
   /// are found again.
-  std::vector<std::uint16_t> colour_;
-  /// Which colours the contacts of each particle have; 64 to a word, all particles of one word in a row.
+  std::vector<std::uint16_t> color_;
+  /// Which colors the contacts of each particle have; 64 to a word, all particles of one word in a row.
   std::vector<std::uint64_t> used_;
   std::vector<std::uint32_t> pair_;  // of each contact
   std::vector<float> part_;
-  /// Contacts of colour c: vertices against triangles begin at begin_[2 c], edges at begin_[2 c + 1].
+  /// Contacts of color c: vertices against triangles begin at begin_[2 c], edges at begin_[2 c + 1].
   std::vector<std::size_t> begin_{0}, next_place_;
   ContactArrays contacts_;
   kernels::ContactColumns columns_{};  // of contacts_

@@ -21,7 +21,7 @@ struct SurfaceElement {
   std::uint8_t owns_edge = 0;      ///< bit k: so does side k
 };
 
-/// Neighbouring elements and what they own, all in a row: triangles, edges and vertices
+/// Neighboring elements and what they own, all in a row: triangles, edges and vertices
 /// [begin, begin + count).
 struct SurfacePatch {
   static constexpr std::uint32_t most_triangles = 15, most_edges = 8;  ///< most_edges: of a rope
@@ -32,7 +32,7 @@ struct SurfacePatch {
 
 /// What can touch: all surfaces, ropes and grains of a world, by the numbers of their particles. Built when
 /// objects come and go, not in a step. Elements are numbered by patches: the triangles of a mesh in another
-/// order than its own, so that neighbours follow one another. Vertices and edges are numbered in the order of
+/// order than its own, so that neighbors follow one another. Vertices and edges are numbered in the order of
 /// the elements; each is there once, and belongs to the first element that has it.
 class SurfaceElements {
  public:

@@ -13,7 +13,7 @@ class Column {
  public:
   std::size_t size() const { return size_; }
   float operator[](std::size_t i) const { return values_[i * stride()]; }
-  /// Of neighbours in `data`: 0 while all are equal, else 1.
+  /// Of neighbors in `data`: 0 while all are equal, else 1.
   std::size_t stride() const { return uniform_ ? 0 : 1; }
   const float* data() const { return values_.data(); }
   /// Values in `data`.

@@ -30,7 +30,7 @@
 //
 //   template <class T> static Vec3<T> origin(const Params<T>& p);
 //
-// A constraint whose linearisation holds only over a part of its size (a crushed tet, whose gradient all but
+// A constraint whose linearization holds only over a part of its size (a crushed tet, whose gradient all but
 // vanishes) may declare the longest correction [m] that one projection makes; longer ones are scaled down:
 //
 //   template <class T> static T reach(const Params<T>& p);
@@ -40,7 +40,7 @@
 //   static constexpr bool unit_gradients = true;
 //
 // Where the gradient is undefined (0/0) evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
-// are relative: a constraint must act alike on millimetres and on hundreds of metres.
+// are relative: a constraint must act alike on millimeters and on hundreds of meters.
 
 namespace souple {
 

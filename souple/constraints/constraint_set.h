@@ -12,8 +12,8 @@
 
 namespace souple {
 
-/// The arrays of many constraints of one kind, sorted by colour: data only. Each number of a constraint has
-/// an array of its own, so that neighbours load as one register.
+/// The arrays of many constraints of one kind, sorted by color: data only. Each number of a constraint has
+/// an array of its own, so that neighbors load as one register.
 template <class Kind>
 struct ConstraintSet {
   using Params = typename Kind::template Params<float>;
@@ -34,7 +34,7 @@ struct ConstraintSet {
   Column damping_times;                                   ///< tau [s]: damping coefficient is tau / alpha
   Column stiffnesses;                                     ///< PBD mode only: k in [0, 1]
   std::array<std::vector<float>, rows> multipliers;       ///< lambda of the substep; only while stored
-  std::vector<std::uint32_t> colour_begin;  ///< colour c is [colour_begin[c], colour_begin[c + 1])
+  std::vector<std::uint32_t> color_begin;                 ///< color c is [color_begin[c], color_begin[c + 1])
 
   std::size_t size() const { return records[0].size(); }
 
@@ -74,7 +74,7 @@ struct ConstraintSet {
     stiffnesses.push_back(stiffness);
   }
 
-  /// Keeps constraint order[k] as the k-th; those not listed are dropped. Colours and multipliers are void.
+  /// Keeps constraint order[k] as the k-th; those not listed are dropped. Colors and multipliers are void.
   void reorder(std::span<const std::uint32_t> order) {
     for (std::vector<std::uint32_t>& index : records) {
       std::vector<std::uint32_t> sorted;
@@ -89,7 +89,7 @@ struct ConstraintSet {
   /// What the arrays take. [bytes]
   std::size_t bytes() const {
     std::size_t sum =
-        damping_times.bytes() + stiffnesses.bytes() + colour_begin.capacity() * sizeof(std::uint32_t);
+        damping_times.bytes() + stiffnesses.bytes() + color_begin.capacity() * sizeof(std::uint32_t);
     for (const auto& index : records) sum += index.capacity() * sizeof(std::uint32_t);
     for (const Column& column : parameters) sum += column.bytes();
     for (const Column& column : compliances) sum += column.bytes();

@@ -32,7 +32,7 @@ struct Distance {
 
   /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
   static float strain(const Params<float>& p, float C) {
-    // One choice and no branch about the division: it vectorises.
+    // One choice and no branch about the division: it vectorizes.
     return C / (p.rest_length > 0 ? p.rest_length : std::numeric_limits<float>::infinity());
   }
 };

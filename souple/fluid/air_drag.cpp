@@ -6,7 +6,7 @@ void apply_air_drag(const FluidView& fluid, std::span<const float> covered, cons
                     Threads& threads) {
   const Smoothing& smoothing = fluid.smoothing;
   const float d = smoothing.spacing();
-  const float alone = smoothing.volume() * smoothing.centre();
+  const float alone = smoothing.volume() * smoothing.center();
   const float strength = 0.5f * air.density * air.coefficient * d * d;  // kg/m
   for_places(fluid.size(), threads, [&](std::size_t k) {
     const float exposed = min(max((1 - covered[k]) / (1 - alone), 0.0f), 1.0f);

@@ -12,7 +12,7 @@
 
 namespace souple {
 
-/// The smooth part of a fluid's pressure. A pass over neighbours carries a multiplier by one particle's
+/// The smooth part of a fluid's pressure. A pass over neighbors carries a multiplier by one particle's
 /// spacing, so a deep fluid would take as many passes as it has layers, squared; here multipliers are
 /// interpolated from the nodes a of a grid of cells of size H, trilinearly, and what the nodes want is solved
 /// for at once:
@@ -51,7 +51,7 @@ class CoarsePressure {
   /// Bodies that give way, after begin_step and before each solve.
   void begin_movers(std::size_t count);
   void set_mover(std::size_t mover, double inverse_mass, const Mat3d& inverse_inertia);
-  /// A particle is pushed by a mover along `slope` g, whose moment about its centre is `moment`.
+  /// A particle is pushed by a mover along `slope` g, whose moment about its center is `moment`.
   void add_touch(std::size_t mover, std::uint32_t place, const Vec4f& position, const Vec3d& slope,
                  const Vec3d& moment);
   int iterations() const { return iterations_; }  ///< of the last solve

@@ -43,7 +43,7 @@ constexpr std::uint32_t together = 128;
 
 template <class Function>
 void DensitySolver::for_lists(Threads& threads, const Function& f) const {
-  const auto blocks = neighbours_.blocks();
+  const auto blocks = neighbors_.blocks();
   share_out(blocks.size(), threads, [&](std::size_t b) {
     for (std::uint32_t from = blocks[b].begin; from < blocks[b].end; from += together)
       f(blocks[b].lists(from, std::min(from + together, blocks[b].end)));
@@ -51,7 +51,7 @@ void DensitySolver::for_lists(Threads& threads, const Function& f) const {
 }
 
 void DensitySolver::place(std::span<const Vec4f> positions, Threads& threads) {
-  if (!lists_hold(positions)) find_neighbours(positions, threads);
+  if (!lists_hold(positions)) find_neighbors(positions, threads);
   const auto order = order_.order();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -78,10 +78,10 @@ bool DensitySolver::lists_hold(std::span<const Vec4f> positions) const {
   });
 }
 
-void DensitySolver::find_neighbours(std::span<const Vec4f> positions, Threads& threads) {
+void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& threads) {
   const float reach = smoothing_.support() + margin_;
   order_.build(positions, reach, threads);
-  neighbours_.find(order_, reach, threads);
+  neighbors_.find(order_, reach, threads);
   listed_.assign(positions.begin(), positions.end());
   const std::size_t n = positions.size();
   x_.resize(n + 1);
@@ -110,7 +110,7 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
       const kernels::DensitySums& sums = found[k - lists.begin];
       const BoundarySums& boundary = boundary_[k];
       const Vec3f G = sums.gradient * V, g = boundary.slope, whole = G + g, rough = G * 2.0f + g;
-      samples_[k].c = V * (sums.density + smoothing_.centre()) + boundary.value - 1;
+      samples_[k].c = V * (sums.density + smoothing_.center()) + boundary.value - 1;
       const float w = x_[k].w;
       samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary.local_response + coarse_share * soft;
       denominator_[k] =

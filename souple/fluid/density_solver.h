@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/fluid/coarse_pressure.h"
-#include "souple/fluid/neighbours.h"
+#include "souple/fluid/neighbors.h"
 #include "souple/fluid/smoothing.h"
 
 #include <span>
@@ -79,7 +79,7 @@ class DensitySolver {
   void begin_step() { listed_.clear(), coarse_.forget(); }
 
   /// Takes the particles to where they are predicted to be: x, y, z [m] and inverse mass w > 0 [1/kg]. Sorts
-  /// them and finds neighbours anew when some have moved too far, against all others, since that was done
+  /// them and finds neighbors anew when some have moved too far, against all others, since that was done
   /// last.
   void place(std::span<const Vec4f> positions, Threads& threads);
 
@@ -119,14 +119,14 @@ class DensitySolver {
   std::span<const float> lambda() const { return lambda_; }
   /// C of the last look, before the last push.
   float density_error(std::size_t place) const { return samples_[place].c; }
-  const Neighbours& neighbours() const { return neighbours_; }
+  const Neighbors& neighbors() const { return neighbors_; }
   double mean_error() const;              ///< of max(0, C), of the last look
   int passes() const { return passes_; }  ///< of the last solve
   int coarse_iterations() const { return coarse_.iterations(); }
 
  private:
   bool lists_hold(std::span<const Vec4f> positions) const;
-  void find_neighbours(std::span<const Vec4f> positions, Threads& threads);
+  void find_neighbors(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
   void find_sums(Boundary& boundary, Threads& threads) {
     boundary.for_near(size(), threads, [&](std::size_t k) { boundary_[k] = boundary.look(k, x_[k].xyz()); });
@@ -157,9 +157,9 @@ class DensitySolver {
   float h_ = 1;                     // s
   kernels::Repulsion repulsion_{};  // of the next push
   CellOrder order_;
-  Neighbours neighbours_;
+  Neighbors neighbors_;
   CoarsePressure coarse_;
-  std::vector<Vec4f> listed_;  // positions when neighbours were found, by particle
+  std::vector<Vec4f> listed_;  // positions when neighbors were found, by particle
   // By place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away.
   std::vector<Vec4f> x_, q_;
   std::vector<BoundarySums> boundary_;

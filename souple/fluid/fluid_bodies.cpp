@@ -49,24 +49,24 @@ void FluidBodies::place(const Skin& skin, State& state, const ParticleView& part
   state.moves = std::any_of(state.gives.begin(), state.gives.end(), [](float g) { return g > 0; });
   state.inverse_mass = 0;
   if (!state.moves || skin.yielding == Yielding::locally) return;
-  Vec3d centre{};
+  Vec3d center{};
   double all = 0;
   for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
     if (particles.inverse_mass(i) == 0) return;  // held somewhere: it does not go away as a whole
     const auto m = static_cast<double>(mass[i]);
-    centre += (souple::place(particles, i) - origin_) * m;
+    center += (souple::place(particles, i) - origin_) * m;
     all += m;
   }
-  centre = centre / all;
+  center = center / all;
   Mat3d second{};
   for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
-    const Vec3d r = souple::place(particles, i) - origin_ - centre;
+    const Vec3d r = souple::place(particles, i) - origin_ - center;
     second = second + outer(r, r) * static_cast<double>(mass[i]);
   }
   const double t = trace(second);
   // A rod has no inertia about its axis: a little is added, relative to the whole.
   const Mat3d inertia = Mat3d::identity() * (t * (1 + 1e-6)) - second;
-  state.centre = centre;
+  state.center = center;
   state.inverse_mass = 1 / all;
   state.inverse_inertia = t > 0 ? inverse(inertia) : Mat3d{};
 }
@@ -231,7 +231,7 @@ void FluidBodies::weigh(const Surroundings& surroundings, std::span<const Vec4f>
       if (state.inverse_mass > 0) {
         state.slope_sum += slope;
         coarse.add_touch(plane.skin, k, x[k], Vec3d(plane.slope),
-                         cross(Vec3d(point(plane, state.now)) - state.centre, Vec3d(plane.slope)));
+                         cross(Vec3d(point(plane, state.now)) - state.center, Vec3d(plane.slope)));
         continue;
       }
       const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
@@ -267,7 +267,7 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
       State& state = states_[plane.skin];
       const Vec3f push = plane.slope * -change[k];
       if (state.inverse_mass > 0) {
-        const Vec3d arm = Vec3d(point(plane, state.now)) - state.centre;
+        const Vec3d arm = Vec3d(point(plane, state.now)) - state.center;
         pushes_[plane.skin].force += Vec3d(push);
         pushes_[plane.skin].torque += cross(arm, Vec3d(push));
         continue;
@@ -284,8 +284,8 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
     if (!(state.inverse_mass > 0)) continue;
     const Vec3f moved(pushes_[s].force * state.inverse_mass),
         turned(state.inverse_inertia * pushes_[s].torque);
-    const Vec3f centre(state.centre);
-    for (Vec3f& x : state.now) x += moved + cross(turned, x - centre);
+    const Vec3f center(state.center);
+    for (Vec3f& x : state.now) x += moved + cross(turned, x - center);
   }
 }
 

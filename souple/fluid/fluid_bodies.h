@@ -102,7 +102,7 @@ class FluidBodies {
     bool moves = false;
     double inverse_mass = 0;  // of the whole
     Mat3d inverse_inertia{};
-    Vec3d centre{};  // of mass, from the origin [m]
+    Vec3d center{};  // of mass, from the origin [m]
   };
 
   /// Of a fluid on a rigid body [kg m], [kg m^2].

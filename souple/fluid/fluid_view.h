@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/fluid/neighbours.h"
+#include "souple/fluid/neighbors.h"
 #include "souple/fluid/smoothing.h"
 
 #include <span>
@@ -8,11 +8,11 @@
 namespace souple {
 
 /// A fluid's particles by place, as forces see them. Both arrays have one record more than there are
-/// particles: what pads lists of neighbours, with x far away and v zero.
+/// particles: what pads lists of neighbors, with x far away and v zero.
 struct FluidView {
   std::span<const Vec4f> x;  ///< x, y, z [m] and the inverse mass w > 0 [1/kg]
   std::span<Vec4f> v;        ///< velocity [m/s] and the dynamic viscosity mu >= 0 [Pa s]
-  const Neighbours& neighbours;
+  const Neighbors& neighbors;
   const Smoothing& smoothing;
 
   std::size_t size() const { return x.size() - 1; }
@@ -20,7 +20,7 @@ struct FluidView {
   /// f(place, its padded list), for all places.
   template <class Function>
   void for_lists(Threads& threads, const Function& f) const {
-    const auto blocks = neighbours.blocks();
+    const auto blocks = neighbors.blocks();
     threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t b = first; b < last; ++b)
         for (std::uint32_t place = blocks[b].begin; place < blocks[b].end; ++place)

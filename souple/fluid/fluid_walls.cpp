@@ -19,7 +19,7 @@ void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const
     wall.moves = !colliders[c].motion.is_static();
     wall.ball = bounding_ball(colliders[c].shape);
     wall.before = wall.after = pose_at(colliders[c].motion, time);
-    wall.centre = wall.after.to_world(wall.ball.center);
+    wall.center = wall.after.to_world(wall.ball.center);
     if (const auto* plane = std::get_if<Plane>(&colliders[c].shape); plane && !wall.moves) {
       const double size = length(Vec3d(plane->normal));
       wall.is_plane = true;
@@ -34,7 +34,7 @@ void FluidWalls::begin_substep(double time, double h) {
   for (Wall& wall : moving_) {
     const auto [before, after] = poses_between(colliders_[wall.collider].motion, time, time + h);
     wall.before = before, wall.after = after;
-    wall.centre = after.to_world(wall.ball.center);
+    wall.center = after.to_world(wall.ball.center);
   }
 }
 
@@ -63,7 +63,7 @@ double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, flo
 // In the wall's own frame, where it stands still. A particle that touches on its way goes on along the plane
 // it touched.
 Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const {
-  if (length(x - wall.centre) - wall.ball.radius >
+  if (length(x - wall.center) - wall.ball.radius >
       radius + length(x - start) + length(wall.after.translation - wall.before.translation))
     return x;
   const Shape& shape = colliders_[wall.collider].shape;

@@ -35,7 +35,7 @@ class FluidWalls {
     bool moves = false;
     RigidPose before, after;  // at the substep's begin and end
     BoundingBall ball;
-    Vec3d centre{};  // of the ball, at the substep's end
+    Vec3d center{};  // of the ball, at the substep's end
     // A plane that stands still, from the origin of the fluid's positions: distance = normal . x - offset.
     bool is_plane = false;
     Vec3d normal{};
@@ -54,7 +54,7 @@ class FluidWalls {
   /// How far a wall is from x, or less: without the rest of what a shape's distance takes.
   double at_least(const Wall& wall, const Vec3d& x) const {
     if (wall.is_plane) return dot(wall.normal, x) - wall.offset;
-    return length(origin_ + x - wall.centre) - wall.ball.radius;
+    return length(origin_ + x - wall.center) - wall.ball.radius;
   }
   Vec3d stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const;
   /// Appends the plane if it is near; how far the wall is, or less.

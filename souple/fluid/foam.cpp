@@ -9,7 +9,7 @@ namespace souple {
 
 namespace {
 
-/// Numbers that depend on a key and a count alone: the finaliser of SplitMix64 (Steele, Lea and Flood 2014).
+/// Numbers that depend on a key and a count alone: the finalizer of SplitMix64 (Steele, Lea and Flood 2014).
 std::uint64_t mix(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -26,7 +26,7 @@ class Chance {
   std::uint64_t key_, count_ = 0;
 };
 
-/// How fast what is made moves away from the middle of the flow that made it, for each metre it is off [1/s].
+/// How fast what is made moves away from the middle of the flow that made it, for each meter it is off [1/s].
 constexpr float spread = 10;
 
 float ramp(float value, const FoamRange& range) {
@@ -106,7 +106,7 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
     const float weight = (1 - q) * (1 - q);
     result.velocity += fluid.v[order_.order()[k]].xyz() * weight;
     weights += weight;
-    if (r2 < counted * counted) ++result.neighbours;
+    if (r2 < counted * counted) ++result.neighbors;
   };
   for (std::int32_t layer = cell[2] - 1; layer <= cell[2] + 1; ++layer) {
     const auto before = [&](const CellOrder::Row& row, std::int32_t y0) {
@@ -126,8 +126,8 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
 }
 
 FoamKind Foam::kind_of(const Around& around, const FoamParameters& parameters) {
-  if (around.neighbours < parameters.spray_neighbours) return FoamKind::spray;
-  return around.neighbours > parameters.bubble_neighbours ? FoamKind::bubble : FoamKind::foam;
+  if (around.neighbors < parameters.spray_neighbors) return FoamKind::spray;
+  return around.neighbors > parameters.bubble_neighbors ? FoamKind::bubble : FoamKind::foam;
 }
 
 void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads& threads) {

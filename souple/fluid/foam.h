@@ -96,7 +96,7 @@ class Foam {
  private:
   struct Around {
     Vec3f velocity{};
-    int neighbours = 0;
+    int neighbors = 0;
   };
   struct Potential {
     float made;   // expected number in the step

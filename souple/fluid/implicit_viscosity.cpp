@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t chunk = 1024;
 
-// Of (1 - r / 2) r^2 over the lattice of spacing 1: 6 neighbours at 1, 12 at sqrt 2, 8 at sqrt 3.
+// Of (1 - r / 2) r^2 over the lattice of spacing 1: 6 neighbors at 1, 12 at sqrt 2, 8 at sqrt 3.
 constexpr float lattice_sum = 3 + 24 * (1 - 0.70710678f) + 24 * (1 - 0.86602540f);
 
 double square(const Vec3f& a) {
@@ -19,7 +19,7 @@ double square(const Vec3f& a) {
 
 }  // namespace
 
-// The impulse that neighbours give a particle within the substep [N s].
+// The impulse that neighbors give a particle within the substep [N s].
 Vec3f ImplicitViscosity::force(const System& system, std::span<const Vec4f> values, std::uint32_t k,
                                std::span<const std::uint32_t> list) const {
   const Smoothing& smoothing = system.fluid.smoothing;

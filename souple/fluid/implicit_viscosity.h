@@ -12,7 +12,7 @@ namespace souple {
 /// mu_ij the harmonic mean). Forces between two particles lie along the line between them: linear and angular
 /// momentum stay, and a drop that turns as a whole goes on turning. Where the paper has the slope of the
 /// smoothing kernel, a straight line stands for it, with b such that V sum_j b (1 - r / h) r^2 = 3 on the
-/// lattice: with Wendland's slope the nearest neighbours have nearly all the weight, and on a lattice shear
+/// lattice: with Wendland's slope the nearest neighbors have nearly all the weight, and on a lattice shear
 /// along an axis decays at 0.6 of its rate, along a diagonal at 1.6 (1.07 and 0.9 with the line).
 ///
 /// Conjugate gradients without a matrix, from the velocities as they are. The preconditioner is the mass

@@ -79,7 +79,7 @@ Smoothing::Smoothing(float spacing, SmoothingShape which) : spacing_(spacing) {
   const double slope = -3 * shape.gradient_factor / (volume * slope_sum);
   const float h = static_cast<float>(support) * spacing;
   factors_ = {h, 1 / h, static_cast<float>(value), static_cast<float>(slope)};
-  centre_ = static_cast<float>(value * shape.value(0));
+  center_ = static_cast<float>(value * shape.value(0));
   mirror_ = static_cast<float>(shape.mirror);
 
   // Slices of a half-space are discs; P is the function whose gradient is slope(q) d.

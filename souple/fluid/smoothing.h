@@ -26,7 +26,7 @@ class Smoothing {
   float support() const { return factors_.h; }
   float volume() const { return spacing_ * spacing_ * spacing_; }  ///< V [m^3]
   const kernels::SmoothingFactors& factors() const { return factors_; }
-  float centre() const { return centre_; }  ///< W(0) [1/m^3]
+  float center() const { return center_; }  ///< W(0) [1/m^3]
 
   /// What a wall adds to V sum W, and its derivative along the normal that points away from it [1/m].
   struct Wall {
@@ -47,7 +47,7 @@ class Smoothing {
   static constexpr int wall_steps = 128;
 
   float spacing_;
-  float centre_ = 0;
+  float center_ = 0;
   float mirror_ = 2;  // a
   kernels::SmoothingFactors factors_;
   std::array<Wall, wall_steps + 2> half_space_{};  // H and H' at z = k h / wall_steps

@@ -78,7 +78,7 @@ void SurfaceTension::find_normals(const FluidView& fluid, std::span<const NearWa
     const kernels::DensitySums sums =
         density_->sums(fluid.x.data(), fluid.x[k], list.data(), list.size(), smoothing.factors());
     Vec3f gradient = sums.gradient * V;
-    float rho = V * (sums.density + smoothing.centre());
+    float rho = V * (sums.density + smoothing.center());
     if (!walls.empty() && dot(walls[k].normal, walls[k].normal) > 0) {
       // Half of the wall's slope: it is that of a mirrored fluid which moves when the particle does.
       const Smoothing::Wall wall = smoothing.wall(walls[k].distance);

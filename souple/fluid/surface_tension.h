@@ -13,7 +13,7 @@ struct NearWall {
 };
 
 /// Surface tension (Akinci, Akinci and Teschner 2013, "Versatile surface tension and adhesion for SPH
-/// fluids", equations 1 to 5): neighbours attract one another, and normals that differ flatten the surface.
+/// fluids", equations 1 to 5): neighbors attract one another, and normals that differ flatten the surface.
 ///
 ///   F_ij = -2 / (rho_i + rho_j) (a c(r) d / r + b value(r) (n_i - n_j)),   n_i = 2 d V sum_j grad W_ij
 ///

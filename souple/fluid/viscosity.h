@@ -4,7 +4,7 @@
 
 namespace souple {
 
-/// The viscosity of a fluid's material, by what it takes: an exchange between neighbours where that is well
+/// The viscosity of a fluid's material, by what it takes: an exchange between neighbors where that is well
 /// within what is stable, the implicit solve above it.
 class Viscosity {
  public:

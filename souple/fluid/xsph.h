@@ -16,7 +16,7 @@ using WallFriction = std::span<const Vec4f>;
 ///   2 / d^2 value / value(d/2)
 float wall_friction(const Smoothing& smoothing, float value);
 
-/// Viscosity as an exchange of velocities between neighbours (Schechter and Bridson 2012, "Ghost SPH",
+/// Viscosity as an exchange of velocities between neighbors (Schechter and Bridson 2012, "Ghost SPH",
 /// section 5; Macklin and Müller 2013, equation 17):
 ///
 ///   v_i <- v_i + h w_i (6 / m2) V^2 sum_j mu_ij W_ij (v_j - v_i),    m2 = V sum_j W_ij r_ij^2

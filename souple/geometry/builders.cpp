@@ -24,7 +24,7 @@ void require_count(const char* builder, const char* what, int value, int minimum
 
 void require_length(const char* builder, const char* what, double value) {
   if (std::isfinite(value) && value > 0) return;
-  throw Error(fmt::format("{}: {} is {:g}, expected a positive length in metres", builder, what, value));
+  throw Error(fmt::format("{}: {} is {:g}, expected a positive length in meters", builder, what, value));
 }
 
 // `count` is computed in double, where the product of absurd counts cannot overflow.
@@ -34,7 +34,7 @@ void require_total(const char* builder, double count) {
                           builder, count));
 }
 
-// Cuts the quad a b / c d (a to b and a to c are neighbours, winding a, c, b) along a-d or b-c.
+// Cuts the quad a b / c d (a to b and a to c are neighbors, winding a, c, b) along a-d or b-c.
 void add_quad(std::vector<Triangle>& triangles, std::uint32_t a, std::uint32_t b, std::uint32_t c,
               std::uint32_t d, bool along_ad) {
   if (along_ad) {
@@ -47,7 +47,7 @@ void add_quad(std::vector<Triangle>& triangles, std::uint32_t a, std::uint32_t b
 }
 
 // The k-th of n evenly spaced places from -size / 2 to size / 2, exactly symmetric.
-double centred(int k, int n, double size) {
+double centered(int k, int n, double size) {
   return size * (double(2 * std::int64_t(k) - n) / (2.0 * double(n)));
 }
 
@@ -65,7 +65,7 @@ TriangleMesh grid(int columns, int rows, double size, Diagonals diagonals) {
   mesh.positions.reserve(std::size_t(columns) * std::size_t(rows));
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
-      mesh.positions.push_back({centred(c, columns - 1, size), 0.0, centred(r, rows - 1, depth)});
+      mesh.positions.push_back({centered(c, columns - 1, size), 0.0, centered(r, rows - 1, depth)});
       mesh.uvs.push_back({float(c / side), float(r / side)});
     }
   for (int r = 0; r + 1 < rows; ++r)
@@ -208,8 +208,8 @@ TriangleMesh box(const Vec3d& size, const std::array<int, 3>& divisions) {
     const bool full = k == 0 || k == nz;
     // In the order of BoxShell::index: for a rim the sides j = 0 and j = ny, then i = 0 and i = nx.
     const auto add = [&, k](int i, int j) {
-      mesh.positions.push_back({centred(i, divisions[0], size.x), centred(j, divisions[1], size.y),
-                                centred(k, divisions[2], size.z)});
+      mesh.positions.push_back({centered(i, divisions[0], size.x), centered(j, divisions[1], size.y),
+                                centered(k, divisions[2], size.z)});
     };
     for (int j = 0; j <= ny; j += full ? 1 : ny)
       for (int i = 0; i <= nx; ++i) add(i, j);
@@ -298,7 +298,7 @@ TriangleMesh capsule(double radius, double length, int segments, int rings, int 
     outline.push_back({radius * p.cosine, side * (length / 2 + radius * p.sine)});
   };
   for (int k = 0; k <= rings; ++k) add_arc(k, -1);
-  for (int k = 1; k < divisions; ++k) outline.push_back({radius, centred(k, divisions, length)});
+  for (int k = 1; k < divisions; ++k) outline.push_back({radius, centered(k, divisions, length)});
   for (int k = rings; k >= 0; --k) add_arc(k, 1);
   return revolve(outline, segments);
 }
@@ -313,7 +313,7 @@ TriangleMesh cylinder(double radius, double height, int segments, int divisions,
   std::vector<ProfilePoint> outline;
   const auto ring_radius = [&](int k) { return radius * (double(k) / double(cap_rings)); };
   for (int k = 0; k <= cap_rings; ++k) outline.push_back({ring_radius(k), -height / 2});
-  for (int k = 1; k < divisions; ++k) outline.push_back({radius, centred(k, divisions, height)});
+  for (int k = 1; k < divisions; ++k) outline.push_back({radius, centered(k, divisions, height)});
   for (int k = cap_rings; k >= 0; --k) outline.push_back({ring_radius(k), height / 2});
   return revolve(outline, segments);
 }
@@ -330,9 +330,9 @@ TetMesh tet_bar(int nx, int ny, int nz, const Vec3d& size) {
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i)
-        mesh.positions.push_back({centred(i, nx, size.x), centred(j, ny, size.y), centred(k, nz, size.z)});
+        mesh.positions.push_back({centered(i, nx, size.x), centered(j, ny, size.y), centered(k, nz, size.z)});
   // Corners of a cell are numbered x + 2 y + 4 z. Four corner tets and the one between them; the second cut
-  // is the first mirrored in x, so that the diagonals of neighbouring cells meet on their common face.
+  // is the first mirrored in x, so that the diagonals of neighboring cells meet on their common face.
   constexpr int cut[2][5][4] = {{{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 1}, {6, 7, 4, 2}, {1, 2, 4, 7}},
                                 {{1, 3, 0, 5}, {2, 0, 3, 6}, {4, 6, 5, 0}, {7, 5, 6, 3}, {0, 5, 3, 6}}};
   const auto at = [&](int i, int j, int k) {
@@ -366,7 +366,7 @@ TetMesh tet_ball(int subdivisions, int layers, double radius) {
     for (int layer = 1; layer < layers; ++layer) {
       const std::uint32_t out = index32(layer - 1) * shell, in = out + shell;
       // A prism in three tets; each of its sides is cut from the outer end of the lower vertex to the inner
-      // one of the higher, so that neighbours match. Turned so that the lowest comes first.
+      // one of the higher, so that neighbors match. Turned so that the lowest comes first.
       while (t[0] > t[1] || t[0] > t[2]) t = {t[1], t[2], t[0]};
       const auto [a, b, c] = t;
       mesh.tets.push_back({in + a, in + b, in + c, out + a});

@@ -7,11 +7,11 @@
 
 namespace souple {
 
-// Meshes made from numbers. Lengths in metres; all are centred at the origin, Y up. Counts are of cells
+// Meshes made from numbers. Lengths in meters; all are centered at the origin, Y up. Counts are of cells
 // unless said otherwise. Closed surfaces are watertight (vertices shared, no seam) and wound outward. Every
 // builder throws Error for a count below its minimum, a length that is not finite and positive, or more than
 // `max_built_vertices` vertices or triangles or tets.
-// The open ones carry UVs, one per vertex, in metres scaled to [0, 1] by the larger side.
+// The open ones carry UVs, one per vertex, in meters scaled to [0, 1] by the larger side.
 
 inline constexpr double max_built_vertices = 100e6;
 
@@ -24,7 +24,7 @@ enum class Diagonals { alternating, one_way };
 /// is size (rows - 1) / (columns - 1).
 TriangleMesh grid(int columns, int rows, double size, Diagonals diagonals = Diagonals::alternating);
 
-/// A flat disk in the XZ plane, normals +Y: vertex 0 is the centre, vertex 1 + (ring - 1) segments + s lies
+/// A flat disk in the XZ plane, normals +Y: vertex 0 is the center, vertex 1 + (ring - 1) segments + s lies
 /// on ring 1..rings at angle 2 pi s / segments from +X towards +Z. rings >= 1, segments >= 3.
 TriangleMesh disk(int rings, int segments, double radius);
 
@@ -50,7 +50,7 @@ TriangleMesh capsule(double radius, double length, int segments, int rings, int 
 /// `cap_rings` >= 1 from the rim to the middle of a cap.
 TriangleMesh cylinder(double radius, double height, int segments, int divisions = 1, int cap_rings = 1);
 
-/// A solid box of nx x ny x nz cells, each cut in 5 tets, the cut mirrored from cell to neighbour (a
+/// A solid box of nx x ny x nz cells, each cut in 5 tets, the cut mirrored from cell to neighbor (a
 /// checkerboard). Vertex index = (k (ny + 1) + j) (nx + 1) + i. The mirroring makes the bar symmetric about
 /// its middle planes for even counts, so it bends and stretches without twisting; the 6-tet Kuhn cut, whose
 /// diagonals all point the same way, couples bending to twist.

@@ -36,7 +36,7 @@ std::vector<std::uint32_t> smooth_parts(std::span<const Triangle> triangles, std
   constexpr std::uint32_t none = ~std::uint32_t(0);
   std::vector<std::uint32_t> part(fan.size(), none);
   std::uint32_t count = 0;
-  std::vector<std::size_t> pending;  // in a part, but their neighbours may not be yet
+  std::vector<std::size_t> pending;  // in a part, but their neighbors may not be yet
   for (std::size_t first = 0; first < fan.size(); ++first) {
     if (part[first] != none) continue;
     part[first] = count++;

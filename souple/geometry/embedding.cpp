@@ -98,23 +98,23 @@ class TetGrid {
     return std::span(items_).subspan(begin_[at], begin_[at + 1] - begin_[at]);
   }
 
-  // Calls visit(cell) for the cells of the shell at `ring` cells around `centre`; false when it is all
+  // Calls visit(cell) for the cells of the shell at `ring` cells around `center`; false when it is all
   // outside.
   template <class Visit>
-  bool for_shell(const std::array<int, 3>& centre, int ring, const Visit& visit) const {
+  bool for_shell(const std::array<int, 3>& center, int ring, const Visit& visit) const {
     std::array<int, 3> lo{}, hi{};
     bool any = false;
     for (std::size_t i = 0; i < 3; ++i) {
-      any = any || centre[i] - ring >= 0 || centre[i] + ring < count_[i];
-      lo[i] = std::max(0, centre[i] - ring);
-      hi[i] = std::min(count_[i] - 1, centre[i] + ring);
+      any = any || center[i] - ring >= 0 || center[i] + ring < count_[i];
+      lo[i] = std::max(0, center[i] - ring);
+      hi[i] = std::min(count_[i] - 1, center[i] + ring);
     }
     if (!any) return false;
     for (int z = lo[2]; z <= hi[2]; ++z)
       for (int y = lo[1]; y <= hi[1]; ++y) {
-        const bool whole_row = std::abs(z - centre[2]) == ring || std::abs(y - centre[1]) == ring;
+        const bool whole_row = std::abs(z - center[2]) == ring || std::abs(y - center[1]) == ring;
         for (int x = lo[0]; x <= hi[0]; ++x)
-          if (whole_row || std::abs(x - centre[0]) == ring) visit(std::array<int, 3>{x, y, z});
+          if (whole_row || std::abs(x - center[0]) == ring) visit(std::array<int, 3>{x, y, z});
       }
     return true;
   }
@@ -182,13 +182,13 @@ struct Host {
 
 // The first tet of p's cube that contains p, or else the nearest tet of all.
 Host find_host(const TetMesh& mesh, const TetGrid& grid, const Vec3d& p) {
-  const std::array<int, 3> centre = grid.cell_of(p);
-  for (const std::uint32_t t : grid.tets_at(centre))
+  const std::array<int, 3> center = grid.cell_of(p);
+  for (const std::uint32_t t : grid.tets_at(center))
     if (smallest(barycentric(mesh, mesh.tets[t], p)) >= -on_face) return {t, 0};
   Host best{std::numeric_limits<std::uint32_t>::max(), infinity};
   const double to_box = length(grid.clamped(p) - p);
   for (int ring = 0;; ++ring) {
-    const bool more = grid.for_shell(centre, ring, [&](const std::array<int, 3>& cell) {
+    const bool more = grid.for_shell(center, ring, [&](const std::array<int, 3>& cell) {
       for (const std::uint32_t t : grid.tets_at(cell)) {
         const double d = tet_distance(mesh, mesh.tets[t], p);
         if (d < best.distance || (d == best.distance && t < best.tet)) best = {t, d};

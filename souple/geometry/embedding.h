@@ -15,7 +15,7 @@ struct Embedding {
   std::vector<std::array<double, 4>> weights;  ///< barycentric; some negative for a point outside its tet
   std::vector<std::uint32_t> tets;             ///< per point: the tet
   std::size_t outside{};                       ///< points that lie in no tet, and hang on the nearest one
-  double largest_distance{};                   ///< metres, of those points to their tet; 0 if there are none
+  double largest_distance{};                   ///< meters, of those points to their tet; 0 if there are none
 };
 
 /// Embeds each point in the lowest-numbered tet that contains it, or else in the nearest one, whose weights

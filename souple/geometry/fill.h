@@ -8,8 +8,8 @@
 
 namespace souple {
 
-/// Points `spacing` metres apart on a cubic lattice inside a box: as many as fit with half a spacing to each
-/// side, centred. They stand for the box's volume to within a layer. Throws Error, starting with `name`, when
+/// Points `spacing` meters apart on a cubic lattice inside a box: as many as fit with half a spacing to each
+/// side, centered. They stand for the box's volume to within a layer. Throws Error, starting with `name`, when
 /// a number is not finite, hi is below lo, none fits or there would be more than 20 million.
 std::vector<Vec3d> fill(const Vec3d& lo, const Vec3d& hi, double spacing, const std::string& name = "box");
 

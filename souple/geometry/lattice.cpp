@@ -16,16 +16,16 @@
 #include <fmt/core.h>
 
 // How the lattice is cut. Space is filled with unit cubes; the lattice's points are their corners and their
-// centres. Two cubes that share a face give four tets: the segment between the two centres, with each of the
+// centers. Two cubes that share a face give four tets: the segment between the two centers, with each of the
 // four edges of the face. Seen along axis d, the face of corners p0 p1 p2 p3 and its tets (quadrants) 0..3:
 //
 //      p3 --2-- p2      v
 //      |  \  /  |       ^
-//      3   cc   1       |        cc: the two centres, one below the face, one above
+//      3   cc   1       |        cc: the two centers, one below the face, one above
 //      |  /  \  |       +--> u   u = d + 1, v = d + 2 (mod 3)
 //      p0 --0-- p1
 //
-// The tets fill space, so every point of the surface is in one; the surface's neighbourhood is found by
+// The tets fill space, so every point of the surface is in one; the surface's neighborhood is found by
 // testing its triangles against tets, and the rest of space is then either wholly inside or wholly outside: a
 // flood from the lattice's rim finds the outside without any ray that could graze an edge. Only regions that
 // the flood cannot reach (the inside, and cavities) are asked for their winding number, each once.
@@ -75,23 +75,23 @@ struct LatticeIndex {
     const std::size_t y = cube % std::size_t(count[1]), z = cube / std::size_t(count[1]);
     return {{int(x), int(y), int(z)}, int(number / 4 % 3), int(number % 4)};
   }
-  // Points, corners and centres interleaved so that their order is one of space.
+  // Points, corners and centers interleaved so that their order is one of space.
   std::size_t point_count() const {
     return 2 * std::size_t(count[0] + 1) * std::size_t(count[1] + 1) * std::size_t(count[2] + 1);
   }
-  std::size_t point_number(const Cube& c, bool centre) const {
+  std::size_t point_number(const Cube& c, bool center) const {
     const std::size_t corner =
         (std::size_t(c[2]) * std::size_t(count[1] + 1) + std::size_t(c[1])) * std::size_t(count[0] + 1) +
         std::size_t(c[0]);
-    return 2 * corner + (centre ? 1 : 0);
+    return 2 * corner + (center ? 1 : 0);
   }
 };
 
 struct LatticePoint {
   Cube cube;
-  bool centre;
+  bool center;
   Vec3d position() const {
-    const double half = centre ? 0.5 : 0.0;
+    const double half = center ? 0.5 : 0.0;
     return {cube[0] + half, cube[1] + half, cube[2] + half};
   }
 };
@@ -101,7 +101,7 @@ Cube moved(Cube c, int axis, int by) {
   return c;
 }
 
-// Positively oriented: centre below, two corners counter-clockwise about the axis, centre above.
+// Positively oriented: center below, two corners counter-clockwise about the axis, center above.
 std::array<LatticePoint, 4> points_of(const TetId& t) {
   const int u = (t.axis + 1) % 3, v = (t.axis + 2) % 3;
   const Cube face[4] = {t.cube, moved(t.cube, u, 1), moved(moved(t.cube, u, 1), v, 1), moved(t.cube, v, 1)};
@@ -122,7 +122,7 @@ int quadrant_towards(int axis, int towards, int side) {
   return side > 0 ? 2 : 0;
 }
 
-// The tet that contains q (in cubes): offset from the cube's centre, by its largest and second largest
+// The tet that contains q (in cubes): offset from the cube's center, by its largest and second largest
 // component.
 TetId locate(const Vec3d& q) {
   Cube cube{};
@@ -141,10 +141,10 @@ TetId locate(const Vec3d& q) {
 }
 
 // The tets across the four faces of t.
-std::array<TetId, 4> neighbours_of(const TetId& t) {
+std::array<TetId, 4> neighbors_of(const TetId& t) {
   constexpr int side_of_quadrant[4] = {-1, 1, 1, -1};  // low v, high u, high v, low u
   const int e = (t.axis + (t.quadrant % 2 == 1 ? 1 : 2)) % 3, side = side_of_quadrant[t.quadrant];
-  // Within each of the two cubes, the neighbour stands on the face towards (e, side), at the same cube edge.
+  // Within each of the two cubes, the neighbor stands on the face towards (e, side), at the same cube edge.
   const auto beside = [&](const Cube& cube, int end) {
     return TetId{side > 0 ? moved(cube, e, 1) : cube, e, quadrant_towards(e, t.axis, end)};
   };
@@ -200,7 +200,7 @@ struct Scaled {
   std::vector<Vec3d> positions;
   const std::vector<Triangle>* triangles;
   LatticeIndex index;
-  Vec3d origin;  // metres
+  Vec3d origin;  // meters
   double cell_size;
 };
 
@@ -267,7 +267,7 @@ class Marker {
       region.assign(1, seed);
       marks_[seed] = outside;
       for (std::size_t next = 0; next < region.size(); ++next)
-        for (const TetId& n : neighbours_of(index_.tet(region[next]))) {
+        for (const TetId& n : neighbors_of(index_.tet(region[next]))) {
           if (!index_.has(n)) {
             at_rim = true;
           } else if (marks_[index_.number(n)] == clear) {
@@ -280,7 +280,7 @@ class Marker {
     }
   }
 
-  // Tets that the surface only touches lie on one side of it: that of a neighbour it does not touch at all,
+  // Tets that the surface only touches lie on one side of it: that of a neighbor it does not touch at all,
   // if there is one.
   void settle_touched() {
     std::vector<std::pair<std::size_t, Mark>> answers;
@@ -291,7 +291,7 @@ class Marker {
   }
 
   Mark side_of(std::size_t tet) {
-    for (const TetId& n : neighbours_of(index_.tet(tet))) {
+    for (const TetId& n : neighbors_of(index_.tet(tet))) {
       const std::uint8_t mark = marks_[index_.number(n)];
       if (mark == inside || mark == outside) return Mark(mark);
     }
@@ -341,7 +341,7 @@ Scaled scaled(const Solid& solid, double cell_size) {
   for (int i = 0; i < 3; ++i) {
     const int cubes = int(std::ceil(solid.box.size()[i] / cell_size)) + 2 * margin;
     s.index.count[std::size_t(i)] = cubes;
-    s.origin[i] = solid.box.centre()[i] - cell_size * (double(cubes) / 2);
+    s.origin[i] = solid.box.center()[i] - cell_size * (double(cubes) / 2);
   }
   s.positions.reserve(solid.positions.size());
   for (const Vec3d& p : solid.positions) s.positions.push_back((p - s.origin) / cell_size);
@@ -360,7 +360,7 @@ Lattice assemble(const Scaled& surface, const std::vector<std::uint8_t>& marks) 
   for (std::size_t t = 0; t < marks.size(); ++t) {
     if (!is_kept(marks[t])) continue;
     kept.push_back(t);
-    for (const LatticePoint& p : points_of(index.tet(t))) vertex[index.point_number(p.cube, p.centre)] = 0;
+    for (const LatticePoint& p : points_of(index.tet(t))) vertex[index.point_number(p.cube, p.center)] = 0;
   }
   Lattice lattice;
   lattice.cell_size = surface.cell_size;
@@ -375,7 +375,7 @@ Lattice assemble(const Scaled& surface, const std::vector<std::uint8_t>& marks) 
   for (const std::size_t t : kept) {
     Tet tet{};
     const auto points = points_of(index.tet(t));
-    for (std::size_t i = 0; i < 4; ++i) tet[i] = vertex[index.point_number(points[i].cube, points[i].centre)];
+    for (std::size_t i = 0; i < 4; ++i) tet[i] = vertex[index.point_number(points[i].cube, points[i].center)];
     lattice.mesh.tets.push_back(tet);
     ++(marks[t] == crossed ? lattice.crossed : lattice.inner);
   }
@@ -458,7 +458,7 @@ void check_options(const LatticeOptions& options, const std::string& name) {
     throw Error(name + ": a lattice needs either a cell size or a number of tets, " +
                 (size ? "and has both" : "and has neither"));
   if (size && !(std::isfinite(options.cell_size) && options.cell_size > 0))
-    throw Error(fmt::format("{}: the lattice's cell size is {:.3g}, expected a positive length in metres",
+    throw Error(fmt::format("{}: the lattice's cell size is {:.3g}, expected a positive length in meters",
                             name, options.cell_size));
   if (count && options.cells > 10'000'000)
     throw Error(

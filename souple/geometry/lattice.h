@@ -10,17 +10,17 @@ namespace souple {
 
 /// How fine a lattice is: exactly one of the two is set.
 struct LatticeOptions {
-  double cell_size = 0;   ///< side of the lattice's cubes, metres; a cube holds 12 tets
+  double cell_size = 0;   ///< side of the lattice's cubes, meters; a cube holds 12 tets
   std::size_t cells = 0;  ///< wanted number of tets; the size is searched for (usually within 5 %)
 };
 
-/// A body-centred cubic lattice of tets that covers a closed surface: all its tets are congruent, with
+/// A body-centered cubic lattice of tets that covers a closed surface: all its tets are congruent, with
 /// dihedral angles of 60 and 90 degrees only, and look the same from every axis. (Molino et al. 2003, "A
 /// crystalline, red green strategy for meshing highly deformable objects with tetrahedra", section 3; no
 /// red-green refinement here.)
 struct Lattice {
   TetMesh mesh;
-  double cell_size{};       ///< metres
+  double cell_size{};       ///< meters
   std::size_t inner{};      ///< tets wholly inside the surface
   std::size_t crossed{};    ///< tets that the surface passes through
   double surface_volume{};  ///< m^3 enclosed by the surface

@@ -16,7 +16,7 @@ namespace souple {
 struct BoundingBox {
   Vec3d lo, hi;
   Vec3d size() const { return hi - lo; }
-  Vec3d centre() const { return lo / 2 + hi / 2; }
+  Vec3d center() const { return lo / 2 + hi / 2; }
   double diagonal() const { return length(hi - lo); }
 };
 /// The box of all finite positions; a point at the origin where there are none.
@@ -42,7 +42,7 @@ std::vector<double> lumped_masses(const TetMesh& mesh, double density);
 /// A sum of triangles' normals brought to length 1; zero where there is none.
 template <class T>
 Vec3<T> unit_normal(const Vec3<T>& n) {
-  // Brought to size 1 first: the square of a millimetre triangle's normal is lost in a float.
+  // Brought to size 1 first: the square of a millimeter triangle's normal is lost in a float.
   const T largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
   return largest > T(0) ? normalized(n / largest) : Vec3<T>{};
 }

@@ -175,21 +175,21 @@ void require_closed(const MeshReport& r, const std::string& name) {
         " shared by more than two triangles, some by an odd number (" + at_edge(r.non_manifold_edges) + ")");
   if (why.empty()) add("all its triangles are collapsed");
   throw Error(name + ": a closed surface is needed here, but " + why +
-              "; close it in a modelling program, or simulate it as a cloth");
+              "; close it in a modeling program, or simulate it as a cloth");
 }
 
 namespace {
 
 // Which triangles meet across edges of exactly two, and whether they wind alike.
-struct Neighbour {
+struct Neighbor {
   std::uint32_t triangle;
   bool agrees;
 };
 
-std::vector<std::array<Neighbour, 3>> neighbours_of(const SideRuns& runs, std::size_t triangle_count) {
+std::vector<std::array<Neighbor, 3>> neighbors_of(const SideRuns& runs, std::size_t triangle_count) {
   constexpr std::uint32_t nobody = ~std::uint32_t(0);
-  const Neighbour alone{nobody, true};
-  std::vector<std::array<Neighbour, 3>> result(triangle_count, {alone, alone, alone});
+  const Neighbor alone{nobody, true};
+  std::vector<std::array<Neighbor, 3>> result(triangle_count, {alone, alone, alone});
   for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r) {
     if (runs.begin[r + 1] - runs.begin[r] != 2) continue;
     const Side &a = runs.sides[runs.begin[r]], &b = runs.sides[runs.begin[r] + 1];
@@ -208,7 +208,7 @@ struct Patch {
 
 std::vector<Patch> find_patches(const SideRuns& runs, std::size_t triangle_count,
                                 std::vector<char>& flipped) {
-  const auto neighbours = neighbours_of(runs, triangle_count);
+  const auto neighbors = neighbors_of(runs, triangle_count);
   std::vector<char> seen(triangle_count, 0);
   std::vector<Patch> patches;
   for (std::uint32_t seed = 0; seed < triangle_count; ++seed) {
@@ -218,7 +218,7 @@ std::vector<Patch> find_patches(const SideRuns& runs, std::size_t triangle_count
     seen[seed] = 1;
     for (std::size_t next = 0; next < patch.triangles.size(); ++next) {
       const std::uint32_t t = patch.triangles[next];
-      for (const auto& [other, agrees] : neighbours[t]) {
+      for (const auto& [other, agrees] : neighbors[t]) {
         if (other >= triangle_count) continue;
         const char turned = agrees ? flipped[t] : char(!flipped[t]);
         if (!seen[other]) {

@@ -31,7 +31,7 @@ struct MeshReport {
   bool is_clean() const;
 };
 
-/// Looks a mesh over, joining vertices within `tolerance` metres (weld.h). Throws Error if an index is out of
+/// Looks a mesh over, joining vertices within `tolerance` meters (weld.h). Throws Error if an index is out of
 /// range.
 MeshReport inspect(const TriangleMesh& mesh, double tolerance);
 /// The same, with rounding_tolerance.

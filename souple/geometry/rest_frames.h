@@ -25,7 +25,7 @@ std::optional<std::vector<std::array<std::array<float, 2>, 3>>> triangle_uvs(con
 /// an index is out of range.
 std::vector<RestFrame> rest_frames(const TriangleMesh& mesh, const Vec3d& fallback = {1, 0, 0});
 
-/// A triangle in its frame's plane: corners b - a and c - a in coordinates (warp, weft), metres.
+/// A triangle in its frame's plane: corners b - a and c - a in coordinates (warp, weft), meters.
 struct FlatTriangle {
   std::array<double, 2> b, c;
 };

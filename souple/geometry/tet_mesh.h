@@ -15,7 +15,7 @@ using Tet = std::array<std::uint32_t, 4>;
 
 /// A volume cut into tetrahedra.
 struct TetMesh {
-  std::vector<Vec3d> positions;  ///< metres, user order
+  std::vector<Vec3d> positions;  ///< meters, user order
   std::vector<Tet> tets;         ///< positively oriented
   /// Vertex indices of each named group, ascending.
   std::map<std::string, std::vector<std::uint32_t>> groups;

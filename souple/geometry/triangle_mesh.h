@@ -15,12 +15,12 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// A surface as its file or builder gave it: vertices, order, faces, UVs and groups are kept for the caches.
 /// Triangles are fans of the faces, in their order; a face of a file may have any number of corners >= 3.
 struct TriangleMesh {
-  std::vector<Vec3d> positions;           ///< metres, user order
+  std::vector<Vec3d> positions;           ///< meters, user order
   std::vector<Triangle> triangles;        ///< vertex indices, counter-clockwise from outside
   std::vector<std::array<float, 2>> uvs;  ///< empty, or what face_uvs index; one per vertex without them
   std::vector<std::vector<std::uint32_t>> faces;     ///< polygons as read; empty when all are triangles
   std::vector<std::vector<std::uint32_t>> face_uvs;  ///< per face corner, index into uvs; empty or like faces
-  std::vector<Vec3f> colours;                        ///< empty, or one per vertex, linear RGB in [0, 1]
+  std::vector<Vec3f> colors;                         ///< empty, or one per vertex, linear RGB in [0, 1]
   /// Vertex indices of each named group, ascending.
   std::map<std::string, std::vector<std::uint32_t>> groups;
 };

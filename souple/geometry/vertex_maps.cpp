@@ -40,17 +40,17 @@ std::vector<float> map_from_groups(const TriangleMesh& mesh, const std::map<std:
   return map;
 }
 
-std::vector<float> map_from_colours(const TriangleMesh& mesh, ColourChannel channel, float low, float high) {
-  if (mesh.colours.empty() || mesh.colours.size() != mesh.positions.size())
+std::vector<float> map_from_colors(const TriangleMesh& mesh, ColorChannel channel, float low, float high) {
+  if (mesh.colors.empty() || mesh.colors.size() != mesh.positions.size())
     throw Error(
-        fmt::format("the mesh has {} vertex colours for {} vertices; a map from colours needs one each: "
+        fmt::format("the mesh has {} vertex colors for {} vertices; a map from colors needs one each: "
                     "paint them, or save the mesh in a format that keeps them (PLY)",
-                    mesh.colours.size(), mesh.positions.size()));
+                    mesh.colors.size(), mesh.positions.size()));
   std::vector<float> map;
-  map.reserve(mesh.colours.size());
-  for (std::size_t v = 0; v < mesh.colours.size(); ++v) {
-    const float value = mesh.colours[v][static_cast<int>(channel)];
-    if (!std::isfinite(value)) throw Error(fmt::format("the colour of vertex {} is not a finite number", v));
+  map.reserve(mesh.colors.size());
+  for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
+    const float value = mesh.colors[v][static_cast<int>(channel)];
+    if (!std::isfinite(value)) throw Error(fmt::format("the color of vertex {} is not a finite number", v));
     map.push_back(low + (high - low) * std::clamp(value, 0.0f, 1.0f));
   }
   return map;

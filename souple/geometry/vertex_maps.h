@@ -11,7 +11,7 @@ namespace souple {
 // One number per vertex, painted by the user: a pin's weight, a factor of the stiffness, a thickness [m].
 // Values are in the user's vertex order.
 
-enum class ColourChannel { red, green, blue };
+enum class ColorChannel { red, green, blue };
 
 /// `inside` on the vertices of the named group, `outside` elsewhere. Throws Error, listing the groups there
 /// are, if the mesh has none of that name.
@@ -24,8 +24,8 @@ std::vector<float> map_from_groups(const TriangleMesh& mesh, const std::map<std:
                                    float otherwise);
 
 /// low + (high - low) * channel, for a channel from 0 (black) to 1; values outside [0, 1] are clamped. Throws
-/// Error if the mesh has no vertex colours or one is not finite.
-std::vector<float> map_from_colours(const TriangleMesh& mesh, ColourChannel channel, float low = 0,
-                                    float high = 1);
+/// Error if the mesh has no vertex colors or one is not finite.
+std::vector<float> map_from_colors(const TriangleMesh& mesh, ColorChannel channel, float low = 0,
+                                   float high = 1);
 
 }  // namespace souple

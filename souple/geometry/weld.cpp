@@ -47,12 +47,12 @@ class CellGrid {
 
   // The lowest inserted vertex within the tolerance of position p, or none.
   std::uint32_t find(const Vec3d& p, double tolerance) const {
-    const Cell centre = cell_of(p);
+    const Cell center = cell_of(p);
     std::uint32_t best = none;
     for (std::int64_t dx = -1; dx <= 1; ++dx)
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
-        const Cell from{centre[0] + dx, centre[1] + dy, centre[2] - 1};
-        const Cell to{centre[0] + dx, centre[1] + dy, centre[2] + 1};
+        const Cell from{center[0] + dx, center[1] + dy, center[2] - 1};
+        const Cell to{center[0] + dx, center[1] + dy, center[2] + 1};
         auto it = std::lower_bound(cells_.begin(), cells_.end(), from);
         for (; it != cells_.end() && !(to < *it); ++it)
           for (std::uint32_t v = head_[std::size_t(it - cells_.begin())]; v != none; v = next_[v])
@@ -122,7 +122,7 @@ double rounding_tolerance(std::span<const Vec3d> positions) {
 
 Weld weld_vertices(std::span<const Vec3d> positions, double tolerance) {
   if (!(tolerance >= 0) || !std::isfinite(tolerance))
-    throw Error("weld: the tolerance must be 0 (equal coordinates) or a positive length in metres");
+    throw Error("weld: the tolerance must be 0 (equal coordinates) or a positive length in meters");
   const std::vector<std::uint32_t> representative =
       tolerance > 0 ? near_representatives(positions, tolerance) : exact_representatives(positions);
   Weld weld;

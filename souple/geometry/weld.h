@@ -20,7 +20,7 @@ struct Weld {
 };
 
 /// Joins coincident vertices. In index order, each vertex joins the lowest earlier representative within
-/// `tolerance` metres of it (0: equal coordinates), or becomes one itself; so welded vertices keep the user's
+/// `tolerance` meters of it (0: equal coordinates), or becomes one itself; so welded vertices keep the user's
 /// order, chains do not creep, and nothing moves further than the tolerance. Vertices that are not finite
 /// stay alone. Throws Error if the tolerance is negative or not finite.
 Weld weld_vertices(std::span<const Vec3d> positions, double tolerance = 0);

@@ -36,7 +36,7 @@ constexpr double stretch = 0.2;  // of the spring that pulls with max_force [m]:
 // does not pull. With these no shipped cloth stretched by more than 21 % however the mouse was thrown about;
 // without, 20 weights at one hand stretched some to three times their length.
 constexpr double thin_slack = 0.03, thin_limit = 0.1, soft_slack = 0.1, soft_limit = 0.4;
-constexpr double neighbourhood = 0.04;  // radius of the hand, in diagonals of the object
+constexpr double neighborhood = 0.04;  // radius of the hand, in diagonals of the object
 
 /// The object around the hand: vertices as blends of particles, and edges with their lengths at rest.
 struct Patch {
@@ -70,10 +70,10 @@ class GrabProjector final : public Projector {
   std::string_view kind() const override { return "grab"; }
   std::size_t size() const override { return state_->holds ? 1 : 0; }
   void prepare(std::size_t) override {}
-  int colour_count() const override { return static_cast<int>(size()); }
+  int color_count() const override { return static_cast<int>(size()); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  std::size_t colour_size(int) const override { return 1; }
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  std::size_t color_size(int) const override { return 1; }
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   Residual residual(const ParticleView&) const override { return {}; }  // a spring that is pulled is no error
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -171,7 +171,7 @@ void GrabProjector::erase_particles(std::uint32_t begin, std::uint32_t end) {
     state_->holds = state_->holds && renumber(blend, begin, end);
 }
 
-struct Neighbour {
+struct Neighbor {
   std::uint32_t vertex;
   double distance;  // from the picked vertex, in radii of the hand
 };
@@ -180,17 +180,17 @@ constexpr double patch_size = 2;  // in radii of the hand
 
 /// The hand's radius: it reaches the vertices next to the picked one on coarse meshes too.
 double reach_of(double size, double longest_edge) {
-  return std::max(neighbourhood * size, 1.5 * longest_edge);
+  return std::max(neighborhood * size, 1.5 * longest_edge);
 }
 
-std::vector<Neighbour> around_on_mesh(const TriangleMesh& mesh, std::uint32_t vertex) {
+std::vector<Neighbor> around_on_mesh(const TriangleMesh& mesh, std::uint32_t vertex) {
   const std::vector<Vec3d>& rest = mesh.positions;
   double longest = 0;
   for (const Triangle& t : mesh.triangles)
     if (std::find(t.begin(), t.end(), vertex) != t.end())
       for (const std::uint32_t v : t) longest = std::max(longest, length(rest[v] - rest[vertex]));
   const double reach = reach_of(bounding_box(rest).diagonal(), longest);
-  std::vector<Neighbour> result;
+  std::vector<Neighbor> result;
   for (std::uint32_t v = 0; v < rest.size(); ++v) {
     const double distance = v == vertex ? 0 : length(rest[v] - rest[vertex]) / reach;
     if (distance < patch_size) result.push_back({v, distance});
@@ -199,7 +199,7 @@ std::vector<Neighbour> around_on_mesh(const TriangleMesh& mesh, std::uint32_t ve
 }
 
 /// Along the rope as it is now: it keeps its length.
-std::vector<Neighbour> around_on_rope(std::span<const Vec3f> x, std::uint32_t vertex) {
+std::vector<Neighbor> around_on_rope(std::span<const Vec3f> x, std::uint32_t vertex) {
   std::vector<double> along{0};
   double longest = 0;
   for (std::size_t v = 1; v < x.size(); ++v) {
@@ -208,7 +208,7 @@ std::vector<Neighbour> around_on_rope(std::span<const Vec3f> x, std::uint32_t ve
     longest = std::max(longest, edge);
   }
   const double reach = reach_of(along.back(), longest);
-  std::vector<Neighbour> result;
+  std::vector<Neighbor> result;
   for (std::uint32_t v = 0; v < x.size(); ++v) {
     const double distance = v == vertex ? 0 : std::fabs(along[v] - along[vertex]) / reach;
     if (distance < patch_size) result.push_back({v, distance});
@@ -216,7 +216,7 @@ std::vector<Neighbour> around_on_rope(std::span<const Vec3f> x, std::uint32_t ve
   return result;
 }
 
-std::vector<Neighbour> neighbours_of(const World& world, ObjectId object, std::uint32_t vertex) {
+std::vector<Neighbor> neighbors_of(const World& world, ObjectId object, std::uint32_t vertex) {
   switch (world.kind(object)) {
     case ObjectKind::grains:
     case ObjectKind::fluid:
@@ -236,10 +236,10 @@ bool is_pinned(const Carrier& carrier) {
 }
 
 /// The particles to hold, with weights that fall off from the vertex and sum up to 1.
-std::vector<Carrier> hand_of(const World& world, ObjectId object, const std::vector<Neighbour>& neighbours) {
+std::vector<Carrier> hand_of(const World& world, ObjectId object, const std::vector<Neighbor>& neighbors) {
   std::map<std::uint32_t, Carrier> hand;  // by particle: several vertices may share one
   double sum = 0;
-  for (const Neighbour& n : neighbours) {
+  for (const Neighbor& n : neighbors) {
     if (n.distance >= 1) continue;
     const double fall_off = (1 - n.distance * n.distance) * (1 - n.distance * n.distance);
     for (Carrier c : world.carriers(object, n.vertex)) {
@@ -258,12 +258,12 @@ std::vector<Carrier> hand_of(const World& world, ObjectId object, const std::vec
   return result;
 }
 
-Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbour>& neighbours) {
+Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbor>& neighbors) {
   Patch patch;
   std::vector<Vec3d> now;
   constexpr auto outside = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> local(world.positions(object).size(), outside);  // of a vertex
-  for (const Neighbour& n : neighbours) {
+  for (const Neighbor& n : neighbors) {
     local[n.vertex] = static_cast<std::uint32_t>(patch.blends.size());
     patch.blends.push_back(world.carriers(object, n.vertex));
     now.emplace_back();
@@ -318,8 +318,8 @@ Grab::Grab(World& world, const ObjectId& object, std::uint32_t vertex, const Vec
   state.target = state.mean = Vec3d(point);
   const std::vector<Carrier> own = world.carriers(object, vertex);
   if (std::all_of(own.begin(), own.end(), is_pinned)) return;
-  const std::vector<Neighbour> neighbours = neighbours_of(world, object, vertex);
-  std::vector<Carrier> hand = hand_of(world, object, neighbours);
+  const std::vector<Neighbor> neighbors = neighbors_of(world, object, vertex);
+  std::vector<Carrier> hand = hand_of(world, object, neighbors);
   const double mass = mass_of(world, object, hand);
   state.max_force = options.max_force > 0 ? static_cast<double>(options.max_force) : strength * mass * g;
   state.stiffness =
@@ -330,7 +330,7 @@ Grab::Grab(World& world, const ObjectId& object, std::uint32_t vertex, const Vec
   state.offset = Vec3d(point) - state.mean;
   state.target = state.mean;
   state.id = world.add_projector(
-      std::make_unique<GrabProjector>(state_, std::move(hand), patch_of(world, object, neighbours)));
+      std::make_unique<GrabProjector>(state_, std::move(hand), patch_of(world, object, neighbors)));
 }
 
 Grab::~Grab() {

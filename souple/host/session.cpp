@@ -80,8 +80,8 @@ ObjectInfo Session::object(Handle handle) const {
   info.triangle_count = item.mesh ? item.mesh->weld.triangle_count() : world.triangles(item.id).size();
   info.radius = world.particle_radius(item.id);
   info.from_scene = !item.mesh;
-  info.has_colour = item.colour.has_value();
-  info.colour = channels_of(item.colour);
+  info.has_color = item.color.has_value();
+  info.color = channels_of(item.color);
   return info;
 }
 

@@ -30,8 +30,8 @@ struct ObjectInfo {
   std::size_t triangle_count = 0;  ///< 0 of ropes, grains and fluids
   float radius = 0;                ///< of ropes, grains and fluids; half the thickness of the others [m]
   bool from_scene = false;         ///< rather than from a mesh of the host
-  bool has_colour = false;         ///< the scene file gives one
-  std::array<float, 3> colour{};   ///< R, G, B in [0, 1], sRGB as in scene files, not linear light
+  bool has_color = false;          ///< the scene file gives one
+  std::array<float, 3> color{};    ///< R, G, B in [0, 1], sRGB as in scene files, not linear light
 };
 
 /// What a scene's collider (plane, sphere, box, ...) looks like.
@@ -39,8 +39,8 @@ struct ColliderShape {
   std::string name;
   std::vector<float> positions, normals;  ///< x, y, z of each vertex, in the collider's own frame [m]
   std::vector<std::uint32_t> indices;     ///< three a triangle, counter-clockwise from outside
-  bool has_colour = false;                ///< the scene file gives one
-  std::array<float, 3> colour{};          ///< as of ObjectInfo
+  bool has_color = false;                 ///< the scene file gives one
+  std::array<float, 3> color{};           ///< as of ObjectInfo
 };
 
 /// How a mesh of the host becomes an object.

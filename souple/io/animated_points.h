@@ -65,7 +65,7 @@ class AnimatedPoints {
   std::string name_;
   double start_time_;
   std::vector<double> times_;     ///< of each frame, since the first [s]
-  std::array<Loaded, 2> loaded_;  ///< frame f lies in loaded_[f % 2]: neighbours are there together
+  std::array<Loaded, 2> loaded_;  ///< frame f lies in loaded_[f % 2]: neighbors are there together
 };
 
 }  // namespace souple

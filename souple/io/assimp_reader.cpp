@@ -47,7 +47,7 @@ class SceneReader {
       for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
     }
     if (mesh_.positions.empty()) throw Error(name_ + ": found no vertex, expected a mesh");
-    if (!mesh_.colours.empty()) mesh_.colours.resize(mesh_.positions.size(), white_);
+    if (!mesh_.colors.empty()) mesh_.colors.resize(mesh_.positions.size(), white_);
     faces_.store(mesh_);
     mesh_.groups = groups_.finish();
     return std::move(mesh_);
@@ -87,10 +87,10 @@ class SceneReader {
       mesh_.positions.push_back(position);
     }
     if (!part.HasVertexColors(0)) return;
-    mesh_.colours.resize(first, white_);
+    mesh_.colors.resize(first, white_);
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
       const aiColor4D& c = part.mColors[0][i];
-      mesh_.colours.emplace_back(in_range(c.r), in_range(c.g), in_range(c.b));
+      mesh_.colors.emplace_back(in_range(c.r), in_range(c.g), in_range(c.b));
     }
   }
 

@@ -56,7 +56,7 @@ void check_scale(const std::filesystem::path& path, const MeshImport& options) {
   constexpr double largest_scale = 1e9;
   if (options.scale > 0.0 && options.scale <= largest_scale) return;
   throw Error(fmt::format(
-      "{}: found the scale {}, expected metres per unit of the file, greater than 0 and at most 1e9",
+      "{}: found the scale {}, expected meters per unit of the file, greater than 0 and at most 1e9",
       path.string(), options.scale));
 }
 

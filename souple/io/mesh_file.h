@@ -11,15 +11,15 @@ namespace souple {
 /// mirrored: Z up (x, y, z) -> (x, z, -y), X up (x, y, z) -> (-y, x, z).
 enum class UpAxis { x, y, z };
 
-/// How a mesh file's numbers become metres.
+/// How a mesh file's numbers become meters.
 struct MeshImport {
-  double scale = 1.0;     ///< metres per unit of the file; finite and > 0
+  double scale = 1.0;     ///< meters per unit of the file; finite and > 0
   UpAxis up = UpAxis::y;  ///< the file's up axis
 };
 
 /// Reads a surface. The format follows the extension, in any case: .obj, .ply and .stl by readers of our own,
 /// anything else (.gltf, .glb, .fbx, .dae, ...) through assimp, where Souple was built with it.
-/// Vertices, their order, polygons, UVs, colours and groups are the file's; nothing is welded (an STL gives
+/// Vertices, their order, polygons, UVs, colors and groups are the file's; nothing is welded (an STL gives
 /// three vertices per triangle). A file may hold vertices alone; one without vertices is an error. Throws
 /// Error: "FILE:LINE: ..." (text) or "FILE: byte N: ..." (binary), what was found, what was expected.
 TriangleMesh read_triangle_mesh(const std::filesystem::path& path, const MeshImport& options = {});

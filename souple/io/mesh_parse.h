@@ -11,7 +11,7 @@
 /// bytes are, they never read outside them and never take memory or time out of proportion to their number.
 namespace souple {
 
-/// Wavefront OBJ. `v` with optional colours, `vt`, `f` with every index form, `o`, `g` and `usemtl` (as
+/// Wavefront OBJ. `v` with optional colors, `vt`, `f` with every index form, `o`, `g` and `usemtl` (as
 /// vertex groups; a material's is named "material:NAME"), `p` and `l` (for their groups only). Normals,
 /// curves and display attributes are skipped; a word that OBJ does not know is an error.
 TriangleMesh parse_obj(std::string_view text, const std::string& name);

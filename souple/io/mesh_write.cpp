@@ -187,7 +187,7 @@ void append_bytes(std::string& out, const Vec3f& v) {
   for (float component : {v.x, v.y, v.z}) mesh_detail::append_little_endian(out, component);
 }
 
-std::uint8_t colour_byte(float channel) {
+std::uint8_t color_byte(float channel) {
   return std::uint8_t(std::lround(std::clamp(channel, 0.0f, 1.0f) * 255.0f));
 }
 
@@ -231,12 +231,12 @@ std::string obj_text(std::span<const Vec3f> points) {
 
 std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> positions) {
   require_positions(mesh, positions);
-  if (mesh.colours.empty()) return obj_text(positions);
+  if (mesh.colors.empty()) return obj_text(positions);
   std::string out;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     out += 'v';
     append_vector(out, positions[i]);
-    append_vector(out, mesh.colours[i]);
+    append_vector(out, mesh.colors[i]);
     out += '\n';
   }
   return out;
@@ -252,15 +252,15 @@ std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions
   const bool long_lists =
       std::any_of(mesh.faces.begin(), mesh.faces.end(), [](const auto& f) { return f.size() > 255; });
   std::string out = ply_header(positions.size());
-  if (!mesh.colours.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (!mesh.colors.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (has_uvs) out += "property float u\nproperty float v\n";
   out += fmt::format("element face {}\nproperty list {} uint vertex_indices\nend_header\n", face_count(mesh),
                      long_lists ? "uint" : "uchar");
   for (std::size_t i = 0; i < positions.size(); ++i) {
     append_bytes(out, positions[i]);
-    if (!mesh.colours.empty()) {
-      const Vec3f& c = mesh.colours[i];
-      for (float channel : {c.x, c.y, c.z}) mesh_detail::append_little_endian(out, colour_byte(channel));
+    if (!mesh.colors.empty()) {
+      const Vec3f& c = mesh.colors[i];
+      for (float channel : {c.x, c.y, c.z}) mesh_detail::append_little_endian(out, color_byte(channel));
     }
     if (has_uvs) {
       for (float coordinate : mesh.uvs[i]) mesh_detail::append_little_endian(out, coordinate);

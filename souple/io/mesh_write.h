@@ -16,14 +16,14 @@ std::string obj_text(const TriangleMesh& mesh, std::span<const Vec3f> positions)
 /// A point cloud: `v` lines only.
 std::string obj_text(std::span<const Vec3f> points);
 
-/// The `v` lines alone, with the colours of `mesh`: what changes from frame to frame.
+/// The `v` lines alone, with the colors of `mesh`: what changes from frame to frame.
 std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> positions);
 
 /// `vt`, `g` and `f` lines alone, the same for each frame of a sequence. Faces keep their order and corners;
 /// a face is listed in each group that holds all of its corners, so that groups read back as they were.
 std::string obj_topology_text(const TriangleMesh& mesh);
 
-/// A binary little-endian PLY: float positions, uchar colours (if any), per-vertex UVs (if every vertex has
+/// A binary little-endian PLY: float positions, uchar colors (if any), per-vertex UVs (if every vertex has
 /// one of its own), faces as polygons.
 std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions);
 

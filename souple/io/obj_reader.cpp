@@ -66,7 +66,7 @@ class ObjReader {
     for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) {
       if (count == values.size())
         scanner_.fail(quoted(word) + " as a seventh number", "3, 4 or 6 numbers after v");
-      values[count++] = scanner_.coordinate_from(word, "coordinate or colour of a vertex");
+      values[count++] = scanner_.coordinate_from(word, "coordinate or color of a vertex");
     }
     if (count != 3 && count != 4 && count != 6) {
       scanner_.fail(fmt::format("{} numbers", count),
@@ -74,18 +74,18 @@ class ObjReader {
     }
     const Vec3f white{1.0f, 1.0f, 1.0f};
     if (count == 6) {
-      colours_.resize(positions_.size(), white);
-      colours_.emplace_back(colour(values[3]), colour(values[4]), colour(values[5]));
-    } else if (!colours_.empty()) {
-      colours_.push_back(white);
+      colors_.resize(positions_.size(), white);
+      colors_.emplace_back(color(values[3]), color(values[4]), color(values[5]));
+    } else if (!colors_.empty()) {
+      colors_.push_back(white);
     }
     positions_.emplace_back(values[0], values[1], values[2]);
   }
 
-  float colour(double value) const {
+  float color(double value) const {
     constexpr double rounding = 1e-3;
     if (value < -rounding || value > 1.0 + rounding) {
-      scanner_.fail(fmt::format("the colour {}", value), "a vertex colour from 0 to 1");
+      scanner_.fail(fmt::format("the color {}", value), "a vertex color from 0 to 1");
     }
     return float(std::clamp(value, 0.0, 1.0));
   }
@@ -208,7 +208,7 @@ class ObjReader {
     TriangleMesh mesh;
     faces_.store(mesh);
     mesh.positions = std::move(positions_);
-    mesh.colours = std::move(colours_);
+    mesh.colors = std::move(colors_);
     mesh.uvs = std::move(uvs_);
     mesh.groups = built_groups_.finish();
     return mesh;
@@ -221,7 +221,7 @@ class ObjReader {
 
   TextScanner scanner_;
   std::vector<Vec3d> positions_;
-  std::vector<Vec3f> colours_;
+  std::vector<Vec3f> colors_;
   std::vector<std::array<float, 2>> uvs_;
   FaceList faces_;
   LargestIndex largest_vertex_, largest_uv_;

@@ -102,8 +102,8 @@ bool is_integer(PlyType type) {
   return type != PlyType::float32 && type != PlyType::float64;
 }
 
-/// What a colour is divided by to lie in [0, 1].
-float colour_divisor(PlyType type) {
+/// What a color is divided by to lie in [0, 1].
+float color_divisor(PlyType type) {
   if (type == PlyType::uint8) return 255.0f;
   if (type == PlyType::uint16) return 65535.0f;
   return 1.0f;
@@ -361,20 +361,20 @@ class BodyReader {
       return std::all_of(roles.begin(), roles.end(), [&](Role role) { return has[std::size_t(role)]; });
     };
     if (!all({Role::x, Role::y, Role::z})) body_.fail("vertices without x, y or z", "these three properties");
-    const bool has_colours = all({Role::red, Role::green, Role::blue}), has_uvs = all({Role::u, Role::v});
+    const bool has_colors = all({Role::red, Role::green, Role::blue}), has_uvs = all({Role::u, Role::v});
     if (element.count >= 0xffffffff)
       body_.fail(fmt::format("{} vertices", element.count), "fewer than 2^32 - 1");
     mesh_.positions.reserve(element.count);
-    if (has_colours) mesh_.colours.reserve(element.count);
+    if (has_colors) mesh_.colors.reserve(element.count);
     if (has_uvs) mesh_.uvs.reserve(element.count);
     std::array<double, role_count> values{};
     const auto value = [&](Role role) { return values[std::size_t(role)]; };
     for (std::size_t i = 0; i < element.count; ++i) {
       for (const PlyProperty& property : element.properties) read_vertex_property(property, values);
       mesh_.positions.emplace_back(value(Role::x), value(Role::y), value(Role::z));
-      if (has_colours) {
-        mesh_.colours.emplace_back(float(value(Role::red)), float(value(Role::green)),
-                                   float(value(Role::blue)));
+      if (has_colors) {
+        mesh_.colors.emplace_back(float(value(Role::red)), float(value(Role::green)),
+                                  float(value(Role::blue)));
       }
       if (has_uvs) mesh_.uvs.push_back({float(value(Role::u)), float(value(Role::v))});
     }
@@ -384,9 +384,9 @@ class BodyReader {
     if (property.role == Role::none) return skip(property);
     double value = body_.number(property.type, property.name.c_str());
     if (property.role == Role::red || property.role == Role::green || property.role == Role::blue) {
-      value = double(float(value) / colour_divisor(property.type));
+      value = double(float(value) / color_divisor(property.type));
       if (!(value >= 0.0 && value <= 1.0)) {
-        body_.fail(fmt::format("the colour {:g}", value), "0 to 1, or 0 to 255 as uchar");
+        body_.fail(fmt::format("the color {:g}", value), "0 to 1, or 0 to 255 as uchar");
       }
     } else if (!(std::abs(value) <= mesh_detail::largest_coordinate)) {
       body_.fail(fmt::format("{:g} as {}", value, property.name), "a number within 1e18");

@@ -13,7 +13,7 @@ struct PolarDecomposition {
 
 /// R = U V^T, S = V diag(sigma) V^T of the singular value decomposition (see svd.h for its conventions).
 ///
-/// R minimises |M - R| and maximises trace(R^T M) among rotations (Kabsch 1978). It is unique unless
+/// R minimizes |M - R| and maximizes trace(R^T M) among rotations (Kabsch 1978). It is unique unless
 /// sigma.y + sigma.z = 0: for M of rank 1 or 0, and for reflections with two equal smallest singular values,
 /// one of the nearest comes back; for M = 0, the identity.
 template <class T>

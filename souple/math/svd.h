@@ -134,7 +134,7 @@ Svd<T> svd(const Mat3<T>& m) {
   detail::sort_descending(b.column[0], b.column[2], v.column[0], v.column[2]);
   detail::sort_descending(b.column[1], b.column[2], v.column[1], v.column[2]);
 
-  // The rotations' rounding has piled up in v; one orthonormalisation, and B afresh from it, takes that out.
+  // The rotations' rounding has piled up in v; one orthonormalization, and B afresh from it, takes that out.
   v = detail::orthonormal_frame(v.column[0], v.column[1], smallest, v.column[0], v.column[1]);
   b = a * v;
   const Mat3<T> u = detail::orthonormal_frame(b.column[0], b.column[1], smallest, v.column[0], v.column[1]);

@@ -127,7 +127,7 @@ std::vector<float> map_values(const MapDescription& map, const TriangleMesh& mes
   if (const std::string* name = std::get_if<std::string>(&map.source)) {
     return map_from_group(mesh, *name, map.value, map.fallback);
   }
-  return map_from_colours(mesh, std::get<ColourChannel>(map.source), map.fallback, map.value);
+  return map_from_colors(mesh, std::get<ColorChannel>(map.source), map.fallback, map.value);
 }
 
 // --- grains ------------------------------------------------------------------------------------------------
@@ -150,7 +150,7 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Centres origin + (i, j, k) spacing, each moved by up to `reach` along each axis.
+/// Centers origin + (i, j, k) spacing, each moved by up to `reach` along each axis.
 std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3d& origin, double spacing,
                                  double reach, std::uint64_t seed) {
   if (counts[0] * counts[1] * counts[2] > most_grains) {
@@ -159,17 +159,17 @@ std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3
                     counts[0] * counts[1] * counts[2]));
   }
   Random random(seed);
-  std::vector<Vec3d> centres;
+  std::vector<Vec3d> centers;
   for (double k = 0; k < counts[2]; ++k) {
     for (double j = 0; j < counts[1]; ++j) {
       for (double i = 0; i < counts[0]; ++i) {
-        Vec3d centre = origin + Vec3d{i, j, k} * spacing;
-        for (int axis = 0; axis < 3; ++axis) centre[axis] += reach * random.symmetric();
-        centres.push_back(centre);
+        Vec3d center = origin + Vec3d{i, j, k} * spacing;
+        for (int axis = 0; axis < 3; ++axis) center[axis] += reach * random.symmetric();
+        centers.push_back(center);
       }
     }
   }
-  return centres;
+  return centers;
 }
 
 struct GrainMaker {
@@ -194,7 +194,7 @@ struct GrainMaker {
     }
     return cubic_lattice(counts, origin, step, g.jitter * radius, seed);
   }
-  /// Whole grains fit into the box, as many as can; the lattice is centred in it.
+  /// Whole grains fit into the box, as many as can; the lattice is centered in it.
   std::vector<Vec3d> operator()(const GrainsBox& b) const {
     const double step = spacing(b.spacing, b.jitter), margin = radius * (1 + b.jitter);
     std::array<double, 3> counts{};
@@ -370,7 +370,7 @@ class Builder {
 
   ObjectId add(const GrainsDescription& grains) {
     const GrainMaker maker{scene_.folder, static_cast<double>(grains.material.radius), seed_};
-    return world_.add_grains(std::visit(maker, grains.centres), grains.material, options_of(grains));
+    return world_.add_grains(std::visit(maker, grains.centers), grains.material, options_of(grains));
   }
 
   ObjectId add(const FluidDescription& fluid) {
@@ -443,7 +443,7 @@ class Builder {
   void finish(ObjectId, const ObstacleDescription&) {}
 
   /// Weight 1 is a pin; w < 1 a spring of compliance (1 - w) / w times that of one half. Weights are cut to
-  /// 255 steps, as colours have them, and vertices of one step share a projector.
+  /// 255 steps, as colors have them, and vertices of one step share a projector.
   void pin_by_weight(ObjectId object, const MapsDescription& maps) {
     if (!maps.pin_weight) return;
     constexpr std::size_t steps = 255;

@@ -109,14 +109,14 @@ class Text : public Codec<std::string> {
   static constexpr int longest = 1000;
 };
 
-class HexColour : public Codec<std::uint32_t> {
+class HexColor : public Codec<std::uint32_t> {
  public:
   void read(const Json& json, const Place& place, std::uint32_t& value) const override {
     const std::string_view text = json.text;
     const bool shaped = json.is(Json::Kind::text) && text.size() == 7 && text[0] == '#';
     std::uint32_t read = 0;
     if (!shaped || std::from_chars(text.data() + 1, text.data() + 7, read, 16).ptr != text.data() + 7)
-      place.unexpected("a colour such as \"#d04a3f\" (red, green and blue, as in HTML)", json);
+      place.unexpected("a color such as \"#d04a3f\" (red, green and blue, as in HTML)", json);
     value = read;
   }
   Json write(const std::uint32_t& value) const override {
@@ -224,8 +224,8 @@ CodecPtr<bool> boolean() {
 CodecPtr<std::string> text() {
   return std::make_shared<Text>();
 }
-CodecPtr<std::uint32_t> colour() {
-  return std::make_shared<HexColour>();
+CodecPtr<std::uint32_t> color() {
+  return std::make_shared<HexColor>();
 }
 CodecPtr<std::string> name() {
   return std::make_shared<Name>();

@@ -29,7 +29,7 @@ struct Reading {
   bool files_exist = true;     ///< and have to be there
 };
 
-/// Where in a scene a value stands. Lives on the stack of the reader; the path is spelt out only for a
+/// Where in a scene a value stands. Lives on the stack of the reader; the path is spelled out only for a
 /// message.
 class Place {
  public:
@@ -227,7 +227,7 @@ CodecPtr<bool> boolean();
 /// Any text, at most 1000 bytes.
 CodecPtr<std::string> text();
 /// "#rrggbb", sRGB as in HTML, to 0xRRGGBB.
-CodecPtr<std::uint32_t> colour();
+CodecPtr<std::uint32_t> color();
 /// The name of an object or collider: it becomes a file's name. Letters, digits, _ and -, at most 64 bytes.
 CodecPtr<std::string> name();
 /// A file that exists, looked for beside the scene.

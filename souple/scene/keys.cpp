@@ -14,8 +14,8 @@ namespace {
 CodecPtr<CameraDescription> camera_codec() {
   using C = CameraDescription;
   auto keys = table<C>("camera", "From where the scene is best seen; used by viewers.");
-  keys->key<&C::from>("from", vector3<double>(metres), "where it stands [m]")
-      .key<&C::to>("to", vector3<double>(metres), "what it looks at [m]")
+  keys->key<&C::from>("from", vector3<double>(meters), "where it stands [m]")
+      .key<&C::to>("to", vector3<double>(meters), "what it looks at [m]")
       .key<&C::fov>("fov", number<double>(within(1, 170)), "vertical angle of view [degrees]")
       .check([](const C& camera, const Place& place) {
         if (camera.from == camera.to) place.fail("\"from\" and \"to\" are the same point");
@@ -110,7 +110,7 @@ class SceneTable : public Table<SceneDescription> {
 CodecPtr<SceneDescription> scene_codec() {
   using S = SceneDescription;
   auto keys = std::make_shared<SceneTable>("scene",
-                                           "The whole file. Metres, kilograms, seconds; Y is up, axes are "
+                                           "The whole file. Meters, kilograms, seconds; Y is up, axes are "
                                            "right-handed.");
   keys->required<&S::source>("souple", CodecPtr<std::string>(std::make_shared<FormatVersion>()),
                              "version of the format")

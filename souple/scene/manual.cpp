@@ -102,7 +102,7 @@ constexpr const char* introduction = R"(# Scene files
 
 <!-- Made from the tables of the reader (souple/scene/keys.cpp) by `souple info --scene-format`; do not edit. -->
 
-A scene is one JSON file: what there is, what it is made of, how it is simulated. Metres, kilograms, seconds;
+A scene is one JSON file: what there is, what it is made of, how it is simulated. Meters, kilograms, seconds;
 angles in degrees; Y is up, axes are right-handed. Files that a scene names are found relative to its own folder.
 
 ```json

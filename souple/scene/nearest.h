@@ -7,7 +7,7 @@
 namespace souple::scene_format {
 
 /// The known word closest to `word` by edit distance (insertions, deletions, replacements and swaps of
-/// neighbours, case ignored), or empty when none is close enough to be what was meant.
+/// neighbors, case ignored), or empty when none is close enough to be what was meant.
 std::string nearest_word(std::string_view word, std::span<const std::string> known);
 
 /// `; did you mean "density"?`, or `; known: a, b, c` when nothing is close, or nothing at all.

@@ -97,7 +97,7 @@ struct PinDescription {
   Selector where{};
   std::vector<KeyframeDescription> keyframes;
   bool loop = false;
-  /// Centre of the keyframes' rotations; the middle of the vertices if not given.
+  /// Center of the keyframes' rotations; the middle of the vertices if not given.
   std::optional<Vec3d> about;
   std::optional<SequenceDescription> sequence;
 };
@@ -106,10 +106,10 @@ struct AttachmentDescription : PinDescription {
   float compliance = 0;  ///< m/N
 };
 
-/// A number per vertex: `fallback` outside and `value` inside a group, or blended by a colour of the
+/// A number per vertex: `fallback` outside and `value` inside a group, or blended by a color of the
 /// vertices.
 struct MapDescription {
-  std::variant<std::string, ColourChannel> source;
+  std::variant<std::string, ColorChannel> source;
   float value = 1, fallback = 0;
 };
 /// How strongly vertices are held: 1 is a pin, 0 free, between them a spring.
@@ -139,12 +139,12 @@ struct MaterialDescription : Material {
 struct ObjectDescription {
   std::string name;
   TransformDescription transform;
-  Vec3f velocity{};                     ///< m/s
-  Vec3f angular_velocity{};             ///< rad/s
-  std::optional<std::uint32_t> colour;  ///< 0xRRGGBB (sRGB), for those who show it
-  bool self_collision = false;          ///< not of grains
-  int layer = 0;                        ///< not of ropes and grains
-  CollisionFilter collision{};          ///< groups and mask
+  Vec3f velocity{};                    ///< m/s
+  Vec3f angular_velocity{};            ///< rad/s
+  std::optional<std::uint32_t> color;  ///< 0xRRGGBB (sRGB), for those who show it
+  bool self_collision = false;         ///< not of grains
+  int layer = 0;                       ///< not of ropes and grains
+  CollisionFilter collision{};         ///< groups and mask
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;
 };
@@ -176,7 +176,7 @@ struct RopeDescription : ObjectDescription {
 struct GrainsBox {
   Vec3d lo{}, hi{};               ///< m
   std::optional<double> spacing;  ///< m; 2 radius (1 + jitter) if not given
-  double jitter = 0;              ///< fraction of a radius by which a centre may be moved along each axis
+  double jitter = 0;              ///< fraction of a radius by which a center may be moved along each axis
 };
 /// Grains on a cubic lattice about the origin.
 struct GrainsGrid {
@@ -185,7 +185,7 @@ struct GrainsGrid {
   double jitter = 0;
 };
 struct GrainsDescription : ObjectDescription {
-  std::variant<std::vector<Vec3d>, GrainsBox, GrainsGrid, MeshDescription> centres;
+  std::variant<std::vector<Vec3d>, GrainsBox, GrainsGrid, MeshDescription> centers;
   MaterialDescription<GrainsMaterial> material;
 };
 
@@ -212,7 +212,7 @@ struct FluidDescription : ObjectDescription {
 struct ObstacleSequenceDescription : SequenceDescription {
   bool loop = false;
 };
-/// Of what all objects share it has a name, a transform, a colour and collision groups.
+/// Of what all objects share it has a name, a transform, a color and collision groups.
 struct ObstacleDescription : ObjectDescription {
   MeshDescription mesh;
   ObstacleMaterial material;
@@ -244,7 +244,7 @@ struct ColliderDescription {
   float friction = 0.5f;
   float restitution = 0;
   CollisionFilter collision{};                 ///< as of an object
-  std::optional<std::uint32_t> colour;         ///< the same
+  std::optional<std::uint32_t> color;          ///< the same
   bool show = true;                            ///< in pictures; it collides all the same
   TransformDescription transform;              ///< its scale is 1
   std::vector<KeyframeDescription> keyframes;  ///< instead of the transform
@@ -316,7 +316,7 @@ SceneDescription parse_scene(std::string_view text, const std::filesystem::path&
 /// The scene that a run.json embeds, to look at rather than to build: its mesh files may be gone.
 SceneDescription parse_recorded_scene(std::string_view text, std::string_view source);
 
-/// Writes a scene back, normalised: keys in a fixed order, defaults left out, every object named.
+/// Writes a scene back, normalized: keys in a fixed order, defaults left out, every object named.
 std::string to_json(const SceneDescription& scene);
 
 /// "plane", "sphere", ... as shape_name of the shape that is built from it.

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "souple/solver/linearised_solver.h"
+#include "souple/solver/linearized_solver.h"
 
 #include <vector>
 
 namespace souple {
 
 /// The primal system (M + J^T A^-1 J) dx = J^T A^-1 b by conjugate gradients preconditioned by M: no matrix,
-/// no factorisation, any size. Rigid rows get the floor of linear_system.h.
+/// no factorization, any size. Rigid rows get the floor of linear_system.h.
 ///
 /// With this preconditioner every iterate is W J^T times something. So one that stops early, at a residual of
 /// `tolerance` times the first or after `most_products` products with the matrix, is made of constraint

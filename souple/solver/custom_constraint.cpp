@@ -107,9 +107,9 @@ void CustomProjector::project_one(std::size_t i, const ParticleView& particles, 
     if (particles.inverse_mass(group[k]) > 0) particles.correct(group[k], item.gradient[k]);
 }
 
-void CustomProjector::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+void CustomProjector::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep& substep) {
-  for (const std::uint32_t i : groups_.colour(colour).subspan(begin, end - begin))
+  for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
     project_one(i, particles, substep);
 }
 
@@ -124,14 +124,14 @@ Residual CustomProjector::residual(const ParticleView& particles) const {
 }
 
 void CustomProjector::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  groups_.for_each([&](std::uint32_t i, int colour) {
+  groups_.for_each([&](std::uint32_t i, int color) {
     Item& item = items_[i];
     const std::string error = item.error;  // looking records none
     float C = 0;
     if (!evaluate(item, groups_[i], particles, C)) C = 0;
     item.error = error;
     const double violation = violation_of(hold_of(*item.constraint), static_cast<double>(C));
-    visitor({groups_[i], colour, 0, static_cast<float>(violation)});
+    visitor({groups_[i], color, 0, static_cast<float>(violation)});
   });
 }
 

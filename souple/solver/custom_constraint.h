@@ -69,13 +69,13 @@ class CustomProjector final : public Projector {
   std::string_view kind() const override { return "custom"; }
   std::size_t size() const override { return items_.size(); }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
-  int colour_count() const override { return groups_.colour_count(); }
+  int color_count() const override { return groups_.color_count(); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  std::size_t colour_size(int colour) const override { return groups_.colour(colour).size(); }
+  std::size_t color_size(int color) const override { return groups_.color(color).size(); }
   /// One thread for all, unless all may run at the same time.
   std::size_t grain() const override { return concurrent_ ? 1 : std::numeric_limits<std::size_t>::max(); }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -86,7 +86,7 @@ class CustomProjector final : public Projector {
     std::shared_ptr<CustomConstraint> constraint;
     double multiplier = 0;
     std::vector<Vec3f> position, gradient;  // scratch
-    std::string error;                      // of its own, so that colours may run in parallel
+    std::string error;                      // of its own, so that colors may run in parallel
   };
 
   static bool evaluate(Item& item, std::span<const std::uint32_t> group, const ParticleView& particles,

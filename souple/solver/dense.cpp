@@ -12,7 +12,7 @@ namespace {
 
 // Singular values below this share of the largest are zero: rows of length 1 that are the same to a
 // thousandth of a radian. J comes in float, and a rigid cloth locks in directions that are nearly dependent;
-// what is cut is left to the next linearisation.
+// what is cut is left to the next linearization.
 constexpr double singular = 1e-6;
 
 }  // namespace
@@ -41,7 +41,7 @@ void Dense::prepare_system(LinearSystem& system, const ParticleView&) {
   impl_->J.resize(static_cast<Eigen::Index>(system.rows()), static_cast<Eigen::Index>(3 * system.unknowns()));
 }
 
-// J W J^T + A, each row and column divided by the root of its diagonal: rows in metres and rows in radians
+// J W J^T + A, each row and column divided by the root of its diagonal: rows in meters and rows in radians
 // are then alike, and "singular" has a meaning.
 void Dense::Impl::fill(const LinearSystem& system) {
   J.setZero();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/linearised_solver.h"
+#include "souple/solver/linearized_solver.h"
 
 #include <memory>
 

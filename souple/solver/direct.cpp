@@ -14,7 +14,7 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;  // lower triangle, by columns
 constexpr double redundant = 1e-9;           // added to the dual's diagonal, as a share of it
-constexpr double most_operations = 5e9;      // multiplications of one factorisation: some seconds
+constexpr double most_operations = 5e9;      // multiplications of one factorization: some seconds
 constexpr std::size_t most_unknowns = 300000;
 constexpr std::size_t most_entries = 30000000;  // of the dual, whose rows meet at every particle
 
@@ -33,7 +33,7 @@ void sort_unique(std::vector<Place>& places) {
 }
 
 /// Knows what its numbers will cost before they are computed.
-class Factorisation : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
+class Factorization : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
  public:
   double operations() const { return this->m_nonZerosPerCol.template cast<double>().squaredNorm(); }
 };
@@ -55,7 +55,7 @@ struct Incidence {
 struct Direct::Impl {
   bool dual = false;
   Matrix matrix;
-  Factorisation factorisation;
+  Factorization factorization;
   Eigen::VectorXd rhs, solution;
   // Where what is added goes, in the order in which it is added. Primal: the block's place in its column of
   // 3 x 3 blocks; dual: an index into the values.
@@ -241,7 +241,7 @@ void Direct::Impl::fill_dual(const LinearSystem& system) {
 }
 
 void Direct::prepare_system(LinearSystem& system, const ParticleView& particles) {
-  system.linearise(particles, Substep{.h = 1}, true);
+  system.linearize(particles, Substep{.h = 1}, true);
   impl_->dual = system.floored() > 0 && system.rows() <= 3 * system.unknowns();
   floors_ = !impl_->dual;
   const std::size_t size = impl_->dual ? system.rows() : 3 * system.unknowns();
@@ -252,9 +252,9 @@ void Direct::prepare_system(LinearSystem& system, const ParticleView& particles)
   } else {
     impl_->prepare_primal(system);
   }
-  impl_->factorisation.analyzePattern(impl_->matrix);
-  const double operations = impl_->factorisation.operations();
-  if (operations > most_operations) refuse(operations, "operations per factorisation", most_operations);
+  impl_->factorization.analyzePattern(impl_->matrix);
+  const double operations = impl_->factorization.operations();
+  if (operations > most_operations) refuse(operations, "operations per factorization", most_operations);
 }
 
 bool Direct::solve_system(LinearSystem& system, Threads&) {
@@ -266,9 +266,9 @@ bool Direct::solve_system(LinearSystem& system, Threads&) {
     impl.fill_primal(system);
   }
   if (!impl.rhs.allFinite()) return false;
-  impl.factorisation.factorize(impl.matrix);
-  if (impl.factorisation.info() != Eigen::Success) return false;
-  impl.solution = impl.factorisation.solve(impl.rhs);
+  impl.factorization.factorize(impl.matrix);
+  if (impl.factorization.info() != Eigen::Success) return false;
+  impl.solution = impl.factorization.solve(impl.rhs);
   if (!impl.solution.allFinite()) return false;
   if (impl.dual) {
     std::copy(impl.solution.begin(), impl.solution.end(), system.dlambda.begin());

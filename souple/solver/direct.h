@@ -1,13 +1,13 @@
 #pragma once
 
-#include "souple/solver/linearised_solver.h"
+#include "souple/solver/linearized_solver.h"
 
 #include <memory>
 
 namespace souple {
 
-/// The global system by a sparse Cholesky factorisation L D L^T (Eigen's, ordered by approximate minimum
-/// degree), its pattern analysed once in `prepare`, its numbers factorised in every iteration.
+/// The global system by a sparse Cholesky factorization L D L^T (Eigen's, ordered by approximate minimum
+/// degree), its pattern analyzed once in `prepare`, its numbers factorized in every iteration.
 ///
 /// - primal where every row has compliance, or where rigid rows outnumber the unknowns (a cloth): 3 unknowns
 ///   per free particle. Rigid rows then get the floor of linear_system.h, and `remark` says so;
@@ -23,7 +23,7 @@ class Direct final : public LinearisedSolver {
   std::string remark() const override;
 
  protected:
-  /// Throws Error where a factorisation would take more than about a second.
+  /// Throws Error where a factorization would take more than about a second.
   void prepare_system(LinearSystem& system, const ParticleView& particles) override;
   bool solve_system(LinearSystem& system, Threads& threads) override;
 

@@ -153,9 +153,9 @@ void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, c
   }
 }
 
-void EnclosedVolume::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+void EnclosedVolume::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                              const Substep& substep) {
-  for (const std::uint32_t i : groups_.colour(colour).subspan(begin, end - begin))
+  for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
     project_one(i, particles, substep);
 }
 
@@ -168,10 +168,10 @@ Residual EnclosedVolume::residual(const ParticleView& particles) const {
 }
 
 void EnclosedVolume::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  groups_.for_each([&](std::uint32_t i, int colour) {
+  groups_.for_each([&](std::uint32_t i, int color) {
     const Surface& surface = surfaces_[i];
     const double C = surface.holds_volume ? volume(i, particles) - surface.wanted_volume : 0;
-    visitor({groups_[i], colour, 0, static_cast<float>(violation_of(surface.hold, C))});
+    visitor({groups_[i], color, 0, static_cast<float>(violation_of(surface.hold, C))});
   });
 }
 

@@ -45,12 +45,12 @@ class EnclosedVolume final : public Projector {
   std::string_view kind() const override { return "enclosed_volume"; }
   std::size_t size() const override { return surfaces_.size(); }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
-  int colour_count() const override { return groups_.colour_count(); }
+  int color_count() const override { return groups_.color_count(); }
   /// Applies the pressure. Must run after positions were predicted.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  std::size_t colour_size(int colour) const override { return groups_.colour(colour).size(); }
+  std::size_t color_size(int color) const override { return groups_.color(color).size(); }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   /// Of the surfaces that hold their volume [m^3].
   Residual residual(const ParticleView& particles) const override;

@@ -7,18 +7,18 @@
 namespace souple {
 namespace {
 
-void project_colour(Projector& projector, int colour, const ParticleView& particles, const Substep& substep,
-                    Threads& threads) {
-  threads.for_each(projector.colour_size(colour), projector.grain(), [&](std::size_t begin, std::size_t end) {
-    projector.project(colour, begin, end, particles, substep);
+void project_color(Projector& projector, int color, const ParticleView& particles, const Substep& substep,
+                   Threads& threads) {
+  threads.for_each(projector.color_size(color), projector.grain(), [&](std::size_t begin, std::size_t end) {
+    projector.project(color, begin, end, particles, substep);
   });
 }
 
 }  // namespace
 
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads) {
-  for (int colour = 0; colour < projector.colour_count(); ++colour)
-    project_colour(projector, colour, particles, substep, threads);
+  for (int color = 0; color < projector.color_count(); ++color)
+    project_color(projector, color, particles, substep, threads);
 }
 
 void GaussSeidel::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
@@ -48,8 +48,8 @@ void GaussSeidel::solve(std::span<Projector* const> projectors, const ParticleVi
 void GaussSeidel::sweep_symmetric(const ParticleView& particles, const Substep& substep, Threads& threads) {
   for (Projector* projector : linear_) sweep(*projector, particles, substep, threads);
   for (auto projector = linear_.rbegin(); projector != linear_.rend(); ++projector)
-    for (int colour = (*projector)->colour_count(); colour-- > 0;)
-      project_colour(**projector, colour, particles, substep, threads);
+    for (int color = (*projector)->color_count(); color-- > 0;)
+      project_color(**projector, color, particles, substep, threads);
   for (Projector* projector : others_) sweep(*projector, particles, substep, threads);
 }
 

@@ -8,12 +8,12 @@
 namespace souple {
 
 /// Nonlinear Gauss-Seidel, the seed's chapter 6 and Müller et al. 2007, section 3.4: constraint after
-/// constraint, each from where the ones before it left the particles. Those of a colour share no particle and
+/// constraint, each from where the ones before it left the particles. Those of a color share no particle and
 /// are projected at the same time.
 ///
 /// `SolverSettings` may add, alone or together:
 /// - relaxation: each correction and its multiplier times omega (contacts excepted);
-/// - symmetric sweeps: all colours forward, then backward. Kinds without a linear form (contacts, shape
+/// - symmetric sweeps: all colors forward, then backward. Kinds without a linear form (contacts, shape
 ///   matching, enclosed volumes, custom constraints) follow once, so that contacts keep the last word;
 /// - Chebyshev acceleration of the sweeps, from the third iteration of a substep on. In substeps in which a
 ///   kind without a linear form has constraints it is off: an extrapolated contact bounces.

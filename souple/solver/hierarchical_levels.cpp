@@ -25,7 +25,7 @@ constexpr float reach = 2.7f;
 // eps of weights_of.
 constexpr double smoothing = 0.1;
 
-struct Neighbour {
+struct Neighbor {
   std::uint32_t to = 0;
   float length = 0;
   std::uint32_t link = 0;
@@ -34,26 +34,26 @@ struct Neighbour {
 /// The links of each particle, shortest first.
 struct Graph {
   std::vector<std::uint32_t> begin;
-  std::vector<Neighbour> neighbours;
+  std::vector<Neighbor> neighbors;
 
   Graph(std::span<const Link> links, std::size_t particles) : begin(particles + 1) {
     for (const Link& link : links) ++begin[link.a + 1], ++begin[link.b + 1];
     for (std::size_t i = 0; i < particles; ++i) begin[i + 1] += begin[i];
-    neighbours.resize(2 * links.size());
+    neighbors.resize(2 * links.size());
     std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
     for (std::uint32_t e = 0; e < links.size(); ++e) {
-      neighbours[next[links[e].a]++] = {links[e].b, links[e].length, e};
-      neighbours[next[links[e].b]++] = {links[e].a, links[e].length, e};
+      neighbors[next[links[e].a]++] = {links[e].b, links[e].length, e};
+      neighbors[next[links[e].b]++] = {links[e].a, links[e].length, e};
     }
     for (std::size_t i = 0; i < particles; ++i)
-      std::sort(neighbours.begin() + begin[i], neighbours.begin() + begin[i + 1],
-                [](const Neighbour& p, const Neighbour& q) {
+      std::sort(neighbors.begin() + begin[i], neighbors.begin() + begin[i + 1],
+                [](const Neighbor& p, const Neighbor& q) {
                   return std::pair(p.length, p.to) < std::pair(q.length, q.to);
                 });
   }
   std::size_t size() const { return begin.size() - 1; }
-  std::span<const Neighbour> of(std::uint32_t i) const {
-    return {neighbours.data() + begin[i], neighbours.data() + begin[i + 1]};
+  std::span<const Neighbor> of(std::uint32_t i) const {
+    return {neighbors.data() + begin[i], neighbors.data() + begin[i + 1]};
   }
 };
 
@@ -106,7 +106,7 @@ class Marcher {
   static std::vector<Link> short_links(std::span<const Link> links, const Graph& graph) {
     std::vector<bool> kept(links.size());
     for (std::uint32_t i = 0; i < graph.size(); ++i)
-      for (const Neighbour& n : graph.of(i).first(std::min(most_ways, graph.of(i).size())))
+      for (const Neighbor& n : graph.of(i).first(std::min(most_ways, graph.of(i).size())))
         kept[n.link] = true;
     std::vector<Link> result;
     for (std::size_t e = 0; e < links.size(); ++e)
@@ -123,12 +123,12 @@ class Marcher {
   }
 
   void spread(std::uint32_t u) {
-    for (const Neighbour& n : graph_.of(u)) across_[n.to] = {u, n.length};
-    for (const Neighbour& n : graph_.of(u)) {
+    for (const Neighbor& n : graph_.of(u)) across_[n.to] = {u, n.length};
+    for (const Neighbor& n : graph_.of(u)) {
       const std::uint32_t v = n.to;
       if (state_[v].settled == source_) continue;
       float best = length_[u] + n.length;
-      for (const Neighbour& m : graph_.of(v)) {
+      for (const Neighbor& m : graph_.of(v)) {
         const std::uint32_t w = m.to;
         if (state_[w].settled == source_ && across_[w].source == u)
           best = std::min(best, unfold(length_[u], length_[w], across_[w].length, n.length, m.length));
@@ -173,7 +173,7 @@ float length_between(const std::vector<Near>& near, std::uint32_t i, std::uint32
 float spacing(const Graph& graph, std::uint32_t i) {
   const auto around = graph.of(i);
   float sum = 0;
-  for (const Neighbour& n : around) sum += n.length;
+  for (const Neighbor& n : around) sum += n.length;
   return around.empty() ? 0 : coarsening * sum / static_cast<float>(around.size());
 }
 
@@ -183,13 +183,13 @@ float spacing(const Graph& graph, std::uint32_t i) {
 std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
   std::vector<std::uint32_t> around(graph.size()), seen(graph.size(), none);
   for (std::uint32_t i = 0; i < graph.size(); ++i)
-    for (const Neighbour& n : graph.of(i))
-      for (const Neighbour& m : graph.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
+    for (const Neighbor& n : graph.of(i))
+      for (const Neighbor& m : graph.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
   std::vector<int> result(graph.size());
   for (std::uint32_t i = 0; i < graph.size(); ++i) {
     std::uint32_t most = around[i];
-    for (const Neighbour& n : graph.of(i))
-      for (const Neighbour& m : graph.of(n.to)) most = std::max(most, around[m.to]);
+    for (const Neighbor& n : graph.of(i))
+      for (const Neighbor& m : graph.of(n.to)) most = std::max(most, around[m.to]);
     const float part = static_cast<float>(around[i]) / static_cast<float>(std::max(most, 1u));
     result[i] = (masses[i] > 0 ? 3 : 0) + (part < 0.45f ? 0 : part < 0.75f ? 1 : 2);
   }
@@ -257,7 +257,7 @@ void solve_ones(std::array<std::array<double, most_parents>, most_parents> A, st
 }
 
 /// Weights that give back a particle's place from those of its parents at x_j, from distances alone:
-///   minimise |sum_j w_j (x_j - x_i)|^2 + eps sum_j w_j^2 |x_j - x_i|^2,   sum_j w_j = 1,   w_j >= 0.
+///   minimize |sum_j w_j (x_j - x_i)|^2 + eps sum_j w_j^2 |x_j - x_i|^2,   sum_j w_j = 1,   w_j >= 0.
 /// With G_jk = (d_ij^2 + d_ik^2 - d_jk^2)/2 the first term is w^T G w. Müller 2008, section 4.3 takes 1/d_ij,
 /// which is wrong already for a uniform stretch wherever the parents do not lie evenly around the particle.
 std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std::uint32_t>& parents,
@@ -301,7 +301,7 @@ void share_energy(std::span<const Link> links, std::span<const std::uint32_t> re
   for (const Link& link : links) {
     const std::uint32_t a = realm[link.a], b = realm[link.b];
     const auto around = graph.of(a);
-    for (const Neighbour& n : around) {
+    for (const Neighbor& n : around) {
       if (a != b && n.to != b) continue;
       energy[n.link] += static_cast<double>(link.energy) / (a == b ? static_cast<double>(around.size()) : 1);
     }
@@ -327,7 +327,7 @@ struct Realms {
       const auto [reached, u] = front.top();
       front.pop();
       if (reached > length[u]) continue;
-      for (const Neighbour& n : graph.of(u)) {
+      for (const Neighbor& n : graph.of(u)) {
         if (!(reached + n.length < length[n.to])) continue;
         length[n.to] = reached + n.length;
         of[n.to] = of[u];

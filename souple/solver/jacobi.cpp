@@ -20,7 +20,7 @@ void Jacobi::prepare(std::span<Projector* const> projectors, const ParticleView&
     for (const std::uint32_t particle : constraint.particles) ++count_[particle];
   };
   for (Projector* projector : projectors)
-    (projector->linearise(particles, Substep{.h = 1}, count) ? linear_ : others_).push_back(projector);
+    (projector->linearize(particles, Substep{.h = 1}, count) ? linear_ : others_).push_back(projector);
 }
 
 void Jacobi::solve(std::span<Projector* const>, const ParticleView& particles, const Substep& substep,

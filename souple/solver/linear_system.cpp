@@ -11,8 +11,8 @@ namespace souple {
 namespace {
 
 // The strain of a rigid constraint of the primal system that carries the weight of the whole scene, under
-// 9.81 m/s^2. Ten times smaller still factorises in double (the condition number of a 50 x 50 cloth is 1e6),
-// but then a linearisation that is off is off with more force.
+// 9.81 m/s^2. Ten times smaller still factorizes in double (the condition number of a 50 x 50 cloth is 1e6),
+// but then a linearization that is off is off with more force.
 constexpr double floor_strain = 1e-5;
 constexpr double gravity = 9.81;
 // And what it leaves of the violation of one that stands alone, however light the scene.
@@ -67,7 +67,7 @@ double shortest_distance(std::span<const std::uint32_t> members, const ParticleV
 }  // namespace
 
 bool has_linear_form(const Projector& projector, const ParticleView& particles) {
-  return projector.linearise(particles, Substep{.h = 1}, [](const LinearConstraint&) {});
+  return projector.linearize(particles, Substep{.h = 1}, [](const LinearConstraint&) {});
 }
 
 void LinearSystem::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
@@ -76,11 +76,11 @@ void LinearSystem::prepare(std::span<Projector* const> projectors, const Particl
   double weight = 0;
   smallest_size_ = std::numeric_limits<double>::infinity();
   for (Projector* projector : projectors)
-    if (projector->linearise(particles, Substep{.h = 1}, [&](const LinearConstraint& constraint) {
+    if (projector->linearize(particles, Substep{.h = 1}, [&](const LinearConstraint& constraint) {
           add_structure(constraint, particles);
         }))
       projectors_.push_back(projector);
-  // Without a distance to go by (attachments alone) a metre is as good as anything.
+  // Without a distance to go by (attachments alone) a meter is as good as anything.
   if (!std::isfinite(smallest_size_)) smallest_size_ = 1;
   for (Block& block : blocks_)
     if (!std::isfinite(block.size)) block.size = smallest_size_;
@@ -122,7 +122,7 @@ void LinearSystem::begin_substep() {
   std::fill(lambda.begin(), lambda.end(), 0.0);
 }
 
-void LinearSystem::linearise(const ParticleView& particles, const Substep& substep, bool floor) {
+void LinearSystem::linearize(const ParticleView& particles, const Substep& substep, bool floor) {
   struct Context {
     LinearSystem& system;
     const ParticleView& particles;
@@ -132,7 +132,7 @@ void LinearSystem::linearise(const ParticleView& particles, const Substep& subst
   } context{*this, particles, 1 / (static_cast<double>(substep.h) * static_cast<double>(substep.h)), floor};
   floored_ = 0;
   for (const Projector* projector : projectors_)
-    projector->linearise(particles, substep, [&context](const LinearConstraint& constraint) {
+    projector->linearize(particles, substep, [&context](const LinearConstraint& constraint) {
       Block& block = context.system.blocks_[context.next++];
       context.system.fill(block, constraint, context.particles);
       if (context.floor && !block.idle) context.system.raise_to_floor(block, context.inverse_h2);

@@ -9,10 +9,10 @@
 
 namespace souple {
 
-/// Whether a projector can linearise its constraints (see Projector::linearise).
+/// Whether a projector can linearize its constraints (see Projector::linearize).
 bool has_linear_form(const Projector& projector, const ParticleView& particles);
 
-/// The constraints of all kinds that have a linear form, linearised where the particles are now: what the
+/// The constraints of all kinds that have a linear form, linearized where the particles are now: what the
 /// solvers of the global system share. All in double; J is kept in the float it is computed in.
 ///
 /// One constraint is a block of rows. With alpha~ = alpha / h^2 and gamma = tau / h (kernels/projection.h) it
@@ -51,7 +51,7 @@ class LinearSystem {
   /// All multipliers to zero.
   void begin_substep();
   /// Fills J, A and b. `floor`: A is at least `floor_compliance` on its diagonal, in the measure of each row.
-  void linearise(const ParticleView& particles, const Substep& substep, bool floor);
+  void linearize(const ParticleView& particles, const Substep& substep, bool floor);
   /// Fills `inverse` with A^-1, block by block.
   void invert_compliance();
 
@@ -80,7 +80,7 @@ class LinearSystem {
   /// How soft the floor makes rigid constraints: m / N for a gradient of length 1, for the whole scene's
   /// smallest constraint.
   double floor_compliance() const { return floor_ * smallest_size_; }
-  /// Rows that the last `linearise` lifted to the floor.
+  /// Rows that the last `linearize` lifted to the floor.
   std::size_t floored() const { return floored_; }
 
   std::span<const Block> blocks() const { return blocks_; }

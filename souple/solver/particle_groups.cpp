@@ -29,7 +29,7 @@ void ParticleGroups::prepare(std::size_t particle_count, std::string_view what) 
     if (particle >= particle_count)
       throw Error(fmt::format("{} names particle {}, expected one below {}: add the particles first", what,
                               particle, particle_count));
-  // The groups already placed on each particle have taken colours; a group takes the first colour free on all
+  // The groups already placed on each particle have taken colors; a group takes the first color free on all
   // of its own.
   std::vector<std::vector<bool>> taken(particle_count);
   std::vector<std::vector<std::uint32_t>> groups_of;
@@ -47,18 +47,18 @@ void ParticleGroups::prepare(std::size_t particle_count, std::string_view what) 
     if (groups_of.size() <= c) groups_of.resize(c + 1);
     groups_of[c].push_back(i);
   }
-  colours_ = {{}, {0}};
+  colors_ = {{}, {0}};
   for (const auto& groups : groups_of) {
-    colours_.order.insert(colours_.order.end(), groups.begin(), groups.end());
-    colours_.colour_begin.push_back(static_cast<std::uint32_t>(colours_.order.size()));
+    colors_.order.insert(colors_.order.end(), groups.begin(), groups.end());
+    colors_.color_begin.push_back(static_cast<std::uint32_t>(colors_.order.size()));
   }
   dirty_ = false;
 }
 
-std::span<const std::uint32_t> ParticleGroups::colour(int c) const {
+std::span<const std::uint32_t> ParticleGroups::color(int c) const {
   const auto k = static_cast<std::size_t>(c);
-  return std::span(colours_.order)
-      .subspan(colours_.colour_begin[k], colours_.colour_begin[k + 1] - colours_.colour_begin[k]);
+  return std::span(colors_.order)
+      .subspan(colors_.color_begin[k], colors_.color_begin[k + 1] - colors_.color_begin[k]);
 }
 
 std::vector<std::uint32_t> ParticleGroups::erase_particles(std::uint32_t begin, std::uint32_t end) {

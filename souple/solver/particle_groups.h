@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/colouring.h"
+#include "souple/solver/coloring.h"
 #include "souple/state/bytes.h"
 
 #include <string_view>
@@ -9,7 +9,7 @@
 namespace souple {
 
 /// The particles of constraints whose number of particles is known at run time only, in the order they were
-/// added, and their colours: what shape matching, enclosed volume and custom constraints share.
+/// added, and their colors: what shape matching, enclosed volume and custom constraints share.
 class ParticleGroups {
  public:
   /// Adds a group. Throws Error when it is empty or names a particle twice; `what` begins the message.
@@ -21,21 +21,21 @@ class ParticleGroups {
     return std::span(particles_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
 
-  /// Colours the groups if any was added or erased: those of one colour share no particle, each group takes
-  /// the first colour it can. Throws Error when a particle is not below particle_count.
+  /// Colors the groups if any was added or erased: those of one color share no particle, each group takes
+  /// the first color it can. Throws Error when a particle is not below particle_count.
   void prepare(std::size_t particle_count, std::string_view what);
-  int colour_count() const { return static_cast<int>(colours_.colour_begin.size()) - 1; }
-  /// The groups of colour c, ascending.
-  std::span<const std::uint32_t> colour(int c) const;
+  int color_count() const { return static_cast<int>(colors_.color_begin.size()) - 1; }
+  /// The groups of color c, ascending.
+  std::span<const std::uint32_t> color(int c) const;
 
-  /// Calls f(group i, colour), colour after colour.
+  /// Calls f(group i, color), color after color.
   template <class Function>
   void for_each(const Function& f) const {
-    for (int c = 0; c < colour_count(); ++c)
-      for (const std::uint32_t i : colour(c)) f(i, c);
+    for (int c = 0; c < color_count(); ++c)
+      for (const std::uint32_t i : color(c)) f(i, c);
   }
 
-  std::size_t bytes() const { return bytes_of(particles_, begin_, colours_.order, colours_.colour_begin); }
+  std::size_t bytes() const { return bytes_of(particles_, begin_, colors_.order, colors_.color_begin); }
   /// Drops groups that name a particle of [begin, end), renumbers the rest; returns which were kept,
   /// ascending.
   std::vector<std::uint32_t> erase_particles(std::uint32_t begin, std::uint32_t end);
@@ -43,7 +43,7 @@ class ParticleGroups {
  private:
   std::vector<std::uint32_t> particles_;
   std::vector<std::uint32_t> begin_{0};
-  Colouring colours_{{}, {0}};
+  Coloring colors_{{}, {0}};
   bool dirty_ = false;
 };
 

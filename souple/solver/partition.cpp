@@ -7,76 +7,76 @@
 namespace souple {
 namespace {
 
-/// The constraints of each particle, counted by colour. A particle that has n of one colour needs n copies,
-/// and n are enough: dealt out in turn, colour after colour, no copy gets two of the same colour.
+/// The constraints of each particle, counted by color. A particle that has n of one color needs n copies,
+/// and n are enough: dealt out in turn, color after color, no copy gets two of the same color.
 class Copies {
  public:
-  Copies(std::size_t particle_count, std::size_t colours)
-      : colours_(colours), count_(particle_count * colours), copies_(particle_count, 1) {}
+  Copies(std::size_t particle_count, std::size_t colors)
+      : colors_(colors), count_(particle_count * colors), copies_(particle_count, 1) {}
 
-  /// What a further constraint on these particles costs in that colour: copies, then how many constraints its
-  /// particles have of that colour already.
+  /// What a further constraint on these particles costs in that color: copies, then how many constraints its
+  /// particles have of that color already.
   using Price = std::pair<std::uint32_t, std::uint32_t>;
-  Price price(std::span<const std::uint32_t> particles, std::size_t colour) const {
+  Price price(std::span<const std::uint32_t> particles, std::size_t color) const {
     std::uint32_t copies = 0, rivals = 0;
     for (const std::uint32_t particle : particles) {
-      const std::uint32_t here = count_[particle * colours_ + colour];
+      const std::uint32_t here = count_[particle * colors_ + color];
       copies += here >= copies_[particle] ? 1 : 0;
       rivals += here;
     }
     return {copies, rivals};
   }
-  void add(std::span<const std::uint32_t> particles, std::size_t colour) {
+  void add(std::span<const std::uint32_t> particles, std::size_t color) {
     for (const std::uint32_t particle : particles)
-      copies_[particle] = std::max(copies_[particle], ++count_[particle * colours_ + colour]);
+      copies_[particle] = std::max(copies_[particle], ++count_[particle * colors_ + color]);
   }
   const std::vector<std::uint32_t>& of_particle() const { return copies_; }
 
  private:
-  std::size_t colours_;
+  std::size_t colors_;
   std::vector<std::uint32_t> count_, copies_;
 };
 
-// Keeps the first colours, which need no phantom, and puts the constraints of the others where they cost
-// least. Returns the colour of each constraint.
-std::vector<std::uint32_t> spread(std::span<const std::uint32_t> colour_begin,
+// Keeps the first colors, which need no phantom, and puts the constraints of the others where they cost
+// least. Returns the color of each constraint.
+std::vector<std::uint32_t> spread(std::span<const std::uint32_t> color_begin,
                                   std::span<const std::uint32_t> indices, std::size_t arity,
-                                  std::size_t colours, Copies& copies) {
-  std::vector<std::uint32_t> colour_of(indices.size() / arity);
-  const auto place = [&](std::size_t i, std::size_t colour) {
-    copies.add(indices.subspan(i * arity, arity), colour);
-    colour_of[i] = static_cast<std::uint32_t>(colour);
+                                  std::size_t colors, Copies& copies) {
+  std::vector<std::uint32_t> color_of(indices.size() / arity);
+  const auto place = [&](std::size_t i, std::size_t color) {
+    copies.add(indices.subspan(i * arity, arity), color);
+    color_of[i] = static_cast<std::uint32_t>(color);
   };
-  for (std::size_t colour = 0; colour < colours; ++colour)
-    for (std::size_t i = colour_begin[colour]; i < colour_begin[colour + 1]; ++i) place(i, colour);
-  for (std::size_t i = colour_begin[colours]; i < colour_of.size(); ++i) {
+  for (std::size_t color = 0; color < colors; ++color)
+    for (std::size_t i = color_begin[color]; i < color_begin[color + 1]; ++i) place(i, color);
+  for (std::size_t i = color_begin[colors]; i < color_of.size(); ++i) {
     const auto particles = indices.subspan(i * arity, arity);
     std::size_t best = 0;
-    for (std::size_t colour = 1; colour < colours; ++colour)
-      if (copies.price(particles, colour) < copies.price(particles, best)) best = colour;
+    for (std::size_t color = 1; color < colors; ++color)
+      if (copies.price(particles, color) < copies.price(particles, best)) best = color;
     place(i, best);
   }
-  return colour_of;
+  return color_of;
 }
 
 }  // namespace
 
 Partition partition_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count,
-                                std::span<const std::uint32_t> colour_begin, int colours,
+                                std::span<const std::uint32_t> color_begin, int colors,
                                 std::uint32_t first_phantom) {
   const auto width = static_cast<std::size_t>(arity);
-  const auto limit = static_cast<std::size_t>(colours);
+  const auto limit = static_cast<std::size_t>(colors);
   Partition result;
-  if (colour_begin.size() <= limit + 1) {
-    result.colouring.colour_begin.assign(colour_begin.begin(), colour_begin.end());
-    result.colouring.order.resize(indices.size() / width);
-    std::iota(result.colouring.order.begin(), result.colouring.order.end(), 0u);
+  if (color_begin.size() <= limit + 1) {
+    result.coloring.color_begin.assign(color_begin.begin(), color_begin.end());
+    result.coloring.order.resize(indices.size() / width);
+    std::iota(result.coloring.order.begin(), result.coloring.order.end(), 0u);
     result.indices.assign(indices.begin(), indices.end());
     return result;
   }
   Copies copies(particle_count, limit);
-  result.colouring =
-      sorted_by_colour(indices, arity, particle_count, spread(colour_begin, indices, width, limit, copies));
+  result.coloring =
+      sorted_by_color(indices, arity, particle_count, spread(color_begin, indices, width, limit, copies));
   std::vector<std::uint32_t> first(particle_count), turn(particle_count);
   for (std::uint32_t particle = 0; particle < particle_count; ++particle) {
     const std::uint32_t count = copies.of_particle()[particle];
@@ -85,7 +85,7 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
     if (count > 1) result.phantom_of.insert(result.phantom_of.end(), count, particle);
   }
   result.indices.reserve(indices.size());
-  for (const std::uint32_t i : result.colouring.order)
+  for (const std::uint32_t i : result.coloring.order)
     for (const std::uint32_t particle : indices.subspan(i * width, width))
       result.indices.push_back(first[particle] + turn[particle]++ % copies.of_particle()[particle]);
   return result;

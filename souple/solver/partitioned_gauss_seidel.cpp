@@ -9,9 +9,9 @@ constexpr std::size_t copy_grain = 4096;  // particles
 
 }  // namespace
 
-/// A set whose particles were split, as a projector on particles without phantoms: two colours of its own,
+/// A set whose particles were split, as a projector on particles without phantoms: two colors of its own,
 /// before and after those of the set, bring the phantoms and their particles together. So whatever walks the
-/// colours of a set, forward or backward, needs to know nothing of phantoms.
+/// colors of a set, forward or backward, needs to know nothing of phantoms.
 class PartitionedGaussSeidel::Split final : public Projector {
  public:
   Split(Projector& set, std::span<const std::uint32_t> phantom_of, std::uint32_t first_phantom, Everyone& all)
@@ -26,23 +26,23 @@ class PartitionedGaussSeidel::Split final : public Projector {
   std::string_view kind() const override { return set_.kind(); }
   std::size_t size() const override { return set_.size(); }
   void prepare(std::size_t) override {}
-  int colour_count() const override { return set_.colour_count() + 2; }
-  std::size_t colour_size(int colour) const override {
-    return joins(colour) ? particles_.size() : set_.colour_size(colour - 1);
+  int color_count() const override { return set_.color_count() + 2; }
+  std::size_t color_size(int color) const override {
+    return joins(color) ? particles_.size() : set_.color_size(color - 1);
   }
   std::size_t grain() const override { return set_.grain(); }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView&,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView&,
                const Substep& substep) override {
-    if (!joins(colour)) {
-      set_.project(colour - 1, begin, end, all_.view, substep);
+    if (!joins(color)) {
+      set_.project(color - 1, begin, end, all_.view, substep);
       return;
     }
     for (std::size_t i = begin; i < end; ++i) join(particles_[i]);
   }
-  bool linearise(const ParticleView& particles, const Substep& substep,
+  bool linearize(const ParticleView& particles, const Substep& substep,
                  const LinearVisitor& visitor) const override {
-    return set_.linearise(particles, substep, visitor);
+    return set_.linearize(particles, substep, visitor);
   }
   void multipliers(const MultiplierVisitor& visitor) override { set_.multipliers(visitor); }
   Residual residual(const ParticleView& particles) const override { return set_.residual(particles); }
@@ -55,9 +55,9 @@ class PartitionedGaussSeidel::Split final : public Projector {
     std::uint32_t substep = 0;  // of `joined`
   };
 
-  bool joins(int colour) const { return colour == 0 || colour == set_.colour_count() + 1; }
+  bool joins(int color) const { return color == 0 || color == set_.color_count() + 1; }
 
-  // The particle goes where its phantoms' centre of mass went, then they to it: meanwhile another set may
+  // The particle goes where its phantoms' center of mass went, then they to it: meanwhile another set may
   // have moved the particle alone.
   void join(SplitParticle& split) const {
     const std::span<Vec4f> moving = all_.view.moving;
@@ -90,7 +90,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
 };
 
 PartitionedGaussSeidel::PartitionedGaussSeidel(const SolverSettings& settings)
-    : colours_(settings.colours), gauss_seidel_(settings) {}
+    : colors_(settings.colors), gauss_seidel_(settings) {}
 
 PartitionedGaussSeidel::~PartitionedGaussSeidel() = default;
 
@@ -101,7 +101,7 @@ void PartitionedGaussSeidel::prepare(std::span<Projector* const> projectors, con
   std::size_t count = particle_count_;
   for (Projector* projector : projectors) {
     const auto first = static_cast<std::uint32_t>(count);
-    const std::span<const std::uint32_t> phantom_of = projector->split(colours_, first);
+    const std::span<const std::uint32_t> phantom_of = projector->split(colors_, first);
     count += phantom_of.size();
     if (!phantom_of.empty()) {
       split_.push_back(std::make_unique<Split>(*projector, phantom_of, first, all_));
@@ -145,7 +145,7 @@ void PartitionedGaussSeidel::solve(std::span<Projector* const>, const ParticleVi
 
 std::string PartitionedGaussSeidel::remark() const {
   const std::size_t count = split_.empty() ? 0 : all_.position.size() - particle_count_;
-  return fmt::format("{} phantoms cut the constraints to {} colours", count, colours_);
+  return fmt::format("{} phantoms cut the constraints to {} colors", count, colors_);
 }
 
 }  // namespace souple

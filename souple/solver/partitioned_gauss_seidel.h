@@ -8,12 +8,12 @@
 
 namespace souple {
 
-/// Gauss-Seidel in a chosen number of colours (Fratarcangeli & Pellacini 2015). Particles in which too many
+/// Gauss-Seidel in a chosen number of colors (Fratarcangeli & Pellacini 2015). Particles in which too many
 /// constraints meet are split into phantoms (partition.h), which are brought together after each sweep of a
 /// set.
 ///
 /// A split particle shares its mass equally among its n phantoms (Tonge et al. 2012, "Mass Splitting for
-/// Jitter-Free Parallel Rigid Body Simulation"): w_k = n w, and x = 1/n sum_k x_k is their common centre of
+/// Jitter-Free Parallel Rigid Body Simulation"): w_k = n w, and x = 1/n sum_k x_k is their common center of
 /// mass. So momentum is kept whatever two particles' numbers of phantoms are, and since
 ///   w grad C dlambda = 1/n (n w) grad C dlambda,
 /// x = x* + W J^T lambda holds as without phantoms: the solution is the same, the way to it longer.
@@ -21,7 +21,7 @@ namespace souple {
 /// Kinds that cannot be split (contacts, shape matching, custom constraints) are projected as usual.
 class PartitionedGaussSeidel final : public Solver {
  public:
-  /// settings.colours >= 1.
+  /// settings.colors >= 1.
   explicit PartitionedGaussSeidel(const SolverSettings& settings);
   ~PartitionedGaussSeidel() override;
 
@@ -42,7 +42,7 @@ class PartitionedGaussSeidel final : public Solver {
 
   void copy_in(const ParticleView& particles, Threads& threads);
 
-  int colours_;
+  int colors_;
   GaussSeidel gauss_seidel_;
   std::size_t particle_count_ = 0;
   Everyone all_;

@@ -91,13 +91,13 @@ struct Residual {
 /// One constraint as it is now, for those who show it.
 struct ConstraintState {
   std::span<const std::uint32_t> particles;  ///< valid during the call
-  int colour = 0;
+  int color = 0;
   float strain = 0;    ///< (l - l0) / l0 of kinds that have one, else 0
   float residual = 0;  ///< largest |C| of its rows, in the unit of C; 0 where an inequality holds
 };
 using ConstraintVisitor = std::function<void(const ConstraintState&)>;
 
-/// One constraint linearised where its particles are now, for solvers of the global system:
+/// One constraint linearized where its particles are now, for solvers of the global system:
 ///   C(x + dx) = C + sum_k gradient_k . dx_k.
 struct LinearConstraint {
   std::span<const std::uint32_t> particles;  ///< arity; spans are valid during the call
@@ -112,47 +112,47 @@ using LinearVisitor = std::function<void(const LinearConstraint&)>;
 using MultiplierVisitor = std::function<void(std::span<float>)>;
 
 /// The one interface a solver sees: something that moves particles towards satisfying its constraints. It is
-/// called per set and colour, never per constraint. Constraints of one colour share no particle, so their
-/// order within it is free, and parts of a colour may be projected at the same time.
+/// called per set and color, never per constraint. Constraints of one color share no particle, so their
+/// order within it is free, and parts of a color may be projected at the same time.
 class Projector {
  public:
   virtual ~Projector() = default;
 
   virtual std::string_view kind() const = 0;
   virtual std::size_t size() const = 0;
-  /// After constraints were added or erased and before the next substep: sort, colour, allocate.
+  /// After constraints were added or erased and before the next substep: sort, color, allocate.
   virtual void prepare(std::size_t particle_count) = 0;
-  /// Cuts the constraints into at most `colours` colours by splitting the particles in which too many of them
+  /// Cuts the constraints into at most `colors` colors by splitting the particles in which too many of them
   /// meet (see partition.h). `project` then acts on phantoms, numbered from `first_phantom`, in their place;
   /// everything else keeps naming the particles. Returns which particle each phantom stands for, ascending,
   /// valid until the next split or prepare; nothing where none was split or this kind cannot be.
-  /// 0 colours: as many as it takes, and nothing split, as `prepare` leaves it.
-  virtual std::span<const std::uint32_t> split([[maybe_unused]] int colours,
+  /// 0 colors: as many as it takes, and nothing split, as `prepare` leaves it.
+  virtual std::span<const std::uint32_t> split([[maybe_unused]] int colors,
                                                [[maybe_unused]] std::uint32_t first_phantom) {
     return {};
   }
-  virtual int colour_count() const = 0;
-  /// Constraints of a colour.
-  virtual std::size_t colour_size(int colour) const = 0;
+  virtual int color_count() const = 0;
+  /// Constraints of a color.
+  virtual std::size_t color_size(int color) const = 0;
   /// How many constraints are worth a thread of their own.
   virtual std::size_t grain() const { return 1; }
   virtual void begin_substep(const ParticleView&, const Substep&) {}
-  /// Projects constraints [begin, end) of a colour. Other parts of it may be projected at the same time.
-  virtual void project(int colour, std::size_t begin, std::size_t end, const ParticleView&,
+  /// Projects constraints [begin, end) of a color. Other parts of it may be projected at the same time.
+  virtual void project(int color, std::size_t begin, std::size_t end, const ParticleView&,
                        const Substep&) = 0;
-  /// A whole colour.
-  void project(int colour, const ParticleView& particles, const Substep& substep) {
-    project(colour, 0, colour_size(colour), particles, substep);
+  /// A whole color.
+  void project(int color, const ParticleView& particles, const Substep& substep) {
+    project(color, 0, color_size(color), particles, substep);
   }
   /// Calls the visitor for each constraint, in an order that changes only in `prepare`. False: this kind has
   /// no linear form (contacts, the user's own); solvers of a global system project it instead.
-  virtual bool linearise(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
+  virtual bool linearize(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
   /// Hands out the multipliers stored in this substep, for solvers that extrapolate them with the positions.
   virtual void multipliers(const MultiplierVisitor&) {}
   virtual Residual residual(const ParticleView&) const = 0;
   /// The same without the energy, on all threads: what every step asks for.
   virtual Residual measure(const ParticleView& particles, Threads&) { return residual(particles); }
-  /// Calls the visitor for each constraint, colour after colour; unless a kind says how, for none.
+  /// Calls the visitor for each constraint, color after color; unless a kind says how, for none.
   virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
   /// What the constraints take on the heap. [bytes]
   virtual std::size_t bytes() const { return 0; }

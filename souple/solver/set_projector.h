@@ -4,7 +4,7 @@
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
 #include "souple/math/reductions.h"
-#include "souple/solver/colouring.h"
+#include "souple/solver/coloring.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/solver/kernels/projection.h"
 #include "souple/solver/partition.h"
@@ -27,7 +27,7 @@ namespace detail {
 }  // namespace detail
 
 /// Many constraints of one kind behind the Projector interface: this template is what gives a user's own
-/// struct the solvers, the colours and the report.
+/// struct the solvers, the colors and the report.
 template <class Kind>
 class SetProjector final : public Projector {
  public:
@@ -55,7 +55,7 @@ class SetProjector final : public Projector {
   std::size_t bytes() const override {
     return set_.bytes() + scales_.bytes() + partial_.capacity() * sizeof(Residual);
   }
-  int colour_count() const override { return static_cast<int>(set_.colour_begin.size()) - 1; }
+  int color_count() const override { return static_cast<int>(set_.color_begin.size()) - 1; }
 
   /// Throws Error when a constraint names a particle that does not exist.
   void prepare(std::size_t particle_count) override {
@@ -66,23 +66,23 @@ class SetProjector final : public Projector {
         if (index >= particle_count) detail::throw_missing_particle(kind(), i, index, particle_count);
     dirty_ = false;
     split_ = {};
-    arrange(colour_constraints(flat_indices(), Kind::arity, particle_count));
+    arrange(color_constraints(flat_indices(), Kind::arity, particle_count));
   }
 
-  std::span<const std::uint32_t> split(int colours, std::uint32_t first_phantom) override {
+  std::span<const std::uint32_t> split(int colors, std::uint32_t first_phantom) override {
     if (!split_.whole.order.empty()) arrange(std::move(split_.whole));
     split_ = {};
-    if (colours == 0 || colour_count() <= colours) return {};
+    if (colors == 0 || color_count() <= colors) return {};
     const std::vector<std::uint32_t> flat = flat_indices();
     Partition partition =
         partition_constraints(flat, Kind::arity, *std::max_element(flat.begin(), flat.end()) + std::size_t{1},
-                              set_.colour_begin, colours, first_phantom);
+                              set_.color_begin, colors, first_phantom);
     split_.phantom_of = std::move(partition.phantom_of);
-    split_.whole = {inverse_order(partition.colouring.order), set_.colour_begin};
+    split_.whole = {inverse_order(partition.coloring.order), set_.color_begin};
     for (std::size_t k = 0; k < Set::arity; ++k)
       for (std::size_t i = k; i < partition.indices.size(); i += Set::arity)
         split_.records[k].push_back(4 * partition.indices[i]);
-    arrange(std::move(partition.colouring));
+    arrange(std::move(partition.coloring));
     return split_.phantom_of;
   }
 
@@ -95,16 +95,16 @@ class SetProjector final : public Projector {
       damped_ = damped_ || set_.damping_times.data()[i] > 0;
   }
 
-  std::size_t colour_size(int colour) const override {
-    const auto c = static_cast<std::size_t>(colour);
-    return set_.colour_begin[c + 1] - set_.colour_begin[c];
+  std::size_t color_size(int color) const override {
+    const auto c = static_cast<std::size_t>(color);
+    return set_.color_begin[c + 1] - set_.color_begin[c];
   }
   std::size_t grain() const override { return 256; }
   using Projector::project;
-  void project(int colour, std::size_t first, std::size_t last, const ParticleView& particles,
+  void project(int color, std::size_t first, std::size_t last, const ParticleView& particles,
                const Substep& substep) override {
-    const std::size_t colour_begin = set_.colour_begin[static_cast<std::size_t>(colour)];
-    const std::size_t begin = colour_begin + first, end = colour_begin + last;
+    const std::size_t color_begin = set_.color_begin[static_cast<std::size_t>(color)];
+    const std::size_t begin = color_begin + first, end = color_begin + last;
     // The plain kernels correct in place.
     const bool general = substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd) ||
                          !particles.corrected.empty();
@@ -133,20 +133,20 @@ class SetProjector final : public Projector {
   }
 
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override {
-    for (int colour = 0; colour < colour_count(); ++colour) {
-      const auto c = static_cast<std::size_t>(colour);
-      for (std::size_t i = set_.colour_begin[c]; i < set_.colour_begin[c + 1]; ++i) {
+    for (int color = 0; color < color_count(); ++color) {
+      const auto c = static_cast<std::size_t>(color);
+      for (std::size_t i = set_.color_begin[c]; i < set_.color_begin[c + 1]; ++i) {
         float C[rows_of<Kind>];
         evaluate(i, particles, C);
         float largest = 0;
         for (const float value : C) largest = std::fmax(largest, violation_of(value));
         const Indices indices = set_.indices(i);
-        visitor({indices, colour, strain_of(i, C), largest});
+        visitor({indices, color, strain_of(i, C), largest});
       }
     }
   }
 
-  bool linearise(const ParticleView& particles, const Substep& substep,
+  bool linearize(const ParticleView& particles, const Substep& substep,
                  const LinearVisitor& visitor) const override {
     for (std::size_t i = 0; i < set_.size(); ++i) {
       ProjectionInput<Kind, float> in;
@@ -193,11 +193,11 @@ class SetProjector final : public Projector {
       for (const std::uint32_t index : set_.indices(i)) flat.push_back(index);
     return flat;
   }
-  void arrange(Colouring colouring) {
-    set_.reorder(colouring.order);
-    set_.colour_begin = std::move(colouring.colour_begin);
+  void arrange(Coloring coloring) {
+    set_.reorder(coloring.order);
+    set_.color_begin = std::move(coloring.color_begin);
     scales_for_ = -1;
-    find_scales({});  // a solver may linearise before the first substep
+    find_scales({});  // a solver may linearize before the first substep
   }
   // What `project` acts on: where particles were split, phantoms in their place.
   const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
@@ -422,7 +422,7 @@ class SetProjector final : public Projector {
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
     std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records, with phantoms
-    Colouring whole;                                             // leads back
+    Coloring whole;                                              // leads back
   } split_;
   bool dirty_ = true;
   bool damped_ = true;

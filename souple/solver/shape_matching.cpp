@@ -35,10 +35,10 @@ void check(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest
 
 // The directions in which the rest shape has no extent, whatever its masses; fills how many it has.
 Mat3d missing_directions(std::span<const Vec3d> rest, int& dimensions) {
-  Vec3d centre{};
-  for (const Vec3d& q : rest) centre += q / static_cast<double>(rest.size());
+  Vec3d center{};
+  for (const Vec3d& q : rest) center += q / static_cast<double>(rest.size());
   Mat3d covariance;
-  for (const Vec3d& q : rest) covariance = covariance + outer(q - centre, q - centre);
+  for (const Vec3d& q : rest) covariance = covariance + outer(q - center, q - center);
   const Svd<double> d = svd(covariance);
   Mat3d missing;
   dimensions = 0;
@@ -99,17 +99,17 @@ void ShapeMatching::weigh(Region& region, std::span<const std::uint32_t> group,
     if (w > 0) region.free_mass += 1 / static_cast<double>(w);
   const double pinned = region.free_mass > 0 ? pin_weight * region.free_mass : 1;
   region.total_mass = 0;
-  region.centre = {};
+  region.center = {};
   for (std::size_t k = 0; k < group.size(); ++k) {
     const float w = region.inverse_mass[k];
     region.mass[k] = w > 0 ? 1 / static_cast<double>(w) : pinned;
     region.total_mass += region.mass[k];
-    region.centre += region.rest[k] * region.mass[k];
+    region.center += region.rest[k] * region.mass[k];
   }
-  region.centre = region.centre / region.total_mass;
+  region.center = region.center / region.total_mass;
   Mat3d a_qq;
   for (std::size_t k = 0; k < group.size(); ++k) {
-    const Vec3d q = region.rest[k] - region.centre;
+    const Vec3d q = region.rest[k] - region.center;
     a_qq = a_qq + outer(q, q) * region.mass[k];
   }
   region.rest_inverse = pseudo_inverse(a_qq, region.missing);
@@ -125,11 +125,11 @@ void ShapeMatching::begin_substep(const ParticleView& particles, const Substep&)
 ShapeMatching::Pose ShapeMatching::fit(const Region& region, std::span<const std::uint32_t> group,
                                        const ParticleView& particles) {
   Vec3d sum{};
-  Mat3d a_pq;  // sum m x q^T: as sum m q = 0, the centre of x drops out
+  Mat3d a_pq;  // sum m x q^T: as sum m q = 0, the center of x drops out
   for (std::size_t k = 0; k < group.size(); ++k) {
     const Vec3d mx = Vec3d(particles.difference(group[k], group[0])) * region.mass[k];
     sum += mx;
-    a_pq = a_pq + outer(mx, region.rest[k] - region.centre);
+    a_pq = a_pq + outer(mx, region.rest[k] - region.center);
   }
   Pose pose{sum / region.total_mass, nearest_rotation(a_pq)};
   if (region.linear == 0 || region.dimensions == 0) return pose;
@@ -143,7 +143,7 @@ ShapeMatching::Pose ShapeMatching::fit(const Region& region, std::span<const std
 
 Vec3d ShapeMatching::to_goal(const Region& region, std::span<const std::uint32_t> group,
                              const ParticleView& particles, const Pose& pose, std::size_t k) {
-  const Vec3d goal = pose.centre + pose.transform * (region.rest[k] - region.centre);
+  const Vec3d goal = pose.center + pose.transform * (region.rest[k] - region.center);
   return goal - Vec3d(particles.difference(group[k], group[0]));
 }
 
@@ -182,9 +182,9 @@ void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, co
   }
 }
 
-void ShapeMatching::project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                             const Substep& substep) {
-  for (const std::uint32_t i : groups_.colour(colour).subspan(begin, end - begin))
+  for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
     project_one(i, particles, substep);
 }
 
@@ -206,8 +206,8 @@ Residual ShapeMatching::residual(const ParticleView& particles) const {
 }
 
 void ShapeMatching::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  groups_.for_each([&](std::uint32_t i, int colour) {
-    visitor({groups_[i], colour, 0, static_cast<float>(distance(i, particles))});
+  groups_.for_each([&](std::uint32_t i, int color) {
+    visitor({groups_[i], color, 0, static_cast<float>(distance(i, particles))});
   });
 }
 

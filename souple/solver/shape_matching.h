@@ -16,7 +16,7 @@ struct ShapeMatchingOptions {
 /// Pulls regions of particles towards their rest shape, moved to where it fits best. Müller et al. 2005,
 /// "Meshless deformations based on shape matching", sections 3.3 to 4.2.
 ///
-///   c = sum m x / M,  A_pq = sum m (x - c) q^T,  A_qq = sum m q q^T  (q: rest positions about their centre)
+///   c = sum m x / M,  A_pq = sum m (x - c) q^T,  A_qq = sum m q q^T  (q: rest positions about their center)
 ///   R = polar(A_pq),  A = A_pq A_qq^-1,  T = beta A / det(A)^(1/3) + (1 - beta) R,  g = c + T q
 ///   C = sqrt(sum m |x - g|^2 / M)  [m]
 ///
@@ -45,12 +45,12 @@ class ShapeMatching final : public Projector {
   std::string_view kind() const override { return "shape_matching"; }
   std::size_t size() const override { return regions_.size(); }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
-  int colour_count() const override { return groups_.colour_count(); }
+  int color_count() const override { return groups_.color_count(); }
   /// Must run before `project`: it looks for changed masses.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  std::size_t colour_size(int colour) const override { return groups_.colour(colour).size(); }
+  std::size_t color_size(int color) const override { return groups_.color(color).size(); }
   using Projector::project;
-  void project(int colour, std::size_t begin, std::size_t end, const ParticleView& particles,
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -63,7 +63,7 @@ class ShapeMatching final : public Projector {
     std::vector<float> inverse_mass;  // that the following were made for
     std::vector<double> mass;         // with pins as heavy
     double total_mass = 0, free_mass = 0;
-    Vec3d centre;        // of `rest`, by mass
+    Vec3d center;        // of `rest`, by mass
     Mat3d rest_inverse;  // pseudo-inverse of A_qq
     Mat3d missing;       // projection onto the directions the rest shape lacks
     int dimensions = 0;  // it has
@@ -72,7 +72,7 @@ class ShapeMatching final : public Projector {
     double multiplier = 0;
   };
   struct Pose {
-    Vec3d centre;  // relative to the region's first particle
+    Vec3d center;  // relative to the region's first particle
     Mat3d transform;
   };
 

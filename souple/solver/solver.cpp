@@ -16,7 +16,7 @@ namespace souple {
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
   switch (settings.kind) {
     case SolverKind::gauss_seidel:
-      if (settings.colours > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
+      if (settings.colors > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
       return std::make_unique<GaussSeidel>(settings);
     case SolverKind::jacobi:
       return std::make_unique<Jacobi>(settings);

@@ -12,15 +12,15 @@ namespace souple {
 
 /// How the constraints of a substep are solved; docs/solvers.md compares them.
 enum class SolverKind {
-  gauss_seidel,        ///< nonlinear, coloured: the default
+  gauss_seidel,        ///< nonlinear, colored: the default
   jacobi,              ///< all constraints from the same positions, corrections averaged
-  direct,              ///< the linearised system by a sparse Cholesky factorisation
-  conjugate_gradient,  ///< the same without a factorisation, for what is too large for one
+  direct,              ///< the linearized system by a sparse Cholesky factorization
+  conjugate_gradient,  ///< the same without a factorization, for what is too large for one
   dense,               ///< the same by SVD pseudo-inverse: small scenes only
   hierarchical         ///< levels of coarser constraints (Müller 2008)
 };
 
-/// In which order Gauss-Seidel visits the colours.
+/// In which order Gauss-Seidel visits the colors.
 enum class Sweep {
   forward,   ///< first to last, every iteration
   symmetric  ///< forward, then backward, every iteration; kinds without a linear form once, last
@@ -33,14 +33,14 @@ struct SolverSettings {
   float relaxation = 1;
   /// Chebyshev acceleration of the iterations: the spectral radius rho in [0, 1) that it assumes; 0: none.
   float chebyshev = 0;
-  /// Gauss-Seidel: colours to which phantom particles cut the constraint graph (Fratarcangeli and Pellacini
+  /// Gauss-Seidel: colors to which phantom particles cut the constraint graph (Fratarcangeli and Pellacini
   /// 2015); 0: as many as it takes without.
-  int colours = 0;
+  int colors = 0;
 };
 
 inline bool operator==(const SolverSettings& a, const SolverSettings& b) {
   return a.kind == b.kind && a.sweep == b.sweep && a.relaxation == b.relaxation &&
-         a.chebyshev == b.chebyshev && a.colours == b.colours;
+         a.chebyshev == b.chebyshev && a.colors == b.colors;
 }
 
 /// Moves the particles of a world towards satisfying all constraints, once per substep.
@@ -63,7 +63,7 @@ class Solver {
 
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings);
 
-/// Projects all constraints of a projector once, colour after colour, each on all threads.
+/// Projects all constraints of a projector once, color after color, each on all threads.
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads);
 
 }  // namespace souple

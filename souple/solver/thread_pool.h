@@ -17,7 +17,7 @@ namespace souple {
 ///
 /// That word, the signal, holds the number of the job (upper 48 bits) and what is asked (lower 16): so many
 /// parts to work on, or to sleep, or to end. Part 0 is the caller's and part t worker t's, so that a thread
-/// meets the same particles colour after colour; but a worker that does not run just now, because it still
+/// meets the same particles color after color; but a worker that does not run just now, because it still
 /// wakes up or the system gave its processor to others, would make all wait: whoever works on a part claims
 /// it first, and the caller takes those that nobody has claimed when its own is done. Which thread works on a
 /// part changes no result. (Without this, a job took 90 microseconds on a busy machine; parts handed out one

@@ -30,13 +30,13 @@ void check(const SurfaceOptions& o) {
   require(o.cell >= 0 && std::isfinite(o.cell), "cell: expected 0 or a length [m]");
   require(o.cell == 0 || (o.cell >= 0.05f * o.spacing && o.cell <= 10 * o.spacing),
           "cell: expected 0.05 to 10 spacings");
-  require(o.neighbour_radius >= 1.5f && o.neighbour_radius <= 6, "neighbour_radius: expected 1.5 to 6");
-  require(o.centre_smoothing >= 0 && o.centre_smoothing <= 1, "centre_smoothing: expected 0 to 1");
+  require(o.neighbor_radius >= 1.5f && o.neighbor_radius <= 6, "neighbor_radius: expected 1.5 to 6");
+  require(o.center_smoothing >= 0 && o.center_smoothing <= 1, "center_smoothing: expected 0 to 1");
   require(o.kernel_radius >= 1 && o.kernel_radius <= 8, "kernel_radius: expected 1 to 8");
   require(o.isotropic_radius >= 1 && o.isotropic_radius <= 8, "isotropic_radius: expected 1 to 8");
   require(o.drop_radius >= 0.5f && o.drop_radius <= 8, "drop_radius: expected 0.5 to 8");
   require(o.largest_ratio >= 1 && o.largest_ratio <= 100, "largest_ratio: expected 1 to 100");
-  require(o.few_neighbours >= 0, "few_neighbours: expected 0 or more");
+  require(o.few_neighbors >= 0, "few_neighbors: expected 0 or more");
   require(o.level >= 0 && o.level < 1, "level: expected 0, or up to 1");
   require(o.smoothing_passes >= 0, "smoothing_passes: expected 0 or more");
   require(o.smoothing >= 0 && o.smoothing <= 1, "smoothing: expected 0 to 1");
@@ -60,7 +60,7 @@ struct Samples {
 /// middle.
 std::vector<Vec4f> lattice_pool(const SurfaceOptions& options) {
   const float widest = std::max(1.5f * options.kernel_radius, options.isotropic_radius);
-  const int half = static_cast<int>(std::ceil(widest + options.neighbour_radius)) + 1;
+  const int half = static_cast<int>(std::ceil(widest + options.neighbor_radius)) + 1;
   const auto at = [&](int k) { return static_cast<float>(k) * options.spacing; };
   std::vector<Vec4f> points;
   for (int k = 0; k < half; ++k)
@@ -73,14 +73,14 @@ std::vector<Vec4f> lattice_pool(const SurfaceOptions& options) {
 class Pool {
  public:
   explicit Pool(const SurfaceOptions& options) : kernels_(options) {
-    const float radius = options.neighbour_radius * options.spacing;
+    const float radius = options.neighbor_radius * options.spacing;
     const std::vector<Vec4f> points = lattice_pool(options);
     const auto serial = make_threads(Threading::serial, 1);
     CellOrder order;
-    Neighbours neighbours;
+    Neighbors neighbors;
     order.build(points, radius, *serial);
-    neighbours.find(order, radius, *serial);
-    kernels_.find(order, neighbours, *serial);
+    neighbors.find(order, radius, *serial);
+    kernels_.find(order, neighbors, *serial);
     all_.resize(points.size());
     std::iota(all_.begin(), all_.end(), 0u);
   }
@@ -95,7 +95,7 @@ class Pool {
 };
 
 /// The value that the field has where the surface of a pool belongs: half a spacing above the topmost layer
-/// of a lattice, that is, where vertices come to lie once they have gone back by the shift of the centres,
+/// of a lattice, that is, where vertices come to lie once they have gone back by the shift of the centers,
 ///
 ///   level = mean of field(z_s),   z_s - shift(z_s) = d / 2,   s over a cell of the lattice
 ///
@@ -140,7 +140,7 @@ FluidSurface::FluidSurface(const SurfaceOptions& options)
 const SurfaceMesh& FluidSurface::build(std::span<const Vec3f> positions, Threads& threads) {
   const Wakefulness awake(threads);
   Clock::time_point clock = Clock::now();
-  const float radius = options_.neighbour_radius * options_.spacing;
+  const float radius = options_.neighbor_radius * options_.spacing;
   // Within this, cells and bricks can be counted.
   const float limit = std::min(radius, 4 * options_.cell) * 0x1p18f;
   positions_.clear();
@@ -149,9 +149,9 @@ const SurfaceMesh& FluidSurface::build(std::span<const Vec3f> positions, Threads
       positions_.push_back({x.x, x.y, x.z, 0});
   order_.build(positions_, radius, threads);
   times_.sort = lap(clock);
-  neighbours_.find(order_, radius, threads);
-  times_.neighbours = lap(clock);
-  particles_.find(order_, neighbours_, threads);
+  neighbors_.find(order_, radius, threads);
+  times_.neighbors = lap(clock);
+  particles_.find(order_, neighbors_, threads);
   times_.kernels = lap(clock);
   field_.build(order_, radius, particles_, threads);
   times_.field = lap(clock);

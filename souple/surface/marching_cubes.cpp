@@ -227,7 +227,7 @@ void CutEdges::look(const SurfaceField& field, std::uint32_t brick) {
   }
 }
 
-/// Never so near a node that triangles lose their area; then back by the way of the centres.
+/// Never so near a node that triangles lose their area; then back by the way of the centers.
 Vec3f CutEdges::position(std::size_t k) const {
   constexpr float least = 0.02f;
   Vec3f x{start[0][k], start[1][k], start[2][k]};

@@ -30,7 +30,7 @@ struct SurfaceMesh {
 };
 
 /// Cuts the surface out of a field. Vertices lie on the grid's edges, in the order of bricks, then of axes
-/// and nodes; then each goes back the way that its kernels' centres went from their particles.
+/// and nodes; then each goes back the way that its kernels' centers went from their particles.
 class MarchingCubes {
  public:
   /// Allocates nothing when warm.

@@ -7,30 +7,30 @@
 namespace souple {
 
 // In a closed mesh each edge is a side of two triangles, once in each direction.
-void MeshSmoothing::find_neighbours(const SurfaceMesh& mesh) {
+void MeshSmoothing::find_neighbors(const SurfaceMesh& mesh) {
   first_.assign(mesh.positions.size() + 1, 0);
-  neighbour_.resize(3 * mesh.triangles.size());
+  neighbor_.resize(3 * mesh.triangles.size());
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t) ++first_[v];
   std::uint32_t sum = 0;
   for (std::uint32_t& first : first_) sum += std::exchange(first, sum);
   // Each ends where the next began, then all move on by one.
   for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) neighbour_[first_[t[k]]++] = t[(k + 1) % 3];
+    for (std::size_t k = 0; k < 3; ++k) neighbor_[first_[t[k]]++] = t[(k + 1) % 3];
   for (std::size_t v = mesh.positions.size(); v > 0; --v) first_[v] = first_[v - 1];
   first_[0] = 0;
 }
 
 void MeshSmoothing::smooth(SurfaceMesh& mesh, std::span<const float> weights, int passes, float factor,
                            Threads& threads) {
-  find_neighbours(mesh);
+  find_neighbors(mesh);
   before_.resize(mesh.positions.size());
   for (int pass = 0; pass < passes; ++pass) {
     std::swap(before_, mesh.positions);
     threads.for_each(before_.size(), 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         Vec3f sum;
-        for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) sum += before_[neighbour_[k]];
+        for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) sum += before_[neighbor_[k]];
         const auto count = static_cast<float>(first_[v + 1] - first_[v]);
         mesh.positions[v] = before_[v] + (sum / count - before_[v]) * (factor * weights[v]);
       }

@@ -20,9 +20,9 @@ class MeshSmoothing {
   void smooth(SurfaceMesh& mesh, std::span<const float> weights, int passes, float factor, Threads& threads);
 
  private:
-  void find_neighbours(const SurfaceMesh& mesh);
+  void find_neighbors(const SurfaceMesh& mesh);
 
-  std::vector<std::uint32_t> first_, neighbour_;
+  std::vector<std::uint32_t> first_, neighbor_;
   std::vector<Vec3f> before_;
 };
 

@@ -18,22 +18,22 @@ namespace {
 constexpr int side = NarrowBand::side;
 constexpr std::size_t points = NarrowBand::brick_points;
 
-/// A triangle in a ball around its centre, and which of the grid's points may be near to it. In cells.
+/// A triangle in a ball around its center, and which of the grid's points may be near to it. In cells.
 struct Ball {
   std::array<Vec3d, 3> corners;
-  Vec3d centre;
+  Vec3d center;
   double radius = 0;
   std::array<std::int32_t, 3> first{}, last{};
 };
 
 /// One brick at a time; lengths in cells.
 ///
-/// Of most triangles a point need not know the distance: centres c lie on triangles, so no surface is further
+/// Of most triangles a point need not know the distance: centers c lie on triangles, so no surface is further
 /// than the nearest of them, and what lies in a ball of radius r around c is no nearer than |p - c| - r. Both
 /// are looked up for many points at a time, from the brick's first point, with a little to spare for what
 /// floats round.
 ///
-/// A point further from the surface than its neighbour is from it lies on the same side. So points fall into
+/// A point further from the surface than its neighbor is from it lies on the same side. So points fall into
 /// groups, and of each group one is asked how often the surface goes around it. (Asking the nearest normal
 /// instead, as Baerentzen and Aanaes 2005 do, needs no such look at the whole mesh; but where the mesh is
 /// turned inside out, as tips of splashes are, all that is nearest to such a place gets the wrong side: 52 of
@@ -76,7 +76,7 @@ class BrickSearch {
     const Ball& ball = balls_[t];
     const auto from = [&](std::size_t axis) { return std::max(ball.first[axis] - first[axis], 0); };
     const auto to = [&](std::size_t axis) { return std::min(ball.last[axis] - first[axis], side - 1); };
-    const Vec3f c(ball.centre - Vec3d(first[0], first[1], first[2]));
+    const Vec3f c(ball.center - Vec3d(first[0], first[1], first[2]));
     Seen result;
     result.x = c.x;
     result.radius = static_cast<float>(ball.radius * 1.00001);
@@ -149,11 +149,11 @@ class BrickSearch {
       }
     }
   }
-  /// Adds a neighbour to the group of those that wait, if it is on the same side.
-  std::size_t join(std::size_t at, std::size_t neighbour, std::size_t waiting) {
-    if (known_[neighbour] || !(std::max(best_[at], best_[neighbour]) > slack)) return waiting;
-    known_[neighbour] = true;
-    group_[waiting] = static_cast<std::uint16_t>(neighbour);
+  /// Adds a neighbor to the group of those that wait, if it is on the same side.
+  std::size_t join(std::size_t at, std::size_t neighbor, std::size_t waiting) {
+    if (known_[neighbor] || !(std::max(best_[at], best_[neighbor]) > slack)) return waiting;
+    known_[neighbor] = true;
+    group_[waiting] = static_cast<std::uint16_t>(neighbor);
     return waiting + 1;
   }
 
@@ -198,9 +198,9 @@ std::vector<Ball> balls_of(std::span<const Vec3d> positions, std::span<const Tri
     Ball& ball = balls[t];
     for (std::size_t k = 0; k < 3; ++k) ball.corners[k] = positions[triangles[t][k]];
     const auto& [a, b, c] = ball.corners;
-    ball.centre = (a + b + c) / 3.0;
+    ball.center = (a + b + c) / 3.0;
     for (const Vec3d& corner : ball.corners)
-      ball.radius = std::max(ball.radius, length(corner - ball.centre));
+      ball.radius = std::max(ball.radius, length(corner - ball.center));
     for (int axis = 0; axis < 3; ++axis) {
       const auto [least, most] = std::minmax({a[axis], b[axis], c[axis]});
       ball.first[std::size_t(axis)] = static_cast<std::int32_t>(std::ceil(least - width));

@@ -14,7 +14,7 @@ using kernels::ParticleKernel;
 namespace {
 
 // V W(0) h^3 / V: poly6 integrates to 1.
-constexpr float poly6_centre = 315.0f / (64.0f * static_cast<float>(pi));
+constexpr float poly6_center = 315.0f / (64.0f * static_cast<float>(pi));
 constexpr float longest_axis = 1.5f;  // of that inside: wisps do not reach further
 // Boxes are a bit larger than what they hold, for what rounding does.
 constexpr float box_room = 1.001f;
@@ -48,11 +48,11 @@ void KernelBox::add(const KernelBox& other) {
 
 ParticleKernels::ParticleKernels(const SurfaceOptions& options)
     : options_(options),
-      variance_(lattice_variance(options.neighbour_radius) * options.spacing * options.spacing),
-      around_(static_cast<std::size_t>(static_cast<float>(pi) * options.neighbour_radius *
-                                       options.neighbour_radius * options.neighbour_radius)) {}
+      variance_(lattice_variance(options.neighbor_radius) * options.spacing * options.spacing),
+      around_(static_cast<std::size_t>(static_cast<float>(pi) * options.neighbor_radius *
+                                       options.neighbor_radius * options.neighbor_radius)) {}
 
-void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours, Threads& threads) {
+void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, Threads& threads) {
   if (functions_ == nullptr) functions_ = &kernels::find_surface_kernels(instruction_set());
   constexpr float far = 1e15f;  // of the record that pads lists: w comes out as 0
   const std::size_t n = order.size();
@@ -66,16 +66,16 @@ void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours,
     for (std::size_t i = first; i < last; ++i)
       records_[i] = {order.component(0)[i], order.component(1)[i], order.component(2)[i], 0};
   });
-  threads.for_each(neighbours.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
+  threads.for_each(neighbors.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) {
-      const Neighbours::Block& block = neighbours.blocks()[b];
+      const Neighbors::Block& block = neighbors.blocks()[b];
       for (std::uint32_t i = block.begin; i < block.end; ++i) find_at(i, block.padded(i), block.of(i).size());
     }
   });
   if (options_.method == SurfaceMethod::isotropic) return;
-  threads.for_each(neighbours.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
+  threads.for_each(neighbors.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) {
-      const Neighbours::Block& block = neighbours.blocks()[b];
+      const Neighbors::Block& block = neighbors.blocks()[b];
       for (std::uint32_t i = block.begin; i < block.end; ++i)
         if (at_surface_[i] != 0) calm_shift(i, block.of(i));
     }
@@ -88,7 +88,7 @@ void ParticleKernels::find(const CellOrder& order, const Neighbours& neighbours,
 //
 // Those beyond an edge went another way.
 void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint32_t> list) {
-  const float alike = 0.4f * options_.neighbour_radius * options_.spacing;
+  const float alike = 0.4f * options_.neighbor_radius * options_.spacing;
   const float inverse = 1 / (alike * alike);
   const Vec3f own = shift_[place];
   Vec3f sum = own;
@@ -106,25 +106,25 @@ void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint3
 
 // Yu and Turk 2013, equations 6 and 9 to 16:
 //
-//   delta_i = sum_j w_ij (x_j - x_i) / sum_j w_ij,   centre_i = x_i + lambda delta_i
+//   delta_i = sum_j w_ij (x_j - x_i) / sum_j w_ij,   center_i = x_i + lambda delta_i
 //
-// lambda grows with the number of neighbours up to `few_neighbours`: drops of two or three particles would
+// lambda grows with the number of neighbors up to `few_neighbors`: drops of two or three particles would
 // fall together into one.
 void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t> list, std::size_t count) {
   const Vec4f& at = records_[place];
   ParticleKernel& kernel = kernels_[place];
-  const float radius = options_.neighbour_radius * options_.spacing;
+  const float radius = options_.neighbor_radius * options_.spacing;
   const Moments m = functions_->moments(records_.data(), at, list.data(), list.size(), 1 / radius);
   const Vec3f delta = Vec3f{m.first[0], m.first[1], m.first[2]} / m.weight;
   const float aside = dot(delta, delta) / (radius * radius);
-  const bool few = count <= static_cast<std::size_t>(options_.few_neighbours);
+  const bool few = count <= static_cast<std::size_t>(options_.few_neighbors);
   at_surface_[place] = few || aside > 0.1f * 0.1f ? 1 : 0;
 
   const bool isotropic = options_.method == SurfaceMethod::isotropic;
-  const float crowd = static_cast<float>(count) / static_cast<float>(std::max(1, options_.few_neighbours));
-  const float lambda = isotropic ? 0 : options_.centre_smoothing * std::min(1.0f, crowd);
+  const float crowd = static_cast<float>(count) / static_cast<float>(std::max(1, options_.few_neighbors));
+  const float lambda = isotropic ? 0 : options_.center_smoothing * std::min(1.0f, crowd);
   const Vec3f shift = delta * lambda;
-  kernel.centre[0] = at.x + shift.x, kernel.centre[1] = at.y + shift.y, kernel.centre[2] = at.z + shift.z;
+  kernel.center[0] = at.x + shift.x, kernel.center[1] = at.y + shift.y, kernel.center[2] = at.z + shift.z;
   shift_[place] = shift;
   kernel.shift[0] = shift.x, kernel.shift[1] = shift.y, kernel.shift[2] = shift.z;
   kernel.crowd = std::min(1.0f, 0.5f * crowd);
@@ -143,15 +143,15 @@ void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t
   kernel.unused = 0;
   KernelBox& box = boxes_[place];
   for (int a = 0; a < 3; ++a) {
-    box.lo[a] = kernel.centre[a] - reach[a];
-    box.hi[a] = kernel.centre[a] + reach[a];
+    box.lo[a] = kernel.center[a] - reach[a];
+    box.hi[a] = kernel.center[a] + reach[a];
   }
 }
 
 // G = I / h
 Vec3f ParticleKernels::place_ball(ParticleKernel& kernel, float radius) const {
   const float inside = options_.spacing / radius;
-  kernel.weight = poly6_centre * (inside * inside * inside);
+  kernel.weight = poly6_center * (inside * inside * inside);
   kernel.xx = kernel.yy = kernel.zz = 1 / radius;
   kernel.xy = kernel.xz = kernel.yz = 0;
   return {radius, radius, radius};
@@ -184,7 +184,7 @@ Vec3f ParticleKernels::place_ellipsoid(ParticleKernel& kernel, const Moments& m)
     }
   }
   const float d = options_.spacing;
-  kernel.weight = poly6_centre * ((d * inverse[0]) * (d * inverse[1]) * (d * inverse[2]));
+  kernel.weight = poly6_center * ((d * inverse[0]) * (d * inverse[1]) * (d * inverse[2]));
   kernel.xx = g[0][0], kernel.xy = g[0][1], kernel.xz = g[0][2];
   kernel.yy = g[1][1], kernel.yz = g[1][2], kernel.zz = g[2][2];
   return {std::sqrt(reach_squared[0]), std::sqrt(reach_squared[1]), std::sqrt(reach_squared[2])};

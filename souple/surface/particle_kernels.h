@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/fluid/neighbours.h"
+#include "souple/fluid/neighbors.h"
 #include "souple/surface/kernels/surface_kernels.h"
 #include "souple/surface/surface_options.h"
 
@@ -31,16 +31,16 @@ class ParticleKernels {
   explicit ParticleKernels(const SurfaceOptions& options);
 
   /// Replaces what was there. Allocates nothing when warm.
-  void find(const CellOrder& order, const Neighbours& neighbours, Threads& threads);
+  void find(const CellOrder& order, const Neighbors& neighbors, Threads& threads);
 
   std::span<const kernels::ParticleKernel> kernels() const { return kernels_; }
   /// What each kernel reaches.
   std::span<const KernelBox> boxes() const { return boxes_; }
-  /// Whether the surface may be within its reach: its neighbours lie on one side, or are few.
+  /// Whether the surface may be within its reach: its neighbors lie on one side, or are few.
   std::span<const std::uint8_t> at_surface() const { return at_surface_; }
-  /// Whether so many neighbours lie all around, and not in a sheet or thread: three quarters of those inside
+  /// Whether so many neighbors lie all around, and not in a sheet or thread: three quarters of those inside
   /// a fluid.
-  bool are_around(std::size_t neighbours) const { return neighbours >= around_; }
+  bool are_around(std::size_t neighbors) const { return neighbors >= around_; }
 
  private:
   void calm_shift(std::uint32_t place, std::span<const std::uint32_t> list);
@@ -50,11 +50,11 @@ class ParticleKernels {
 
   SurfaceOptions options_;
   const kernels::SurfaceKernels* functions_ = nullptr;
-  float variance_;  // of the neighbours of a particle inside the fluid, along an axis [m^2]
+  float variance_;  // of the neighbors of a particle inside the fluid, along an axis [m^2]
   std::size_t around_;
   std::vector<Vec4f> records_;
   std::vector<kernels::ParticleKernel> kernels_;
-  std::vector<Vec3f> shift_;  // of a centre from its particle
+  std::vector<Vec3f> shift_;  // of a center from its particle
   std::vector<KernelBox> boxes_;
   std::vector<std::uint8_t> at_surface_;
 };

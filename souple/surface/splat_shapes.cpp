@@ -8,9 +8,9 @@ namespace souple {
 
 namespace {
 
-// Two thirds of the neighbours that the mesh looks at: as smooth a pool for two thirds of the time.
-constexpr float neighbour_radius = 2.5f;
-constexpr int few_neighbours = 7;  // as many of those within 2.5 d as the mesh's 12 are within 3 d
+// Two thirds of the neighbors that the mesh looks at: as smooth a pool for two thirds of the time.
+constexpr float neighbor_radius = 2.5f;
+constexpr int few_neighbors = 7;  // as many of those within 2.5 d as the mesh's 12 are within 3 d
 // f: with it pools, on a lattice and shaken by 0.15 d, end 0.5 d above their topmost layer.
 constexpr float part_of_kernel = 0.53f;
 // Of a ball with the volume of a particle, in spacings: (3 / 4 pi)^(1/3).
@@ -21,8 +21,8 @@ SurfaceOptions options_of(float spacing) {
     throw Error("splats: spacing: expected the particles' distance, above 0 m");
   SurfaceOptions options;
   options.spacing = spacing;
-  options.neighbour_radius = neighbour_radius;
-  options.few_neighbours = few_neighbours;
+  options.neighbor_radius = neighbor_radius;
+  options.few_neighbors = few_neighbors;
   return options;
 }
 
@@ -32,7 +32,7 @@ SplatShapes::SplatShapes(float spacing) : options_(options_of(spacing)), particl
 
 void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
   const Wakefulness awake(threads);
-  const float radius = options_.neighbour_radius * options_.spacing;
+  const float radius = options_.neighbor_radius * options_.spacing;
   const float limit = radius * 0x1p18f;  // within which cells can be counted
   positions_.clear();
   particle_.clear();
@@ -43,26 +43,26 @@ void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
     particle_.push_back(i);
   }
   order_.build(positions_, radius, threads);
-  neighbours_.find(order_, radius, threads);
-  particles_.find(order_, neighbours_, threads);
-  centres_.assign(positions.begin(), positions.end());
+  neighbors_.find(order_, radius, threads);
+  particles_.find(order_, neighbors_, threads);
+  centers_.assign(positions.begin(), positions.end());
   axes_.assign(positions.size(), Mat3f{});
-  threads.for_each(neighbours_.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
+  threads.for_each(neighbors_.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) {
-      const Neighbours::Block& block = neighbours_.blocks()[b];
+      const Neighbors::Block& block = neighbors_.blocks()[b];
       for (std::uint32_t place = block.begin; place < block.end; ++place) {
         const kernels::ParticleKernel& kernel = particles_.kernels()[place];
         const std::uint32_t i = particle_[order_.order()[place]];
-        for (int a = 0; a < 3; ++a) centres_[i][a] = kernel.centre[a] - kernel.shift[a];
+        for (int a = 0; a < 3; ++a) centers_[i][a] = kernel.center[a] - kernel.shift[a];
         axes_[i] = axes_at(place, block.of(place).size());
       }
     }
   });
 }
 
-Mat3f SplatShapes::axes_at(std::size_t place, std::size_t neighbours) const {
-  if (neighbours <= few_neighbours) return Mat3f::identity() * (drop_radius * options_.spacing);
-  if (particles_.are_around(neighbours) && particles_.at_surface()[place] == 0) return {};
+Mat3f SplatShapes::axes_at(std::size_t place, std::size_t neighbors) const {
+  if (neighbors <= few_neighbors) return Mat3f::identity() * (drop_radius * options_.spacing);
+  if (particles_.are_around(neighbors) && particles_.at_surface()[place] == 0) return {};
   const kernels::ParticleKernel& k = particles_.kernels()[place];
   return inverse(Mat3f({k.xx, k.xy, k.xz}, {k.xy, k.yy, k.yz}, {k.xz, k.yz, k.zz})) * part_of_kernel;
 }

@@ -13,11 +13,11 @@ namespace souple {
 /// The particles of a fluid as ellipsoids to be drawn, so that together they look like its surface: flat
 /// where the fluid is, not beaded. The points of ellipsoid i are
 ///
-///   x = c_i + A_i u, |u| <= 1,   c_i = centre_i - shift_i,   A_i = f G_i^-1
+///   x = c_i + A_i u, |u| <= 1,   c_i = center_i - shift_i,   A_i = f G_i^-1
 ///
-/// with the centre, its shift and G of a kernel as the mesh has them (particle_kernels.h; Yu and Turk 2013).
-/// Centres are smoothed and brought back by what those around them went; f is such that the surface of a
-/// pool lies d / 2 above its topmost particles. With few neighbours a particle is a ball of its own volume;
+/// with the center, its shift and G of a kernel as the mesh has them (particle_kernels.h; Yu and Turk 2013).
+/// Centers are smoothed and brought back by what those around them went; f is such that the surface of a
+/// pool lies d / 2 above its topmost particles. With few neighbors a particle is a ball of its own volume;
 /// with others all around it is not seen, and has A = 0.
 ///
 /// The same bits for any number of threads and with all instruction sets.
@@ -32,19 +32,19 @@ class SplatShapes {
 
   float spacing() const { return options_.spacing; }
   /// By particle [m].
-  std::span<const Vec3f> centres() const { return centres_; }
+  std::span<const Vec3f> centers() const { return centers_; }
   std::span<const Mat3f> axes() const { return axes_; }
 
  private:
-  Mat3f axes_at(std::size_t place, std::size_t neighbours) const;
+  Mat3f axes_at(std::size_t place, std::size_t neighbors) const;
 
   SurfaceOptions options_;
   CellOrder order_;
-  Neighbours neighbours_;
+  Neighbors neighbors_;
   ParticleKernels particles_;
   std::vector<Vec4f> positions_;         // of those that have a shape
   std::vector<std::uint32_t> particle_;  // which these are
-  std::vector<Vec3f> centres_;
+  std::vector<Vec3f> centers_;
   std::vector<Mat3f> axes_;
 };
 

@@ -81,16 +81,16 @@ std::vector<float> gather_map(const std::vector<float>& map, const Object& objec
 
 void set_motion(WorldState& world, const Object& object, const ObjectOptions& options) {
   if (object.particle_count() == 0) return;
-  Vec3d centre;
+  Vec3d center;
   double mass = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const auto m = static_cast<double>(world.particles.mass[i]);
-    centre += object.rest[i - object.begin] * m;
+    center += object.rest[i - object.begin] * m;
     mass += m;
   }
-  centre = centre / mass;
+  center = center / mass;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    const Vec3d r = object.rest[i - object.begin] - centre;
+    const Vec3d r = object.rest[i - object.begin] - center;
     world.particles.velocity[i].set_xyz(
         Vec3f(Vec3d(options.velocity) + cross(Vec3d(options.angular_velocity), r)));
   }
@@ -100,7 +100,7 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
 /// once.
 void shrink(Object& object) {
   const auto shrink_all = [](auto&... vectors) { (vectors.shrink_to_fit(), ...); };
-  shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colours,
+  shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colors,
              object.mesh.faces, object.mesh.face_uvs, object.tets.positions, object.tets.tets, object.rest,
              object.particle_of, object.vertex_of, object.surface, object.surface_source,
              object.stiffness_map, object.thickness_map, object.outside);
@@ -296,7 +296,7 @@ void require_volumes(const TetMesh& mesh, const std::string& name) {
 }
 
 /// vertex_of for embedded objects: for each particle the nearest of the vertices it carries, or of its
-/// neighbours'.
+/// neighbors'.
 void name_nearest_vertices(Object& object) {
   constexpr double never = std::numeric_limits<double>::infinity();
   std::vector<double> nearest(object.rest.size(), never);
@@ -400,12 +400,12 @@ ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, 
   return enter(world, std::move(rope), options);
 }
 
-ObjectId World::add_grains(std::span<const Vec3d> centres, const GrainsMaterial& material,
+ObjectId World::add_grains(std::span<const Vec3d> centers, const GrainsMaterial& material,
                            const ObjectOptions& options) {
   WorldState& world = impl_->state;
   Draft grains = draft(world, ObjectKind::grains, material, options);
   Object& object = *grains.object;
-  object.rest.assign(centres.begin(), centres.end());
+  object.rest.assign(centers.begin(), centers.end());
   place_points(object.rest, options.transform, object.name);
   object.particle_of = object.vertex_of = identity(object.rest.size());
   const auto radius = static_cast<double>(material.radius);
@@ -438,14 +438,14 @@ void require_fluid_options(const ObjectOptions& options, const std::string& name
 
 }  // namespace
 
-ObjectId World::add_fluid(std::span<const Vec3d> centres, const FluidMaterial& material,
+ObjectId World::add_fluid(std::span<const Vec3d> centers, const FluidMaterial& material,
                           const ObjectOptions& options) {
   WorldState& world = impl_->state;
   Draft fluid = draft(world, ObjectKind::fluid, material, options);
   Object& object = *fluid.object;
   require_fluid_options(options, object.name);
   require_same_spacing(world, object, material.spacing);
-  object.rest.assign(centres.begin(), centres.end());
+  object.rest.assign(centers.begin(), centers.end());
   place_points(object.rest, options.transform, object.name);
   object.particle_of = object.vertex_of = identity(object.rest.size());
   const auto d = static_cast<double>(material.spacing);

@@ -19,7 +19,7 @@ float damping_of(const Material& material) {
 constexpr std::size_t chunk_size = 1024;
 
 struct RigidMotion {
-  Vec3d centre, velocity, spin;
+  Vec3d center, velocity, spin;
 };
 
 void add(RigidSums& sums, double m, const Vec3d& x, const Vec3d& v) {
@@ -62,7 +62,7 @@ RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origi
   return all;
 }
 
-// One pass: with r = x - c, c the centre and V its velocity, both sums about the origin of x,
+// One pass: with r = x - c, c the center and V its velocity, both sums about the origin of x,
 //   sum m r r^T = sum m x x^T - M c c^T
 //   sum m r x (v - V) = sum m x x v - M c x V
 // The origin is a free particle's place: then M |c|^2 is at most what one particle's share makes of the
@@ -100,7 +100,7 @@ void damp(WorldState& world, const Object& object, float h) {
   world.threads->for_each(object.particle_count(), chunk_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = object.begin + begin; i < object.begin + end; ++i) {
       if (particles.position[i].w == 0) continue;
-      const Vec3d r = Vec3d(particles.position[i].xyz()) - motion.centre;
+      const Vec3d r = Vec3d(particles.position[i].xyz()) - motion.center;
       const Vec3d v = Vec3d(particles.velocity[i].xyz());
       particles.velocity[i].set_xyz(Vec3f(v + (motion.velocity + cross(motion.spin, r) - v) * k));
     }

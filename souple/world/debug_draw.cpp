@@ -16,7 +16,7 @@ void draw_constraints(WorldState& world, const std::function<void(const DebugCon
     projector.visit(view, [&](const ConstraintState& constraint) {
       points.clear();
       for (const std::uint32_t i : constraint.particles) points.push_back(Vec3f(world.exact_position(i)));
-      draw({kind, points, constraint.colour, constraint.strain, constraint.residual});
+      draw({kind, points, constraint.color, constraint.strain, constraint.residual});
     });
   };
   if (world.contacts_known || world.stepping) {

@@ -15,10 +15,10 @@ namespace souple {
 struct DebugConstraint {
   std::string_view kind;          ///< "distance", "neo_hookean", ...
   std::span<const Vec3f> points;  ///< where its particles are [m]; valid during the call
-  /// Of the solver: constraints of one kind and colour share no particle. Contacts of one colour may share
-  /// a particle that cannot move; contacts between colliders and triangles or edges have one colour and are
+  /// Of the solver: constraints of one kind and color share no particle. Contacts of one color may share
+  /// a particle that cannot move; contacts between colliders and triangles or edges have one color and are
   /// solved one after the other.
-  int colour = 0;
+  int color = 0;
   float strain = 0;    ///< (l - l0) / l0 of kinds that have one, else 0
   float residual = 0;  ///< largest |C| of its rows, in the unit of C; 0 where an inequality holds
 };

@@ -4,9 +4,9 @@
 
 namespace souple {
 
-/// Builds what has changed since the last step: constraints, their colours, what contacts need to know.
+/// Builds what has changed since the last step: constraints, their colors, what contacts need to know.
 void bring_up_to_date(WorldState& world);
-/// The constraints and their colours only: contacts stay what the last step left.
+/// The constraints and their colors only: contacts stay what the last step left.
 void bring_constraints_up_to_date(WorldState& world);
 /// Readies the world for a step of dt seconds: builds what changed, empties the report. False, with a report
 /// that says why, when dt is not positive and finite.

@@ -72,7 +72,7 @@ Skin particle_skin(const Object& object) {
   return skin;
 }
 
-/// Points inside a ball about a spacing apart; its centre where it is smaller.
+/// Points inside a ball about a spacing apart; its center where it is smaller.
 std::vector<Vec3f> points_in_ball(float radius, float spacing) {
   constexpr float most_across = 10;
   if (radius < spacing) return {Vec3f{}};

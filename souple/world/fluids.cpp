@@ -66,7 +66,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   led_.begin_step(world, dt, tables_.particle);
   choose_solver(world);
   solver_->begin_step();
-  // Coordinates are from the middle of a metre near the first particle: far from the world's origin floats
+  // Coordinates are from the middle of a meter near the first particle: far from the world's origin floats
   // are coarse.
   const Vec3d first = world.exact_position(tables_.particle[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
@@ -184,7 +184,7 @@ void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
 }
 
 FluidView Fluids::view() {
-  return {solver_->padded_positions(), velocity_, solver_->neighbours(), solver_->smoothing()};
+  return {solver_->padded_positions(), velocity_, solver_->neighbors(), solver_->smoothing()};
 }
 
 FluidReport Fluids::report() const {

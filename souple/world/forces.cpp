@@ -10,7 +10,7 @@ namespace {
 
 using kernels::Air;
 
-// A number in [0, 1) from a seed and an index (the finaliser of SplitMix64).
+// A number in [0, 1) from a seed and an index (the finalizer of SplitMix64).
 double hashed(std::uint64_t seed, std::uint64_t index) {
   std::uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

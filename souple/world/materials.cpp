@@ -28,7 +28,7 @@ const SoftBodyMaterial rubber{.young_modulus = 1.5e6f, .poisson_ratio = 0.45f, .
 const SoftBodyMaterial jelly{.young_modulus = 2e4f, .poisson_ratio = 0.45f, .density = 1000, .friction = 0.4f,
                              .damping_time = 5e-4f};
 
-// Nylon 6 fibre 1150 kg/m^3; a laid rope has about a quarter of the fibre's 2-4 GPa (Cordage Institute elongations).
+// Nylon 6 fiber 1150 kg/m^3; a laid rope has about a quarter of the fiber's 2-4 GPa (Cordage Institute elongations).
 const RopeMaterial nylon{.radius = 0.005f, .young_modulus = 6e8f, .density = 1150, .friction = 0.4f};
 // Steel 200 GPa, 7850 kg/m^3; radius 1 mm, so E I = E pi r^4 / 4 = 0.157 N m^2.
 const RopeMaterial steel_wire{.radius = 0.001f, .young_modulus = 2e11f, .density = 7850, .bending_stiffness = 0.157f,
@@ -38,7 +38,7 @@ const RopeMaterial steel_wire{.radius = 0.001f, .young_modulus = 2e11f, .density
 const GrainsMaterial sand{.radius = 0.01f, .density = 2650, .friction = 0.65f};
 
 // Water at 20 C: 998 kg/m^3, 1.0 mPa s. Sunflower oil: 920 kg/m^3, 49 mPa s at 26 C. Honey: 1420 kg/m^3, 10 Pa s
-// (CRC Handbook of Chemistry and Physics; Engineering ToolBox). Surface tension shows below a centimetre only.
+// (CRC Handbook of Chemistry and Physics; Engineering ToolBox). Surface tension shows below a centimeter only.
 const FluidMaterial water{.density = 998, .viscosity = 0.001f};
 const FluidMaterial oil{.density = 920, .viscosity = 0.049f};
 const FluidMaterial honey{.density = 1420, .viscosity = 10};

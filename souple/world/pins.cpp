@@ -216,10 +216,10 @@ struct Reach {
 
 Reach reach_from(const Object& object, const std::vector<PinnedParticle>& sources) {
   const std::size_t count = object.particle_count();
-  std::vector<std::vector<std::uint32_t>> neighbours(count);
+  std::vector<std::vector<std::uint32_t>> neighbors(count);
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
-    neighbours[a].push_back(b);
-    neighbours[b].push_back(a);
+    neighbors[a].push_back(b);
+    neighbors[b].push_back(a);
   };
   for (const Edge& edge : unique_edges(object.surface)) join(edge[0], edge[1]);
   if (object.kind == ObjectKind::soft_body)
@@ -240,7 +240,7 @@ Reach reach_from(const Object& object, const std::vector<PinnedParticle>& source
     const auto [distance, i] = queue.top();
     queue.pop();
     if (distance > reach.distance[i]) continue;
-    for (const std::uint32_t j : neighbours[i]) {
+    for (const std::uint32_t j : neighbors[i]) {
       const double along = distance + length(object.rest[i] - object.rest[j]);
       if (!(along < reach.distance[j])) continue;
       reach.distance[j] = along;

@@ -12,8 +12,8 @@ namespace souple {
 namespace {
 
 /// Where a ray enters a ball, 0 when it starts inside, or infinity.
-double ray_ball(const Vec3d& origin, const Vec3d& direction, const Vec3d& centre, double radius) {
-  const Vec3d s = centre - origin;
+double ray_ball(const Vec3d& origin, const Vec3d& direction, const Vec3d& center, double radius) {
+  const Vec3d s = center - origin;
   const double along = dot(s, direction), miss2 = dot(s, s) - along * along, r2 = radius * radius;
   if (miss2 > r2) return std::numeric_limits<double>::infinity();
   const double half = std::sqrt(r2 - miss2);
@@ -160,7 +160,7 @@ Vec3d World::momentum(ObjectId id) const {
   return sum;
 }
 
-Vec3d World::centre_of_mass(ObjectId id) const {
+Vec3d World::center_of_mass(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);
   Vec3d sum;

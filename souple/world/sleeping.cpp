@@ -116,24 +116,24 @@ void wake_near_movers(WorldState& world, float dt) {
 struct MovingCollider {
   const Shape& shape;
   Transform before, after;
-  Vec3d centre;
+  Vec3d center;
   double shift = 0, turn = 0;
 
   MovingCollider(const ColliderRecord& record, double time, double dt)
       : shape(record.shape),
         before(record.options.motion.at(time)),
         after(record.options.motion.at(time + dt)),
-        centre(after.point(bounding_ball(shape).center)) {
-    shift = length(centre - before.point(bounding_ball(shape).center));
+        center(after.point(bounding_ball(shape).center)) {
+    shift = length(center - before.point(bounding_ball(shape).center));
     turn = std::sqrt(frobenius_squared(rotation_matrix(after.rotation) - rotation_matrix(before.rotation)));
   }
 
   static double distance(const Shape& shape, const Transform& pose, const Vec3d& x) {
     return surface_distance(shape, rotate(conjugate(pose.rotation), x - pose.translation)).distance;
   }
-  /// By the motion of its surface there, which is `shift + turn D` at most at a distance D from its centre.
+  /// By the motion of its surface there, which is `shift + turn D` at most at a distance D from its center.
   bool touches(const Vec3d& x, double reach, double least) const {
-    const double motion = shift + turn * length(x - centre);
+    const double motion = shift + turn * length(x - center);
     if (motion <= least) return false;
     return std::min(distance(shape, before, x), distance(shape, after, x)) <= reach + motion;
   }

@@ -22,7 +22,7 @@ void step_foam(WorldState& world, double time, double dt);
 /// (3) Contacts along x -> p.
 void generate_contacts(WorldState& world, const Substep& substep);
 
-/// (4) Projects every constraint, `iterations` times: kind after kind, colour after colour, contacts last;
+/// (4) Projects every constraint, `iterations` times: kind after kind, color after color, contacts last;
 /// then shortens the ways of what would still pass through something.
 void solve(WorldState& world, const Substep& substep);
 

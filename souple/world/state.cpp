@@ -15,7 +15,7 @@ void Extra::follow(double t) {
 void Extra::erase_particles(std::uint32_t begin, std::uint32_t end) {
   if (attachment) {
     std::vector<Follower> kept;
-    for (std::size_t k = 0; k < followers.size(); ++k) {  // in this order: one colour, one particle each
+    for (std::size_t k = 0; k < followers.size(); ++k) {  // in this order: one color, one particle each
       const std::uint32_t particle = attachment->set().indices(k)[0];
       if (particle < begin || particle >= end) kept.push_back(followers[k]);
     }

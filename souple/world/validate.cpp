@@ -73,8 +73,8 @@ void validate(const FoamParameters& f) {
                          {"fluid.foam.longest_life", double(f.longest_life), 0, any},
                          {"fluid.foam.buoyancy", double(f.buoyancy), 0, any},
                          {"fluid.foam.drag", double(f.drag), smallest, any},
-                         {"fluid.foam.spray_neighbours", double(f.spray_neighbours), 0, 1000},
-                         {"fluid.foam.bubble_neighbours", double(f.bubble_neighbours), 0, 1000}});
+                         {"fluid.foam.spray_neighbors", double(f.spray_neighbors), 0, 1000},
+                         {"fluid.foam.bubble_neighbors", double(f.bubble_neighbors), 0, 1000}});
   check_range("trapped_air", f.trapped_air);
   check_range("wave_crest", f.wave_crest);
   check_range("energy", f.energy);
@@ -90,7 +90,7 @@ void validate(const Settings& s) {
                          {"threads", double(s.threads), 0, 1024},
                          {"solver.relaxation", double(s.solver.relaxation), smallest, 2, true},
                          {"solver.chebyshev", double(s.solver.chebyshev), 0, 1, true},
-                         {"solver.colours", double(s.solver.colours), 0, 64},
+                         {"solver.colors", double(s.solver.colors), 0, 64},
                          {"drag", double(s.drag), 0, any},
                          {"fluid.iterations", double(s.fluid.iterations), 0, 100},
                          {"fluid.tolerance", double(s.fluid.tolerance), 0, any},

@@ -53,7 +53,7 @@ struct ObjectOptions {
   std::string name{};        ///< unique; empty: the kind, then kind2, kind3, ...
   Transform transform{};     ///< applied to the mesh
   Vec3f velocity{};          ///< m/s
-  Vec3f angular_velocity{};  ///< rad/s about the centre of mass
+  Vec3f angular_velocity{};  ///< rad/s about the center of mass
   /// Per vertex, scales stiffness (mean over a constraint's vertices); empty: 1.
   std::vector<float> stiffness_map{};
   std::vector<float> thickness_map{};  ///< per vertex, scales thickness; empty: 1
@@ -82,7 +82,7 @@ struct ColliderOptions {
   std::uint32_t collision_mask = ~0u;
 };
 
-/// Where a pinned or attached vertex has to be: (vertex in user order, time in s) -> metres.
+/// Where a pinned or attached vertex has to be: (vertex in user order, time in s) -> meters.
 using Target = std::function<Vec3d(std::uint32_t vertex, double time)>;
 
 /// A force field: (position [m], velocity [m/s], mass [kg], time [s]) -> force [N].
@@ -138,7 +138,7 @@ struct Snapshot {
 
 enum class LogLevel { info, warning, error };
 
-/// Objects, colliders and the loop that moves them. Metres, kilograms, seconds; Y up, right-handed.
+/// Objects, colliders and the loop that moves them. Meters, kilograms, seconds; Y up, right-handed.
 ///
 /// All functions but `step` throw Error on bad arguments and then leave the world as it was. `step` never
 /// throws. Not thread-safe: one thread at a time.
@@ -172,10 +172,10 @@ class World {
   /// Along the polyline `points` [m], cut into `segments` of equal length.
   ObjectId add_rope(std::span<const Vec3d> points, std::uint32_t segments, const RopeMaterial& material = {},
                     const ObjectOptions& options = {});
-  ObjectId add_grains(std::span<const Vec3d> centres, const GrainsMaterial& material = {},
+  ObjectId add_grains(std::span<const Vec3d> centers, const GrainsMaterial& material = {},
                       const ObjectOptions& options = {});
   /// Particles about `spacing` apart. Of the options, maps and self_collision make no sense.
-  ObjectId add_fluid(std::span<const Vec3d> centres, const FluidMaterial& material = {},
+  ObjectId add_fluid(std::span<const Vec3d> centers, const FluidMaterial& material = {},
                      const ObjectOptions& options = {});
   /// Fills a closed surface with particles; see fill in geometry/fill.h.
   ObjectId add_fluid(const TriangleMesh& surface, const FluidMaterial& material = {},
@@ -320,10 +320,10 @@ class World {
   double potential_energy(ObjectId object) const;  ///< of its weight, 0 at the origin [J]
   double elastic_energy() const;                   ///< of all constraints with compliance > 0 [J]
   Vec3d momentum(ObjectId object) const;           ///< kg m/s
-  Vec3d centre_of_mass(ObjectId object) const;     ///< m; of an obstacle the mean of its vertices
+  Vec3d center_of_mass(ObjectId object) const;     ///< m; of an obstacle the mean of its vertices
 
   // --- for renderers -----------------------------------------------------------------------------
-  /// Hands out what is inside: constraints kind after kind and colour after colour, in the order in which
+  /// Hands out what is inside: constraints kind after kind and color after color, in the order in which
   /// they are solved, contacts, particles, edges of tets. Changes nothing.
   void debug_draw(const DebugDraw& draw) const;
 

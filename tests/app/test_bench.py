@@ -14,7 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}
-STAGES = ["triangles", "dam-break", "neighbours", "surface"]  # of one stage, without a world
+STAGES = ["triangles", "dam-break", "neighbors", "surface"]  # of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -69,18 +69,18 @@ class Bench(unittest.TestCase):
         for threads in (1, 8):
             self.assertEqual(bench("dam-break", "--size", 2000, "--threads", threads)["hash"], result["hash"])
 
-    def test_neighbours(self):
-        result = bench("neighbours", "--size", 20000)
+    def test_neighbors(self):
+        result = bench("neighbors", "--size", 20000)
         self.assertEqual(list(result["ms_per_stage"]), ["sort", "lists"])
-        self.assertLess(abs(result["neighbours"] - 28), 1.5)  # fewer at the walls
+        self.assertLess(abs(result["neighbors"] - 28), 1.5)  # fewer at the walls
         self.assertGreater(result["pairs_per_second"], 0)
         for threads in 2, 3:
-            self.assertEqual(bench("neighbours", "--size", 20000, "--threads", threads)["hash"], result["hash"])
-        self.assertEqual(bench("neighbours", "--size", 20000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
+            self.assertEqual(bench("neighbors", "--size", 20000, "--threads", threads)["hash"], result["hash"])
+        self.assertEqual(bench("neighbors", "--size", 20000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
 
     def test_surface(self):
         result = bench("surface", "--size", 8000)
-        self.assertEqual(list(result["ms_per_stage"]), ["sort", "neighbours", "kernels", "field", "mesh"])
+        self.assertEqual(list(result["ms_per_stage"]), ["sort", "neighbors", "kernels", "field", "mesh"])
         self.assertLess(abs(result["particles"] / 8000 - 1), 0.05)
         self.assertEqual(result["triangles"] % 2, 0)  # as of every closed surface
         self.assertGreater(result["triangles"], 4000)
@@ -156,7 +156,7 @@ class Bench(unittest.TestCase):
         wrong.write_text("[1]")
         for arguments, words in ((["clth"], 'did you mean "cloth"'), (["triangels"], 'did you mean "triangles"'),
                                  (["segment"], 'did you mean "segments"'), (["hepa"], 'did you mean "heap"'),
-                                 (["xyzzyxyzzy"], "heap, triangles, dam-break, neighbours, surface, segments"), (["cloth", "--size", "1"], "--size 1"),
+                                 (["xyzzyxyzzy"], "heap, triangles, dam-break, neighbors, surface, segments"), (["cloth", "--size", "1"], "--size 1"),
                                  (["cloth", "--solver", "gauss"], "gauss_seidel"), (["cloth", "--form", "x"], "--form"),
                                  (["cloth", "--residual", "2"], "--residual"), (["cloth", "--runs", "0"], "--runs 0"),
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),

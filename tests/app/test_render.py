@@ -25,17 +25,17 @@ def png_size(path):
 
 
 def png_pixels(path):
-    """Rows of (r, g, b) of an 8 bit PNG in true colour, with or without alpha."""
+    """Rows of (r, g, b) of an 8 bit PNG in true color, with or without alpha."""
     data, at, packed = path.read_bytes(), 8, b""
     while at < len(data):
         length, kind = struct.unpack(">I4s", data[at:at + 8])
         body = data[at + 8:at + 8 + length]
         if kind == b"IHDR":
-            width, height, depth, colours, _, _, interlaced = struct.unpack(">IIBBBBB", body)
-            assert depth == 8 and colours in (2, 6) and not interlaced
+            width, height, depth, colors, _, _, interlaced = struct.unpack(">IIBBBBB", body)
+            assert depth == 8 and colors in (2, 6) and not interlaced
         packed += body if kind == b"IDAT" else b""
         at += 12 + length
-    step = 3 if colours == 2 else 4
+    step = 3 if colors == 2 else 4
     raw, rows, before = zlib.decompress(packed), [], bytes(width * step)
     for y in range(height):
         start = y * (width * step + 1)
@@ -96,8 +96,8 @@ class Pictures(RenderCase):
 
     def test_something_is_seen(self):
         self.render(self.scene(SCENE), "--out", "a.png")
-        colours = {pixel for row in png_pixels(self.folder / "a.png") for pixel in row}
-        self.assertGreater(len(colours), 200)
+        colors = {pixel for row in png_pixels(self.folder / "a.png") for pixel in row}
+        self.assertGreater(len(colors), 200)
         self.render(self.scene(dict(SCENE, objects=[])), "--out", "b.png")
         self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)
 
@@ -129,9 +129,9 @@ class Pictures(RenderCase):
             self.souple("render", scene, "--out", "a.png", "--size", size, "--samples", "1", "--frames", "1")
             self.assertEqual("%dx%d" % png_size(self.folder / "a.png"), size)
 
-    def test_few_colours_make_small_files(self):
+    def test_few_colors_make_small_files(self):
         scene = self.scene(SCENE)
-        for name, more in ("a.png", []), ("b.png", ["--colours", "256"]):
+        for name, more in ("a.png", []), ("b.png", ["--colors", "256"]):
             self.souple("render", scene, "--out", name, "--size", "320x180", "--samples", "4", *more)
         a, b = (self.folder / "a.png").stat().st_size, (self.folder / "b.png").stat().st_size
         self.assertLess(b, 0.7 * a)
@@ -367,8 +367,8 @@ class Refused(RenderCase):
         self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: there is no liquid filter 'blur'")
         self.refused(scene, "--liquid-splats", "cubes", said="--liquid-splats: there are no liquid splats 'cubes'")
         self.refused(scene, "--liquid-steps", "0", said="--liquid-steps 0: expected 1 to 500")
-        self.refused(scene, "--colours", "1", said="--colours 1: expected 2 to 256")
-        self.refused(scene, "--colours", "9", "--out", "a.mp4", said="--colours 9: is for pictures")
+        self.refused(scene, "--colors", "1", said="--colors 1: expected 2 to 256")
+        self.refused(scene, "--colors", "9", "--out", "a.mp4", said="--colors 9: is for pictures")
         self.refused(scene, "--samples", "x", said="expected a whole number")
 
     def test_outputs(self):

@@ -17,7 +17,7 @@ namespace souple::app {
 namespace {
 
 constexpr double radius = 0.5, cell = 0.03125, width = 3 * cell;
-const Vec3d centre(0.25, -1, 0.1);
+const Vec3d center(0.25, -1, 0.1);
 
 /// A sphere; with a cavity half as large, too.
 std::string sphere_bytes(int threads, bool hollow = false) {
@@ -30,7 +30,7 @@ std::string sphere_bytes(int threads, bool hollow = false) {
       mesh.triangles.push_back({first + t[0], first + t[2], first + t[1]});
   }
   std::vector<Vec3f> positions;
-  for (const Vec3d& x : mesh.positions) positions.emplace_back(x + centre);
+  for (const Vec3d& x : mesh.positions) positions.emplace_back(x + center);
   const auto workers = make_threads(Threading::pool, threads);
   return vdb_bytes(narrow_band(positions, mesh.triangles, float(cell), 3, *workers), "water, \"cold\"");
 }
@@ -61,7 +61,7 @@ TEST(Vdb, IsALevelSetOfTheSphere) {
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     ASSERT_TRUE(value.isVoxelValue());
     const openvdb::Vec3d at = grid->indexToWorld(value.getCoord());
-    const double expected = length(Vec3d(at.x(), at.y(), at.z()) - centre) - radius;
+    const double expected = length(Vec3d(at.x(), at.y(), at.z()) - center) - radius;
     EXPECT_NEAR(*value, expected, 0.001);
     (*value < 0 ? inside : outside) += 1;
   }
@@ -78,13 +78,13 @@ TEST(Vdb, IsFilledBeyondTheBand) {
   for (int i = -40; i <= 40; ++i)
     for (int j = -40; j <= 40; ++j)
       for (int k = -40; k <= 40; ++k) {
-        const Vec3d at = centre + Vec3d(i, j, k) * 0.02;
+        const Vec3d at = center + Vec3d(i, j, k) * 0.02;
         const openvdb::Vec3d index = grid->worldToIndex({at.x, at.y, at.z});
         const openvdb::Coord nearest = openvdb::Coord::round(index);
         const openvdb::Vec3d there = grid->indexToWorld(nearest);
-        const double from_centre = length(Vec3d(there.x(), there.y(), there.z()) - centre);
-        const double distance = std::max(from_centre - radius, radius / 2 - from_centre);
-        ASSERT_NEAR(accessor.getValue(nearest), std::clamp(distance, -width, width), 0.002) << from_centre;
+        const double from_center = length(Vec3d(there.x(), there.y(), there.z()) - center);
+        const double distance = std::max(from_center - radius, radius / 2 - from_center);
+        ASSERT_NEAR(accessor.getValue(nearest), std::clamp(distance, -width, width), 0.002) << from_center;
       }
 }
 

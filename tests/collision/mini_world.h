@@ -61,8 +61,8 @@ struct MiniWorld {
     on_colliders.refresh(view(), substep, time, *threads);
     on_particles.refresh(view(), substep, *threads);
     for (int k = 0; k < substep.iterations; ++k) {
-      for (int c = 0; c < on_particles.colour_count(); ++c) on_particles.project(c, view(), substep);
-      for (int c = 0; c < on_colliders.colour_count(); ++c) on_colliders.project(c, view(), substep);
+      for (int c = 0; c < on_particles.color_count(); ++c) on_particles.project(c, view(), substep);
+      for (int c = 0; c < on_colliders.color_count(); ++c) on_colliders.project(c, view(), substep);
     }
     for (std::size_t i = 0; i < position.size(); ++i) {
       if (position[i].w == 0) continue;

@@ -193,7 +193,7 @@ TEST(NearPairs, OneTriangleAThousandTimesLarger) {
   expect_all_pairs(scene, 1000);
 }
 
-// A shot: boxes swept over metres, of grains, a rope and a sheet, among small triangles.
+// A shot: boxes swept over meters, of grains, a rope and a sheet, among small triangles.
 TEST(NearPairs, SomethingFastAmongSlowThings) {
   SurfaceScene scene = mixture(8);
   for (std::size_t i = 0; i < scene.boxes.size(); i += 37) scene.boxes[i].hi += Vec3f{0.9f, 1.7f, 0.4f};

@@ -48,8 +48,8 @@ TEST(ParticleContacts, HeadOnCollisionKeepsMomentumAndTheEnergyLaw) {
   }
 }
 
-// Frictionless and elastic, off centre: the line of centres at the touch decides, sin(angle) = b / (2 r).
-TEST(ParticleContacts, ObliqueFastCollisionLeavesAlongTheLineOfCentres) {
+// Frictionless and elastic, off center: the line of centers at the touch decides, sin(angle) = b / (2 r).
+TEST(ParticleContacts, ObliqueFastCollisionLeavesAlongTheLineOfCenters) {
   MiniWorld world(Form::displacement);
   world.gravity = {};
   world.add({-0.052, 0.01, 0}, 0.01f, 1, {6, 0, 0});

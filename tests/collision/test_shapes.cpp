@@ -84,7 +84,7 @@ TEST(Shapes, NormalIsTheGradientOfTheDistance) {
   }
 }
 
-// Centres, axes, edges, corners and far away: a unit normal that leads to the surface.
+// Centers, axes, edges, corners and far away: a unit normal that leads to the surface.
 TEST(Shapes, SpecialPointsHaveAUnitNormal) {
   for (const Shape& shape : shapes) {
     const Vec3d c = std::holds_alternative<Plane>(shape) ? Vec3d{} : bounding_ball(shape).center;
@@ -145,7 +145,7 @@ TEST(Shapes, BadSizesAreRefusedByName) {
     validate(Sphere{{}, -2}, "collider 'ball'");
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
-                 "collider 'ball': sphere radius is -2; expected a finite length above 0, in metres");
+                 "collider 'ball': sphere radius is -2; expected a finite length above 0, in meters");
   }
 }
 

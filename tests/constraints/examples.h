@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-// One example of every kind, a metre in size: what the typed tests start from. A new kind adds its own here.
+// One example of every kind, a meter in size: what the typed tests start from. A new kind adds its own here.
 
 namespace souple {
 

@@ -60,7 +60,7 @@ class SmallBody {
     const ParticleView view{position_, offset_, start_, Form::displacement};
     projector.begin_substep(view, substep);
     for (int k = 0; k < substep.iterations; ++k)
-      for (int c = 0; c < projector.colour_count(); ++c) projector.project(c, view, substep);
+      for (int c = 0; c < projector.color_count(); ++c) projector.project(c, view, substep);
     for (std::size_t i = 0; i < size(); ++i) {
       velocity_[i].set_xyz((offset_[i].xyz() - start_[i].xyz()) / substep.h);
       const Vec3f x = position_[i].xyz() + offset_[i].xyz();

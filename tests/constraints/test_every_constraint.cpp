@@ -75,7 +75,7 @@ bool all_finite(const Points<Kind>& x) {
   return true;
 }
 
-/// The example scaled to a size in metres, with the parameters of that size.
+/// The example scaled to a size in meters, with the parameters of that size.
 template <class Kind>
 struct Sized {
   Points<Kind> rest = Example<Kind>::points();
@@ -180,11 +180,11 @@ TYPED_TEST(EveryConstraintTest, ProjectionKeepsMomentum) {
   }
 }
 
-// No absolute threshold: a millimetre behaves as a metre and as a hundred of them.
+// No absolute threshold: a millimeter behaves as a meter and as a hundred of them.
 TYPED_TEST(EveryConstraintTest, ActsAlikeAtEverySize) {
   using Kind = TypeParam;
   const std::vector<double> masses = uneven_masses(Kind::arity);
-  const Sized<Kind> metre(1);
+  const Sized<Kind> meter(1);
   int moved = 0;
   for (const double size : sizes) {
     const Sized<Kind> example(size);
@@ -194,7 +194,7 @@ TYPED_TEST(EveryConstraintTest, ActsAlikeAtEverySize) {
         Points<Kind> scaled = x;
         for (Vec3d& point : scaled) point *= size;
         // The least gradient decides how exact float can be: a relative bound on the largest correction.
-        const Points<Kind> expected = correction<Kind>(x, metre.params, masses);
+        const Points<Kind> expected = correction<Kind>(x, meter.params, masses);
         const Points<Kind> actual = correction<Kind>(scaled, example.params, masses);
         double largest = 0;
         for (const Vec3d& dx : expected) largest = std::fmax(largest, length(dx));

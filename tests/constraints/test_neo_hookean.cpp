@@ -238,7 +238,7 @@ TEST(NeoHookean, CrushedBodiesRecover) {
         }
 }
 
-// A centimetre works like a metre: the same relative sag of a shelf whose E grows with its size.
+// A centimeter works like a meter: the same relative sag of a shelf whose E grows with its size.
 TEST(NeoHookean, SagDoesNotDependOnSize) {
   double expected = 0;
   for (const double size : {1.0, 1e-3, 1e-2, 100.0}) {

@@ -112,7 +112,7 @@ TEST(ParticleContact, PartsOverlappingAndCoincidentGrains) {
   }
 }
 
-// A kilometre from the origin a millimetre spring still sags as much as it must.
+// A kilometer from the origin a millimeter spring still sags as much as it must.
 TEST(Attachment, SpringFarFromTheOriginSags) {
   SmallBody<Attachment> body;
   const Vec3d target{1000, 2000, -500};

@@ -223,7 +223,7 @@ COUNTS = [
     ("docs/rendering.md", r"`--samples` \| (\d+), of films", lambda: find("app/render.cpp", r"samples = still \? (\d+) :")),
     ("docs/rendering.md", r"of films and folders (\d+) \|",
      lambda: find("app/render.cpp", r"samples = still \? \d+ : (\d+);")),
-    ("docs/rendering.md", r"to at most (\d+) colours", lambda: find("app/render.cpp", r"colours > (\d+)\)")),
+    ("docs/rendering.md", r"to at most (\d+) colors", lambda: find("app/render.cpp", r"colors > (\d+)\)")),
     ("docs/rendering.md", r"steps of the other, 1 to (\d+)", lambda: constant("render/renderer.h", "most_liquid_steps")),
     ("docs/rendering.md", r"best, and at most (\d+) pictures a second",
      lambda: find("app/render.cpp", r"frame_rate / (\d+) -")),
@@ -244,11 +244,11 @@ COUNTS = [
     ("docs/solvers.md", r"singular value is below ([\de-]+) of", lambda: constant("souple/solver/dense.cpp", "singular")),
     ("docs/solvers.md", r"from the (\w+) iteration of a substep on",
      lambda: 1 + constant("souple/solver/chebyshev.h", "delay")),
-    ("docs/solvers.md", r"a number of colours instead: 1 to (\d+),", lambda: largest("scene", "colours")),
+    ("docs/solvers.md", r"a number of colors instead: 1 to (\d+),", lambda: largest("scene", "colors")),
     ("docs/solvers.md", r"tested within ([\de-]+) of the way",
      lambda: find("tests/solver/test_partition.cpp", r"Form::plain \? 1e-2 : ([\de-]+)")),
     ("docs/solvers.md", r"is halved, at most (\w+) times",
-     lambda: constant("souple/solver/linearised_solver.cpp", "most_halvings")),
+     lambda: constant("souple/solver/linearized_solver.cpp", "most_halvings")),
     ("docs/solvers.md", r"changes nothing: a strain of ([\de-]+) in",
      lambda: constant("souple/solver/linear_system.cpp", "floor_strain")),
     ("docs/solvers.md", r"more than ([\de]+) multiplications",
@@ -292,7 +292,7 @@ PRESETS = {
     "grains | radius [mm]": [["radius"], ["density"], ["friction"]],
     "fluid | kg/m^3": [["density"], ["viscosity"]],
 }
-IN_MILLIMETRES = {"thickness", "radius"}
+IN_MILLIMETerS = {"thickness", "radius"}
 
 # Tables of defaults in docs/fluids.md: the head's first cell, the struct, rows whose default is told in words.
 DEFAULTS = [
@@ -393,7 +393,7 @@ class Tables(unittest.TestCase):
             for cells in rows_below("docs/materials.md", f"\n| {head} |"):
                 seen.add(cells[0])
                 for cell, fields in zip(cells[1:], columns):
-                    true = [preset(cells[0], field) * (1000 if field in IN_MILLIMETRES else 1) for field in fields]
+                    true = [preset(cells[0], field) * (1000 if field in IN_MILLIMETerS else 1) for field in fields]
                     said = numbers(cell)
                     with self.subTest(preset=cells[0], fields=fields):
                         for a, b in zip(said + [0] * (len(true) - len(said)), true):

@@ -8,13 +8,13 @@
 
 namespace souple::test {
 
-/// Particles by place with lists of neighbours, without a solver of their pressure.
+/// Particles by place with lists of neighbors, without a solver of their pressure.
 struct FluidArrays {
   float mass;
   Smoothing smoothing;
   std::unique_ptr<Threads> threads;
   CellOrder order;
-  Neighbours neighbours;
+  Neighbors neighbors;
   std::vector<Vec4f> x, v;
 
   /// `density` [kg/m^3], `mu` [Pa s].
@@ -24,7 +24,7 @@ struct FluidArrays {
         smoothing(spacing, shape),
         threads(make_threads(Threading::pool, thread_count)) {
     order.build(positions, smoothing.support(), *threads);
-    neighbours.find(order, smoothing.support(), *threads);
+    neighbors.find(order, smoothing.support(), *threads);
     for (const std::uint32_t i : order.order()) {
       x.push_back(positions[i]);
       x.back().w = 1 / mass;
@@ -34,7 +34,7 @@ struct FluidArrays {
     v.push_back({});
   }
   std::size_t size() const { return x.size() - 1; }
-  FluidView view() { return {x, v, neighbours, smoothing}; }
+  FluidView view() { return {x, v, neighbors, smoothing}; }
   /// Velocities f(position) [m/s].
   template <class Function>
   void set_velocities(const Function& f) {

@@ -67,7 +67,7 @@ struct Pool {
   }
   /// XSPH: velocities come a twentieth closer to those around.
   void smooth() {
-    for (const Neighbours::Block& block : solver.neighbours().blocks()) {
+    for (const Neighbors::Block& block : solver.neighbors().blocks()) {
       for (std::uint32_t k = block.begin; k < block.end; ++k) {
         Vec3f mean{};
         const std::uint32_t i = solver.order()[k];
@@ -87,7 +87,7 @@ struct Pool {
     for (const Vec3f& v : velocity) sum += double{dot(v, v)};
     return std::sqrt(sum / double(velocity.size()));
   }
-  double fill_height() const {  // centre of the top layer, and half a spacing
+  double fill_height() const {  // center of the top layer, and half a spacing
     std::vector<float> y;
     for (const Vec4f& p : positions) y.push_back(p.y);
     std::sort(y.begin(), y.end());

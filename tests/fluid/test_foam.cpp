@@ -116,7 +116,7 @@ TEST(Foam, CrestsMakeIt) {
   EXPECT_EQ(step(foam, flat, {.trapped_air_rate = 0, .wave_crest = {1, 4}}).made, 0);
 }
 
-/// For water of half a metre: more foam at lower speeds than from farther away.
+/// For water of half a meter: more foam at lower speeds than from farther away.
 constexpr FoamParameters small_scale{
     .trapped_air = {5, 20}, .wave_crest = {1, 4}, .energy = {0.125f, 3}, .life = {1, 4}};
 
@@ -186,7 +186,7 @@ struct DamBreak {
     for (int s = 0; s < 6; ++s) substep(dt / 6);
     const Box box{solver.smoothing()};
     for (std::size_t k = 0; k < positions.size(); ++k) slopes[k] = box.look(k, x[k].xyz()).slope;
-    const FluidView view{x, v, solver.neighbours(), solver.smoothing()};
+    const FluidView view{x, v, solver.neighbors(), solver.smoothing()};
     const auto keep_all_in = [](auto, std::span<Vec3f> at, std::span<Vec3f> speed) {
       for (std::size_t k = 0; k < at.size(); ++k) keep_in(at[k], speed[k]);
     };

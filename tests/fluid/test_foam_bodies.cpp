@@ -12,7 +12,7 @@ namespace {
 
 constexpr float gap = 0.002f;
 
-/// A square of two triangles in the plane y = height, a metre wide, that rises by `rise`.
+/// A square of two triangles in the plane y = height, a meter wide, that rises by `rise`.
 void add_square(FoamBodies& bodies, float height, float rise) {
   const auto corner = [&](float x, float z, float y) { return Vec3f(x, y, z); };
   for (const bool first : {true, false}) {
@@ -31,7 +31,7 @@ struct Ways {
   std::vector<Vec3f> start, end;
 };
 
-/// From one side of the plane y = 0 to the other or along it, up to three metres.
+/// From one side of the plane y = 0 to the other or along it, up to three meters.
 Ways ways(int side) {
   test::Random random(4);
   Ways result;

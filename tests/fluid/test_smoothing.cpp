@@ -16,7 +16,7 @@ constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::p
 
 constexpr float d = 0.02f;  // m
 
-/// V sum_j W, and V d sum_j grad W, of a particle of the lattice at rest that has those neighbours which
+/// V sum_j W, and V d sum_j grad W, of a particle of the lattice at rest that has those neighbors which
 /// `has` says, by their place in it.
 template <class Has>
 std::pair<float, Vec3f> sums_on_lattice(const Smoothing& smoothing, SmoothingShape shape, const Has& has) {
@@ -34,7 +34,7 @@ std::pair<float, Vec3f> sums_on_lattice(const Smoothing& smoothing, SmoothingSha
   const kernels::DensitySums sums =
       kernels::find_density_kernels(instruction_set(), shape)
           .sums(records.data(), {}, list.data(), list.size(), smoothing.factors());
-  return {smoothing.volume() * (sums.density + smoothing.centre()), sums.gradient * (smoothing.volume() * d)};
+  return {smoothing.volume() * (sums.density + smoothing.center()), sums.gradient * (smoothing.volume() * d)};
 }
 
 double density_at_rest(SmoothingShape shape) {

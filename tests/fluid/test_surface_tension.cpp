@@ -77,7 +77,7 @@ struct Drop {
     for (const Vec3f& at : velocity) squared += double{dot(at, at)};
     rms_speed = std::sqrt(squared / double(velocity.size()));
     x.back() = {1e15f, 1e15f, 1e15f, 0};
-    const FluidView fluid{x, v, solver.neighbours(), solver.smoothing()};
+    const FluidView fluid{x, v, solver.neighbors(), solver.smoothing()};
     tension.apply(fluid, walls, {sigma, std::max(adhesion, 0.0f)}, h, *threads);
     viscosity.apply(fluid, friction, h, *threads);
     for (std::size_t k = 0; k < positions.size(); ++k) velocity[solver.order()[k]] = v[k].xyz();
@@ -85,14 +85,14 @@ struct Drop {
   void run(float seconds) {
     for (int s = 0; s < int(seconds / h); ++s) substep();
   }
-  Vec3d centre() const {
+  Vec3d center() const {
     Vec3d sum{};
     for (const Vec4f& p : positions) sum += Vec3d(p.xyz());
     return sum * (1 / double(positions.size()));
   }
   /// Mean in the inner half [Pa].
   double pressure() const {
-    const Vec3d c = centre();
+    const Vec3d c = center();
     double sum = 0;
     int count = 0;
     for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -105,7 +105,7 @@ struct Drop {
   /// Standard deviation of the radius over its mean, in 300 directions: how far the outermost particle is
   /// within a spacing of each ray.
   double roughness() const {
-    const Vec3d c = centre();
+    const Vec3d c = center();
     double sum = 0, squared = 0;
     for (int a = 0; a < 300; ++a) {
       const double y = 1 - 2 * (a + 0.5) / 300, turn = a * 2.39996323, r = std::sqrt(1 - y * y);
@@ -131,7 +131,7 @@ struct Drop {
   double contact_angle() const {
     double top = 0, squared = 0;
     int count = 0;
-    const Vec3d c = centre();
+    const Vec3d c = center();
     for (const Vec4f& p : positions) {
       top = std::max(top, double{p.y} + 0.5 * double{d});
       if (p.y > d) continue;
@@ -155,7 +155,7 @@ TEST(SurfaceTension, ACubeBecomesABall) {
   EXPECT_GT(drop.roughness(), 0.1);
   drop.run(0.15f);
   EXPECT_LT(drop.roughness(), 0.03);
-  EXPECT_LT(length(drop.centre()), 1e-3 * double{d});
+  EXPECT_LT(length(drop.center()), 1e-3 * double{d});
 }
 
 // p = p0 + 2 sigma / R.

@@ -128,7 +128,7 @@ TEST(Vorticity, IsTheSameForAnyNumberOfThreads) {
 TEST(AirDrag, ADropFallsAtItsTerminalSpeed) {
   constexpr float size = 0.002f, g = 9.81f, h = 1.0f / 240;
   FluidArrays drop({{0, 0, 0, 0}}, size, 1000, 0);
-  const float covered = drop.smoothing.volume() * drop.smoothing.centre();
+  const float covered = drop.smoothing.volume() * drop.smoothing.center();
   for (int s = 0; s < 2400; ++s) {
     drop.v[0].y -= g * h;
     apply_air_drag(drop.view(), {&covered, 1}, {.wind = {3, 0, 0}}, h, *drop.threads);

@@ -24,7 +24,7 @@ inline void check(const TriangleMesh& mesh) {
   for (const auto& group : mesh.groups) {
     for (std::uint32_t i : group.second) require(i < count);
   }
-  require(mesh.colours.empty() || mesh.colours.size() == count);
+  require(mesh.colors.empty() || mesh.colors.size() == count);
 }
 
 inline void check(const TetMesh& mesh) {

@@ -50,7 +50,7 @@ TEST(Hinges, KeepOrientation) {
   }
 }
 
-TEST(Hinges, OfANonManifoldEdgePairNeighbours) {
+TEST(Hinges, OfANonManifoldEdgePairNeighbors) {
   const std::vector<Triangle> book{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
   EXPECT_EQ(interior_edges(book), (std::vector<Hinge>{{0, 1, 2, 3}, {1, 0, 3, 4}}));
   // The same triangle twice has no hinge angle.

@@ -17,7 +17,7 @@ TEST(Measures, OfABoxFarFromTheOrigin) {
   EXPECT_NEAR(surface_area(mesh.positions, mesh.triangles), 0.22, 1e-12);
   const BoundingBox bounds = bounding_box(mesh.positions);
   EXPECT_NEAR(bounds.size().y, 0.2, 1e-12);
-  EXPECT_NEAR(bounds.centre().y, -2000, 1e-12);
+  EXPECT_NEAR(bounds.center().y, -2000, 1e-12);
   EXPECT_NEAR(bounds.diagonal(), std::sqrt(0.14), 1e-12);
   for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
   EXPECT_NEAR(enclosed_volume(mesh.positions, mesh.triangles), -0.006, 1e-13);
@@ -31,7 +31,7 @@ TEST(Measures, BoundingBoxSkipsWhatIsNotFinite) {
   EXPECT_EQ(bounding_box({}).diagonal(), 0);
 }
 
-TEST(Measures, MassesSumToDensityTimesMeasureAndCentreStays) {
+TEST(Measures, MassesSumToDensityTimesMeasureAndCenterStays) {
   const TriangleMesh sheet = disk(5, 20, 0.7);
   Vec3d moment;
   double sum = 0;
@@ -49,7 +49,7 @@ TEST(Measures, MassesSumToDensityTimesMeasureAndCentreStays) {
   EXPECT_NEAR(tet_volume(bar), 2, 1e-14);
 }
 
-TEST(Measures, NormalsOfASpherePointAwayFromItsCentreAtEverySize) {
+TEST(Measures, NormalsOfASpherePointAwayFromItsCenterAtEverySize) {
   for (const double radius : {1e-6, 1.0, 1e6}) {
     const TriangleMesh ball = sphere(3, radius);
     std::vector<Vec3f> positions;

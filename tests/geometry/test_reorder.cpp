@@ -12,7 +12,7 @@
 namespace souple {
 namespace {
 
-// A grid whose vertices were shuffled, as meshes come out of modelling programs.
+// A grid whose vertices were shuffled, as meshes come out of modeling programs.
 TriangleMesh shuffled_grid(int n) {
   TriangleMesh mesh = grid(n, n, 1);
   std::vector<std::uint32_t> order(mesh.positions.size());
@@ -44,7 +44,7 @@ bool is_permutation_of_all(std::vector<std::uint32_t> order, std::size_t count) 
   return order.size() == count;
 }
 
-TEST(Reorder, MortonBringsNeighboursTogether) {
+TEST(Reorder, MortonBringsNeighborsTogether) {
   const TriangleMesh mesh = shuffled_grid(60);
   const std::vector<Edge> edges = unique_edges(mesh.triangles);
   std::vector<std::uint32_t> identity(mesh.positions.size());

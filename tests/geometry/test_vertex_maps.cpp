@@ -25,15 +25,15 @@ TEST(VertexMaps, FromGroups) {
   EXPECT_THROW(map_from_group(mesh, "sleeve"), Error);
 }
 
-TEST(VertexMaps, FromColours) {
+TEST(VertexMaps, FromColors) {
   TriangleMesh mesh = grid(2, 2, 1);
-  EXPECT_THROW(map_from_colours(mesh, ColourChannel::red), Error);
-  mesh.colours = {{0, 0.25f, 1}, {1, 0.5f, 0}, {2, -1, 0.5f}, {0, 0, 0}};
-  EXPECT_EQ(map_from_colours(mesh, ColourChannel::red), (std::vector<float>{0, 1, 1, 0}));
-  EXPECT_EQ(map_from_colours(mesh, ColourChannel::green, 2, 4), (std::vector<float>{2.5f, 3, 2, 2}));
-  EXPECT_EQ(map_from_colours(mesh, ColourChannel::blue, 1, 0), (std::vector<float>{0, 1, 0.5f, 1}));
-  mesh.colours[3].x = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THROW(map_from_colours(mesh, ColourChannel::red), Error);
+  EXPECT_THROW(map_from_colors(mesh, ColorChannel::red), Error);
+  mesh.colors = {{0, 0.25f, 1}, {1, 0.5f, 0}, {2, -1, 0.5f}, {0, 0, 0}};
+  EXPECT_EQ(map_from_colors(mesh, ColorChannel::red), (std::vector<float>{0, 1, 1, 0}));
+  EXPECT_EQ(map_from_colors(mesh, ColorChannel::green, 2, 4), (std::vector<float>{2.5f, 3, 2, 2}));
+  EXPECT_EQ(map_from_colors(mesh, ColorChannel::blue, 1, 0), (std::vector<float>{0, 1, 0.5f, 1}));
+  mesh.colors[3].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(map_from_colors(mesh, ColorChannel::red), Error);
 }
 
 }  // namespace

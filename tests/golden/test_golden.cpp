@@ -147,7 +147,7 @@ class Energies {
     return work;
   }
 
-  /// Where pins and colliders are; of a turning collider also a point a metre off its centre.
+  /// Where pins and colliders are; of a turning collider also a point a meter off its center.
   void remember() {
     led_.clear();
     for (const ObjectId object : world_.objects()) {

@@ -131,8 +131,8 @@ struct AnyKind {
                                           {.model = SoftBodyModel::shape_matching}, place(15)));
     const std::vector<Vec3d> line{{20, 0, 0}, {20.5, 0, 0}};
     objects.push_back(world.add_rope(line, 20));
-    const std::vector<Vec3d> centres{{25, 0, 0}, {25, 0, 0.5}};
-    objects.push_back(world.add_grains(centres, {.radius = 0.05f}));
+    const std::vector<Vec3d> centers{{25, 0, 0}, {25, 0, 0.5}};
+    objects.push_back(world.add_grains(centers, {.radius = 0.05f}));
   }
 };
 
@@ -141,13 +141,13 @@ TEST(Grab, EveryKindOfObjectComesAlong) {
   for (const ObjectId object : any.objects) {
     const std::string& name = any.world.name(object);
     const Vec3f start = any.world.positions(object)[0];
-    const Vec3d centre = any.world.centre_of_mass(object);
+    const Vec3d center = any.world.center_of_mass(object);
     Grab grab(any.world, object, 0, start);
     ASSERT_TRUE(grab.holds()) << name;
     const Vec3f goal = start + Vec3f(0, 0.3f, 0);
     grab.move_to(goal);
     for (int i = 0; i < 240; ++i) ASSERT_TRUE(any.world.step(dt).ok());
-    const double lifted = (any.world.centre_of_mass(object) - centre).y;
+    const double lifted = (any.world.center_of_mass(object) - center).y;
     EXPECT_LT(length(grab.point() - goal), 0.01f) << name;
     EXPECT_LT(length(any.world.positions(object)[0] - goal), 0.05f) << name;
     if (any.world.kind(object) == ObjectKind::grains) {

@@ -102,7 +102,7 @@ TEST(Session, RemovingWhatIsHeldLetsGoAndRemovingAnotherDoesNot) {
 TEST(Session, PinsComeBackInTheOrderInWhichTheyWereSaid) {
   const Corners ball(sphere(2, 0.3));
   MeshOptions options;
-  options.lattice_tets = 40;  // so coarse that neighbours share
+  options.lattice_tets = 40;  // so coarse that neighbors share
   std::uint32_t near = 1;
   while (ball.at(near) == ball.at(0)) ++near;
   for (const bool freed_first : {false, true}) {

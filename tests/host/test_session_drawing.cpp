@@ -123,29 +123,29 @@ TEST(Session, GrainsAreDrawnAsBallsWithTheirRadius) {
 }
 
 /// As the file has them: "#b8324a" is 0xb8 of red.
-TEST(Session, ColoursAreThoseOfTheSceneFile) {
+TEST(Session, ColorsAreThoseOfTheSceneFile) {
   Player host;
   Session& s = host.session;
   s.open_scene(scenes + "everything_together.json");
   const std::array<float, 3> crimson{184 / 255.0f, 50 / 255.0f, 74 / 255.0f};
   const std::array<float, 3> wood{169 / 255.0f, 133 / 255.0f, 95 / 255.0f};
-  std::size_t coloured = 0;
+  std::size_t colored = 0;
   for (const ObjectInfo& info : s.objects()) {
-    EXPECT_EQ(info.has_colour, info.kind == Kind::cloth || info.kind == Kind::soft_body) << info.name;
+    EXPECT_EQ(info.has_color, info.kind == Kind::cloth || info.kind == Kind::soft_body) << info.name;
     if (info.name == "flag") {
-      EXPECT_EQ(info.colour, crimson);
-      ++coloured;
+      EXPECT_EQ(info.color, crimson);
+      ++colored;
     }
   }
   for (const ColliderShape& shape : s.colliders()) {
-    EXPECT_EQ(shape.has_colour, shape.name == "table") << shape.name;
+    EXPECT_EQ(shape.has_color, shape.name == "table") << shape.name;
     if (shape.name == "table") {
-      EXPECT_EQ(shape.colour, wood);
-      ++coloured;
+      EXPECT_EQ(shape.color, wood);
+      ++colored;
     }
   }
-  EXPECT_EQ(coloured, 2u);
-  EXPECT_FALSE(s.object(s.add_cloth(Corners(grid(3, 3, 1.0)).soup())).has_colour);
+  EXPECT_EQ(colored, 2u);
+  EXPECT_FALSE(s.object(s.add_cloth(Corners(grid(3, 3, 1.0)).soup())).has_color);
 }
 
 TEST(Session, SegmentsLeadAlongARopeFromEndToEnd) {

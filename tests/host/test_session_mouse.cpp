@@ -39,14 +39,14 @@ TEST(Session, ATriangleIsTakenWhereTheRayMeetsIt) {
   Player host;
   Session& s = host.session;
   const Handle cloth = s.add_cloth(sheet.soup());
-  const Vec3f centre = (sheet.at(9) + sheet.at(10) + sheet.at(11)) / 3.0f, eye = centre + Vec3f(1, 2, 0);
-  ASSERT_TRUE(s.grab_triangle(cloth, 3, {eye, centre - eye}));
-  EXPECT_LT(length(s.grabbed_point() - centre), 1e-5f);
+  const Vec3f center = (sheet.at(9) + sheet.at(10) + sheet.at(11)) / 3.0f, eye = center + Vec3f(1, 2, 0);
+  ASSERT_TRUE(s.grab_triangle(cloth, 3, {eye, center - eye}));
+  EXPECT_LT(length(s.grabbed_point() - center), 1e-5f);
   // Edge-on: no point in the plane, so a corner.
-  ASSERT_TRUE(s.grab_triangle(cloth, 3, {centre + Vec3f(5, 0, 0), {-1, 0, 0}}));
-  EXPECT_LT(length(s.grabbed_point() - centre), 0.3f);
-  expect_error([&] { s.grab_triangle(cloth, 32, {eye, centre - eye}); }, {"cloth", "triangle 32", "32"});
-  expect_error([&] { s.grab_vertex(cloth, 96, {eye, centre - eye}); }, {"cloth", "vertex 96", "96"});
+  ASSERT_TRUE(s.grab_triangle(cloth, 3, {center + Vec3f(5, 0, 0), {-1, 0, 0}}));
+  EXPECT_LT(length(s.grabbed_point() - center), 0.3f);
+  expect_error([&] { s.grab_triangle(cloth, 32, {eye, center - eye}); }, {"cloth", "triangle 32", "32"});
+  expect_error([&] { s.grab_vertex(cloth, 96, {eye, center - eye}); }, {"cloth", "vertex 96", "96"});
   expect_error([&] { s.grab_vertex(cloth, 0, {eye, {}}); }, {"direction"});
   expect_error([&] { s.grab_vertex(cloth, 0, {eye, {nan, 0, 0}}); }, {"not finite"});
 }
@@ -54,13 +54,13 @@ TEST(Session, ATriangleIsTakenWhereTheRayMeetsIt) {
 /// Its nearest vertex is what is held: nothing, where that one is pinned.
 TEST(Session, ATriangleIsHeldAtItsNearestVertex) {
   const Corners sheet(grid(5, 5, 1.0));
-  const Vec3f centre = (sheet.at(9) + sheet.at(10) + sheet.at(11)) / 3.0f;
+  const Vec3f center = (sheet.at(9) + sheet.at(10) + sheet.at(11)) / 3.0f;
   for (const std::uint32_t pinned : {9u, 10u, 11u}) {
     Session s;
     const Handle cloth = s.add_cloth(sheet.soup());
     s.set_pinned(cloth, pinned, true);
     for (const std::uint32_t near : {9u, 10u, 11u}) {
-      const Vec3f point = centre * 0.2f + sheet.at(near) * 0.8f;
+      const Vec3f point = center * 0.2f + sheet.at(near) * 0.8f;
       EXPECT_EQ(s.grab_triangle(cloth, 3, {point + Vec3f(0, 2, 0), {0, -1, 0}}), near != pinned);
     }
   }

@@ -75,11 +75,11 @@ TEST(ObjReader, GivesGroupsTheVerticesOfTheirFaces) {
   EXPECT_EQ(mesh.groups.at("material:silk"), (Indices{0, 2, 3, 4}));
 }
 
-TEST(ObjReader, ReadsVertexColours) {
+TEST(ObjReader, ReadsVertexColors) {
   const TriangleMesh mesh = parse("v 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0\nf 1 2 3\n");
-  ASSERT_EQ(mesh.colours.size(), 3u);
-  EXPECT_EQ(mesh.colours[1], Vec3f(1.0f, 0.5f, 0.0f));
-  EXPECT_EQ(mesh.colours[2], Vec3f(1.0f, 1.0f, 1.0f));
+  ASSERT_EQ(mesh.colors.size(), 3u);
+  EXPECT_EQ(mesh.colors[1], Vec3f(1.0f, 0.5f, 0.0f));
+  EXPECT_EQ(mesh.colors[2], Vec3f(1.0f, 1.0f, 1.0f));
 }
 
 TEST(ObjReader, NamesFileAndLineOfBadInput) {

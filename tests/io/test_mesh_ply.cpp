@@ -55,7 +55,7 @@ TEST(PlyReader, ReadsEveryTypeInBothByteOrders) {
     const TriangleMesh mesh = parse(bytes);
     ASSERT_EQ(mesh.positions.size(), 4u);
     EXPECT_EQ(mesh.positions[3], Vec3d(0.1 * 3, -900.0, 3e9));
-    EXPECT_EQ(mesh.colours[3], Vec3f(1.0f, 0.0f, 0.2f));
+    EXPECT_EQ(mesh.colors[3], Vec3f(1.0f, 0.0f, 0.2f));
     EXPECT_EQ(mesh.faces, (std::vector<Indices>{{0, 1, 2}, {0, 1, 2, 3}}));
     EXPECT_EQ(mesh.face_uvs, mesh.faces);
     EXPECT_EQ(mesh.uvs[2], (std::array<float, 2>{0.25f, 0.75f}));
@@ -116,7 +116,7 @@ TEST(PlyWriter, ReadsBackAsItWas) {
   EXPECT_EQ(again.triangles, mesh.triangles);
   EXPECT_EQ(again.uvs, mesh.uvs);
   EXPECT_EQ(again.face_uvs, mesh.face_uvs);
-  EXPECT_EQ(again.colours, mesh.colours);
+  EXPECT_EQ(again.colors, mesh.colors);
 }
 
 TEST(PlyWriter, WritesParticles) {

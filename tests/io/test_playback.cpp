@@ -27,8 +27,8 @@ class PlaybackTest : public FolderTest {
                         {.name = "jelly", .transform = {.translation = {2, 1, 0}}});
     const std::vector<Vec3d> line{{-2, 1, 0}, {-1, 1, 0}};
     world.add_rope(line, 6, {}, {.name = "a/line"});
-    const std::vector<Vec3d> centres{{0, 2, 0}, {0.5, 2, 0}, {0, 2, 0.5}};
-    world.add_grains(centres, {}, {.name = "sand"});
+    const std::vector<Vec3d> centers{{0, 2, 0}, {0.5, 2, 0}, {0, 2, 0.5}};
+    world.add_grains(centers, {}, {.name = "sand"});
     return world;
   }
   static void run(World& world, Recorder& recorder, int frames, Shown& shown) {
@@ -204,8 +204,8 @@ TEST_F(PlaybackTest, ObjectsComeAndGo) {
 // Whatever formats were asked for: the number of a fluid's particles may change.
 TEST_F(PlaybackTest, FluidsArePointsWithVelocities) {
   World world({.substeps = 2});
-  const std::vector<Vec3d> centres{{0, 1, 0}, {0.02, 1, 0}, {0, 1.02, 0}};
-  const ObjectId water = world.add_fluid(centres, {}, {.name = "water"});
+  const std::vector<Vec3d> centers{{0, 1, 0}, {0.02, 1, 0}, {0, 1.02, 0}};
+  const ObjectId water = world.add_fluid(centers, {}, {.name = "water"});
   Recorder recorder(world, folder / "out", {.formats = {CacheFormat::pc2, CacheFormat::obj}});
   Shown shown;
   run(world, recorder, 3, shown);
@@ -225,8 +225,8 @@ TEST_F(PlaybackTest, FluidsArePointsWithVelocities) {
 TEST_F(PlaybackTest, FluidsMayHaveOtherNumbersOfParticlesInEachFrame) {
   {
     World world({.substeps = 2});
-    const std::vector<Vec3d> centres{{0, 1, 0}, {0.02, 1, 0}, {0, 1.02, 0}};
-    world.add_fluid(centres, {}, {.name = "water"});
+    const std::vector<Vec3d> centers{{0, 1, 0}, {0.02, 1, 0}, {0, 1.02, 0}};
+    world.add_fluid(centers, {}, {.name = "water"});
     Recorder recorder(world, folder / "out", {.formats = {CacheFormat::pc2}});
     Shown ignored;
     run(world, recorder, 3, ignored);

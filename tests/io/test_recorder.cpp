@@ -28,8 +28,8 @@ class RecorderTest : public FolderTest {
                         {.name = "jelly", .transform = {.translation = {2, 1, 0}}});
     const std::vector<Vec3d> line{{-2, 1, 0}, {-1, 1, 0}};
     world.add_rope(line, 6, {}, {.name = "line"});
-    const std::vector<Vec3d> centres{{0, 2, 0}, {0.5, 2, 0}, {0, 2, 0.5}};
-    world.add_grains(centres, {}, {.name = "sand"});
+    const std::vector<Vec3d> centers{{0, 2, 0}, {0.5, 2, 0}, {0, 2, 0.5}};
+    world.add_grains(centers, {}, {.name = "sand"});
     world.add_collider(Plane{.normal = {0, 1, 0}, .offset = 0});
     return world;
   }

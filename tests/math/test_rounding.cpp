@@ -5,13 +5,13 @@
 namespace souple {
 namespace {
 
-// What a float cannot hold of a double. g++ 12 gives 0 here when it vectorises straight-line code, which the
+// What a float cannot hold of a double. g++ 12 gives 0 here when it vectorizes straight-line code, which the
 // build turns off; positions then lose the remainder that the displacement form keeps.
 Vec3f remainder_of(const Vec3d& x) {
   return Vec3f(x - Vec3d(Vec3f(x)));
 }
 
-TEST(Rounding, TheRemainderOfAFloatSurvivesTheOptimiser) {
+TEST(Rounding, TheRemainderOfAFloatSurvivesTheOptimizer) {
   volatile double x = -0.2, y = 0.6, z = 1000.1;
   const Vec3f lost = remainder_of({x, y, z});
   EXPECT_EQ(lost.x, static_cast<float>(-0.2 - static_cast<double>(-0.2f)));

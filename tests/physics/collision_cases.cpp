@@ -141,7 +141,7 @@ Heap sheet_on_edge(int n) {
   return heap;
 }
 
-// Wrung to a rope of radius r = sqrt(2 R thickness), the outer fibres are helices: for their length L to
+// Wrung to a rope of radius r = sqrt(2 R thickness), the outer fibers are helices: for their length L to
 // hold, the rims have to come nearer by L - sqrt(L^2 - (2 pi turns r)^2).
 TwistedTube twisted_tube(int around, double turns, double seconds) {
   constexpr double radius = 0.06;
@@ -400,7 +400,7 @@ std::size_t grains_that_passed(const Shot& shot) {
   return count;
 }
 
-// A cone of height H and radius R has its centre of mass at H / 4 and a mean distance from the axis of R / 2.
+// A cone of height H and radius R has its center of mass at H / 4 and a mean distance from the axis of R / 2.
 double slope_of_heap(const World& world, ObjectId grains, double radius) {
   double height = 0, distance = 0;
   Vec3d middle;

@@ -105,7 +105,7 @@ std::size_t grains_that_passed(const Shot& shot);
 
 // --- sand
 
-/// H / R of the cone that has the same centre of mass and spread as grains on y = 0: the tangent of its angle
+/// H / R of the cone that has the same center of mass and spread as grains on y = 0: the tangent of its angle
 /// of repose.
 double slope_of_heap(const World& world, ObjectId grains, double radius);
 

@@ -38,14 +38,14 @@ class NodalLoad final : public Projector {
   std::string_view kind() const override { return "nodal_load"; }
   std::size_t size() const override { return particles_.size(); }
   void prepare(std::size_t) override {}
-  int colour_count() const override { return 0; }
+  int color_count() const override { return 0; }
   void begin_substep(const ParticleView& view, const Substep& substep) override {
     const double hh = static_cast<double>(substep.h) * static_cast<double>(substep.h);
     for (std::size_t k = 0; k < particles_.size(); ++k)
       view.correct(particles_[k],
                    Vec3f(forces_[k] * (hh * static_cast<double>(view.inverse_mass(particles_[k])))));
   }
-  std::size_t colour_size(int) const override { return 0; }
+  std::size_t color_size(int) const override { return 0; }
   void project(int, std::size_t, std::size_t, const ParticleView&, const Substep&) override {}
   Residual residual(const ParticleView&) const override { return {}; }
   void erase_particles(std::uint32_t, std::uint32_t) override {}

@@ -58,7 +58,7 @@ void drop_and_look(int n, double seconds, int every) {
   const Watched watched = test::run_untangled(heap.world, static_cast<int>(seconds * 60), every);
   EXPECT_EQ(watched.crossings, 0u) << "frame " << watched.first_crossed;
   EXPECT_TRUE(watched.ok);
-  EXPECT_LT(heap.world.centre_of_mass(heap.cloth).y, 0.2);
+  EXPECT_LT(heap.world.center_of_mass(heap.cloth).y, 0.2);
   for (const Vec3f& x : heap.world.positions(heap.cloth)) EXPECT_GT(x.y, -1e-3f);
 }
 
@@ -110,8 +110,8 @@ void pull_and_look(int across, double pull, double seconds) {
   for (const Vec3f& x : world.positions(knot.right)) right = std::min(right, double(x.x));
   EXPECT_GT(left, right + 0.02);
   // The ends went apart until the knot held.
-  EXPECT_LT(world.centre_of_mass(knot.left).x, -0.9);
-  EXPECT_GT(world.centre_of_mass(knot.right).x, 0.6);
+  EXPECT_LT(world.center_of_mass(knot.left).x, -0.9);
+  EXPECT_GT(world.center_of_mass(knot.right).x, 0.6);
 }
 
 TEST(ClothCollisions, AKnotHoldsWhenItsEndsArePulled) {

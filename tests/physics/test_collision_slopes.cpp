@@ -51,12 +51,12 @@ ObjectId add_body(World& world, Body body, double above) {
       break;
   }
   // Tied, or some would roll.
-  std::vector<Vec3d> centres;
-  centres.reserve(9);
+  std::vector<Vec3d> centers;
+  centers.reserve(9);
   for (int x = 0; x < 3; ++x)
-    for (int z = 0; z < 3; ++z) centres.push_back({0.05 * x, 0, 0.05 * z});
+    for (int z = 0; z < 3; ++z) centers.push_back({0.05 * x, 0, 0.05 * z});
   const ObjectId raft =
-      world.add_grains(centres, {.radius = 0.02f, .friction = mu}, {.transform = at(0.0201)});
+      world.add_grains(centers, {.radius = 0.02f, .friction = mu}, {.transform = at(0.0201)});
   std::vector<std::pair<VertexRef, VertexRef>> ties;
   for (std::uint32_t a = 0; a < 9; ++a)
     for (std::uint32_t b = 0; b < a; ++b) ties.push_back({{raft, a}, {raft, b}});
@@ -77,13 +77,13 @@ TEST_P(Slope, SticksAndSlidesAsMuSays) {
     const ObjectId id = add_body(world, body, ground == Ground::plane ? 0 : 0.005);
     const auto speed = [&] { return world.momentum(id).x / world.total_mass(id); };
     for (int frame = 0; frame < 42; ++frame) world.step(1.0 / 60);
-    const double early = speed(), place = world.centre_of_mass(id).x;
+    const double early = speed(), place = world.center_of_mass(id).x;
     for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
     const std::string what = std::string(body_names[int(body)]) + " on " + ground_names[int(ground)];
     const double acceleration = (speed() - early) / 0.5;
     if (steepness < 1) {
       validate_below(name, what + ": creep at tan = 0.9 mu in 0.5 s [m]",
-                     std::fabs(world.centre_of_mass(id).x - place), 1e-3);
+                     std::fabs(world.center_of_mass(id).x - place), 1e-3);
       EXPECT_NEAR(acceleration, 0, 0.01);
     } else {
       validate_relative(name, what + ": acceleration at tan = 1.5 mu [m/s^2]", acceleration,

@@ -59,7 +59,7 @@ TEST(BallsInAGlass, FiftyStayInItAndComeToRestSlow) {
   drop_and_look(50, 30, 10, 0.05);
 }
 
-// With the default settings the solver moves what carries the heap by more than a millimetre to and fro in
+// With the default settings the solver moves what carries the heap by more than a millimeter to and fro in
 // each substep; contacts must be there before it does, or they take turns and the heap boils at 1 m/s.
 TEST(BallsInAGlass, AHeapDoesNotTrembleWithFewSubsteps) {
   test::Glass glass = test::balls_in_glass(20, {});

@@ -10,7 +10,7 @@ namespace {
 constexpr double g = 9.81f;
 
 struct Slide {
-  double travelled = 0;     // m in 2 s
+  double traveled = 0;      // m in 2 s
   double acceleration = 0;  // m/s^2, over the second second
 };
 
@@ -30,10 +30,10 @@ Slide slide(double angle, double mu, const Settings& settings, Curves* curves = 
     EXPECT_TRUE(world.step(1.0 / 60).ok());
     if (frame == 60) speed_at_one = dot(world.momentum(body), down);
     if (curves != nullptr)
-      curves->add(series, frame / 60.0, dot(world.centre_of_mass(body) - start[0], down));
+      curves->add(series, frame / 60.0, dot(world.center_of_mass(body) - start[0], down));
   }
   const double mass = world.total_mass(body);
-  return {dot(world.centre_of_mass(body) - start[0], down),
+  return {dot(world.center_of_mass(body) - start[0], down),
           (dot(world.momentum(body), down) - speed_at_one) / mass};
 }
 
@@ -53,7 +53,7 @@ TEST(InclinedPlane, SticksBelowTheFrictionAngleAndSlidesAbove) {
                                             : "1") +
                                ", " + mode_name(mode) + ", " + form_name(form) + ": ";
         const Slide stuck = slide(gentle, mu, settings, drawn ? &curves : nullptr, "tan = 0.95 mu");
-        validate_below(name, at + "creep at tan = 0.95 mu in 2 s [m]", std::fabs(stuck.travelled), 1e-3);
+        validate_below(name, at + "creep at tan = 0.95 mu in 2 s [m]", std::fabs(stuck.traveled), 1e-3);
         for (const double angle : {steep, steeper}) {
           const double expected = g * (std::sin(angle) - mu * std::cos(angle));
           const std::string slope = angle == steep ? "tan = 1.2 mu" : "tan = 2 mu";
@@ -77,7 +77,7 @@ double bounce(double e, const Settings& settings, Curves* curves = nullptr, cons
   double top = 0;
   for (int frame = 1; frame <= 120; ++frame) {
     EXPECT_TRUE(world.step(1.0 / 60).ok());
-    const double y = world.centre_of_mass(ball).y - 0.05;
+    const double y = world.center_of_mass(ball).y - 0.05;
     const double v = world.momentum(ball).y / world.total_mass(ball);
     if (curves != nullptr) curves->add(series, frame / 60.0, y);
     // The frames miss the top: from where the ball is it still rises by v^2 / 2g.

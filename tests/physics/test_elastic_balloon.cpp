@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 // A spherical skin under pressure. Its stress under an equal stretch s is, St. Venant-Kirchhoff,
-// T = Y / (1 - nu) (s^2 - 1) / 2 per metre of the stretched skin, and Laplace's law P = 2 T / R gives
+// T = Y / (1 - nu) (s^2 - 1) / 2 per meter of the stretched skin, and Laplace's law P = 2 T / R gives
 //   P = Y (s^2 - 1) / ((1 - nu) R0 s),   s = R / R0.
 
 namespace souple {
@@ -35,15 +35,15 @@ double inflate(int subdivisions, double s) {
   world.set_pressure(ball, static_cast<float>(pressure_of(s)));
   return settle(world, 10 * 0.1 * cell / speed, 4, [&] {
     const auto x = world.positions(ball);
-    const Vec3d centre = world.centre_of_mass(ball);
+    const Vec3d center = world.center_of_mass(ball);
     double sum = 0;
-    for (const Vec3f& p : x) sum += length(Vec3d(p) - centre);
+    for (const Vec3f& p : x) sum += length(Vec3d(p) - center);
     return sum / static_cast<double>(x.size()) / R0;
   });
 }
 
 TEST(Balloon, RadiusFollowsThePressure) {
-  const std::string name = "pressurised balloon";
+  const std::string name = "pressurized balloon";
   Curves curves(name, "pressure [Pa]", "radius over rest radius");
   for (const double s : {1.02, 1.1, 1.3, 1.6}) {
     const double measured = inflate(3, s);

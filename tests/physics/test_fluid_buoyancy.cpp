@@ -98,7 +98,7 @@ TEST(FluidBuoyancy, AHeavyCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 46, 32), 0.9, 0.03);
 }
 
-// With more neighbours there is less order in the same channel.
+// With more neighbors there is less order in the same channel.
 TEST(FluidBuoyancy, AHeavyCubeInANarrowBasinSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 36, 26, {.kernel = SmoothingShape::wide_wendland}),
               0.9, 0.015);

@@ -34,7 +34,7 @@ struct Column {
   void run(double seconds) {
     for (int frame = 0; frame < seconds * 60; ++frame) world.step(1.0 / 60);
   }
-  /// Mean pressure of the particles whose centre lies within d/2 of a height, over the hydrostatic one. [-]
+  /// Mean pressure of the particles whose center lies within d/2 of a height, over the hydrostatic one. [-]
   double pressure_at(double y) const {
     const std::vector<float> pressures = world.pressures(water);
     double sum = 0, expected = 0;
@@ -46,7 +46,7 @@ struct Column {
     }
     return sum / expected;
   }
-  /// Where the topmost layer's centres are, half a spacing added. [m]
+  /// Where the topmost layer's centers are, half a spacing added. [m]
   double top() const {
     std::vector<float> y;
     for (const Vec3f& x : world.positions(water)) y.push_back(x.y);

@@ -29,7 +29,7 @@ struct Basin {
   ObjectId add_grain(double radius, double density, const Vec3d& at) {
     return world.add_grains(std::array{at}, {.radius = float(radius), .density = float(density)});
   }
-  /// A quarter of a metre of it, along x.
+  /// A quarter of a meter of it, along x.
   ObjectId add_rope(double density, double y, double z) {
     return world.add_rope(std::array{Vec3d{-0.12, y, z}, Vec3d{0.12, y, z}}, 12,
                           {.radius = 0.006f, .density = float(density)});
@@ -37,7 +37,7 @@ struct Basin {
   void run(double seconds) {
     for (int frame = 0; frame < seconds * 60; ++frame) ASSERT_TRUE(world.step(1.0 / 60).ok());
   }
-  double height(ObjectId object) const { return world.centre_of_mass(object).y; }
+  double height(ObjectId object) const { return world.center_of_mass(object).y; }
 };
 
 // Far smaller than a particle's spacing, and about as large.

@@ -13,7 +13,7 @@ namespace {
 constexpr double d = 0.02;  // m
 constexpr int across = 12, layers = 20;
 
-/// Ten layers of a lighter fluid under ten of water, in disorder, the border a wave: how high its centre is
+/// Ten layers of a lighter fluid under ten of water, in disorder, the border a wave: how high its center is
 /// after some seconds, over the height of all. A quarter is where it begins, three quarters where it belongs.
 double risen(float density, SmoothingShape kernel, double seconds) {
   World world({.substeps = 8, .fluid = {.kernel = kernel}});
@@ -32,10 +32,10 @@ double risen(float density, SmoothingShape kernel, double seconds) {
   for (const Vec3f& n : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
     world.add_collider(Plane{n, static_cast<float>(-w)});
   for (int frame = 0; frame < seconds * 60; ++frame) world.step(1.0 / 60);
-  return world.centre_of_mass(lighter).y / height;
+  return world.center_of_mass(lighter).y / height;
 }
 
-// What is lighter rises. Particles under pressure resist being rearranged: less so with more neighbours.
+// What is lighter rises. Particles under pressure resist being rearranged: less so with more neighbors.
 TEST(FluidLayers, ALighterFluidRisesInTheWideKernel) {
   const double wide = risen(850, SmoothingShape::wide_wendland, 3);
   EXPECT_GT(wide, 0.34);
@@ -43,7 +43,7 @@ TEST(FluidLayers, ALighterFluidRisesInTheWideKernel) {
   EXPECT_GT(usual, 0.25);
   EXPECT_GT(wide, usual + 0.05);
   state("ten layers of 850 kg/m^3 under ten of 1000, after 3 s",
-        "centre of the lighter, in heights, wide_wendland", wide);
+        "center of the lighter, in heights, wide_wendland", wide);
   state("ten layers of 850 kg/m^3 under ten of 1000, after 3 s", "the same, wendland", usual);
 }
 

@@ -150,7 +150,7 @@ TEST(FluidRobustness, NothingGetsIntoASoftBodyThatAWaveStrikes) {
   double highest = 0;
   for (int frame = 0; frame < 120; ++frame) {
     ASSERT_TRUE(world.step(1.0 / 60).ok());
-    highest = std::max(highest, world.centre_of_mass(body).y);
+    highest = std::max(highest, world.center_of_mass(body).y);
     if (frame % 10 != 9) continue;
     std::vector<Vec3d> surface;
     for (const Vec3f& x : world.positions(body)) surface.emplace_back(x);

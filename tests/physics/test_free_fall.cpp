@@ -26,7 +26,7 @@ Fall fall(Form form, int steps, double h, Curves& curves) {
     world.step(h);
     const double v = -g * n * h;
     const double x = -g * h * h * n * (n + 1) / 2;
-    const double x_error = std::fabs(world.centre_of_mass(stone).y - x) / std::fabs(x);
+    const double x_error = std::fabs(world.center_of_mass(stone).y - x) / std::fabs(x);
     const double v_error = std::fabs(world.momentum(stone).y - v) / std::fabs(v);
     result.x_error = std::max(result.x_error, x_error);
     result.v_error = std::max(result.v_error, v_error);

@@ -18,7 +18,7 @@ void add_rigid_sheet(World& world, ObjectId cloth, int n) {
     links->add({world.particle(cloth, a), world.particle(cloth, b)},
                {static_cast<float>(length(rest[a] - rest[b]))});
   };
-  // Kind after kind, so that the greedy colours follow: two colours of each.
+  // Kind after kind, so that the greedy colors follow: two colors of each.
   for (int r = 0; r < n; ++r)
     for (int c = 0; c + 1 < n; ++c) link(at(r, c), at(r, c + 1));
   for (int r = 0; r + 1 < n; ++r)

@@ -38,8 +38,8 @@ struct Particle {
     world.add_force_field(
         [stiffness](const Vec3f& x, const Vec3f&, float, double) { return x * -stiffness; });
   }
-  double x() const { return world.centre_of_mass(id).x; }
-  double y() const { return world.centre_of_mass(id).y; }
+  double x() const { return world.center_of_mass(id).x; }
+  double y() const { return world.center_of_mass(id).y; }
   double v() const { return world.momentum(id).x / world.total_mass(id); }
 };
 

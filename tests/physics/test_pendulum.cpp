@@ -120,7 +120,7 @@ TEST(Pendulum, SwingsFarFromTheOrigin) {
   double lowest = 1, highest = -1;
   for (int frame = 1; frame < 130; ++frame) {
     world.step(T / 120);
-    const double x = world.centre_of_mass(bob).x * 2 - 20;
+    const double x = world.center_of_mass(bob).x * 2 - 20;
     lowest = std::min(lowest, x);
     if (frame > 90) highest = std::max(highest, x);
     curves.add("theory: elliptic integral", frame * T / 120, 1000 * elliptic_angle(0.01, 1, frame * T / 120));

@@ -114,7 +114,7 @@ Load carry(const Settings& settings, Curves& curves, const std::string& series) 
   Load result;
   for (int frame = 1; frame <= 600; ++frame) {
     if (!world.step(1.0 / 60).ok()) return {std::nan(""), std::nan(""), std::nan("")};
-    const double elongation = -world.centre_of_mass(weight).y / 1.05 - 1;
+    const double elongation = -world.center_of_mass(weight).y / 1.05 - 1;
     result.largest = std::max(result.largest, elongation);
     if (frame > 540) result.elongation += elongation / 60;
     if (frame <= 240) curves.add(series, frame / 60.0, 100 * elongation);

@@ -11,13 +11,13 @@ namespace {
 
 // The angular velocity about z that fits best: sum m (r x v) / sum m r^2.
 double spin_of(const World& world, ObjectId body) {
-  const Vec3d centre = world.centre_of_mass(body);
+  const Vec3d center = world.center_of_mass(body);
   const auto x = world.positions(body), v = world.velocities(body);
   Vec3d mean;
   for (const Vec3f& velocity : v) mean += Vec3d(velocity) / static_cast<double>(v.size());
   double momentum = 0, inertia = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3d r = Vec3d(x[i]) - centre, u = Vec3d(v[i]) - mean;
+    const Vec3d r = Vec3d(x[i]) - center, u = Vec3d(v[i]) - mean;
     momentum += r.x * u.y - r.y * u.x;
     inertia += r.x * r.x + r.y * r.y;
   }
@@ -53,7 +53,7 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
         const Vec3d velocity = form == Form::plain ? Vec3d{} : Vec3d{0.6, 0.8, 0};
         World world({.substeps = substeps, .form = form, .gravity = {}});
         const ObjectId body = add_body(world, kind, Vec3f(velocity));
-        const Vec3d start = world.centre_of_mass(body);
+        const Vec3d start = world.center_of_mass(body);
         const double h = 1.0 / 60 / substeps;
         const std::string at = std::string(kind == Body::links ? "rigid links, " : "shape matching, ") +
                                form_name(form) + ", " + std::to_string(substeps) + " substeps";
@@ -64,13 +64,13 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
           const double law = 2 * pi / std::sqrt(1 + 8 * pi * pi * h * t);
           const double spin = spin_of(world, body);
           worst = std::max(worst, std::fabs(spin / law - 1));
-          astray = std::max(astray, length(world.centre_of_mass(body) - start - velocity * t));
+          astray = std::max(astray, length(world.center_of_mass(body) - start - velocity * t));
           if (form == Form::plain || frame % 10 != 0) continue;
           curves.add(at, t, spin);
           if (kind == Body::links) curves.add("theory: " + std::to_string(substeps) + " substeps", t, law);
         }
         validate_below(name, at + ": error of the law", worst, 0.02);
-        const std::string line = at + ": centre of mass off its line [m]";
+        const std::string line = at + ": center of mass off its line [m]";
         if (form == Form::displacement) validate_below(name, line, astray, 1e-3);
         if (form == Form::plain) state(name, line, astray);
       }

@@ -12,7 +12,7 @@ double slope_of_pile(float mu) {
   constexpr double radius = 0.01;
   World world({.iterations = 2});
   world.add_collider(Plane{}, {.friction = 1});
-  std::vector<Vec3d> centres;
+  std::vector<Vec3d> centers;
   std::uint32_t state = 1;
   const auto noise = [&] {
     state = state * 1664525u + 1013904223u;
@@ -24,9 +24,9 @@ double slope_of_pile(float mu) {
     for (int y = -7; y <= 7; ++y)
       for (int z = -7; z <= 7; ++z)
         if (x * x + y * y + z * z <= 30)
-          centres.push_back(rotate(tilt, Vec3d{2.35 * radius * x + noise(), 2.35 * radius * y + noise(),
+          centers.push_back(rotate(tilt, Vec3d{2.35 * radius * x + noise(), 2.35 * radius * y + noise(),
                                                2.35 * radius * z + noise()}));
-  const ObjectId grains = world.add_grains(centres, {.radius = float(radius), .friction = mu},
+  const ObjectId grains = world.add_grains(centers, {.radius = float(radius), .friction = mu},
                                            {.transform = {.translation = {0, 0.18, 0}}});
   EXPECT_TRUE(run(world, 240, 1.0 / 60));
   EXPECT_LT(world.kinetic_energy(grains) / world.total_mass(grains), 5e-4) << "friction " << mu;

@@ -69,7 +69,7 @@ inline void state(const std::string& name, const std::string& quantity, double m
 /// The curves of one case's plot. When the environment variable SOUPLE_VALIDATION_DIR names a folder, they
 /// are appended to a CSV file there, named after the case, so that several tests can share a plot: three
 /// comment lines (case, labels of the axes; "(log)" in a label makes the axis logarithmic), then
-/// `series,x,y`. A series whose name begins with "theory" is drawn as a broad grey line, with "bound" dashed,
+/// `series,x,y`. A series whose name begins with "theory" is drawn as a broad gray line, with "bound" dashed,
 /// with "experiment" as dots, the others as thin lines with hollow points. Where every series has one point
 /// only, they are bars.
 class Curves {

@@ -29,7 +29,7 @@ struct Triangles {
   std::vector<Vector3> vertices;
   std::vector<Ra::Core::Vector3ui> indices;
 };
-/// A square sheet of 2 * cells * cells triangles, seen from above, centred in the XZ plane; as importers hand
+/// A square sheet of 2 * cells * cells triangles, seen from above, centered in the XZ plane; as importers hand
 /// meshes out: each corner a vertex of its own.
 Triangles sheet(int cells, float size);
 /// A closed box, each corner of each triangle a vertex of its own.

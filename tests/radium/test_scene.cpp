@@ -42,7 +42,7 @@ TEST_F(Scene, ItsObjectsAndCollidersAreEntities) {
   EXPECT_NEAR(bounding_box(shown("table")).max().y(), 0.6f, 1e-5f);
 }
 
-TEST_F(Scene, ItsColoursAreLinearLight) {
+TEST_F(Scene, ItsColorsAreLinearLight) {
   system->open_scene(scenes + "everything_together.json");
   const auto object = engine->getRenderObjectManager()->getRenderObject(shown("duck"));
   const auto* material = dynamic_cast<Ra::Engine::Data::BlinnPhongMaterial*>(object->getMaterial().get());
@@ -51,18 +51,18 @@ TEST_F(Scene, ItsColoursAreLinearLight) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(material->m_kd[i], linear[i], 0.001f);
 }
 
-/// Splats are discs without shading: of one colour they would be a blot.
-TEST_F(Scene, NeighbouringGrainsDifferInColour) {
+/// Splats are discs without shading: of one color they would be a blot.
+TEST_F(Scene, NeighboringGrainsDifferInColor) {
   system->open_scene(scenes + "sand_pile.json");
   const auto object = engine->getRenderObjectManager()->getRenderObject(shown("sand"));
   auto* displayed = dynamic_cast<Ra::Engine::Data::AttribArrayDisplayable*>(object->getMesh().get());
   const auto name = Ra::Core::Geometry::getAttribName(Ra::Core::Geometry::MeshAttrib::VERTEX_COLOR);
   const auto& geometry = displayed->getAttribArrayGeometry();
-  const auto& colours = geometry.getAttrib(geometry.getAttribHandle<Ra::Core::Vector4>(name)).data();
-  ASSERT_EQ(colours.size(), 1331u);
+  const auto& colors = geometry.getAttrib(geometry.getAttribHandle<Ra::Core::Vector4>(name)).data();
+  ASSERT_EQ(colors.size(), 1331u);
   int other = 0;
-  for (std::size_t i = 1; i < colours.size(); ++i)
-    other += std::abs(colours[i].x() - colours[i - 1].x()) > 0.02f ? 1 : 0;
+  for (std::size_t i = 1; i < colors.size(); ++i)
+    other += std::abs(colors[i].x() - colors[i - 1].x()) > 0.02f ? 1 : 0;
   EXPECT_GT(other, 1000);
   const auto* material = dynamic_cast<Ra::Engine::Data::BlinnPhongMaterial*>(object->getMaterial().get());
   EXPECT_TRUE(material->m_perVertexColor);

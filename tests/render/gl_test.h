@@ -24,7 +24,7 @@ class GlTest : public ::testing::Test {
   void TearDown() override { EXPECT_NO_THROW(throw_gl_errors()); }
 
   static Renderer& renderer() { return *renderer_; }
-  /// One sample through each pixel's centre, nothing but light from sun and sky.
+  /// One sample through each pixel's center, nothing but light from sun and sky.
   static RenderOptions plain() { return {.shadows = false, .ambient_occlusion = false, .samples = 1}; }
   static DrawList without_ground() {
     DrawList list;

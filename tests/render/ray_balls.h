@@ -14,7 +14,7 @@
 namespace souple::render {
 
 struct Ball {
-  Vec3d centre;
+  Vec3d center;
   double radius = 0;
 };
 
@@ -36,9 +36,9 @@ inline BallHit cast(std::span<const Ball> balls, const Camera& camera, double x,
   BallHit best;
   double least = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < balls.size(); ++i) {
-    const Vec3d to_centre = balls[i].centre - Vec3d(camera.from);
-    const double foot = dot(to_centre, direction);
-    const double off = length_squared(to_centre - direction * foot);
+    const Vec3d to_center = balls[i].center - Vec3d(camera.from);
+    const double foot = dot(to_center, direction);
+    const double off = length_squared(to_center - direction * foot);
     const double square = balls[i].radius * balls[i].radius - off;
     if (square < 0) continue;
     const double t = foot - std::sqrt(square);
@@ -49,7 +49,7 @@ inline BallHit cast(std::span<const Ball> balls, const Camera& camera, double x,
   return best;
 }
 
-/// The ball that fills a pixel and all within `reach` pixels of its centre, or -1 for none; nothing where
+/// The ball that fills a pixel and all within `reach` pixels of its center, or -1 for none; nothing where
 /// they differ.
 inline std::optional<int> sure(std::span<const Ball> balls, const Camera& camera, int x, int y, int width,
                                int height, double reach) {

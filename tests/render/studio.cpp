@@ -12,17 +12,17 @@ ObjectOptions placed(const Vec3d& at) {
 
 // 6 x 6 x 5 grains, each layer a little beside the one below.
 std::vector<Vec3d> heap() {
-  std::vector<Vec3d> centres;
-  centres.reserve(180);
+  std::vector<Vec3d> centers;
+  centers.reserve(180);
   for (int layer = 0; layer < 5; ++layer) {
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column < 6; ++column) {
-        centres.emplace_back(-1.05 + 0.071 * column + 0.004 * layer, 0.05 + 0.071 * layer,
+        centers.emplace_back(-1.05 + 0.071 * column + 0.004 * layer, 0.05 + 0.071 * layer,
                              0.45 + 0.071 * row);
       }
     }
   }
-  return centres;
+  return centers;
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ DrawList Studio::list() const {
   cloth.normals = world_.normals(cloth_);
   cloth.triangles = world_.triangles(cloth_);
   cloth.texture = cloth_rest_;
-  cloth.look.colour = srgb(0xd9483b);
+  cloth.look.color = srgb(0xd9483b);
   cloth.look.second = srgb(0xf1e3d3);
   cloth.look.checker_size = 0.1f;
   cloth.look.roughness = 0.8f;
@@ -65,15 +65,15 @@ DrawList Studio::list() const {
   ring.positions = world_.positions(ring_);
   ring.normals = world_.normals(ring_);
   ring.triangles = world_.triangles(ring_);
-  ring.look.colour = srgb(0x4fae7a);
+  ring.look.color = srgb(0x4fae7a);
   ring.look.roughness = 0.35f;
   list.surfaces.push_back(ring);
   Spheres grains;
   grains.key = 6;
   grains.pick = 6;
-  grains.centres = world_.positions(grains_);
+  grains.centers = world_.positions(grains_);
   grains.radius = 0.035f;
-  grains.look.colour = srgb(0xd8b365);
+  grains.look.color = srgb(0xd8b365);
   list.spheres.push_back(grains);
   return list;
 }

@@ -17,14 +17,14 @@ class Solid {
     for (std::size_t i = 0; i < positions_.size(); ++i) normals_.push_back(normalized(positions_[i]));
   }
   /// `smooth`: normals away from the origin, as a ball has them.
-  Surface surface(std::uint64_t key, bool smooth, const Vec3d& at, const Colour& colour) const {
+  Surface surface(std::uint64_t key, bool smooth, const Vec3d& at, const Color& color) const {
     Surface s;
     s.key = key;
     s.positions = positions_;
     if (smooth) s.normals = normals_;
     s.triangles = triangles_;
     s.pose.translation = at;
-    s.look.colour = s.look.second = colour;
+    s.look.color = s.look.second = color;
     s.pick = std::uint32_t(key);
     return s;
   }

@@ -208,7 +208,7 @@ TEST(Camera, NearAndFarEncloseASceneTheEyeIsIn) {
   const Vec4 wall = m * Vec4{0, 0, -5, 1}, nose = m * Vec4{0, 0, -0.01f, 1};
   EXPECT_LT(wall.z, wall.w);
   EXPECT_GT(nose.z, -nose.w);
-  // A 24 bit buffer tells millimetres apart at the wall.
+  // A 24 bit buffer tells millimeters apart at the wall.
   const Vec4 before = m * Vec4{0, 0, -4.999f, 1};
   EXPECT_GT((wall.z / wall.w - before.z / before.w) / 2 * 16777216, 1);
 }
@@ -221,7 +221,7 @@ TEST(Bounds, AreEmptyUntilSomethingIsIn) {
   EXPECT_TRUE(bounds.empty());
   bounds.add({1, 2, 3}, 0.5f);
   EXPECT_FALSE(bounds.empty());
-  EXPECT_EQ(bounds.centre(), (Vec3f{1, 2, 3}));
+  EXPECT_EQ(bounds.center(), (Vec3f{1, 2, 3}));
   EXPECT_NEAR(bounds.radius(), 0.5 * std::sqrt(3.0), 1e-6);
 }
 

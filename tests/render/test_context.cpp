@@ -48,7 +48,7 @@ TEST(Context, NamesAShaderThatIsMissing) {
 TEST(Context, NamesAShaderThatDoesNotCompile) {
   const OffscreenContext context;
   try {
-    const gl::Program program("screen.vert.glsl", "resolve.frag.glsl", {"colour_map"});  // 1 is no name
+    const gl::Program program("screen.vert.glsl", "resolve.frag.glsl", {"color_map"});  // 1 is no name
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("resolve.frag.glsl"), std::string::npos) << error.what();
@@ -59,9 +59,9 @@ TEST(Context, NamesAShaderThatDoesNotCompile) {
 std::string picture_hash() {
   const OffscreenContext context;
   Renderer renderer;
-  const std::vector<Vec3f> centres{{0, 0.5f, 0}, {0.6f, 0.3f, 0.2f}};
+  const std::vector<Vec3f> centers{{0, 0.5f, 0}, {0.6f, 0.3f, 0.2f}};
   DrawList list;
-  list.spheres.emplace_back().centres = centres;
+  list.spheres.emplace_back().centers = centers;
   list.spheres.back().radius = 0.3f;
   std::uint32_t hash = 0;
   for (const std::uint8_t byte : renderer.picture(list, Camera{}, {.samples = 3}, 64, 48).pixels) {

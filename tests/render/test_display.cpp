@@ -1,7 +1,7 @@
 #include "../expect_error.h"
 #include "render/constraint_lines.h"
 #include "render/display.h"
-#include "render/vertex_colours.h"
+#include "render/vertex_colors.h"
 #include "souple/geometry/builders.h"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ void expect_sound(const DrawList& list, const std::string& where) {
   for (const Surface& s : list.surfaces) {
     EXPECT_TRUE(s.normals.empty() || s.normals.size() == s.positions.size()) << where;
     EXPECT_TRUE(s.texture.empty() || s.texture.size() == s.positions.size()) << where;
-    EXPECT_TRUE(s.colours.empty() || s.colours.size() == s.positions.size()) << where;
+    EXPECT_TRUE(s.colors.empty() || s.colors.size() == s.positions.size()) << where;
     EXPECT_FALSE(s.triangles.empty()) << where;
     EXPECT_NE(s.key, 0u) << where;
     for (const Vec3f& x : s.positions) EXPECT_TRUE(is_finite(x)) << where;
@@ -72,9 +72,9 @@ void expect_sound(const DrawList& list, const std::string& where) {
     EXPECT_GT(s.look.roughness, 0) << where;
   }
   for (const Spheres& s : list.spheres) {
-    EXPECT_TRUE(s.radii.empty() || s.radii.size() == s.centres.size()) << where;
-    EXPECT_TRUE(s.colours.empty() || s.colours.size() == s.centres.size()) << where;
-    for (const Vec3f& x : s.centres) EXPECT_TRUE(is_finite(x)) << where;
+    EXPECT_TRUE(s.radii.empty() || s.radii.size() == s.centers.size()) << where;
+    EXPECT_TRUE(s.colors.empty() || s.colors.size() == s.centers.size()) << where;
+    for (const Vec3f& x : s.centers) EXPECT_TRUE(is_finite(x)) << where;
     for (const float r : s.radii) EXPECT_GT(r, 0) << where;
     EXPECT_GT(s.radius, 0) << where;
   }
@@ -172,20 +172,20 @@ TEST(Display, TheSameStateGivesTheSameList) {
       ASSERT_EQ(x.surfaces.size(), y.surfaces.size());
       for (std::size_t s = 0; s < x.surfaces.size(); ++s) {
         EXPECT_TRUE(same(x.surfaces[s].positions, y.surfaces[s].positions));
-        EXPECT_TRUE(same(x.surfaces[s].colours, y.surfaces[s].colours));
+        EXPECT_TRUE(same(x.surfaces[s].colors, y.surfaces[s].colors));
         EXPECT_TRUE(same(x.surfaces[s].texture, y.surfaces[s].texture));
-        EXPECT_EQ(x.surfaces[s].look.colour, y.surfaces[s].look.colour);
+        EXPECT_EQ(x.surfaces[s].look.color, y.surfaces[s].look.color);
         EXPECT_NE(x.surfaces[s].key, y.surfaces[s].key);  // two drawings may share a renderer
       }
       ASSERT_EQ(x.spheres.size(), y.spheres.size());
       for (std::size_t s = 0; s < x.spheres.size(); ++s) {
-        EXPECT_TRUE(same(x.spheres[s].centres, y.spheres[s].centres));
-        EXPECT_TRUE(same(x.spheres[s].colours, y.spheres[s].colours));
+        EXPECT_TRUE(same(x.spheres[s].centers, y.spheres[s].centers));
+        EXPECT_TRUE(same(x.spheres[s].colors, y.spheres[s].colors));
       }
       ASSERT_EQ(x.top_lines.size(), y.top_lines.size());
       for (std::size_t l = 0; l < x.top_lines.size(); ++l) {
         EXPECT_EQ(x.top_lines[l].a, y.top_lines[l].a);
-        EXPECT_EQ(x.top_lines[l].colour, y.top_lines[l].colour);
+        EXPECT_EQ(x.top_lines[l].color, y.top_lines[l].color);
       }
       ASSERT_EQ(x.labels.size(), y.labels.size());
       for (std::size_t l = 0; l < x.labels.size(); ++l) EXPECT_EQ(x.labels[l].text, y.labels[l].text);
@@ -211,7 +211,7 @@ TEST(Display, VersionsChangeWhenAndOnlyWhenSomethingDid) {
   EXPECT_EQ(after[0][1], before[0][1]);              // the same triangles
   EXPECT_NE(after[0][2], before[0][2]);              // moved
   EXPECT_EQ(after[bodies - 1], before[bodies - 1]);  // a collider, after the four with surfaces
-  EXPECT_NE(look({.display = Display::speed})[0][2], after[0][2]);  // other colours
+  EXPECT_NE(look({.display = Display::speed})[0][2], after[0][2]);  // other colors
   const auto paused = look(shaded);
   std::vector<Vec3f> moved(all.world.positions(all.cloth).begin(), all.world.positions(all.cloth).end());
   moved[3].y += 0.1f;
@@ -223,14 +223,14 @@ TEST(Display, ObjectsAndCollidersComeAndGo) {
   Everything all;
   SubjectDrawing drawing;
   const DrawList& list = drawing.update(subject_of(all.world), {});
-  const Colour lump = surface_of(list, 2)->look.colour;
+  const Color lump = surface_of(list, 2)->look.color;
   const std::uint64_t key = surface_of(list, 2)->key;
   all.world.remove(all.cloth);
   all.world.remove(all.floor);
   drawing.update(subject_of(all.world), {});
   expect_sound(list, "removed");
   EXPECT_FALSE(list.ground.shown);
-  EXPECT_EQ(surface_of(list, 1)->look.colour, lump);  // it moved up in the order and kept its looks
+  EXPECT_EQ(surface_of(list, 1)->look.color, lump);  // it moved up in the order and kept its looks
   EXPECT_EQ(surface_of(list, 1)->key, key);
   const ObjectId added = all.world.add_cloth(grid(5, 5, 0.5));
   drawing.update(subject_of(all.world), {});
@@ -260,17 +260,17 @@ TEST(Display, StretchedClothIsHotAndClothAtRestIsCold) {
   SubjectDrawing drawing;
   const DisplayOptions options{.display = Display::strain, .largest_strain = 0.1f};
   const DrawList& list = drawing.update(subject_of(world), options);
-  for (const PackedColour c : list.surfaces[0].colours) EXPECT_EQ(c, pack(heat(0)));
+  for (const PackedColor c : list.surfaces[0].colors) EXPECT_EQ(c, pack(heat(0)));
   std::vector<Vec3f> x(world.positions(cloth).begin(), world.positions(cloth).end());
   for (Vec3f& p : x) p.x *= 1.1001f;
   world.set_positions(cloth, x);
   drawing.update(subject_of(world), options);
-  for (const PackedColour c : list.surfaces[0].colours) EXPECT_EQ(c, pack(heat(1)));
+  for (const PackedColor c : list.surfaces[0].colors) EXPECT_EQ(c, pack(heat(1)));
   EXPECT_TRUE(legend_names(list, "10 %"));
   for (Vec3f& p : x) p.x *= 0.5f;  // compressed
   world.set_positions(cloth, x);
   drawing.update(subject_of(world), options);
-  for (const PackedColour c : list.surfaces[0].colours) EXPECT_EQ(c, pack(heat(0)));
+  for (const PackedColor c : list.surfaces[0].colors) EXPECT_EQ(c, pack(heat(0)));
 }
 
 TEST(Display, AStretchedRopeIsHotWhereItIsStretched) {
@@ -289,10 +289,10 @@ TEST(Display, AStretchedRopeIsHotWhereItIsStretched) {
     const float at = tube.positions[v].x;
     const float away = std::min(std::abs(at - 0.46f), std::abs(at - 0.78f));
     if (away < 0.05f) {
-      EXPECT_EQ(tube.colours[v], pack(heat(1))) << point;
+      EXPECT_EQ(tube.colors[v], pack(heat(1))) << point;
     }
     if (away > 0.2f) {
-      EXPECT_EQ(tube.colours[v], pack(heat(0))) << point;
+      EXPECT_EQ(tube.colors[v], pack(heat(0))) << point;
     }
   }
 }
@@ -304,17 +304,17 @@ TEST(Display, SpeedIsShownOnItsScale) {
   SubjectDrawing drawing;
   const DrawList& list = drawing.update(subject_of(world), {.display = Display::speed, .largest_speed = 3});
   const HeatScale scale;
-  for (const PackedColour c : list.surfaces.at(0).colours) EXPECT_EQ(c, scale(0.5f));
-  EXPECT_EQ(list.spheres.at(0).colours[0], scale(1));
+  for (const PackedColor c : list.surfaces.at(0).colors) EXPECT_EQ(c, scale(0.5f));
+  EXPECT_EQ(list.spheres.at(0).colors[0], scale(1));
   EXPECT_TRUE(legend_names(list, "3 m/s"));
 }
 
-TEST(Display, NormalsAreColoursAndLines) {
+TEST(Display, NormalsAreColorsAndLines) {
   World world;
   world.add_cloth(grid(4, 4, 1.0));
   SubjectDrawing drawing;
   const DrawList& list = drawing.update(subject_of(world), {.display = Display::normals});
-  for (const PackedColour c : list.surfaces.at(0).colours) {
+  for (const PackedColor c : list.surfaces.at(0).colors) {
     EXPECT_NEAR(static_cast<int>(c & 0xff), 127, 1);
     EXPECT_EQ(c >> 8 & 0xff, 255u);  // +y
     EXPECT_NEAR(static_cast<int>(c >> 16 & 0xff), 127, 1);
@@ -380,7 +380,7 @@ TEST(Display, ParticlesAreTheWorlds) {
   SubjectDrawing drawing;
   const DrawList& list = drawing.update(subject, {.display = Display::particles, .pins = false});
   std::size_t drawn = 0, known = 0;
-  for (const Spheres& s : list.spheres) drawn += s.centres.size();
+  for (const Spheres& s : list.spheres) drawn += s.centers.size();
   DebugDraw count;
   count.particle = [&](const DebugParticle&) { ++known; };
   all.world.debug_draw(count);
@@ -389,8 +389,8 @@ TEST(Display, ParticlesAreTheWorlds) {
   for (std::size_t i = 0; i < list.surfaces.size(); ++i) EXPECT_GT(list.surfaces[i].pick, bodies);
   // A particle of the cloth is found again as the vertex that lies on it.
   const Spheres* cloth = spheres_of(list, 1);
-  for (std::uint32_t i = 0; i < cloth->centres.size(); ++i)
-    EXPECT_EQ(subject.bodies[0].positions[drawing.vertex_of(subject, 1, i)], cloth->centres[i]);
+  for (std::uint32_t i = 0; i < cloth->centers.size(); ++i)
+    EXPECT_EQ(subject.bodies[0].positions[drawing.vertex_of(subject, 1, i)], cloth->centers[i]);
 }
 
 TEST(Display, TheLatticeShowsEveryTetEdge) {
@@ -425,9 +425,9 @@ TEST(Display, PinnedVerticesHaveBallsThatCannotBePicked) {
   const DrawList& list = drawing.update(subject_of(all.world), {});
   const Spheres* pins = spheres_of(list, 0);
   ASSERT_NE(pins, nullptr);
-  ASSERT_EQ(pins->centres.size(), 3u);
-  EXPECT_EQ(pins->centres[0], all.world.positions(all.cloth)[0]);
-  EXPECT_EQ(pins->centres[2], all.world.positions(all.rope)[0]);
+  ASSERT_EQ(pins->centers.size(), 3u);
+  EXPECT_EQ(pins->centers[0], all.world.positions(all.cloth)[0]);
+  EXPECT_EQ(pins->centers[2], all.world.positions(all.rope)[0]);
   drawing.update(subject_of(all.world), {.pins = false});
   EXPECT_EQ(spheres_of(list, 0), nullptr);
 }
@@ -442,14 +442,14 @@ TEST(Display, TheLegendNamesEveryKindOfConstraint) {
   draw.constraint = [&](const DebugConstraint& c) { kinds.emplace(c.kind); };
   all.world.debug_draw(draw);
   EXPECT_GE(kinds.size(), 6u);
-  std::set<PackedColour> colours, in_use;
+  std::set<PackedColor> colors, in_use;
   for (const std::string& kind : kinds) {
     EXPECT_TRUE(legend_names(list, kind)) << kind;
-    colours.insert(kind_colour(kind));
+    colors.insert(kind_color(kind));
   }
-  EXPECT_EQ(colours.size(), kinds.size());                                           // told apart
-  for (const Line& line : list.top_lines) in_use.insert(line.colour | 0xff000000u);  // tethers are faint
-  EXPECT_EQ(in_use, colours);
+  EXPECT_EQ(colors.size(), kinds.size());                                           // told apart
+  for (const Line& line : list.top_lines) in_use.insert(line.color | 0xff000000u);  // tethers are faint
+  EXPECT_EQ(in_use, colors);
 }
 
 TEST(Display, StrainOfConstraintsIsShownWhereThereIsOne) {
@@ -464,7 +464,7 @@ TEST(Display, StrainOfConstraintsIsShownWhereThereIsOne) {
   EXPECT_EQ(list.top_lines.size(), 3u * 3 + 4 * 2 + 6);
   const HeatScale scale;
   for (const Line& line : list.top_lines)
-    EXPECT_TRUE(line.colour == scale(0.5f) || line.colour == scale(0.498f) || line.colour == scale(0.502f));
+    EXPECT_TRUE(line.color == scale(0.5f) || line.color == scale(0.498f) || line.color == scale(0.502f));
   EXPECT_TRUE(legend_names(list, "distance"));
   EXPECT_FALSE(legend_names(list, "bending"));
 }
@@ -553,12 +553,12 @@ struct Fluids {
     world.add_collider(Plane{});
     float x = 0;
     for (const float density : {998.0f, 920.0f, 1420.0f}) {
-      std::vector<Vec3d> centres;
-      centres.reserve(64);
+      std::vector<Vec3d> centers;
+      centers.reserve(64);
       for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)
-          for (int k = 0; k < 4; ++k) centres.emplace_back(double(x) + 0.02 * i, 0.01 + 0.02 * j, 0.02 * k);
-      pools.push_back(world.add_fluid(centres, {.spacing = 0.02f, .density = density}));
+          for (int k = 0; k < 4; ++k) centers.emplace_back(double(x) + 0.02 * i, 0.01 + 0.02 * j, 0.02 * k);
+      pools.push_back(world.add_fluid(centers, {.spacing = 0.02f, .density = density}));
       x += 1;
     }
   }
@@ -577,7 +577,7 @@ TEST(Display, FluidsAreLiquidsWhereNothingIsMeasured) {
     EXPECT_EQ(list.liquids.size(), by_particles ? 0u : 3u) << display_name(display);
     for (const Liquid& liquid : list.liquids) {
       const Body& body = subject.bodies[liquid.pick - 1];
-      EXPECT_TRUE(same(liquid.centres, body.positions));
+      EXPECT_TRUE(same(liquid.centers, body.positions));
       EXPECT_FLOAT_EQ(liquid.spacing, 0.02f);
       EXPECT_EQ(drawing.vertex_of(subject, liquid.pick, 7), 7u);
     }
@@ -598,8 +598,8 @@ TEST(Display, LiquidsAreEllipsoidsWhereTheseAreAskedFor) {
   EXPECT_TRUE(spheres.ellipsoids.empty());
   ASSERT_EQ(ellipsoids.ellipsoids.size(), subject.bodies[0].positions.size());
   EXPECT_NE(ellipsoids.version, spheres.version);
-  for (std::size_t i = 0; i < ellipsoids.centres.size(); ++i)
-    EXPECT_LT(length(ellipsoids.centres[i] - spheres.centres[i]), 0.02f);
+  for (std::size_t i = 0; i < ellipsoids.centers.size(); ++i)
+    EXPECT_LT(length(ellipsoids.centers[i] - spheres.centers[i]), 0.02f);
   EXPECT_EQ(first(SplatShape::ellipsoids).version, ellipsoids.version) << "nothing has changed";
   EXPECT_TRUE(first(SplatShape::spheres).ellipsoids.empty());
 }
@@ -623,7 +623,7 @@ TEST(Display, MeshesOfFluidsAreSurfaces) {
   EXPECT_EQ(list.surfaces[0].triangles.size(), mesh.triangles.size());
 }
 
-TEST(Display, LiquidsHaveTheColourOfTheirMaterialOrTheirOwn) {
+TEST(Display, LiquidsHaveTheColorOfTheirMaterialOrTheirOwn) {
   Fluids fluids;
   Subject subject = subject_of(fluids.world);
   SubjectDrawing drawing;
@@ -633,7 +633,7 @@ TEST(Display, LiquidsHaveTheColourOfTheirMaterialOrTheirOwn) {
   EXPECT_GT(look(1).absorption.z, 2 * look(1).absorption.x);
   EXPECT_GT(look(2).absorption.y, 1.5f * look(1).absorption.y);
   EXPECT_FLOAT_EQ(look(0).refractive_index, 1.333f);
-  subject.bodies[1].colour = srgb(0xff0000);
+  subject.bodies[1].color = srgb(0xff0000);
   EXPECT_EQ(look(1).absorption.x, 0);
   EXPECT_GT(look(1).absorption.y, 10 * look(2).absorption.x);
 }
@@ -646,7 +646,7 @@ TEST(Display, FoamIsDrawnWithItsLiquid) {
   SubjectDrawing drawing;
   const DrawList& list = drawing.update(subject, {});
   ASSERT_EQ(list.foams.size(), 1u);
-  EXPECT_TRUE(same(list.foams[0].centres, std::span<const Vec3f>(bubbles)));
+  EXPECT_TRUE(same(list.foams[0].centers, std::span<const Vec3f>(bubbles)));
   EXPECT_TRUE(drawing.update(subject, {.display = Display::speed}).foams.empty());
 }
 

@@ -84,16 +84,16 @@ std::string bytes_of(const fs::path& file) {
   return text.str();
 }
 
-/// Four fields of one colour each, which change places with every step.
+/// Four fields of one color each, which change places with every step.
 Image fields(int width, int height, int step) {
-  constexpr std::array<std::array<std::uint8_t, 3>, 4> colours{
+  constexpr std::array<std::array<std::uint8_t, 3>, 4> colors{
       {{200, 30, 40}, {40, 160, 60}, {30, 60, 190}, {230, 220, 210}}};
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const auto field = static_cast<std::size_t>(2 * (2 * y / height) + 2 * x / width + step) % 4;
       std::uint8_t* const pixel = image.at(x, y);
-      for (std::size_t i = 0; i < 3; ++i) pixel[i] = colours[field][i];
+      for (std::size_t i = 0; i < 3; ++i) pixel[i] = colors[field][i];
       pixel[3] = 255;
     }
   }
@@ -124,7 +124,7 @@ int worst_in_fields(const std::uint8_t* pixels, int width, const Image& expected
   return worst;
 }
 
-TEST_F(Films, Mp4HasEveryPictureInItsColours) {
+TEST_F(Films, Mp4HasEveryPictureInItsColors) {
   NEEDS_FFMPEG;
   make_film(folder_ / "a.mp4", 24, 10);
   EXPECT_EQ(probe(folder_ / "a.mp4"), "64,48,24/1,10\n");
@@ -149,7 +149,7 @@ TEST_F(Films, Mp4OfOddSizesRepeatsTheEdge) {
   EXPECT_EQ(probe(folder_ / "dot.mp4"), "2,2,30/1,2\n");
 }
 
-TEST_F(Films, GifShowsTheVeryColours) {
+TEST_F(Films, GifShowsTheVeryColors) {
   NEEDS_FFMPEG;
   make_film(folder_ / "a.gif", 25, 8, 63, 47);
   EXPECT_EQ(probe(folder_ / "a.gif"), "63,47,25/1,8\n");

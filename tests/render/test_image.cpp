@@ -1,4 +1,4 @@
-#include "render/colour.h"
+#include "render/color.h"
 #include "render/contact_sheet.h"
 #include "render/image.h"
 #include "souple/error.h"
@@ -42,11 +42,11 @@ Image sample_picture(int width, int height) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const float u = (float(x) + 0.5f) / float(width), v = (float(y) + 0.5f) / float(height);
-      Colour colour{0.5f + 0.3f * v, 0.6f + 0.2f * v, 0.9f - 0.2f * u};
+      Color color{0.5f + 0.3f * v, 0.6f + 0.2f * v, 0.9f - 0.2f * u};
       const float dx = (u - 0.5f) * float(width) / float(height), dy = v - 0.5f;
       const float inside = 0.09f - dx * dx - dy * dy;
-      if (inside > 0) colour = {0.8f * std::sqrt(inside) / 0.3f, 0.2f, 0.1f + u * 0.2f};
-      const PackedColour packed = pack(colour);
+      if (inside > 0) color = {0.8f * std::sqrt(inside) / 0.3f, 0.2f, 0.1f + u * 0.2f};
+      const PackedColor packed = pack(color);
       for (int c = 0; c < 4; ++c) image.at(x, y)[c] = std::uint8_t(packed >> (8 * c));
     }
   }
@@ -67,30 +67,30 @@ std::string message_of(const std::function<void()>& action) {
   return {};
 }
 
-float luminance(const Colour& c) {
+float luminance(const Color& c) {
   return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;
 }
 
 }  // namespace
 
-TEST(Colour, PackedIsWhatADesignerWrote) {
+TEST(Color, PackedIsWhatADesignerWrote) {
   for (const std::uint32_t hex : {0x000000u, 0xffffffu, 0x123456u, 0x0a0b0cu, 0xc8c8c8u, 0xff7f01u}) {
-    const PackedColour packed = pack(srgb(hex, 0.5f));
+    const PackedColor packed = pack(srgb(hex, 0.5f));
     EXPECT_EQ((packed & 0xff) << 16 | (packed & 0xff00) | (packed >> 16 & 0xff), hex);
     EXPECT_EQ(packed >> 24, 128u);
   }
-  for (std::uint32_t grey = 0; grey < 256; ++grey) {
-    EXPECT_EQ(pack(srgb(grey * 0x10101)) & 0xffffff, grey * 0x10101);
+  for (std::uint32_t gray = 0; gray < 256; ++gray) {
+    EXPECT_EQ(pack(srgb(gray * 0x10101)) & 0xffffff, gray * 0x10101);
   }
 }
 
-TEST(Colour, LinearLightFollowsTheStandard) {
+TEST(Color, LinearLightFollowsTheStandard) {
   EXPECT_NEAR(srgb(0x808080).r, 0.21586, 1e-5);
-  EXPECT_EQ(srgb(0xffffff), (Colour{1, 1, 1, 1}));
+  EXPECT_EQ(srgb(0xffffff), (Color{1, 1, 1, 1}));
   EXPECT_EQ(pack({2, -1, 0, 3}), 0xff0000ffu) << "clamped";
 }
 
-TEST(Colour, HeatGrowsBrighterAllTheWay) {
+TEST(Color, HeatGrowsBrighterAllTheWay) {
   for (int i = 0; i < 100; ++i) {
     EXPECT_LT(luminance(heat(float(i) / 100)), luminance(heat(float(i + 1) / 100))) << i;
   }
@@ -102,8 +102,8 @@ TEST(Colour, HeatGrowsBrighterAllTheWay) {
   EXPECT_GT(heat(1).r, 4 * heat(1).b) << "yellow";
 }
 
-TEST(Colour, PaletteRepeatsAfterEight) {
-  std::set<PackedColour> seen;
+TEST(Color, PaletteRepeatsAfterEight) {
+  std::set<PackedColor> seen;
   for (std::uint32_t i = 0; i < 8; ++i) seen.insert(pack(palette(i)));
   EXPECT_EQ(seen.size(), 8u);
   EXPECT_EQ(palette(3), palette(11));
@@ -137,7 +137,7 @@ TEST(Png, AlphaIsDropped) {
   EXPECT_EQ(read_png(folder.path / "a.png").pixels, (std::vector<std::uint8_t>{10, 20, 30, 255}));
 }
 
-TEST(Png, APaletteMakesItSmallAndKeepsItsColours) {
+TEST(Png, APaletteMakesItSmallAndKeepsItsColors) {
   const Folder folder;
   const Image image = sample_picture(480, 320);
   write_png(folder.path / "full.png", image);
@@ -146,13 +146,13 @@ TEST(Png, APaletteMakesItSmallAndKeepsItsColours) {
   EXPECT_EQ(bytes_of(folder.path / "small.png"), bytes_of(folder.path / "again.png"));
   EXPECT_LT(fs::file_size(folder.path / "small.png"), 60'000u);
   const Image reduced = read_png(folder.path / "small.png");
-  std::set<std::uint32_t> colours;
+  std::set<std::uint32_t> colors;
   for (std::size_t i = 0; i < reduced.pixels.size(); i += 4) {
-    colours.insert(
+    colors.insert(
         std::uint32_t(reduced.pixels[i] << 16 | reduced.pixels[i + 1] << 8 | reduced.pixels[i + 2]));
   }
-  EXPECT_LE(colours.size(), 128u);
-  // Seen from afar, the picture is the same: dithering keeps the mean of every neighbourhood.
+  EXPECT_LE(colors.size(), 128u);
+  // Seen from afar, the picture is the same: dithering keeps the mean of every neighborhood.
   const Image a = downscale(image, 60, 40), b = downscale(reduced, 60, 40);
   int worst = 0;
   double sum = 0;
@@ -165,12 +165,12 @@ TEST(Png, APaletteMakesItSmallAndKeepsItsColours) {
   EXPECT_NEAR(sum / double(a.pixels.size()), 0, 0.5);
 }
 
-TEST(Png, FewColoursStayExact) {
+TEST(Png, FewColorsStayExact) {
   const Folder folder;
   Image image(64, 64);
-  const std::vector<PackedColour> colours{0xff102030, 0xffa0b0c0, 0xff00ff80};
+  const std::vector<PackedColor> colors{0xff102030, 0xffa0b0c0, 0xff00ff80};
   for (std::size_t i = 0; i < 4096; ++i) {
-    for (std::size_t c = 0; c < 4; ++c) image.pixels[4 * i + c] = std::uint8_t(colours[i * i % 3] >> (8 * c));
+    for (std::size_t c = 0; c < 4; ++c) image.pixels[4 * i + c] = std::uint8_t(colors[i * i % 3] >> (8 * c));
   }
   write_png(folder.path / "a.png", image, 16);
   EXPECT_EQ(read_png(folder.path / "a.png"), image);

@@ -26,13 +26,13 @@ template <class Inside>
 std::vector<Vec3f> fill(const Vec3f& lo, const Vec3f& hi, Inside inside, float jitter = 0.15f) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> moved(-jitter * spacing, jitter * spacing);
-  std::vector<Vec3f> centres;
+  std::vector<Vec3f> centers;
   for (float x = lo.x + spacing / 2; x < hi.x; x += spacing)
     for (float y = lo.y + spacing / 2; y < hi.y; y += spacing)
       for (float z = lo.z + spacing / 2; z < hi.z; z += spacing)
         if (inside(Vec3f{x, y, z}))
-          centres.push_back({x + moved(random), y + moved(random), z + moved(random)});
-  return centres;
+          centers.push_back({x + moved(random), y + moved(random), z + moved(random)});
+  return centers;
 }
 
 /// Together their cubes have the volume of a ball with this radius about the origin.
@@ -41,12 +41,12 @@ std::vector<Vec3f> ball_of_particles(float radius) {
               [&](const Vec3f& x) { return length(x) < radius; });
 }
 
-Liquid liquid_of(std::span<const Vec3f> centres) {
+Liquid liquid_of(std::span<const Vec3f> centers) {
   static std::uint64_t version = 0;
   Liquid liquid;
   liquid.key = 1;
   liquid.version = ++version;
-  liquid.centres = centres;
+  liquid.centers = centers;
   liquid.spacing = spacing;
   liquid.radius = 0.75f * spacing;
   liquid.pick = 5;
@@ -56,19 +56,19 @@ Liquid liquid_of(std::span<const Vec3f> centres) {
 /// The same, drawn as its ellipsoids, which are kept here.
 class Ellipsoids {
  public:
-  explicit Ellipsoids(std::span<const Vec3f> centres) : centres_(centres), shapes_(spacing) {
-    shapes_.build(centres, *make_threads(Threading::automatic, 2));
+  explicit Ellipsoids(std::span<const Vec3f> centers) : centers_(centers), shapes_(spacing) {
+    shapes_.build(centers, *make_threads(Threading::automatic, 2));
   }
   Liquid liquid(SplatShape splat) const {
-    Liquid liquid = liquid_of(centres_);
+    Liquid liquid = liquid_of(centers_);
     if (splat == SplatShape::spheres) return liquid;
-    liquid.centres = shapes_.centres();
+    liquid.centers = shapes_.centers();
     liquid.ellipsoids = shapes_.axes();
     return liquid;
   }
 
  private:
-  std::span<const Vec3f> centres_;
+  std::span<const Vec3f> centers_;
   SplatShapes shapes_;
 };
 
@@ -152,7 +152,7 @@ class BallOfParticles : public LiquidTest {
         const BallHit hit = cast(ball_, camera_, x + 0.5, y + 0.5, width, height);
         covered += image_.depth[i] > 0;
         expected += hit.ball == 0;
-        const Vec3d away = hit.point;  // from the centre
+        const Vec3d away = hit.point;  // from the center
         if (hit.ball < 0 || away.z < 0.6 * double(radius_)) continue;
         const double chord = -2 * dot(normalized(hit.point - Vec3d(camera_.from)), away);
         result.thickness_errors.push_back(std::abs(double(image_.thickness[i]) / chord - 1));
@@ -177,8 +177,8 @@ class BallOfParticles : public LiquidTest {
   }
 
   float radius_ = 0.5f;
-  std::vector<Vec3f> centres_ = ball_of_particles(radius_);
-  Ellipsoids ellipsoids_{centres_};
+  std::vector<Vec3f> centers_ = ball_of_particles(radius_);
+  Ellipsoids ellipsoids_{centers_};
   Camera camera_ = camera_at({0, 0, 3}, {}, 30);
   std::array<Ball, 1> ball_{Ball{{}, double(radius_)}};
   LiquidImage image_;
@@ -190,7 +190,7 @@ TEST_F(BallOfParticles, HasTheOutlineAndThicknessOfTheBall) {
     for (const LiquidFilter filter : {LiquidFilter::none, filters[0], filters[1]}) {
       const std::string where = name_of(splat, filter);
       Compared compared = compare(splat, filter);
-      // The outermost centres lie on the ball, so the balls about them reach beyond it: by 3.75 % of its
+      // The outermost centers lie on the ball, so the balls about them reach beyond it: by 3.75 % of its
       // radius.
       EXPECT_NEAR(compared.area, 1, 0.06) << where;
       const auto middle = std::size_t(height / 2 * width + width / 2);
@@ -241,9 +241,9 @@ class FlatPool : public LiquidTest {
     return seen;
   }
 
-  std::vector<Vec3f> centres_ =
+  std::vector<Vec3f> centers_ =
       fill({-0.8f, 0, -0.8f}, {0.8f, 0.15f, 0.8f}, [](const Vec3f&) { return true; });
-  Ellipsoids ellipsoids_{centres_};
+  Ellipsoids ellipsoids_{centers_};
 };
 
 // From above, and at a grazing angle of 12 degrees.
@@ -280,10 +280,10 @@ TEST_F(FlatPool, IsAllButFlatAsEllipsoids) {
 /// The surface of a wavy pool is the same one however many pixels it is seen with.
 TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
   const auto below_waves = [](const Vec3f& x) { return x.y < 0.2f + 0.03f * std::sin(12 * x.x + 7 * x.z); };
-  const std::vector<Vec3f> centres = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
+  const std::vector<Vec3f> centers = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
   const Camera camera = camera_at({0.3f, 1, 1.6f}, {0, 0.2f, 0}, 22);
   for (const LiquidFilter filter : filters) {
-    const DrawList list = with(liquid_of(centres));
+    const DrawList list = with(liquid_of(centers));
     const LiquidImage small = renderer().liquid_image(list, camera, filtered(filter), 240, 180);
     const LiquidImage large = renderer().liquid_image(list, camera, filtered(filter), 720, 540);
     std::vector<double> differences;
@@ -304,12 +304,12 @@ TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
 /// More steps of the same flow smooth as far, not farther.
 TEST_F(LiquidTest, StepsDoNotChangeHowFarTheSurfaceIsSmoothed) {
   const auto below_waves = [](const Vec3f& x) { return x.y < 0.2f + 0.03f * std::sin(30 * x.x); };
-  const std::vector<Vec3f> centres = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
+  const std::vector<Vec3f> centers = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
   const Camera camera = camera_at({0, 1.6f, 1.2f}, {0, 0.2f, 0}, 22);
   std::vector<double> spread;
   for (const int steps : {20, 40, 80}) {
     const LiquidImage image = renderer().liquid_image(
-        with(liquid_of(centres)), camera, filtered(LiquidFilter::curvature_flow, steps), width, height);
+        with(liquid_of(centers)), camera, filtered(LiquidFilter::curvature_flow, steps), width, height);
     std::vector<double> heights;
     for (const Vec3f& x : surface_points(image, camera, 60, 40)) heights.push_back(double(x.y));
     spread.push_back(deviation(heights));
@@ -320,22 +320,22 @@ TEST_F(LiquidTest, StepsDoNotChangeHowFarTheSurfaceIsSmoothed) {
 
 class LiquidAndBall : public LiquidTest {
  protected:
-  LiquidAndBall() : centres_(ball_of_particles(0.5f)), camera_(camera_at({0, 0, 4}, {}, 25)) {}
+  LiquidAndBall() : centers_(ball_of_particles(0.5f)), camera_(camera_at({0, 0, 4}, {}, 25)) {}
 
-  /// The colour in the middle of the picture with an opaque ball at this depth, in linear light.
+  /// The color in the middle of the picture with an opaque ball at this depth, in linear light.
   std::array<double, 3> middle(float z, bool wet, const Vec3f& absorption = {1.5f, 1.5f, 1.5f}) {
     place_ = {0, 0, z};
     DrawList list = without_ground();
     Spheres ball;
     ball.key = 2;
     ball.version = ++version_;
-    ball.centres = {&place_, 1};
+    ball.centers = {&place_, 1};
     ball.radius = 0.2f;
-    ball.look.colour = srgb(0xb0b0b0);
+    ball.look.color = srgb(0xb0b0b0);
     list.spheres.push_back(ball);
     list.light.to_sun = {0, 1, 0.4f};
     if (wet) {
-      Liquid liquid = liquid_of(centres_);
+      Liquid liquid = liquid_of(centers_);
       liquid.look.absorption = absorption;
       list.liquids.push_back(liquid);
     }
@@ -345,7 +345,7 @@ class LiquidAndBall : public LiquidTest {
     return {linear(pixel[0]), linear(pixel[1]), linear(pixel[2])};
   }
 
-  std::vector<Vec3f> centres_;
+  std::vector<Vec3f> centers_;
   Camera camera_;
   Vec3f place_{};
   std::uint64_t version_ = 0;
@@ -371,7 +371,7 @@ TEST_F(LiquidAndBall, WhatIsBehindOrInsideIsDimmedByTheWayInTheLiquid) {
   }
 }
 
-TEST_F(LiquidAndBall, EachColourIsAbsorbedByItsOwnRate) {
+TEST_F(LiquidAndBall, EachColorIsAbsorbedByItsOwnRate) {
   const auto clear = middle(-1, true, {}), amber = middle(-1, true, {0.1f, 0.6f, 3});
   EXPECT_NEAR(amber[0] / clear[0], std::exp(-0.1), 0.05);
   EXPECT_NEAR(amber[1] / clear[1], std::exp(-0.6), 0.06);
@@ -379,13 +379,13 @@ TEST_F(LiquidAndBall, EachColourIsAbsorbedByItsOwnRate) {
 }
 
 TEST_F(LiquidTest, IsPickedAsItsBallsAre) {
-  const std::vector<Vec3f> centres = ball_of_particles(0.3f);
+  const std::vector<Vec3f> centers = ball_of_particles(0.3f);
   const Camera camera = camera_at({0.4f, 0.3f, 2}, {}, 25);
-  const DrawList liquids = with(liquid_of(centres));
+  const DrawList liquids = with(liquid_of(centers));
   DrawList spheres = without_ground();
   Spheres balls;
   balls.key = 4;
-  balls.centres = centres;
+  balls.centers = centers;
   balls.radius = liquids.liquids[0].radius;
   balls.pick = 5;
   spheres.spheres.push_back(balls);
@@ -396,20 +396,20 @@ TEST_F(LiquidTest, IsPickedAsItsBallsAre) {
   EXPECT_EQ(a.depth, b.depth);
   const Picked picked = renderer().pick(liquids, camera, width / 2, height / 2, width, height);
   EXPECT_EQ(picked.pick, 5u);
-  EXPECT_LT(length(picked.point - centres[picked.element]), 1.01f * balls.radius);
+  EXPECT_LT(length(picked.point - centers[picked.element]), 1.01f * balls.radius);
 }
 
-TEST_F(LiquidTest, ThrowsALightShadowInItsColour) {
-  const std::vector<Vec3f> centres = ball_of_particles(0.3f);
-  Liquid liquid = liquid_of(centres);
+TEST_F(LiquidTest, ThrowsALightShadowInItsColor) {
+  const std::vector<Vec3f> centers = ball_of_particles(0.3f);
+  Liquid liquid = liquid_of(centers);
   liquid.look.absorption = {4, 1, 0.2f};
   DrawList list;
   list.ground.height = -0.6f;
-  list.ground.second = list.ground.colour;
+  list.ground.second = list.ground.color;
   list.light.to_sun = {0.8f, 1, 0};
   const Camera camera = camera_at({-0.4f, 2.5f, 2.5f}, {-0.4f, -0.6f, 0}, 40);
   const RenderOptions options{.ambient_occlusion = false};
-  const auto colour_at = [&](const Image& image, const Vec3f& point) {
+  const auto color_at = [&](const Image& image, const Vec3f& point) {
     const auto at = camera.project(point, width, height);
     const std::uint8_t* p = image.at(int(at->x), int(at->y));
     return std::array<double, 3>{linear(p[0]), linear(p[1]), linear(p[2])};
@@ -421,11 +421,11 @@ TEST_F(LiquidTest, ThrowsALightShadowInItsColour) {
   solid.liquids.clear();
   Spheres balls;
   balls.key = 11;
-  balls.centres = centres;
+  balls.centers = centers;
   balls.radius = liquid.radius;
   solid.spheres.push_back(balls);
   const Image dry = renderer().picture(solid, camera, options, width, height);
-  const auto dim = colour_at(wet, shadow), bright = colour_at(wet, lit), dark = colour_at(dry, shadow);
+  const auto dim = color_at(wet, shadow), bright = color_at(wet, lit), dark = color_at(dry, shadow);
   for (std::size_t c = 0; c < 3; ++c) {
     EXPECT_LT(dim[c], 0.93 * bright[c]) << c;
     if (c > 0) {
@@ -435,15 +435,15 @@ TEST_F(LiquidTest, ThrowsALightShadowInItsColour) {
   EXPECT_LT(dim[0] / bright[0], 0.8 * dim[2] / bright[2]) << "red is what the liquid takes";
   list.liquids[0].casts_shadow = false;
   const Image none = renderer().picture(list, camera, options, width, height);
-  EXPECT_NEAR(colour_at(none, shadow)[0], bright[0], 0.05);
+  EXPECT_NEAR(color_at(none, shadow)[0], bright[0], 0.05);
 }
 
 TEST_F(LiquidTest, EllipsoidsAreSeenAsTheyAre) {
   // Seen from far along z: the outline of an ellipsoid with half axes 0.5, 0.2 is that of the ellipse.
-  const std::array<Vec3f, 1> centre{Vec3f{0.1f, -0.1f, 0}};
+  const std::array<Vec3f, 1> center{Vec3f{0.1f, -0.1f, 0}};
   const float turn = 0.5f, c = std::cos(turn), s = std::sin(turn);
   const std::array<Mat3f, 1> axes{Mat3f{{0.5f * c, 0.5f * s, 0}, {-0.2f * s, 0.2f * c, 0}, {0, 0, 0.3f}}};
-  Liquid liquid = liquid_of(centre);
+  Liquid liquid = liquid_of(center);
   liquid.ellipsoids = axes;
   const Camera camera = camera_at({0, 0, 30}, {}, 3);
   const LiquidImage image =
@@ -453,7 +453,7 @@ TEST_F(LiquidTest, EllipsoidsAreSeenAsTheyAre) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Ray ray = camera.ray(float(x) + 0.5f, float(y) + 0.5f, width, height);
-      const Vec3f at = ray.origin + ray.direction * (-ray.origin.z / ray.direction.z) - centre[0];
+      const Vec3f at = ray.origin + ray.direction * (-ray.origin.z / ray.direction.z) - center[0];
       const float u = (c * at.x + s * at.y) / 0.5f, v = (-s * at.x + c * at.y) / 0.2f;
       const float off = u * u + v * v;
       if (std::abs(off - 1) < 0.06f) continue;
@@ -470,12 +470,12 @@ TEST_F(LiquidTest, EllipsoidsAreSeenAsTheyAre) {
 }
 
 TEST_F(LiquidTest, BallsAsEllipsoidsAreBalls) {
-  const std::vector<Vec3f> centres = ball_of_particles(0.2f);
-  Liquid liquid = liquid_of(centres);
+  const std::vector<Vec3f> centers = ball_of_particles(0.2f);
+  Liquid liquid = liquid_of(centers);
   const Camera camera = camera_at({0.3f, 0.5f, 1}, {}, 60);
   const LiquidImage balls =
       renderer().liquid_image(with(liquid), camera, filtered(LiquidFilter::none), width, height);
-  const std::vector<Mat3f> axes(centres.size(), Mat3f::identity() * liquid.radius);
+  const std::vector<Mat3f> axes(centers.size(), Mat3f::identity() * liquid.radius);
   liquid.ellipsoids = axes;
   ++liquid.version;
   liquid.key = 77;
@@ -492,15 +492,15 @@ TEST_F(LiquidTest, FoamIsWhiteAndHiddenByWhatIsBeforeIt) {
       fill({-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}, [](const Vec3f&) { return true; });
   Foam foam;
   foam.key = 1;
-  foam.centres = bubbles;
+  foam.centers = bubbles;
   foam.radius = 0.02f;
   DrawList list = without_ground();
   const Vec3f place{0, 0, -1};
   Spheres dark;
   dark.key = 3;
-  dark.centres = {&place, 1};
+  dark.centers = {&place, 1};
   dark.radius = 0.5f;
-  dark.look.colour = srgb(0x101010);
+  dark.look.color = srgb(0x101010);
   list.spheres.push_back(dark);
   const Camera camera = camera_at({0, 0, 3}, {}, 25);
   const auto middle = [&] {
@@ -510,7 +510,7 @@ TEST_F(LiquidTest, FoamIsWhiteAndHiddenByWhatIsBeforeIt) {
   list.foams.push_back(foam);
   EXPECT_GT(middle(), bare + 0.2);
   const Vec3f before{0, 0, 1};
-  list.spheres[0].centres = {&before, 1};
+  list.spheres[0].centers = {&before, 1};
   ++list.spheres[0].version;
   const double front = middle();
   list.foams.clear();
@@ -518,8 +518,8 @@ TEST_F(LiquidTest, FoamIsWhiteAndHiddenByWhatIsBeforeIt) {
 }
 
 TEST_F(LiquidTest, PicturesOfManySamplesAreTheSameEachTime) {
-  const std::vector<Vec3f> centres = ball_of_particles(0.3f);
-  DrawList list = with(liquid_of(centres));
+  const std::vector<Vec3f> centers = ball_of_particles(0.3f);
+  DrawList list = with(liquid_of(centers));
   list.ground = Ground{.height = -0.3f};
   const Camera camera = camera_at({0.4f, 0.6f, 2}, {}, 30);
   const RenderOptions options{.samples = 4};
@@ -535,20 +535,20 @@ TEST_F(LiquidTest, PicturesOfManySamplesAreTheSameEachTime) {
 
 TEST_F(LiquidTest, BadParticlesAreNotDrawn) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  std::vector<Vec3f> centres = ball_of_particles(0.2f);
+  std::vector<Vec3f> centers = ball_of_particles(0.2f);
   const Camera camera = camera_at({0, 0, 2}, {}, 30);
-  const Image good = renderer().picture(with(liquid_of(centres)), camera, plain(), width, height);
-  centres.push_back({nan, 0, 0});
-  centres.push_back({0, std::numeric_limits<float>::infinity(), 0});
-  const Image bad = renderer().picture(with(liquid_of(centres)), camera, plain(), width, height);
+  const Image good = renderer().picture(with(liquid_of(centers)), camera, plain(), width, height);
+  centers.push_back({nan, 0, 0});
+  centers.push_back({0, std::numeric_limits<float>::infinity(), 0});
+  const Image bad = renderer().picture(with(liquid_of(centers)), camera, plain(), width, height);
   EXPECT_EQ(good.pixels, bad.pixels);
   EXPECT_NO_THROW(renderer().picture(with(liquid_of({})), camera, plain(), width, height));
 }
 
 TEST_F(LiquidTest, IsSeenFromInsideWithoutHarm) {
-  const std::vector<Vec3f> centres = ball_of_particles(0.4f);
+  const std::vector<Vec3f> centers = ball_of_particles(0.4f);
   const Camera camera = camera_at({0, 0, 0.1f}, {0, 0, -1}, 60);
-  const LiquidImage image = renderer().liquid_image(with(liquid_of(centres)), camera, plain(), width, height);
+  const LiquidImage image = renderer().liquid_image(with(liquid_of(centers)), camera, plain(), width, height);
   EXPECT_NEAR(image.thickness[std::size_t(height / 2 * width + width / 2)], 0.5f, 0.03f);
 }
 
@@ -565,7 +565,7 @@ TEST(LiquidSplatShapes, AreKnownByName) {
   expect_error([] { splat_shape_of("cubes"); }, {"cubes", "ellipsoids"});
 }
 
-TEST(LiquidColours, AreThoseOfLightThatHasGoneThatFar) {
+TEST(LiquidColors, AreThoseOfLightThatHasGoneThatFar) {
   const Vec3f absorption = absorption_of({0.5f, 1, 0, 1}, 0.2f);
   EXPECT_NEAR(std::exp(-absorption.x * 0.2f), 0.5f, 1e-5f);
   EXPECT_EQ(absorption.y, 0);

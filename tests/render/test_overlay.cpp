@@ -74,7 +74,7 @@ class OverlayTest : public GlTest {
   static Image background() { return picture(without_ground()); }
 };
 
-/// How much of a pixel is covered by something of this colour, from the light of its red channel.
+/// How much of a pixel is covered by something of this color, from the light of its red channel.
 float coverage(const Image& with, const Image& without, int x, int y, float red) {
   const auto light = [&](const Image& image) { return linear_of_srgb(float(image.at(x, y)[0]) / 255); };
   return (light(with) - light(without)) / (red - light(without));
@@ -101,7 +101,7 @@ class Wall {
 class Page {
  public:
   explicit Page(const fs::path& font = Font::usual_file())
-      : colour_(GL_RGBA8, width, height), framebuffer_("a page", {&colour_}, nullptr), pass_(font) {}
+      : color_(GL_RGBA8, width, height), framebuffer_("a page", {&color_}, nullptr), pass_(font) {}
 
   Image draw(const std::vector<Label>& labels) {
     framebuffer_.bind();
@@ -116,7 +116,7 @@ class Page {
   Box box(const std::vector<Label>& labels) { return difference(draw(labels), draw({})); }
 
  private:
-  gl::Texture colour_;
+  gl::Texture color_;
   gl::Framebuffer framebuffer_;
   LabelsPass pass_;
 };
@@ -169,7 +169,7 @@ TEST_F(OverlayTest, LinesLieWhereTheyAre) {
   EXPECT_NEAR(box.right, 202, 1);
 }
 
-TEST_F(OverlayTest, LinesKeepTheirColour) {
+TEST_F(OverlayTest, LinesKeepTheirColor) {
   const Wall wall;
   for (const std::uint32_t hex : {0xff0000u, 0xffffffu, 0x3366ccu, 0x102030u, 0xf0f921u}) {
     DrawList list = without_ground();
@@ -316,13 +316,13 @@ TEST_F(OverlayTest, ABoxLiesBehindTheWholeText) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(image.at(box.left, box.top)[c], half[c], 1);
 }
 
-TEST_F(OverlayTest, TextHasItsColour) {
+TEST_F(OverlayTest, TextHasItsColor) {
   Page page;
-  Label coloured = label("█", 20, 20, 30);  // U+2588
-  coloured.colour = srgb(0x4080c0);
-  const Image image = page.draw({coloured});
-  const std::array<int, 3> colour{0x40, 0x80, 0xc0};
-  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(image.at(28, 35)[c], colour[c], 1);
+  Label colored = label("█", 20, 20, 30);  // U+2588
+  colored.color = srgb(0x4080c0);
+  const Image image = page.draw({colored});
+  const std::array<int, 3> color{0x40, 0x80, 0xc0};
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(image.at(28, 35)[c], color[c], 1);
 }
 
 TEST_F(OverlayTest, WhatTheFontLacksIsAQuestionMark) {
@@ -388,15 +388,15 @@ TEST(CodePoints, FollowUtf8) {
 }
 
 TEST_F(OverlayTest, TheSameListIsTheSamePictureInAnyRenderer) {
-  std::vector<Vec3f> centres;
-  centres.reserve(50);
+  std::vector<Vec3f> centers;
+  centers.reserve(50);
   for (int i = 0; i < 50; ++i)
-    centres.push_back({0.01f * float(i * 7 % 50) - 0.25f, 0.008f * float(i) - 0.2f, 0.01f * float(i % 9)});
+    centers.push_back({0.01f * float(i * 7 % 50) - 0.25f, 0.008f * float(i) - 0.2f, 0.01f * float(i % 9)});
   DrawList list;
   list.ground.height = -0.3f;
   Spheres spheres;
   spheres.key = 1;
-  spheres.centres = centres;
+  spheres.centers = centers;
   spheres.radius = 0.03f;
   list.spheres.push_back(spheres);
   list.lines.push_back({under(3, 7), under(200, 140), 0xff00ff00, 1.5f});

@@ -74,17 +74,17 @@ std::optional<Vec3d> meet(const Sheet& sheet, const Ray& ray) {
 TEST_F(PickTest, TheParticleUnderThePixelForAThousandPixels) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> place(-1, 1);
-  std::vector<Vec3f> centres;
+  std::vector<Vec3f> centers;
   std::vector<Ball> balls;
   const float radius = 0.06f;
   for (int i = 0; i < 600; ++i) {
-    centres.push_back({place(random), 0.5f * place(random), place(random)});
-    balls.push_back({Vec3d(centres.back()), double(radius)});
+    centers.push_back({place(random), 0.5f * place(random), place(random)});
+    balls.push_back({Vec3d(centers.back()), double(radius)});
   }
   DrawList list;  // with the ground, which cannot be picked
   Spheres spheres;
   spheres.key = 1;
-  spheres.centres = centres;
+  spheres.centers = centers;
   spheres.radius = radius;
   spheres.pick = 42;
   list.spheres.push_back(spheres);

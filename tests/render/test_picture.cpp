@@ -51,27 +51,27 @@ class PictureOfBall : public Picture {
     camera_.to = {0, 0.2f, 0};
     camera_.fov = 40;
   }
-  // A ball of radius 0.3 one metre above the floor, without the floor's pattern, and where its shadow's
+  // A ball of radius 0.3 one meter above the floor, without the floor's pattern, and where its shadow's
   // middle falls.
   DrawList list(bool as_mesh) const {
     DrawList list;
     if (as_mesh) {
-      list.surfaces.push_back(mesh_.surface(1, true, {centre_.x, centre_.y, centre_.z}, srgb(0xcc8844)));
+      list.surfaces.push_back(mesh_.surface(1, true, {center_.x, center_.y, center_.z}, srgb(0xcc8844)));
     } else {
       Spheres spheres;
       spheres.key = 1;
-      spheres.centres = {&centre_, 1};
+      spheres.centers = {&center_, 1};
       spheres.radius = 0.3f;
       list.spheres.push_back(spheres);
     }
-    list.ground.second = list.ground.colour;
+    list.ground.second = list.ground.color;
     list.light.to_sun = {0.7f, 1, 0.1f};
     return list;
   }
-  Vec3f shadow_of(const Light& light) const { return centre_ - light.to_sun * (centre_.y / light.to_sun.y); }
+  Vec3f shadow_of(const Light& light) const { return center_ - light.to_sun * (center_.y / light.to_sun.y); }
 
   Camera camera_;
-  Vec3f centre_{0.5f, 1, 0};
+  Vec3f center_{0.5f, 1, 0};
   Solid mesh_{sphere(4, 0.3)};
 };
 
@@ -178,13 +178,13 @@ TEST(PictureOfContexts, IsTheSameInBoth) {
     DrawList list = studio.list();
     Liquid liquid;  // its grains once more, wet
     liquid.key = 1;
-    liquid.centres = list.spheres[0].centres;
+    liquid.centers = list.spheres[0].centers;
     liquid.radius = 0.05f;
     liquid.spacing = 0.07f;
     list.liquids.push_back(liquid);
     Foam foam;
     foam.key = 1;
-    foam.centres = liquid.centres;
+    foam.centers = liquid.centers;
     list.foams.push_back(foam);
     Image image = renderer.picture(list, Studio::camera(), {.samples = samples}, width, height);
     EXPECT_NO_THROW(throw_gl_errors());
@@ -200,7 +200,7 @@ TEST_F(Picture, IsDarkerInCornersWithAmbientOcclusion) {
   const Solid box_mesh(box({0.5, 0.5, 0.5}));
   DrawList list;
   list.surfaces.push_back(box_mesh.surface(1, false, {0, 0.25, 0}, srgb(0xcccccc)));
-  list.ground.second = list.ground.colour;
+  list.ground.second = list.ground.color;
   Camera camera;
   camera.from = {0.8f, 1, 2};
   camera.to = {0, 0.2f, 0};
@@ -228,9 +228,9 @@ TEST_F(Picture, DoesNotDependOnTheScale) {
     Renderer renderer;
     return renderer.picture(list, camera, {.samples = 4}, width, height);
   };
-  const Image metre = picture(1);
-  EXPECT_LT(mean_difference(metre, picture(0.01f)), 1.0);
-  EXPECT_LT(mean_difference(metre, picture(64.0f)), 1.0);
+  const Image meter = picture(1);
+  EXPECT_LT(mean_difference(meter, picture(0.01f)), 1.0);
+  EXPECT_LT(mean_difference(meter, picture(64.0f)), 1.0);
 }
 
 // Both sides of a triangle are lit as what faces the eye: how it is wound must not be seen.
@@ -254,7 +254,7 @@ TEST_F(Picture, FollowsVersionsAndTopology) {
   Surface surface;
   surface.positions = corners;
   surface.triangles = triangles;
-  surface.look.colour = srgb(0xcc0000);
+  surface.look.color = srgb(0xcc0000);
   DrawList list;
   list.surfaces.push_back(surface);
   Camera camera;
@@ -307,7 +307,7 @@ TEST_F(Picture, HasWireframesThatComeAndGo) {
 TEST_F(Picture, OfNothingIsGroundAndSky) {
   Renderer renderer;
   DrawList list;
-  list.ground.second = list.ground.colour;
+  list.ground.second = list.ground.color;
   Camera camera;
   camera.from = {0, 1, 5};
   camera.to = {0, 1, 0};

@@ -29,29 +29,29 @@ class SpheresTest : public GlTest {
   }
 };
 
-Spheres one_ball(const Vec3f& centre, float radius) {
+Spheres one_ball(const Vec3f& center, float radius) {
   static std::uint64_t version = 0;
   static Vec3f place;
-  place = centre;
+  place = center;
   Spheres spheres;
   spheres.key = 1;
   spheres.version = ++version;
-  spheres.centres = {&place, 1};
+  spheres.centers = {&place, 1};
   spheres.radius = radius;
-  spheres.look.colour = srgb(0x803010);
+  spheres.look.color = srgb(0x803010);
   spheres.pick = 7;
   return spheres;
 }
 
-std::vector<Ball> random_balls(std::size_t count, unsigned seed, std::vector<Vec3f>& centres,
+std::vector<Ball> random_balls(std::size_t count, unsigned seed, std::vector<Vec3f>& centers,
                                std::vector<float>& radii) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> place(-1, 1), size(0.05f, 0.45f);
   std::vector<Ball> balls;
   for (std::size_t i = 0; i < count; ++i) {
-    centres.push_back({place(random), 0.7f * place(random), place(random)});
+    centers.push_back({place(random), 0.7f * place(random), place(random)});
     radii.push_back(size(random));
-    balls.push_back({Vec3d(centres.back()), double(radii.back())});
+    balls.push_back({Vec3d(centers.back()), double(radii.back())});
   }
   return balls;
 }
@@ -68,7 +68,7 @@ Camera camera_at(const Vec3f& from, float fov) {
 
 TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
   struct Case {
-    Vec3f centre;
+    Vec3f center;
     float radius, fov, distance;
   };
   // In the middle; off it, where the outline is an ellipse; over the edge of the picture; near; small and
@@ -78,9 +78,9 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
                         Case{{3.6f, 0.3f, 1.9f}, 0.6f, 120, 3}, Case{{0.6f, 0.1f, 2.0f}, 0.7f, 80, 3},
                         Case{{0.3f, -0.2f, 0}, 0.01f, 1, 60}}) {
     const Camera camera = camera_at({0.1f, 0.2f, c.distance}, c.fov);
-    const std::array<Ball, 1> ball{Ball{Vec3d(c.centre), double(c.radius)}};
+    const std::array<Ball, 1> ball{Ball{Vec3d(c.center), double(c.radius)}};
     DrawList list = without_ground();
-    list.spheres.push_back(one_ball(c.centre, c.radius));
+    list.spheres.push_back(one_ball(c.center, c.radius));
     const std::vector<bool> mask = drawn(list, camera);
     const PickImage picked = renderer().pick_image(list, camera, width, height);
     int inside = 0, wrong = 0, wrong_picks = 0;
@@ -96,9 +96,9 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
         wrong_picks += (*hit == 0) != (picked.pick[i] == 7);
       }
     }
-    EXPECT_EQ(wrong, 0) << "fov " << c.fov << ", centre " << c.centre.x;
-    EXPECT_EQ(wrong_picks, 0) << "fov " << c.fov << ", centre " << c.centre.x;
-    EXPECT_GT(inside, 4) << "fov " << c.fov << ", centre " << c.centre.x;
+    EXPECT_EQ(wrong, 0) << "fov " << c.fov << ", center " << c.center.x;
+    EXPECT_EQ(wrong_picks, 0) << "fov " << c.fov << ", center " << c.center.x;
+    EXPECT_GT(inside, 4) << "fov " << c.fov << ", center " << c.center.x;
   }
 }
 
@@ -125,13 +125,13 @@ TEST_F(SpheresTest, WideAngleStretchesABallIntoItsEllipse) {
 }
 
 TEST_F(SpheresTest, NearestOfInterpenetratingBallsIsSeenAtEveryPixel) {
-  std::vector<Vec3f> centres;
+  std::vector<Vec3f> centers;
   std::vector<float> radii;
-  const std::vector<Ball> balls = random_balls(40, 3, centres, radii);
+  const std::vector<Ball> balls = random_balls(40, 3, centers, radii);
   DrawList list = without_ground();
   Spheres spheres;
   spheres.key = 2;
-  spheres.centres = centres;
+  spheres.centers = centers;
   spheres.radii = radii;
   spheres.pick = 9;
   list.spheres.push_back(spheres);
@@ -182,20 +182,20 @@ TEST_F(SpheresTest, CutASurfaceWhereTheyMeetIt) {
   }
 }
 
-TEST_F(SpheresTest, EachHasItsOwnColour) {
-  const std::array<Vec3f, 3> centres{Vec3f{-0.8f, 0, 0}, Vec3f{0, 0, 0}, Vec3f{0.8f, 0, 0}};
-  const std::array<PackedColour, 3> colours{0xff0000c0, 0xff00c000, 0xffc00000};
+TEST_F(SpheresTest, EachHasItsOwnColor) {
+  const std::array<Vec3f, 3> centers{Vec3f{-0.8f, 0, 0}, Vec3f{0, 0, 0}, Vec3f{0.8f, 0, 0}};
+  const std::array<PackedColor, 3> colors{0xff0000c0, 0xff00c000, 0xffc00000};
   Spheres spheres;
   spheres.key = 3;
-  spheres.centres = centres;
+  spheres.centers = centers;
   spheres.radius = 0.3f;
-  spheres.colours = colours;
+  spheres.colors = colors;
   DrawList list = without_ground();
   list.spheres.push_back(spheres);
   const Camera camera = camera_at({0, 0, 3}, 45);
   const Image image = renderer().picture(list, camera, plain(), width, height);
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto at = camera.project(centres[i], width, height);
+    const auto at = camera.project(centers[i], width, height);
     const std::uint8_t* pixel = image.at(int(at->x), int(at->y));
     for (std::size_t c = 0; c < 3; ++c) {
       if (c != i) {
@@ -218,11 +218,11 @@ TEST_F(SpheresTest, BadOnesAreNotDrawn) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
   const Camera camera = camera_at({0, 0, 3}, 45);
-  for (const auto& [centre, radius] :
+  for (const auto& [center, radius] :
        {std::pair{Vec3f{nan, 0, 0}, 0.3f}, std::pair{Vec3f{0, infinity, 0}, 0.3f}, std::pair{Vec3f{}, 0.0f},
         std::pair{Vec3f{}, -1.0f}, std::pair{Vec3f{}, nan}, std::pair{Vec3f{0, 0, 5}, 0.5f}}) {
     DrawList list = without_ground();
-    list.spheres.push_back(one_ball(centre, radius));
+    list.spheres.push_back(one_ball(center, radius));
     const std::vector<bool> mask = drawn(list, camera);
     EXPECT_EQ(std::count(mask.begin(), mask.end(), true), 0) << radius;
   }
@@ -232,7 +232,7 @@ TEST_F(SpheresTest, BadOnesAreNotDrawn) {
 }
 
 TEST_F(SpheresTest, FollowTheirVersion) {
-  std::vector<Vec3f> centres{{0, 0, 0}};
+  std::vector<Vec3f> centers{{0, 0, 0}};
   Spheres spheres;
   spheres.key = 4;
   spheres.radius = 0.2f;
@@ -240,18 +240,18 @@ TEST_F(SpheresTest, FollowTheirVersion) {
   const Camera camera = camera_at({0, 0, 3}, 45);
   const auto middle = [&] {
     DrawList list = without_ground();
-    spheres.centres = centres;
+    spheres.centers = centers;
     list.spheres.push_back(spheres);
     return renderer().pick(list, camera, width / 2, height / 2, width, height).pick;
   };
   EXPECT_EQ(middle(), 1u);
-  centres[0].x = 1;
+  centers[0].x = 1;
   ++spheres.version;
   EXPECT_EQ(middle(), 0u);
-  centres.push_back({0, 0, 0});
+  centers.push_back({0, 0, 0});
   ++spheres.version;
   EXPECT_EQ(middle(), 1u);
-  centres.clear();
+  centers.clear();
   ++spheres.version;
   EXPECT_EQ(middle(), 0u);
 }

@@ -78,16 +78,16 @@ TEST(BuildWorld, ABallOfTetsIsWhatItSays) {
 TEST(BuildWorld, GrainsFillTheirBoxWithoutOverlap) {
   const World world = built(with_object(
       R"("kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 0.5, 0.5], "jitter": 0.2}, "material": {"radius": 0.05})"));
-  const auto centres = world.positions(world.objects()[0]);
+  const auto centers = world.positions(world.objects()[0]);
   // Cells of 0.12 m: 8 x 4 x 4 of them, whatever the jitter.
-  EXPECT_EQ(centres.size(), 8u * 4u * 4u);
+  EXPECT_EQ(centers.size(), 8u * 4u * 4u);
   float nearest = 1;
-  for (std::size_t i = 0; i < centres.size(); ++i) {
+  for (std::size_t i = 0; i < centers.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      EXPECT_GE(centres[i][axis], 0.05f);
-      EXPECT_LE(centres[i][axis], (axis == 0 ? 1.0f : 0.5f) - 0.05f);
+      EXPECT_GE(centers[i][axis], 0.05f);
+      EXPECT_LE(centers[i][axis], (axis == 0 ? 1.0f : 0.5f) - 0.05f);
     }
-    for (std::size_t j = 0; j < i; ++j) nearest = std::min(nearest, length(centres[i] - centres[j]));
+    for (std::size_t j = 0; j < i; ++j) nearest = std::min(nearest, length(centers[i] - centers[j]));
   }
   EXPECT_GE(nearest, 0.1f - 1e-6f);
   EXPECT_LT(nearest, 0.12f - 1e-4f) << "the jitter moved nothing";
@@ -138,9 +138,9 @@ TEST(BuildWorld, ErrorsNameTheirPlace) {
   const std::string group = build_complaint(with_object(cloth + R"("pins": [{"group": "hem"}])"));
   EXPECT_EQ(group.find("test.json: objects[0].pins[0]: "), 0u) << group;
   EXPECT_NE(group.find("hem"), std::string::npos) << group;
-  const std::string colours =
-      build_complaint(with_object(cloth + R"("maps": {"stiffness": {"colour": "red", "value": 2}})"));
-  EXPECT_EQ(colours.find("test.json: objects[0]: "), 0u) << colours;
+  const std::string colors =
+      build_complaint(with_object(cloth + R"("maps": {"stiffness": {"color": "red", "value": 2}})"));
+  EXPECT_EQ(colors.find("test.json: objects[0]: "), 0u) << colors;
   const std::string open = build_complaint(with_object(cloth + R"("pressure": 10)"));
   EXPECT_EQ(open.find("test.json: objects[0]: "), 0u) << open;
   const std::string sizes = build_complaint(R"({"souple": 1, "objects": [
@@ -161,7 +161,7 @@ TEST(BuildWorld, SameSceneSameBits) {
   }
 }
 
-/// A normalised scene is the same scene.
+/// A normalized scene is the same scene.
 TEST(BuildWorld, WrittenSceneBuildsTheSameWorld) {
   for (const auto& file : shipped_scenes()) {
     SCOPED_TRACE(file.filename().string());

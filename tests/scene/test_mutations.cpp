@@ -186,8 +186,8 @@ std::size_t size_of(const RopeDescription& rope) {
   return rope.segments;
 }
 std::size_t size_of(const GrainsDescription& grains) {
-  if (const auto* grid = std::get_if<GrainsGrid>(&grains.centres)) return product(grid->counts);
-  const auto* box = std::get_if<GrainsBox>(&grains.centres);
+  if (const auto* grid = std::get_if<GrainsGrid>(&grains.centers)) return product(grid->counts);
+  const auto* box = std::get_if<GrainsBox>(&grains.centers);
   if (box == nullptr) return 1;
   const Vec3d across = (box->hi - box->lo) / (2 * static_cast<double>(grains.material.radius));
   const double count = std::fabs(across.x * across.y * across.z);

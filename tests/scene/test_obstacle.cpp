@@ -119,7 +119,7 @@ TEST_F(ObstacleScene, ABallThatBreathesKeepsAClothOutside) {
   }
   // It lies on the ball.
   EXPECT_FALSE(world.contacts().empty());
-  EXPECT_GT(world.centre_of_mass(cloth).y, 1.6);
+  EXPECT_GT(world.center_of_mass(cloth).y, 1.6);
 }
 
 TEST_F(ObstacleScene, ARunKeepsItsMotion) {

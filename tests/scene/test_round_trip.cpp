@@ -15,7 +15,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
     "objects": [
       {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 80, "rows": 48, "size": 2.0, "diagonals": "one_way"}},
        "transform": {"translate": [0, 2, 0], "rotate": [90, 0, 0], "scale": 1.5}, "velocity": [1, 2, 3],
-       "angular_velocity": [4, 5, 6], "collision_groups": [0, 31], "collision_mask": [], "colour": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
+       "angular_velocity": [4, 5, 6], "collision_groups": [0, 31], "collision_mask": [], "color": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
        "tethers": {"slack": 0.1}, "layer": 2,
        "material": {"preset": "silk", "areal_density": 0.08, "stretch": "membrane", "bending": "dihedral"},
        "pins": [{"in_box": [[-1.01, 1, -1], [-0.99, 3, 1]]}, {"nearest": [1, 2, 3], "about": [0, 1, 0], "loop": true,
@@ -27,7 +27,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
       {"name": "line", "kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 40,
        "material": {"preset": "nylon", "radius": 0.006}},
       {"name": "sand", "kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 2, 3], "spacing": 0.3, "jitter": 0.5}},
-      {"name": "wheel", "kind": "obstacle", "mesh": {"torus": {"major_radius": 0.5, "minor_radius": 0.2}}, "colour": "#102030",
+      {"name": "wheel", "kind": "obstacle", "mesh": {"torus": {"major_radius": 0.5, "minor_radius": 0.2}}, "color": "#102030",
        "transform": {"scale": 2}, "material": {"thickness": 0.01, "friction": 0.7, "restitution": 0.25}, "loop": true, "collision_groups": [2], "layer": 1,
        "keyframes": [{"time": 0}, {"time": 2, "translate": [0, 1, 0], "rotate": [0, 90, 0]}]},
       {"name": "duck", "kind": "obstacle", "mesh": {"file": "meshes/duck.obj", "scale": 0.01},
@@ -70,7 +70,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(grid.size, 2);
   EXPECT_EQ(grid.diagonals, Diagonals::one_way);
   EXPECT_EQ(flag.transform.rotate, Vec3d(90, 0, 0));
-  EXPECT_EQ(flag.colour, 0x0af0c8u);
+  EXPECT_EQ(flag.color, 0x0af0c8u);
   EXPECT_EQ(flag.transform.scale, 1.5);
   EXPECT_EQ(flag.velocity, Vec3f(1, 2, 3));
   EXPECT_EQ(flag.angular_velocity, Vec3f(4, 5, 6));
@@ -94,7 +94,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(bar.material.model, SoftBodyModel::shape_matching);
   EXPECT_EQ(std::get<SoftBodyDescription>(scene.objects[2]).lattice->cell_size, 0.1);
   EXPECT_EQ(std::get<RopeDescription>(scene.objects[3]).material.radius, 0.006f);
-  EXPECT_EQ(std::get<GrainsBox>(std::get<GrainsDescription>(scene.objects[4]).centres).hi, Vec3d(1, 2, 3));
+  EXPECT_EQ(std::get<GrainsBox>(std::get<GrainsDescription>(scene.objects[4]).centers).hi, Vec3d(1, 2, 3));
   const auto& wheel = std::get<ObstacleDescription>(scene.objects[5]);
   EXPECT_EQ(kind_of(scene.objects[5]), ObjectKind::obstacle);
   EXPECT_EQ(wheel.material.thickness, 0.01f);

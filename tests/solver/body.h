@@ -73,7 +73,7 @@ inline void solve(Projector& projector, Body& body, const Substep& substep) {
   const ParticleView view = body.view();
   projector.begin_substep(view, substep);
   for (int i = 0; i < substep.iterations; ++i)
-    for (int c = 0; c < projector.colour_count(); ++c) projector.project(c, view, substep);
+    for (int c = 0; c < projector.color_count(); ++c) projector.project(c, view, substep);
 }
 
 }  // namespace souple::test

@@ -260,7 +260,7 @@ void expect_no_explosion(int side, int substeps, bool across, double seconds,
     highest = std::max(highest, sheet.energy());
     stretch = std::max(stretch, sheet.strain().mean);
   }
-  EXPECT_LT(highest, 0.01 * 0.8 * 9.81) << "J above what it began with: a hundredth of m g times a metre";
+  EXPECT_LT(highest, 0.01 * 0.8 * 9.81) << "J above what it began with: a hundredth of m g times a meter";
   EXPECT_LT(stretch, 0.03);
   EXPECT_LT(sheet.lowest(), -1) << "it fell";
   EXPECT_GT(sheet.lowest(), -2.1);

@@ -177,7 +177,7 @@ TEST_P(EverySolver, StiffnessOfPbdDoesNotDependOnIterations) {
   }
 }
 
-// One linearisation takes a rigid sheet that is stretched by a tenth to its length, which no sweep does.
+// One linearization takes a rigid sheet that is stretched by a tenth to its length, which no sweep does.
 TEST_P(GlobalSolver, OneIterationMendsAStretchedSheet) {
   SolverScene scene = test::sheet(8, 0.1, 0.01, 0, true);
   for (Vec4f& x : scene.body.position) x.z *= 1.1f;
@@ -267,7 +267,7 @@ TEST(LinearSolvers, DenseRefusesWhatIsTooLarge) {
   expect_error([&] { scene.use(test::kind_of(SolverKind::dense)); }, {"conjugate_gradient"});
 }
 
-// A block of 24 x 24 x 24 particles, each tied to all around it: its factorisation fills up.
+// A block of 24 x 24 x 24 particles, each tied to all around it: its factorization fills up.
 TEST(LinearSolvers, DirectRefusesWhatIsTooLarge) {
   constexpr std::uint32_t n = 24;
   SolverScene scene;

@@ -5,7 +5,7 @@
 #include "souple/solver/solver.h"
 #include "souple/world/world.h"
 #include "tests/solver/body.h"
-#include "tests/solver/meshes_to_colour.h"
+#include "tests/solver/meshes_to_color.h"
 
 #include <algorithm>
 #include <cstring>
@@ -16,58 +16,57 @@ namespace souple {
 namespace {
 
 using test::Body;
-using test::ColourCase;
+using test::ColorCase;
 
-/// Coloured and sorted by colour.
-struct Coloured {
-  ColourCase of;
-  std::vector<std::uint32_t> colour_begin;
+/// Colored and sorted by color.
+struct Colored {
+  ColorCase of;
+  std::vector<std::uint32_t> color_begin;
 
-  explicit Coloured(const ColourCase& given) : of(given) {
-    const Colouring colouring = colour_constraints(given.indices, given.arity, given.particles);
-    colour_begin = colouring.colour_begin;
+  explicit Colored(const ColorCase& given) : of(given) {
+    const Coloring coloring = color_constraints(given.indices, given.arity, given.particles);
+    color_begin = coloring.color_begin;
     of.indices.clear();
-    for (const std::uint32_t i : colouring.order)
+    for (const std::uint32_t i : coloring.order)
       of.indices.insert(of.indices.end(), given.constraint(i).begin(), given.constraint(i).end());
   }
-  Partition partition(int colours) const {
-    return partition_constraints(of.indices, of.arity, of.particles, colour_begin, colours,
+  Partition partition(int colors) const {
+    return partition_constraints(of.indices, of.arity, of.particles, color_begin, colors,
                                  static_cast<std::uint32_t>(of.particles));
   }
 };
 
-std::vector<Coloured> meshes() {
-  std::vector<Coloured> result;
-  for (const ColourCase& of : test::meshes_to_colour(60)) result.emplace_back(of);
+std::vector<Colored> meshes() {
+  std::vector<Colored> result;
+  for (const ColorCase& of : test::meshes_to_color(60)) result.emplace_back(of);
   return result;
 }
 
-std::size_t colour_count(const Partition& partition) {
-  return partition.colouring.colour_begin.size() - 1;
+std::size_t color_count(const Partition& partition) {
+  return partition.coloring.color_begin.size() - 1;
 }
 
-// Every constraint once and on its own particles or their phantoms, none of those twice in a colour.
-void expect_valid(const ColourCase& of, const Partition& partition) {
+// Every constraint once and on its own particles or their phantoms, none of those twice in a color.
+void expect_valid(const ColorCase& of, const Partition& partition) {
   SCOPED_TRACE(of.name);
   const auto width = static_cast<std::size_t>(of.arity);
-  ASSERT_EQ(partition.colouring.order.size(), of.count());
-  ASSERT_EQ(partition.colouring.colour_begin.back(), of.count());
+  ASSERT_EQ(partition.coloring.order.size(), of.count());
+  ASSERT_EQ(partition.coloring.color_begin.back(), of.count());
   ASSERT_EQ(partition.indices.size(), of.indices.size());
   std::vector<int> seen(of.count());
-  std::vector<std::size_t> last_colour(of.particles + partition.phantom_of.size());
-  for (std::size_t c = 0; c < colour_count(partition); ++c) {
-    EXPECT_LT(partition.colouring.colour_begin[c], partition.colouring.colour_begin[c + 1]);
-    for (std::size_t k = partition.colouring.colour_begin[c]; k < partition.colouring.colour_begin[c + 1];
-         ++k) {
-      const std::uint32_t i = partition.colouring.order[k];
+  std::vector<std::size_t> last_color(of.particles + partition.phantom_of.size());
+  for (std::size_t c = 0; c < color_count(partition); ++c) {
+    EXPECT_LT(partition.coloring.color_begin[c], partition.coloring.color_begin[c + 1]);
+    for (std::size_t k = partition.coloring.color_begin[c]; k < partition.coloring.color_begin[c + 1]; ++k) {
+      const std::uint32_t i = partition.coloring.order[k];
       ++seen.at(i);
       for (std::size_t corner = 0; corner < width; ++corner) {
         const std::uint32_t index = partition.indices[k * width + corner];
         const std::uint32_t particle =
             index < of.particles ? index : partition.phantom_of.at(index - of.particles);
         ASSERT_EQ(particle, of.constraint(i)[corner]);
-        ASSERT_NE(last_colour[index], c + 1) << "colour " << c << " has " << index << " twice";
-        last_colour[index] = c + 1;
+        ASSERT_NE(last_color[index], c + 1) << "color " << c << " has " << index << " twice";
+        last_color[index] = c + 1;
       }
     }
   }
@@ -75,7 +74,7 @@ void expect_valid(const ColourCase& of, const Partition& partition) {
 }
 
 // A split particle has two phantoms or more, no constraint of its own, and shares that differ by one at most.
-void expect_shared(const ColourCase& of, const Partition& partition) {
+void expect_shared(const ColorCase& of, const Partition& partition) {
   const std::vector<std::uint32_t>& owner = partition.phantom_of;
   EXPECT_TRUE(std::is_sorted(owner.begin(), owner.end()));
   std::vector<int> share(of.particles + owner.size());
@@ -92,45 +91,45 @@ void expect_shared(const ColourCase& of, const Partition& partition) {
   }
 }
 
-TEST(Partition, AsManyColoursAsAskedFor) {
-  for (const Coloured& mesh : meshes())
-    for (int colours = 1; colours <= 8; ++colours) {
-      const Partition partition = mesh.partition(colours);
-      EXPECT_EQ(colour_count(partition),
-                std::min(mesh.colour_begin.size() - 1, static_cast<std::size_t>(colours)));
+TEST(Partition, AsManyColorsAsAskedFor) {
+  for (const Colored& mesh : meshes())
+    for (int colors = 1; colors <= 8; ++colors) {
+      const Partition partition = mesh.partition(colors);
+      EXPECT_EQ(color_count(partition),
+                std::min(mesh.color_begin.size() - 1, static_cast<std::size_t>(colors)));
       expect_valid(mesh.of, partition);
       expect_shared(mesh.of, partition);
     }
 }
 
-// A particle in n constraints needs n / colours copies, rounded up, and seldom gets more.
+// A particle in n constraints needs n / colors copies, rounded up, and seldom gets more.
 TEST(Partition, FewPhantoms) {
-  for (const Coloured& mesh : meshes())
-    for (const std::size_t colours : {2u, 4u, 6u}) {
+  for (const Colored& mesh : meshes())
+    for (const std::size_t colors : {2u, 4u, 6u}) {
       std::vector<std::size_t> degree(mesh.of.particles);
       for (const std::uint32_t particle : mesh.of.indices) ++degree[particle];
       std::size_t fewest = 0;
-      for (const std::size_t n : degree) fewest += n > colours ? (n + colours - 1) / colours : 0;
-      const Partition partition = mesh.partition(static_cast<int>(colours));
+      for (const std::size_t n : degree) fewest += n > colors ? (n + colors - 1) / colors : 0;
+      const Partition partition = mesh.partition(static_cast<int>(colors));
       EXPECT_LE(partition.phantom_of.size(), 3 * fewest / 2 + mesh.of.particles * 5 / 4)
-          << mesh.of.name << ", " << colours;
+          << mesh.of.name << ", " << colors;
     }
 }
 
-TEST(Partition, NothingIsSplitWhereColoursSuffice) {
-  for (const Coloured& mesh : meshes()) {
-    const Partition partition = mesh.partition(static_cast<int>(mesh.colour_begin.size() - 1));
+TEST(Partition, NothingIsSplitWhereColorsSuffice) {
+  for (const Colored& mesh : meshes()) {
+    const Partition partition = mesh.partition(static_cast<int>(mesh.color_begin.size() - 1));
     EXPECT_TRUE(partition.phantom_of.empty());
     EXPECT_EQ(partition.indices, mesh.of.indices);
-    EXPECT_EQ(partition.colouring.colour_begin, mesh.colour_begin);
+    EXPECT_EQ(partition.coloring.color_begin, mesh.color_begin);
   }
 }
 
 TEST(Partition, Stars) {
   for (const std::uint32_t rays : {5u, 64u, 200u, 20000u}) {
-    const Coloured star(test::star(rays));
+    const Colored star(test::star(rays));
     const Partition partition = star.partition(4);
-    EXPECT_EQ(colour_count(partition), 4u);
+    EXPECT_EQ(color_count(partition), 4u);
     EXPECT_EQ(partition.phantom_of.size(), (rays + 3) / 4);
     expect_valid(star.of, partition);
     expect_shared(star.of, partition);
@@ -138,17 +137,17 @@ TEST(Partition, Stars) {
 }
 
 TEST(Partition, Nothing) {
-  const std::vector<std::uint32_t> no_colour{0};
-  const Partition partition = partition_constraints({}, 2, 5, no_colour, 3, 5);
-  EXPECT_EQ(partition.colouring.colour_begin, no_colour);
+  const std::vector<std::uint32_t> no_color{0};
+  const Partition partition = partition_constraints({}, 2, 5, no_color, 3, 5);
+  EXPECT_EQ(partition.coloring.color_begin, no_color);
   EXPECT_TRUE(partition.phantom_of.empty());
 }
 
 TEST(Partition, TheSameTwice) {
-  for (const Coloured& mesh : meshes()) {
+  for (const Colored& mesh : meshes()) {
     const Partition one = mesh.partition(5), other = mesh.partition(5);
     EXPECT_EQ(one.indices, other.indices);
-    EXPECT_EQ(one.colouring.order, other.colouring.order);
+    EXPECT_EQ(one.coloring.order, other.coloring.order);
     EXPECT_EQ(one.phantom_of, other.phantom_of);
   }
 }
@@ -214,13 +213,13 @@ constexpr Form both_forms[] = {Form::displacement, Form::plain};
 
 TEST(PartitionedGaussSeidel, KeepsMomentum) {
   for (const Form form : both_forms)
-    for (const int colours : {1, 2, 3, 5, 8}) {
+    for (const int colors : {1, 2, 3, 5, 8}) {
       Wobbly wobbly(form, 1e-6f, 0.02);
       const std::vector<Vec3d> before = wobbly.body.all();
-      wobbly.solve({.colours = colours}, substep_of(4, form));
+      wobbly.solve({.colors = colors}, substep_of(4, form));
       const test::Momentum momentum = test::momentum_of(wobbly.body, before);
       EXPECT_GT(momentum.linear_scale, 0.01);
-      EXPECT_LT(length(momentum.linear), 1e-5 * momentum.linear_scale) << colours;
+      EXPECT_LT(length(momentum.linear), 1e-5 * momentum.linear_scale) << colors;
     }
 }
 
@@ -230,18 +229,18 @@ TEST(PartitionedGaussSeidel, KeepsMomentum) {
 TEST(PartitionedGaussSeidel, ConvergesToTheSameShape) {
   for (const float compliance : {0.0f, 1e-4f})
     for (const Form form : both_forms) {
-      const auto solved = [&](int colours) {
+      const auto solved = [&](int colors) {
         Wobbly wobbly(form, compliance, 1e-3);
         wobbly.projectors = {&wobbly.links};
-        wobbly.solve({.colours = colours}, substep_of(3000, form));
+        wobbly.solve({.colors = colors}, substep_of(3000, form));
         return wobbly.body.all();
       };
       const std::vector<Vec3d> before = Wobbly(form, compliance, 1e-3).body.all(), whole = solved(0);
       const double moved = farthest(whole, before);
       EXPECT_GT(moved, 3e-4);
       const double tolerance = form == Form::plain ? 1e-2 : 2e-3;
-      for (const int colours : {1, 2, 3, 5, 8})
-        EXPECT_LT(farthest(solved(colours), whole), tolerance * moved) << colours;
+      for (const int colors : {1, 2, 3, 5, 8})
+        EXPECT_LT(farthest(solved(colors), whole), tolerance * moved) << colors;
     }
 }
 
@@ -250,21 +249,21 @@ bool same_bits(const std::vector<A>& a, const std::vector<B>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(A)) == 0;
 }
 
-TEST(PartitionedGaussSeidel, ManyColoursAreGaussSeidel) {
+TEST(PartitionedGaussSeidel, ManyColorsAreGaussSeidel) {
   Wobbly whole(Form::displacement, 1e-6f, 0.02), split(Form::displacement, 1e-6f, 0.02);
   whole.solve({}, substep_of(3, Form::displacement));
-  split.solve({.colours = 64}, substep_of(3, Form::displacement));
+  split.solve({.colors = 64}, substep_of(3, Form::displacement));
   EXPECT_TRUE(same_bits(whole.body.offset, split.body.offset));
 }
 
 TEST(PartitionedGaussSeidel, AnyThreadsAnyOrderOfParts) {
   for (const Form form : both_forms)
-    for (const int colours : {1, 2, 5}) {
+    for (const int colors : {1, 2, 5}) {
       Wobbly one(form, 1e-6f, 0.02), other(form, 1e-6f, 0.02);
       BackwardThreads threads;
-      one.solve({.colours = colours}, substep_of(3, form));
-      other.solve({.colours = colours}, substep_of(3, form), threads);
-      EXPECT_TRUE(same_bits(one.body.moving(), other.body.moving())) << colours;
+      one.solve({.colors = colors}, substep_of(3, form));
+      other.solve({.colors = colors}, substep_of(3, form), threads);
+      EXPECT_TRUE(same_bits(one.body.moving(), other.body.moving())) << colors;
     }
 }
 
@@ -275,7 +274,7 @@ TEST(PartitionedGaussSeidel, PinnedParticlesStayAndMassesDo) {
     wobbly.body.start = wobbly.body.moving();
     const std::vector<Vec3d> before = wobbly.body.all();
     const std::vector<Vec4f> position = wobbly.body.position;
-    wobbly.solve({.colours = 3}, substep_of(20, form));
+    wobbly.solve({.colors = 3}, substep_of(20, form));
     for (const std::size_t i : {0u, 10u, 50u}) EXPECT_EQ(length(wobbly.body.at(i) - before[i]), 0);
     for (std::size_t i = 0; i < position.size(); ++i) EXPECT_EQ(wobbly.body.position[i].w, position[i].w);
   }
@@ -284,18 +283,18 @@ TEST(PartitionedGaussSeidel, PinnedParticlesStayAndMassesDo) {
 // The report speaks of particles, never of phantoms, and a set can be made whole again.
 TEST(PartitionedGaussSeidel, SetsAreSplitAndMadeWhole) {
   Wobbly wobbly(Form::displacement, 1e-6f, 0.02);
-  const int colours = wobbly.links.colour_count();
+  const int colors = wobbly.links.color_count();
   const std::vector<std::uint32_t> first = wobbly.links.set().records[0];
   const double before = wobbly.links.residual(wobbly.body.view()).sum;
   const auto count = static_cast<std::uint32_t>(wobbly.body.position.size());
   EXPECT_FALSE(wobbly.links.split(3, count).empty());
-  EXPECT_EQ(wobbly.links.colour_count(), 3);
+  EXPECT_EQ(wobbly.links.color_count(), 3);
   EXPECT_NEAR(wobbly.links.residual(wobbly.body.view()).sum, before, 1e-6 * before);
   wobbly.links.visit(wobbly.body.view(), [&](const ConstraintState& state) {
     for (const std::uint32_t particle : state.particles) EXPECT_LT(particle, count);
   });
   EXPECT_TRUE(wobbly.links.split(0, 0).empty());
-  EXPECT_EQ(wobbly.links.colour_count(), colours);
+  EXPECT_EQ(wobbly.links.color_count(), colors);
   EXPECT_EQ(wobbly.links.set().records[0], first);
 }
 
@@ -313,7 +312,7 @@ TEST(PartitionedGaussSeidel, HangingClothComesToTheSameRest) {
   double lowest = 0;
   for (const Vec3d& x : whole) lowest = std::min(lowest, x.y);
   EXPECT_NEAR(lowest, -1.04, 0.03);
-  for (const int colours : {2, 6}) EXPECT_LT(farthest(hung({.colours = colours}), whole), 1e-3) << colours;
+  for (const int colors : {2, 6}) EXPECT_LT(farthest(hung({.colors = colors}), whole), 1e-3) << colors;
 }
 
 // Settings change in the middle of a run, with contacts among the projectors.
@@ -322,14 +321,14 @@ TEST(PartitionedGaussSeidel, IsTurnedOnAndOff) {
   const ObjectId cloth = world.add_cloth(grid(20, 20, 1), ClothMaterial{});
   world.pin(cloth, in_box({-1, -1, -0.51f}, {1, 1, -0.49f}));
   world.add_collider(Sphere{.center = {0, -0.3f, 0}, .radius = 0.2f});
-  for (const int colours : {0, 3, 7, 2, 0, 1}) {
+  for (const int colors : {0, 3, 7, 2, 0, 1}) {
     Settings settings = world.settings();
-    settings.solver.colours = colours;
+    settings.solver.colors = colors;
     world.set_settings(settings);
     for (int frame = 0; frame < 20; ++frame) {
       const StepReport& report = world.step(1.0 / 60);
       EXPECT_TRUE(report.ok());
-      EXPECT_LT(report.largest_strain, 0.5) << colours;
+      EXPECT_LT(report.largest_strain, 0.5) << colors;
     }
   }
 }

@@ -17,9 +17,9 @@ struct Pair {
   }
 };
 
-// Two unequal masses 2 m apart, rest length 1 m: one rigid projection closes the gap and leaves the centre of
+// Two unequal masses 2 m apart, rest length 1 m: one rigid projection closes the gap and leaves the center of
 // mass.
-TEST(SetProjector, RigidDistanceKeepsTheCentreOfMass) {
+TEST(SetProjector, RigidDistanceKeepsTheCenterOfMass) {
   for (const Form form : {Form::plain, Form::displacement}) {
     Pair pair{{{0, 0, 0, 1.0f}, {2, 0, 0, 0.25f}}, {{}, {}}, {}};
     SetProjector<Distance> projector;

@@ -214,7 +214,7 @@ TEST(ShapeMatching, DampingLeavesRigidMotion) {
   }
 }
 
-TEST(ShapeMatching, OverlappingRegionsGetDifferentColours) {
+TEST(ShapeMatching, OverlappingRegionsGetDifferentColors) {
   const auto rest = lattice(3, 3, 3, 1);
   ShapeMatching projector;
   const std::vector<std::uint32_t> regions[] = {{0, 1, 2, 3}, {3, 4, 5, 6, 7}, {7, 8}, {20, 21, 22}};
@@ -224,7 +224,7 @@ TEST(ShapeMatching, OverlappingRegionsGetDifferentColours) {
     projector.add(region, part);
   }
   projector.prepare(rest.size());
-  EXPECT_EQ(projector.colour_count(), 2);
+  EXPECT_EQ(projector.color_count(), 2);
   Body body = moved(rest, 1, 0.1);
   for (int i = 0; i < 100; ++i) solve(projector, body, {.h = 0.01f});
   EXPECT_LT(projector.residual(body.view()).largest, 1e-5);
@@ -232,7 +232,7 @@ TEST(ShapeMatching, OverlappingRegionsGetDifferentColours) {
   projector.erase_particles(4, 5);  // drops the second, renumbers the last two
   projector.prepare(26);
   EXPECT_EQ(projector.size(), 3u);
-  EXPECT_EQ(projector.colour_count(), 1);
+  EXPECT_EQ(projector.color_count(), 1);
   Body fewer;
   for (std::size_t i = 0; i < 27; ++i)
     if (i != 4) fewer.add(turn * rest[i], 1);

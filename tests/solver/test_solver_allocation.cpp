@@ -9,7 +9,7 @@ namespace {
 // The solvers that promise it (docs/solvers.md); those that use Eigen do not.
 TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
   for (SolverSettings settings :
-       {test::kind_of(SolverKind::gauss_seidel), SolverSettings{.colours = 3},
+       {test::kind_of(SolverKind::gauss_seidel), SolverSettings{.colors = 3},
         test::kind_of(SolverKind::jacobi), test::kind_of(SolverKind::conjugate_gradient),
         test::kind_of(SolverKind::hierarchical)}) {
     test::SolverScene scene = test::sheet(20, 0.1, 0.01, 1e-6f, true);

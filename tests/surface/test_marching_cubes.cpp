@@ -63,7 +63,7 @@ TEST(MarchingCubes, CutsEachEdgeWhereSidesDifferOnceInEveryCase) {
 
 // Two cubes beside each other that agree on the four nodes between them draw the same lines there, in
 // opposite directions.
-TEST(MarchingCubes, NeighboursDrawTheSameLinesOnTheirFace) {
+TEST(MarchingCubes, NeighborsDrawTheSameLinesOnTheirFace) {
   const auto on_face = [](unsigned inside, unsigned axis, unsigned side) {
     std::set<Side> lines;
     for (const Side& line : outline(cube_cases()[inside])) {

@@ -69,16 +69,16 @@ double chord_error(const TriangleMesh& mesh, double radius) {
 
 TEST(NarrowBand, HoldsTheDistanceToASphereOnBothSides) {
   const double radius = 0.5, cell = 0.03125;
-  const Vec3d centre(0.013, -3.117, 1.041);
+  const Vec3d center(0.013, -3.117, 1.041);
   Mesh mesh;
-  mesh.add(sphere(4, radius), centre);
+  mesh.add(sphere(4, radius), center);
   const NarrowBand band = band_of(mesh, float(cell));
   EXPECT_FLOAT_EQ(band.width, 3 * float(cell));
   const double sagitta = chord_error(sphere(4, radius), radius), rounding = 1e-6;
   EXPECT_LT(sagitta, 0.05 * cell);
   std::size_t inside = 0, outside = 0;
   for_points(band, [&](const Vec3d& x, double distance, bool in_band) {
-    const double expected = length(x - centre) - radius;
+    const double expected = length(x - center) - radius;
     if (in_band) {
       EXPECT_GE(distance, expected - rounding);
       EXPECT_LE(distance, expected + sagitta + rounding);

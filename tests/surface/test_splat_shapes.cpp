@@ -45,10 +45,10 @@ float reach(const Mat3f& axes, const Vec3f& n) {
 /// Of the highest point of all ellipsoids over (x, z), by |A^-1 (p - c)| = 1. [m]
 float top_over(const SplatShapes& shapes, float x, float z) {
   float top = -1;
-  for (std::size_t i = 0; i < shapes.centres().size(); ++i) {
+  for (std::size_t i = 0; i < shapes.centers().size(); ++i) {
     if (!is_seen(shapes.axes()[i])) continue;
     const Mat3f to_ball = inverse(shapes.axes()[i]);
-    const Vec3f& c = shapes.centres()[i];
+    const Vec3f& c = shapes.centers()[i];
     const Vec3f from = to_ball * Vec3f{x - c.x, -c.y, z - c.z}, up = to_ball * Vec3f{0, 1, 0};
     const float a = dot(up, up), b = dot(from, up), root = b * b - a * (dot(from, from) - 1);
     if (root > 0) top = std::max(top, (std::sqrt(root) - b) / a);
@@ -85,10 +85,10 @@ TEST(SplatShapes, LieFlatInTheSurfaceAndDoNotReachBeyondEdges) {
   const Mat3f& side = shapes.axes()[at(0, 4, 12)];
   EXPECT_GT(reach(side, {0, 1, 0}), 2 * reach(side, {1, 0, 0}));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_LT(length(shapes.centres()[i] - points[i]), 0.5f * d);
+    EXPECT_LT(length(shapes.centers()[i] - points[i]), 0.5f * d);
     const Vec3f reached{reach(shapes.axes()[i], {1, 0, 0}), reach(shapes.axes()[i], {0, 1, 0}), 0};
-    EXPECT_GT(shapes.centres()[i].x - reached.x, -0.8f * d);
-    EXPECT_LT(shapes.centres()[i].y + reached.y, 0.8f * d);
+    EXPECT_GT(shapes.centers()[i].x - reached.x, -0.8f * d);
+    EXPECT_LT(shapes.centers()[i].y + reached.y, 0.8f * d);
   }
   EXPECT_FALSE(is_seen(shapes.axes()[at(12, 4, 12)])) << "with others all around";
 }
@@ -108,7 +108,7 @@ TEST(SplatShapes, OfSingleParticlesAreBallsOfTheirVolume) {
   const std::array<Vec3f, 2> drops{Vec3f{1, 2, 3}, Vec3f{1, 2.5f, 3}};
   const SplatShapes shapes = shapes_of(drops);
   for (std::size_t i = 0; i < drops.size(); ++i) {
-    EXPECT_LT(length(shapes.centres()[i] - drops[i]), 1e-6f);
+    EXPECT_LT(length(shapes.centers()[i] - drops[i]), 1e-6f);
     const Mat3f& axes = shapes.axes()[i];
     EXPECT_NEAR(double{determinant(axes)} * 4 / 3 * pi, double{d * d * d}, 1e-3 * double{d * d * d});
     EXPECT_NEAR(reach(axes, {1, 0, 0}), reach(axes, normalized(Vec3f{1, 1, 1})), 1e-6f);
@@ -125,8 +125,8 @@ TEST(SplatShapes, LeaveOutWhatIsNowhere) {
   ASSERT_EQ(bad.axes().size(), points.size());
   EXPECT_FALSE(is_seen(bad.axes()[5]));
   EXPECT_FALSE(is_seen(bad.axes().back()));
-  EXPECT_EQ(bad.centres()[4], good.centres()[4]);
-  EXPECT_EQ(bad.centres()[6], good.centres()[5]);
+  EXPECT_EQ(bad.centers()[4], good.centers()[4]);
+  EXPECT_EQ(bad.centers()[6], good.centers()[5]);
   EXPECT_TRUE(shapes_of({}).axes().empty());
 }
 
@@ -136,7 +136,7 @@ TEST(SplatShapes, AreTheSameForAnyNumberOfThreads) {
   for (const int threads : {2, 8}) {
     const SplatShapes many = shapes_of(points, threads);
     EXPECT_EQ(0, std::memcmp(one.axes().data(), many.axes().data(), one.axes().size_bytes()));
-    EXPECT_EQ(0, std::memcmp(one.centres().data(), many.centres().data(), one.centres().size_bytes()));
+    EXPECT_EQ(0, std::memcmp(one.centers().data(), many.centers().data(), one.centers().size_bytes()));
   }
 }
 

@@ -38,7 +38,7 @@ float number(test::Random& random, double lo, double hi) {
 
 ParticleKernel some_kernel(test::Random& random) {
   ParticleKernel kernel{};
-  for (float& c : kernel.centre) c = number(random, -1, 1);
+  for (float& c : kernel.center) c = number(random, -1, 1);
   for (float& s : kernel.shift) s = number(random, -0.1, 0.1);
   kernel.weight = number(random, 0.2, 1);
   kernel.xx = number(random, 0.5, 1), kernel.yy = number(random, 0.5, 1), kernel.zz = number(random, 0.5, 1);
@@ -51,7 +51,7 @@ ParticleKernel some_kernel(test::Random& random) {
 
 /// In doubles, from the formula.
 double value_at(const ParticleKernel& k, const Vec3d& x) {
-  const Vec3d s{x.x - double{k.centre[0]}, x.y - double{k.centre[1]}, x.z - double{k.centre[2]}};
+  const Vec3d s{x.x - double{k.center[0]}, x.y - double{k.center[1]}, x.z - double{k.center[2]}};
   const Vec3d u{double{k.xx} * s.x + double{k.xy} * s.y + double{k.xz} * s.z,
                 double{k.xy} * s.x + double{k.yy} * s.y + double{k.yz} * s.z,
                 double{k.xz} * s.x + double{k.yz} * s.y + double{k.zz} * s.z};
@@ -129,7 +129,7 @@ TEST_F(SurfaceKernelsTest, AreTheSameBitsWithAllInstructionSets) {
   }
 }
 
-TEST(SurfaceMoments, AreThoseOfTheNeighbours) {
+TEST(SurfaceMoments, AreThoseOfTheNeighbors) {
   test::Random random(6);
   std::vector<Vec4f> records(20);
   std::vector<std::uint32_t> list(32, 4 * 20);

@@ -35,11 +35,11 @@ inline World busy_world(Settings settings = {}) {
   const ObjectId cloth = world.add_cloth(grid(56, 56, 1.0), {.bending = BendingModel::dihedral},
                                          {.transform = {{0, 0.52, 0}, {}, 1}});
   world.pin(cloth, vertices({0, 55}));
-  std::vector<Vec3d> centres;
+  std::vector<Vec3d> centers;
   for (int y = 0; y < 5; ++y)
     for (int k = 0; k < 400; ++k)
-      centres.push_back({0.0203 * (k % 20 - 10) + 1e-4 * y, 0.535 + 0.0203 * y, 0.0203 * (k / 20 - 10)});
-  world.add_grains(centres);
+      centers.push_back({0.0203 * (k % 20 - 10) + 1e-4 * y, 0.535 + 0.0203 * y, 0.0203 * (k / 20 - 10)});
+  world.add_grains(centers);
   world.add_soft_body(box({0.2, 0.2, 0.2}), {.model = SoftBodyModel::shape_matching}, {.cells = 200},
                       {.transform = {{0, 0.8, 0}, {}, 1}, .angular_velocity = {1, 2, 3}});
   world.add_soft_body(box({0.2, 0.2, 0.2}), {.model = SoftBodyModel::shape_matching}, {.cells = 200},

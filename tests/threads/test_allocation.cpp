@@ -53,10 +53,10 @@ TEST(WarmStepOfAnObstacle, AllocatesNothing) {
 // A plate that swings between two sleepers: it is compared with them in every step, and wakes neither.
 TEST(WarmStepBesideSleepers, AllocatesNothing) {
   World world({.sleeping = {.enabled = true}, .threads = 2});
-  std::vector<Vec3d> centres;
-  centres.reserve(50);
-  for (int i = 0; i < 50; ++i) centres.push_back({i < 25 ? 0.0 : 4.0, i < 25 ? 0.0 : 4.0, 0.1 * (i % 25)});
-  const ObjectId grains = world.add_grains(centres);
+  std::vector<Vec3d> centers;
+  centers.reserve(50);
+  for (int i = 0; i < 50; ++i) centers.push_back({i < 25 ? 0.0 : 4.0, i < 25 ? 0.0 : 4.0, 0.1 * (i % 25)});
+  const ObjectId grains = world.add_grains(centers);
   world.pin(grains, all());
   ObstacleMotion motion{
       .pose = ColliderMotion::keyframes({{0, {1, 3, 0}}, {1, {1.2, 3, 0}}, {2, {1, 3, 0}}}, true)};

@@ -28,7 +28,7 @@ World crowded_world(int threads) {
   world.add_soft_body(tet_bar(3, 3, 3, {0.12, 0.12, 0.12}), {.thickness = 0.01f}, above(-0.12, 0.2, 0.05));
   world.add_soft_body(box({0.1, 0.1, 0.1}), {.model = SoftBodyModel::shape_matching}, {.cells = 60},
                       above(0, 0.2, -0.15));
-  std::vector<Vec3d> line, centres;
+  std::vector<Vec3d> line, centers;
   for (int k = 0; k <= 24; ++k) {
     const double angle = 2 * pi * k / 8;
     line.push_back({0.06 * std::cos(angle), 0.12 + 0.015 * k, 0.25 + 0.06 * std::sin(angle)});
@@ -36,8 +36,8 @@ World crowded_world(int threads) {
   world.add_rope(line, 72, {.radius = 0.006f}, above(0, 0, 0));
   for (int x = 0; x < 5; ++x)
     for (int y = 0; y < 5; ++y)
-      for (int z = 0; z < 5; ++z) centres.push_back({0.025 * x + 1e-3 * y, 0.025 * y, 0.025 * z + 1e-3 * x});
-  world.add_grains(centres, {.radius = 0.01f}, above(-0.2, 0.12, -0.25));
+      for (int z = 0; z < 5; ++z) centers.push_back({0.025 * x + 1e-3 * y, 0.025 * y, 0.025 * z + 1e-3 * x});
+  world.add_grains(centers, {.radius = 0.01f}, above(-0.2, 0.12, -0.25));
   world.add_collider(Plane{.offset = -0.15f});
   return world;
 }

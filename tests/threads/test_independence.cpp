@@ -10,7 +10,7 @@
 namespace souple {
 namespace {
 
-// A chain of 200 links stretched to twice its length, pulled together by 50 coloured sweeps.
+// A chain of 200 links stretched to twice its length, pulled together by 50 colored sweeps.
 std::vector<Vec4f> contract_chain() {
   constexpr std::uint32_t particles = 201;
   std::vector<Vec4f> position(particles);
@@ -24,7 +24,7 @@ std::vector<Vec4f> contract_chain() {
   const Substep substep{.h = 0.01f, .form = Form::plain};
   links.begin_substep(view, substep);
   for (int sweep = 0; sweep < 50; ++sweep)
-    for (int colour = 0; colour < links.colour_count(); ++colour) links.project(colour, view, substep);
+    for (int color = 0; color < links.color_count(); ++color) links.project(color, view, substep);
   return position;
 }
 

@@ -17,7 +17,7 @@ struct Drawn {
   struct Constraint {
     std::string kind;
     std::vector<Vec3f> points;
-    int colour;
+    int color;
     float strain, residual;
   };
   std::vector<Constraint> constraints;
@@ -29,7 +29,7 @@ struct Drawn {
     DebugDraw draw;
     draw.constraint = [this](const DebugConstraint& c) {
       constraints.push_back(
-          {std::string(c.kind), {c.points.begin(), c.points.end()}, c.colour, c.strain, c.residual});
+          {std::string(c.kind), {c.points.begin(), c.points.end()}, c.color, c.strain, c.residual});
     };
     draw.contact = [this](const DebugContact& c) { contacts.push_back(c); };
     draw.particle = [this](const DebugParticle& p) { particles.push_back(p); };
@@ -61,8 +61,8 @@ struct Everything {
                               {.transform = {.translation = {9, 0.15, 0}}});
     const Vec3d ends[] = {{12, 1, 0}, {13, 1, 0}};
     rope = world.add_rope(ends, 8, {.bending_stiffness = 0.01f});
-    const Vec3d centres[] = {{15, 0.05, 0}, {15.02, 0.12, 0}, {15.1, 0.05, 0}};
-    grains = world.add_grains(centres, {.radius = 0.05f});
+    const Vec3d centers[] = {{15, 0.05, 0}, {15.02, 0.12, 0}, {15.1, 0.05, 0}};
+    grains = world.add_grains(centers, {.radius = 0.05f});
     world.attach(rope, vertices({0}));
     const std::pair<VertexRef, VertexRef> tie[] = {{{rope, 8}, {cloth, 3}}};
     world.connect(tie, 5.0f);
@@ -99,18 +99,18 @@ TEST(DebugDraw, HandsOutEveryConstraintOfTheReport) {
   }
 }
 
-TEST(DebugDraw, ConstraintsOfOneKindAndColourShareNoParticle) {
+TEST(DebugDraw, ConstraintsOfOneKindAndColorShareNoParticle) {
   Everything e;
   e.world.step(1.0 / 60);
   // Kinds come one after the other, once per projector; ends and ties are distances of two projectors.
   std::set<std::array<float, 3>> seen;
   std::string kind;
-  int colour = -1;
+  int color = -1;
   for (const auto& c : Drawn(e.world).constraints) {
     if (c.kind == "particle contact") continue;
-    if (c.kind != kind || c.colour != colour) seen.clear();
-    kind = c.kind, colour = c.colour;
-    for (const Vec3f& x : c.points) EXPECT_TRUE(seen.insert({x.x, x.y, x.z}).second) << kind << ' ' << colour;
+    if (c.kind != kind || c.color != color) seen.clear();
+    kind = c.kind, color = c.color;
+    for (const Vec3f& x : c.points) EXPECT_TRUE(seen.insert({x.x, x.y, x.z}).second) << kind << ' ' << color;
   }
 }
 
@@ -188,8 +188,8 @@ TEST(DebugDraw, ParticlesSayWhatTheyAre) {
 
 TEST(DebugDraw, ContactsAreThoseOfTheLastStep) {
   World world;
-  const Vec3d centres[] = {{0, 0.05, 0}, {1, 0.05, 0}, {2, 5, 0}};
-  world.add_grains(centres, {.radius = 0.05f});
+  const Vec3d centers[] = {{0, 0.05, 0}, {1, 0.05, 0}, {2, 5, 0}};
+  world.add_grains(centers, {.radius = 0.05f});
   const ColliderId floor = world.add_collider(Plane{});
   world.step(1.0 / 60);
   const Drawn drawn(world);
@@ -208,8 +208,8 @@ TEST(DebugDraw, ContactsAreThoseOfTheLastStep) {
 
 TEST(DebugDraw, ContactsAreForgottenWithTheirObject) {
   World world;
-  const Vec3d centres[] = {{0, 0.05, 0}};
-  const ObjectId first = world.add_grains(centres, {.radius = 0.05f});
+  const Vec3d centers[] = {{0, 0.05, 0}};
+  const ObjectId first = world.add_grains(centers, {.radius = 0.05f});
   world.add_collider(Plane{});
   world.step(1.0 / 60);
   const Snapshot snapshot = world.snapshot();
@@ -226,8 +226,8 @@ TEST(DebugDraw, ContactsAreForgottenWithTheirObject) {
 
 TEST(DebugDraw, ContactsAskedForDuringAStepAreNotThoseAfterIt) {
   World world({.substeps = 2});
-  const Vec3d centres[] = {{0, 0.05, 0}};
-  world.add_grains(centres, {.radius = 0.05f});
+  const Vec3d centers[] = {{0, 0.05, 0}};
+  world.add_grains(centers, {.radius = 0.05f});
   world.add_collider(Plane{});
   world.before(Stage::solve, [](World& w) { (void)w.contacts(); });  // nothing has pushed yet
   world.step(1.0 / 60);

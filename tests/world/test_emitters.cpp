@@ -129,7 +129,7 @@ TEST(Drains, AFluidThatHasNothingLeftIsStillThere) {
   for (int frame = 0; frame < 3; ++frame) EXPECT_TRUE(world.step(1.0 / 60).ok());
   EXPECT_TRUE(world.positions(fluid).empty());
   EXPECT_EQ(world.total_mass(fluid), 0);
-  EXPECT_EQ(world.centre_of_mass(fluid), Vec3d{});
+  EXPECT_EQ(world.center_of_mass(fluid), Vec3d{});
   world.remove(fluid);
   EXPECT_TRUE(world.step(1.0 / 60).ok());
   EXPECT_EQ(world.positions(other).size(), 1u);

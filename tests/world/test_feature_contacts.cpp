@@ -51,7 +51,7 @@ TEST(FeatureContacts, ACoarseClothStaysOutsideASmallBall) {
       }
       EXPECT_GT(lowest, 0) << shape_name(shape);
       EXPECT_GT(world.report().contacts, 0u);
-      EXPECT_GT(world.centre_of_mass(cloth).y, -0.5) << "it slid off";
+      EXPECT_GT(world.center_of_mass(cloth).y, -0.5) << "it slid off";
     }
   }
 }
@@ -106,11 +106,11 @@ TEST(FeatureContacts, AFastBallDoesNotPassATriangle) {
   const ObjectId cloth = world.add_cloth(grid(4, 4, 1.5), thick_cloth());
   run(world, 2.0 / 60);
   // The ball is at -1.5 m; what it met is below it, nothing above.
-  const Vec3d centre = world.collider_pose(world.colliders()[0]).translation;
+  const Vec3d center = world.collider_pose(world.colliders()[0]).translation;
   float lowest = 10;
   for (const Vec3f& x : world.positions(cloth)) lowest = std::min(lowest, x.y);
-  EXPECT_LT(world.centre_of_mass(cloth).y, -0.05);
-  EXPECT_GT(lowest_in_triangles(world, cloth, Sphere{Vec3f(centre), 0.02f}), 0);
+  EXPECT_LT(world.center_of_mass(cloth).y, -0.05);
+  EXPECT_GT(lowest_in_triangles(world, cloth, Sphere{Vec3f(center), 0.02f}), 0);
 }
 
 // Fine enough for the ball below it: not one contact more than its vertices have.

@@ -28,10 +28,10 @@ ObjectOptions named(const char* name, CollisionFilter filter) {
 }
 
 std::vector<Vec3d> layer_of_grains(double height) {
-  std::vector<Vec3d> centres;
+  std::vector<Vec3d> centers;
   for (int i = -6; i <= 6; ++i)
-    for (int k = -6; k <= 6; ++k) centres.push_back({0.02 * i, height, 0.02 * k});
-  return centres;
+    for (int k = -6; k <= 6; ++k) centers.push_back({0.02 * i, height, 0.02 * k});
+  return centers;
 }
 
 ObjectId add_falling(World& world, Falling what, CollisionFilter filter) {
@@ -125,8 +125,8 @@ TEST(Groups, OthersStillCollide) {
   add_below(world, Below::obstacle, {});
   std::vector<ObjectId> grains;
   for (const double x : {-0.1, 0.0, 0.1}) {
-    const std::vector<Vec3d> centre{{x, 0.1, 0.003}};
-    grains.push_back(world.add_grains(centre, {.radius = 0.02f}));
+    const std::vector<Vec3d> center{{x, 0.1, 0.003}};
+    grains.push_back(world.add_grains(center, {.radius = 0.02f}));
   }
   world.set_collide("grains2", "below", false);
   lowest(world, grains[0]);
@@ -170,8 +170,8 @@ TEST(Groups, TheNameOfAnObjectTwiceIsItsSelfCollision) {
   for (const bool collide : {true, false}) {
     World world({.substeps = 5});
     world.add_collider(Plane{.offset = floor_height});
-    const std::vector<Vec3d> centres{{0, -0.9, 0}, {0, -0.8, 0}};
-    const ObjectId grains = world.add_grains(centres, {.radius = 0.05f, .friction = 1});
+    const std::vector<Vec3d> centers{{0, -0.9, 0}, {0, -0.8, 0}};
+    const ObjectId grains = world.add_grains(centers, {.radius = 0.05f, .friction = 1});
     world.set_collide("grains", "grains", collide);
     lowest(world, grains);
     EXPECT_NEAR(world.positions(grains)[1].y, collide ? -0.85f : -0.95f, 0.005f);
@@ -199,9 +199,9 @@ TEST(Groups, SelfCollisionOfAClothIsSwitchedOffByThePair) {
 TEST(Groups, MasksDoNotStopAnObjectFromCollidingWithItself) {
   World world({.substeps = 5});
   world.add_collider(Plane{.offset = floor_height}, {.collision_groups = 2});
-  const std::vector<Vec3d> centres{{0, -0.9, 0}, {0, -0.8, 0}};
+  const std::vector<Vec3d> centers{{0, -0.9, 0}, {0, -0.8, 0}};
   const ObjectId grains =
-      world.add_grains(centres, {.radius = 0.05f}, named("grains", {.groups = 1, .mask = 2}));
+      world.add_grains(centers, {.radius = 0.05f}, named("grains", {.groups = 1, .mask = 2}));
   lowest(world, grains);
   EXPECT_NEAR(world.positions(grains)[1].y, -0.85f, 0.005f);
 }

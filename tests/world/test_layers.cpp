@@ -133,18 +133,18 @@ TEST(Layers, NothingIsPushedFromOutside) {
   const ObjectId coat =
       world.add_cloth(tube(22, 8, 0.16, 0.3), cotton, layer("coat", 2, {.translation = {0.01, 0.02, 0}}));
   const auto mass = [&] { return world.total_mass(shirt) + world.total_mass(coat); };
-  const auto centre = [&] {
-    return (world.centre_of_mass(shirt) * world.total_mass(shirt) +
-            world.centre_of_mass(coat) * world.total_mass(coat)) /
+  const auto center = [&] {
+    return (world.center_of_mass(shirt) * world.total_mass(shirt) +
+            world.center_of_mass(coat) * world.total_mass(coat)) /
            mass();
   };
-  const Vec3d before = centre();
+  const Vec3d before = center();
   world.step(frame_time);
   EXPECT_GT(world.report().misplaced, 100u);
   expect_right(tell(world, 60));
   EXPECT_GT(least_clearance(world, shirt, coat), 0.004f);
   EXPECT_LT(length(world.momentum(shirt) + world.momentum(coat)), 1e-5 * mass());
-  EXPECT_LT(length(centre() - before), 1e-5);
+  EXPECT_LT(length(center() - before), 1e-5);
 }
 
 TEST(Layers, WithoutThemItStaysInside) {
@@ -175,7 +175,7 @@ float least_height(const World& world, ObjectId id) {
   return least;
 }
 float mean_height(const World& world, ObjectId id) {
-  return static_cast<float>(world.centre_of_mass(id).y);
+  return static_cast<float>(world.center_of_mass(id).y);
 }
 
 // Of three sheets in the wrong order, two of which lie in one plane.

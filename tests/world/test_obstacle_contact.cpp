@@ -56,7 +56,7 @@ TEST(ObstacleContact, AGrainRestsOnAStaticMesh) {
     const Vec3d start[] = {Vec3d{0.1, 0.2, 0.15} + place};
     const ObjectId grain = world.add_grains(start, {.radius = 0.05f});
     run(world, 1.5);
-    EXPECT_NEAR(world.centre_of_mass(grain).y - place.y, 0.055, 5e-4) << far;
+    EXPECT_NEAR(world.center_of_mass(grain).y - place.y, 0.055, 5e-4) << far;
     EXPECT_LT(length(world.velocities(grain)[0]), 1e-3f);
     ASSERT_FALSE(world.contacts().empty());
     const ContactEvent& contact = world.contacts()[0];
@@ -91,7 +91,7 @@ TEST(ObstacleContact, AMovingMeshCarriesACloth) {
       world.add_cloth(grid(11, 11, 0.8), material, {.transform = {.translation = {0, 0.111, 0}}});
   run(world, 2);
   // It slides until friction has brought it to the speed of the mesh: v^2 / (2 mu g) behind.
-  EXPECT_NEAR(world.centre_of_mass(cloth).x, 1 - 0.25 / (2 * 0.8 * 9.81), 3e-3);
+  EXPECT_NEAR(world.center_of_mass(cloth).x, 1 - 0.25 / (2 * 0.8 * 9.81), 3e-3);
   for (const Vec3f& v : world.velocities(cloth)) EXPECT_NEAR(v.x, 0.5f, 0.005f);
 }
 
@@ -125,7 +125,7 @@ TEST(ObstacleContact, AWallPushesABallOfClothWithoutPassing) {
       for (const Vec3f& x : world.positions(ball)) ASSERT_GT(x.x, wall) << speed << " m/s, frame " << frame;
     }
     // It goes along with the wall, or flies ahead of it.
-    EXPECT_GT(world.centre_of_mass(ball).x, speed + 0.15);
+    EXPECT_GT(world.center_of_mass(ball).x, speed + 0.15);
     EXPECT_EQ(world.report().flags, 0u) << world.report().message;
   }
 }
@@ -143,7 +143,7 @@ TEST(ObstacleContact, NothingPassesABallThatFliesIntoACloth) {
       world.step(1.0 / 60);
       ASSERT_EQ(crossings(world, ball, cloth), 0) << speed << " m/s, " << t << " s";
     }
-    EXPECT_GT(world.centre_of_mass(cloth).y, 0.1);
+    EXPECT_GT(world.center_of_mass(cloth).y, 0.1);
   }
 }
 

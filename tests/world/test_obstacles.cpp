@@ -44,7 +44,7 @@ TEST(Obstacles, AStaticOneStandsStill) {
     }
     EXPECT_EQ(world.total_mass(ring), 0);
     EXPECT_EQ(world.kinetic_energy(ring), 0);
-    EXPECT_LT(length(world.centre_of_mass(ring) - Vec3d{0.1, 1.3, 0}), 1e-6);
+    EXPECT_LT(length(world.center_of_mass(ring) - Vec3d{0.1, 1.3, 0}), 1e-6);
     EXPECT_TRUE(world.pinned(ring).empty());
     EXPECT_EQ(world.report().flags, 0u);
   }

@@ -154,10 +154,10 @@ TEST(Pins, PressureNeedsAClosedSurface) {
   world.set_settings({.gravity = {}, .drag = 2});
   world.set_pressure(ball, 50);
   for (int i = 0; i < 120; ++i) world.step(1.0 / 60);
-  EXPECT_GT(length(world.positions(ball)[0] - Vec3f(world.centre_of_mass(ball))), 0.51f);
+  EXPECT_GT(length(world.positions(ball)[0] - Vec3f(world.center_of_mass(ball))), 0.51f);
 }
 
-// The user's own struct gets the solvers, the colours and the report.
+// The user's own struct gets the solvers, the colors and the report.
 struct OnTheGround {
   static constexpr const char* name = "on_the_ground";
   static constexpr int arity = 1;

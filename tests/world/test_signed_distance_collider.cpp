@@ -50,7 +50,7 @@ TEST(SignedDistanceCollider, AClothLiesOnItAsOnItsMesh) {
   run(on_mesh, 1.5);
   EXPECT_NEAR(nearest_to_torus(on_field, a, 0.3, 0.1), 0.01, 0.002);
   EXPECT_NEAR(top(on_field, a), top(on_mesh, b), 0.5 * spacing);
-  EXPECT_NEAR(on_field.centre_of_mass(a).y, on_mesh.centre_of_mass(b).y, spacing);
+  EXPECT_NEAR(on_field.center_of_mass(a).y, on_mesh.center_of_mass(b).y, spacing);
 }
 
 // The wall is as thick as two spacings, a grain as wide as three of them.
@@ -58,13 +58,13 @@ TEST(SignedDistanceCollider, NoGrainLeavesAGlass) {
   const double radius = 0.1, wall = 0.02;
   World world;
   world.add_collider(SignedDistanceField(test::glass(radius, 0.3, wall, 48), 0.01));
-  std::vector<Vec3d> centres;
+  std::vector<Vec3d> centers;
   for (int i = 0; i < 200; ++i) {
     const double angle = 2.4 * i, away = 0.014 * std::sqrt(i % 25);
-    centres.push_back({away * std::cos(angle), 0.03 + 0.035 * (i / 25), away * std::sin(angle)});
+    centers.push_back({away * std::cos(angle), 0.03 + 0.035 * (i / 25), away * std::sin(angle)});
   }
-  const ObjectId grains = world.add_grains(centres, {.radius = 0.015f, .friction = 0.1f});
-  std::vector<Vec3f> velocities(centres.size(), {3, 0, 1});
+  const ObjectId grains = world.add_grains(centers, {.radius = 0.015f, .friction = 0.1f});
+  std::vector<Vec3f> velocities(centers.size(), {3, 0, 1});
   world.set_velocities(grains, velocities);
   run(world, 2);
   for (const Vec3f& x : world.positions(grains)) {
@@ -92,10 +92,10 @@ TEST(SignedDistanceCollider, CarriesWhatLiesOnItWhenItMoves) {
 TEST(SignedDistanceCollider, NothingFastPassesIt) {
   World world;
   world.add_collider(SignedDistanceField(box({2, 0.05, 2}), 0.02));
-  std::vector<Vec3d> centres;
-  for (int i = 0; i < 25; ++i) centres.push_back({0.1 * (i % 5), 0.5 + 0.05 * i, 0.1 * (i / 5)});
-  const ObjectId grains = world.add_grains(centres, {.radius = 0.01f});
-  world.set_velocities(grains, std::vector<Vec3f>(centres.size(), {5, -200, 0}));
+  std::vector<Vec3d> centers;
+  for (int i = 0; i < 25; ++i) centers.push_back({0.1 * (i % 5), 0.5 + 0.05 * i, 0.1 * (i / 5)});
+  const ObjectId grains = world.add_grains(centers, {.radius = 0.01f});
+  world.set_velocities(grains, std::vector<Vec3f>(centers.size(), {5, -200, 0}));
   run(world, 0.05);
   for (const Vec3f& x : world.positions(grains)) EXPECT_GT(x.y, 0.03f);
 }

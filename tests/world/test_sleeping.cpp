@@ -60,13 +60,13 @@ void add_heap_of_cloth(World& world) {
 }
 
 void add_grains(World& world) {
-  std::vector<Vec3d> centres;
-  centres.reserve(75);
+  std::vector<Vec3d> centers;
+  centers.reserve(75);
   for (int layer = 0; layer < 3; ++layer)
     for (int k = 0; k < 5; ++k)
       for (int i = 0; i < 5; ++i)
-        centres.push_back({0.041 * i + 0.001 * ((i + k) % 3), 0.02 + 0.041 * layer, 0.041 * k});
-  world.add_grains(centres, {.radius = 0.02f, .friction = 0.8f});
+        centers.push_back({0.041 * i + 0.001 * ((i + k) % 3), 0.02 + 0.041 * layer, 0.041 * k});
+  world.add_grains(centers, {.radius = 0.02f, .friction = 0.8f});
 }
 
 // What every kind does on a floor.
@@ -129,18 +129,18 @@ TEST(Sleeping, ABallWakesTheSheetThatCatchesIt) {
     world.pin(sheet, vertices({0, 12, 156, 168}));
     run(world, 8);
     EXPECT_EQ(world.is_asleep(sheet), enabled);
-    const double rest = world.centre_of_mass(sheet).y;
-    const std::vector<Vec3d> centre{{0.01, 0.4, 0.02}};
-    const ObjectId ball = world.add_grains(centre, {.radius = 0.06f, .density = 300});
+    const double rest = world.center_of_mass(sheet).y;
+    const std::vector<Vec3d> center{{0.01, 0.4, 0.02}};
+    const ObjectId ball = world.add_grains(center, {.radius = 0.06f, .density = 300});
     run(world, 0.1);
     EXPECT_EQ(world.is_asleep(sheet), enabled) << "the ball has not come near";
     double lowest = rest;
     for (int k = 0; k < 40; ++k) {
       world.step(frame);
-      lowest = std::min(lowest, world.centre_of_mass(sheet).y);
+      lowest = std::min(lowest, world.center_of_mass(sheet).y);
     }
     EXPECT_FALSE(world.is_asleep(sheet));
-    EXPECT_GT(world.centre_of_mass(ball).y, -0.4) << "caught";
+    EXPECT_GT(world.center_of_mass(ball).y, -0.4) << "caught";
     return rest - lowest;
   };
   const double slept = deepest(true), awake = deepest(false);
@@ -226,13 +226,13 @@ TEST(Sleeping, AStackSleepsAndWakesAsOne) {
     const ObjectId middle = add_box(world, {0.01, 0.32, 0.01}, "middle");
     const ObjectId top = add_box(world, {0, 0.53, 0}, "top");
     EXPECT_LT(frames_until_asleep(world, 600), 600);
-    const double height = world.centre_of_mass(top).y;
+    const double height = world.center_of_mass(top).y;
     ASSERT_GT(height, 0.45) << "they stand on each other";
     pulls[which](world, bottom, floor);
     EXPECT_FALSE(world.is_asleep(middle));
     EXPECT_FALSE(world.is_asleep(top));
     run(world, 0.4);
-    EXPECT_LT(world.centre_of_mass(top).y, height - 0.1);
+    EXPECT_LT(world.center_of_mass(top).y, height - 0.1);
   }
 }
 
@@ -322,7 +322,7 @@ TEST(Sleeping, AHandWakesAndKeepsAwake) {
   EXPECT_FALSE(world.is_asleep(box));
   grab.move_to(world.positions(box)[0] + Vec3f{0, 0.5f, 0});
   run(world, 1);
-  EXPECT_GT(world.centre_of_mass(box).y, 0.2);
+  EXPECT_GT(world.center_of_mass(box).y, 0.2);
   grab.release();
   EXPECT_TRUE(world.is_asleep(other));
   EXPECT_LT(frames_until_asleep(world, 600), 600);
@@ -344,11 +344,11 @@ TEST(Sleeping, WhatCarriesThemWakesThemWhenItMoves) {
     ASSERT_LT(frames_until_asleep(world, 200), 200);
     while (world.time() < 3.9) world.step(frame);
     EXPECT_TRUE(world.is_asleep(box));
-    const double x = world.centre_of_mass(box).x;
+    const double x = world.center_of_mass(box).x;
     while (world.time() < 4.2) world.step(frame);
     EXPECT_FALSE(world.is_asleep(box));
     while (world.time() < 8) world.step(frame);
-    EXPECT_NEAR(world.centre_of_mass(box).x - x, 0.5, 0.1);
+    EXPECT_NEAR(world.center_of_mass(box).x - x, 0.5, 0.1);
     EXPECT_TRUE(world.is_asleep(box)) << "they stand again";
   }
 }

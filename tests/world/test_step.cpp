@@ -92,9 +92,9 @@ TEST(Step, DampingKeepsRigidMotion) {
   const double spin_before = world.velocities(body)[0].y;
   for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
   EXPECT_NEAR(world.momentum(body).x, world.total_mass(body), 1e-3 * world.total_mass(body));
-  EXPECT_NEAR(world.centre_of_mass(body).x, 1, 1e-3);
-  double L = 0, L0 = 0;  // about the centre, axis z
-  const Vec3d c = world.centre_of_mass(body);
+  EXPECT_NEAR(world.center_of_mass(body).x, 1, 1e-3);
+  double L = 0, L0 = 0;  // about the center, axis z
+  const Vec3d c = world.center_of_mass(body);
   const auto x = world.positions(body), v = world.velocities(body);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3d r = Vec3d(x[i]) - c, w = Vec3d(v[i]) - Vec3d{1, 0, 0};

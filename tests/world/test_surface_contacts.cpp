@@ -109,8 +109,8 @@ TEST(SurfaceContacts, AGrainRestsInTheMiddleOfATriangle) {
   World world({.substeps = 20});
   const ObjectId sheet = world.add_cloth(grid(3, 3, 1), {.thickness = 0.01f});
   world.pin(sheet, in_box({-9, -9, -9}, {9, 9, 9}));
-  const std::vector<Vec3d> centres{{0.2, 0.1, 0.13}};
-  const ObjectId grain = world.add_grains(centres, {.radius = 0.02f});
+  const std::vector<Vec3d> centers{{0.2, 0.1, 0.13}};
+  const ObjectId grain = world.add_grains(centers, {.radius = 0.02f});
   for (int frame = 0; frame < 90; ++frame) world.step(1.0 / 60);
   EXPECT_NEAR(double(world.positions(grain)[0].y), 0.025, 5e-4);
   EXPECT_LT(double(length(world.velocities(grain)[0])), 1e-3);
@@ -177,9 +177,9 @@ TEST(SurfaceContacts, NoGrainThatIsAimedAtARopePasses) {
     const std::vector<Vec3d> across{{-0.5, 0, 0}, {0.5, 0, 0}};
     const ObjectId rope = world.add_rope(across, 4, {.radius = 0.01f});
     world.pin(rope, vertices({0, 4}));
-    std::vector<Vec3d> centres(40);
-    for (int i = 0; i < 40; ++i) centres[std::size_t(i)] = {-0.45 + 0.023 * i, 1 + 0.037 * i, 0};
-    const ObjectId grains = world.add_grains(centres, {.radius = 0.002f}, {.velocity = {0, -200, 0}});
+    std::vector<Vec3d> centers(40);
+    for (int i = 0; i < 40; ++i) centers[std::size_t(i)] = {-0.45 + 0.023 * i, 1 + 0.037 * i, 0};
+    const ObjectId grains = world.add_grains(centers, {.radius = 0.002f}, {.velocity = {0, -200, 0}});
     std::size_t contacts = 0;
     for (int frame = 0; frame < 3; ++frame) {
       contacts += world.step(1.0 / 60).contacts;

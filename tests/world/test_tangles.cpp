@@ -102,7 +102,7 @@ TEST(Tangles, BoxesThatOverlapByAThirdComeApart) {
   expect_apart(story);
   const double mass = world.total_mass(one);
   EXPECT_LT(length(total_momentum(world)), 1e-3 * mass);
-  EXPECT_GT((world.centre_of_mass(other) - world.centre_of_mass(one)).x, 0.29);
+  EXPECT_GT((world.center_of_mass(other) - world.center_of_mass(one)).x, 0.29);
 }
 
 void hold_corners(World& world, ObjectId sheet) {

@@ -43,10 +43,10 @@ int nearest_corner(const std::array<Vector3, 3>& x, const Ray& ray) {
   return static_cast<int>(largest - weights.begin());
 }
 
-float distance_to_ball(const Vector3& centre, float radius, const Ray& ray) {
+float distance_to_ball(const Vector3& center, float radius, const Ray& ray) {
   // Radium picks the square about a splat.
-  const float t = (centre - ray.origin()).dot(ray.direction());
-  return ray.distance(centre) < 1.5f * radius && t > 0 ? t : none;
+  const float t = (center - ray.origin()).dot(ray.direction());
+  return ray.distance(center) < 1.5f * radius && t > 0 ? t : none;
 }
 
 }  // namespace
@@ -83,9 +83,9 @@ void Sight::add(const RenderMesh& mesh, const host::ObjectInfo* object) {
   }
   if (!indices.empty() || object == nullptr) return;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    const Vector3 centre = to_world * vertex(positions, v);
+    const Vector3 center = to_world * vertex(positions, v);
     targets_.push_back(
-        {{mesh.index(), static_cast<int>(v), 0}, {centre, centre, centre}, object->radius, thickness, true});
+        {{mesh.index(), static_cast<int>(v), 0}, {center, center, center}, object->radius, thickness, true});
   }
 }
 

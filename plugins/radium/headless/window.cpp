@@ -56,7 +56,7 @@ Ra::Core::Transform frame_of(const Vector3& from, const Vector3& way) {
 void add_light(Renderer& renderer, const char* name, const Vector3& direction, float strength) {
   auto* light = new Ra::Engine::Scene::DirectionalLight(Ra::Engine::Scene::SystemEntity::getInstance(),
                                                         name);  // the entity's
-  light->setColor(Ra::Core::Utils::Color::Grey(strength));
+  light->setColor(Ra::Core::Utils::Color::Gray(strength));
   light->setDirection(direction.normalized());
   renderer.addLight(light);
 }

@@ -38,7 +38,7 @@ Ra::Core::Geometry::TriangleMesh turned_over(const RenderMesh& front) {
   return mesh;
 }
 
-/// How many metres one unit of the mesh is, on average over the directions.
+/// How many meters one unit of the mesh is, on average over the directions.
 float scale_of(const RenderMesh& mesh) {
   const std::array<float, 16> transform = mesh.transform();
   const Eigen::Map<const Eigen::Matrix4f> matrix(transform.data());

@@ -95,7 +95,7 @@ SOUPLE_INLINE inline Numbers<Set> gather(const float* column, const std::uint32_
   return Numbers<Set>::load(lanes);
 }
 
-// Neighbours in a column; where fewer are left than there are lanes, nothing behind them is touched.
+// Neighbors in a column; where fewer are left than there are lanes, nothing behind them is touched.
 template <class Set>
 SOUPLE_INLINE inline Numbers<Set> load(const float* column, int count) {
   if (count == Set::lanes) return Numbers<Set>::load(column);
@@ -419,7 +419,7 @@ struct Movable {
   }
 
   /// Adds change times w_k c_k / inverse_mass to each corner where `which` says so. Nothing is written to a
-  /// particle that cannot move: contacts of one colour may share it. Backwards, for a vertex that stands as
+  /// particle that cannot move: contacts of one color may share it. Backwards, for a vertex that stands as
   /// an edge from it to itself: all the weight is on its first corner, and what is written last counts.
   SOUPLE_INLINE void add(const Vectors<Set>& change, const T (&c)[4], const typename T::Mask& which,
                          float* base, const std::uint32_t (&first_float)[4][Set::lanes]) {

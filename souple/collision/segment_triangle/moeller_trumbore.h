@@ -17,7 +17,7 @@ namespace souple {
 ///
 /// det = -d . n: positive where the segment comes from the front. Where they divide first and compare with
 /// 1, the third weight is compared with 0 before the division: no rounding shuts out the edge between b and
-/// c. That edge, though, is a difference of the others, and not the same number in the neighbouring triangle.
+/// c. That edge, though, is a difference of the others, and not the same number in the neighboring triangle.
 struct MoellerTrumbore {
   template <class T>
   struct Prepared {

@@ -74,7 +74,7 @@ struct Gathered {
   }
 };
 
-/// A particle against `lanes` of its neighbours.
+/// A particle against `lanes` of its neighbors.
 template <class Set>
 struct Near {
   using T = simd::Pack<Set>;

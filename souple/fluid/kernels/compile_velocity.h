@@ -21,7 +21,7 @@ struct SixteenOfThree {
   }
 };
 
-/// What of a particle's neighbours a term needs.
+/// What of a particle's neighbors a term needs.
 template <class Set>
 struct Pair {
   using T = simd::Pack<Set>;

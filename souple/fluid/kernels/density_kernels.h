@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// Sums over the neighbours of a fluid's particle, a register's worth at a time: compiled once for each
+// Sums over the neighbors of a fluid's particle, a register's worth at a time: compiled once for each
 // instruction set. Every sum goes to sixteen partial sums, term k to the (k mod 16)-th, which are then
 // combined as a tree: the same bits however wide the registers are.
 
@@ -38,7 +38,7 @@ struct ListsOfPlaces {
   std::uint32_t begin, end;
 };
 
-/// Lists hold the place of each neighbour times four, padded to whole sixteens with that of a record so far
+/// Lists hold the place of each neighbor times four, padded to whole sixteens with that of a record so far
 /// away that its terms are zero.
 struct DensityKernels {
   /// `sums` and `push` of place begin + k go to result[k]: without a call for each.
@@ -60,7 +60,7 @@ struct DensityKernels {
                   const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
 };
 
-/// One neighbour after the other, to compare with.
+/// One neighbor after the other, to compare with.
 struct PlainLanes;
 
 template <class Set, class Shape>

@@ -4,10 +4,10 @@
 
 namespace souple::kernels {
 
-const NeighbourKernels& find_neighbour_kernels(InstructionSet set) {
-  const NeighbourKernels* const packed = souple::detail::find_for(
-      set, []<class Set>(std::type_identity<Set>) { return &neighbour_kernels<Set>(); });
-  return packed ? *packed : neighbour_kernels<OneLane>();
+const NeighborKernels& find_neighbor_kernels(InstructionSet set) {
+  const NeighborKernels* const packed = souple::detail::find_for(
+      set, []<class Set>(std::type_identity<Set>) { return &neighbor_kernels<Set>(); });
+  return packed ? *packed : neighbor_kernels<OneLane>();
 }
 
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/fluid/kernels/density_kernels.h"
-#include "souple/fluid/kernels/neighbour_kernels.h"
+#include "souple/fluid/kernels/neighbor_kernels.h"
 #include "souple/fluid/kernels/velocity_kernels.h"
 #include "souple/fluid/smoothing_shape.h"
 #include "souple/solver/instruction_set.h"
@@ -10,7 +10,7 @@ namespace souple::kernels {
 
 // Those of an instruction set; scalar code where there are none. Results are the same.
 
-const NeighbourKernels& find_neighbour_kernels(InstructionSet set);
+const NeighborKernels& find_neighbor_kernels(InstructionSet set);
 const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape);
 const VelocityKernels& find_velocity_kernels(InstructionSet set, SmoothingShape shape);
 

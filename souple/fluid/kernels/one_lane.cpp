@@ -1,4 +1,4 @@
-#include "souple/fluid/kernels/compile_neighbours.h"
+#include "souple/fluid/kernels/compile_neighbors.h"
 
 namespace souple::kernels {
 
@@ -16,6 +16,6 @@ std::uint32_t near_point<OneLane>(const PointColumns& points, std::uint32_t i, c
   return count;
 }
 
-template const NeighbourKernels& neighbour_kernels<OneLane>();
+template const NeighborKernels& neighbor_kernels<OneLane>();
 
 }  // namespace souple::kernels

@@ -2,7 +2,7 @@
 #include "souple/fluid/kernels/plain_sums.h"
 #include "souple/fluid/kernels/shapes.h"
 
-// What compile_density.h does, one neighbour after the other.
+// What compile_density.h does, one neighbor after the other.
 
 namespace souple::kernels {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-// One neighbour after the other: what compile_density.h does in registers.
+// One neighbor after the other: what compile_density.h does in registers.
 
 namespace souple::kernels {
 

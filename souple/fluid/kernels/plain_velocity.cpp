@@ -2,7 +2,7 @@
 #include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/kernels/velocity_kernels.h"
 
-// What compile_velocity.h does, one neighbour after the other.
+// What compile_velocity.h does, one neighbor after the other.
 
 namespace souple::kernels {
 

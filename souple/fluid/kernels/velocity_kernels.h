@@ -2,7 +2,7 @@
 
 #include "souple/fluid/kernels/density_kernels.h"
 
-// Sums over the neighbours of a fluid's particle that change velocities: see density_kernels.h for lists and
+// Sums over the neighbors of a fluid's particle that change velocities: see density_kernels.h for lists and
 // for the order in which terms are added.
 
 namespace souple::kernels {
@@ -26,7 +26,7 @@ struct VelocityKernels {
   /// sum_j grad W_ij x (v_j - v_i); values: v.
   Vec3f (*curl)(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                 const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
-  /// sum_j (|u| - u . d / r) (1 - r / h), u = v_i - v_j: how fast neighbours come closer; values: v.
+  /// sum_j (|u| - u . d / r) (1 - r / h), u = v_i - v_j: how fast neighbors come closer; values: v.
   float (*meeting)(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                    const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
   /// -sum_j 2 / (rho_i + rho_j) (a c(r / h) d / r + b value(r / h) (n_i - n_j)); values: n and rho > 0.

@@ -37,9 +37,9 @@ std::vector<ColliderShape> Session::colliders(double extent) const {
     shape.normals = flat(mesh.normals);
     for (const Triangle& triangle : mesh.triangles)
       shape.indices.insert(shape.indices.end(), triangle.begin(), triangle.end());
-    const std::optional<std::uint32_t> colour = impl_->contents.collider_colour(shape.name);
-    shape.has_colour = colour.has_value();
-    shape.colour = channels_of(colour);
+    const std::optional<std::uint32_t> color = impl_->contents.collider_color(shape.name);
+    shape.has_color = color.has_value();
+    shape.color = channels_of(color);
     shapes.push_back(std::move(shape));
   }
   return shapes;

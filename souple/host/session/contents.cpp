@@ -81,15 +81,15 @@ Item item_of_scene(Handle handle, const World& world, ObjectId id, const SceneDe
   item.material = material_of(world, id);
   item.id = id;
   for (const AnyObjectDescription& any : scene.objects)
-    if (common(any).name == item.name) item.colour = common(any).colour;
+    if (common(any).name == item.name) item.color = common(any).color;
   return item;
 }
 
 }  // namespace
 
-std::array<float, 3> channels_of(const std::optional<std::uint32_t>& colour) {
-  if (!colour) return {};
-  const auto channel = [&](int shift) { return static_cast<float>((*colour >> shift) & 0xffu) / 255; };
+std::array<float, 3> channels_of(const std::optional<std::uint32_t>& color) {
+  if (!color) return {};
+  const auto channel = [&](int shift) { return static_cast<float>((*color >> shift) & 0xffu) / 255; };
   return {channel(16), channel(8), channel(0)};
 }
 
@@ -116,9 +116,9 @@ Item* Contents::find(ObjectId id) const {
   return nullptr;
 }
 
-std::optional<std::uint32_t> Contents::collider_colour(const std::string& name) const {
+std::optional<std::uint32_t> Contents::collider_color(const std::string& name) const {
   for (const ColliderDescription& collider : scene_.colliders)
-    if (collider.name == name) return collider.colour;
+    if (collider.name == name) return collider.color;
   return std::nullopt;
 }
 

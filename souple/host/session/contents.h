@@ -33,13 +33,13 @@ struct Item {
   Kind kind = Kind::cloth;
   AnyMaterial material{};
   std::vector<Pin> pins{};  ///< in the order the user said them, each vertex once: some share particles
-  std::optional<HostMesh> mesh{};         ///< without it the object is one of the scene's
-  std::optional<std::uint32_t> colour{};  ///< 0xRRGGBB (sRGB), of the scene
-  ObjectId id{};                          ///< in the world of now
+  std::optional<HostMesh> mesh{};        ///< without it the object is one of the scene's
+  std::optional<std::uint32_t> color{};  ///< 0xRRGGBB (sRGB), of the scene
+  ObjectId id{};                         ///< in the world of now
 };
 
 /// 0xRRGGBB as numbers in [0, 1], in the same encoding; zeros for none.
-std::array<float, 3> channels_of(const std::optional<std::uint32_t>& colour);
+std::array<float, 3> channels_of(const std::optional<std::uint32_t>& color);
 
 /// The world of a session, and what it is made from, so that it can be made again from the start.
 class Contents {
@@ -56,7 +56,7 @@ class Contents {
   bool contains(Handle handle) const { return find(handle) != nullptr; }
   Item* find(ObjectId id) const;
   /// 0xRRGGBB (sRGB) as the scene file gives it, or nothing.
-  std::optional<std::uint32_t> collider_colour(const std::string& name) const;
+  std::optional<std::uint32_t> collider_color(const std::string& name) const;
 
   void open(const std::string& file);
   void clear();

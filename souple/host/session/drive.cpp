@@ -23,7 +23,7 @@ Quatd quaternion_of(const Mat3d& m) {
   return normalized(Quatd{xz, yz, 1 + z - x - y, c});
 }
 
-/// The chord between two rotations, normalised: in the few degrees of a step as good as the arc.
+/// The chord between two rotations, normalized: in the few degrees of a step as good as the arc.
 Quatd between(const Quatd& a, const Quatd& b, double s) {
   const double t = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w < 0 ? -s : s, r = 1 - s;
   return normalized(Quatd{r * a.x + t * b.x, r * a.y + t * b.y, r * a.z + t * b.z, r * a.w + t * b.w});

@@ -23,29 +23,29 @@ CodecPtr<SignedDistanceFieldDescription> signed_distance_field_codec() {
 
 CodecPtr<ShapeDescription> shape_codec() {
   using S = ShapeDescription;
-  const CodecPtr<Vec3f> centre = vector3<float>(metres);
+  const CodecPtr<Vec3f> center = vector3<float>(meters);
   const CodecPtr<float> size = number<float>(size_range);
-  const char* centre_doc = "in the collider's own frame [m]";
+  const char* center_doc = "in the collider's own frame [m]";
   auto plane = table<Plane>("plane", "The half space normal . x <= offset is solid.");
-  plane->key<&Plane::normal>("normal", vector3<float>(metres), "points out of the solid; any length but zero")
-      .key<&Plane::offset>("offset", number<float>(metres), "[m], times the length of the normal")
+  plane->key<&Plane::normal>("normal", vector3<float>(meters), "points out of the solid; any length but zero")
+      .key<&Plane::offset>("offset", number<float>(meters), "[m], times the length of the normal")
       .check([](const Plane& shape, const Place& place) {
         if (!(length_squared(Vec3d(shape.normal)) > 1e-12)) place.key("normal").fail("must not be zero");
       });
   auto sphere = table<Sphere>("sphere", "A ball.");
-  sphere->required<&Sphere::radius>("radius", size, "[m]").key<&Sphere::center>("center", centre, centre_doc);
+  sphere->required<&Sphere::radius>("radius", size, "[m]").key<&Sphere::center>("center", center, center_doc);
   auto box = table<Box>("box", "A box.");
   box->required<&Box::half_extents>("half_extents", vector3<float>(size_range), "half the side lengths [m]")
-      .key<&Box::center>("center", centre, centre_doc);
+      .key<&Box::center>("center", center, center_doc);
   auto capsule = table<Capsule>("capsule", "Everything within `radius` of a segment along Y.");
   capsule->required<&Capsule::radius>("radius", size, "[m]")
       .required<&Capsule::half_height>("half_height", number<float>(from_zero(far_away)),
                                        "half the length of the segment, caps not counted [m]")
-      .key<&Capsule::center>("center", centre, centre_doc);
+      .key<&Capsule::center>("center", center, center_doc);
   auto cylinder = table<Cylinder>("cylinder", "A cylinder along Y with flat ends.");
   cylinder->required<&Cylinder::radius>("radius", size, "[m]")
       .required<&Cylinder::half_height>("half_height", size, "half the height [m]")
-      .key<&Cylinder::center>("center", centre, centre_doc);
+      .key<&Cylinder::center>("center", center, center_doc);
   auto keys = table<S>("shape", "The solid of a collider, or the region of a drain.");
   keys->choice<>({alternative<S, Plane>("plane", plane, "a half space"),
                   alternative<S, Sphere>("sphere", sphere, "a ball"),
@@ -67,8 +67,7 @@ CodecPtr<ColliderDescription> collider_codec() {
       .key<&C::restitution>(
           "restitution", number<float>(unit),
           "how much of the speed a bounce gives back; a contact has the larger of both sides")
-      .key<&C::colour>("colour", maybe(colour()),
-                       "how pictures show it, as in HTML; if not given: light grey")
+      .key<&C::color>("color", maybe(color()), "how pictures show it, as in HTML; if not given: light gray")
       .key<&C::show>("show", boolean(), "false: pictures leave it out, it collides all the same")
       .key<&C::transform>("transform", pose_codec(), "where it stands")
       .key<&C::keyframes>("keyframes", keyframes_codec(), "where it goes, instead of `transform`")

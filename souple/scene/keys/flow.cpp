@@ -22,8 +22,8 @@ CodecPtr<EmitterDescription> emitter_codec() {
       table<E>("emitter",
                "A round nozzle from which a fluid comes, layer after layer, a spacing apart. It holds "
                "back what finds other fluid in its way, and what is more than `most_particles`.");
-  keys->required<&E::position>("position", vector3<float>(metres), "of its middle [m]")
-      .key<&E::direction>("direction", vector3<float>(metres), "where the fluid goes; any length but zero")
+  keys->required<&E::position>("position", vector3<float>(meters), "of its middle [m]")
+      .key<&E::direction>("direction", vector3<float>(meters), "where the fluid goes; any length but zero")
       .key<&E::radius>("radius", number<float>(from_zero(far_away)),
                        "[m]; below the spacing: a thread of one particle after another")
       .key<&E::speed>("speed", number<float>(positive(1e4)), "[m/s]")

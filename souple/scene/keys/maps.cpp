@@ -7,13 +7,13 @@ namespace {
 template <class T>
 void add_map_keys(Table<T>& keys, const char* value_doc, const char* fallback_doc) {
   using V = decltype(MapDescription::source);
-  auto channel = enumeration<ColourChannel>(
-      {{"red", ColourChannel::red}, {"green", ColourChannel::green}, {"blue", ColourChannel::blue}});
+  auto channel = enumeration<ColorChannel>(
+      {{"red", ColorChannel::red}, {"green", ColorChannel::green}, {"blue", ColorChannel::blue}});
   keys.template choice<&MapDescription::source>(
       {alternative<V>("group", text(),
                       "vertices of this group of the mesh file have `value`, the others `default`"),
-       alternative<V>("colour", channel,
-                      "this channel of the vertices' colours blends from `default` (0) to `value` (1)")});
+       alternative<V>("color", channel,
+                      "this channel of the vertices' colors blends from `default` (0) to `value` (1)")});
   keys.template key<&MapDescription::value>("value", number<float>(from_zero(1e4)), value_doc)
       .template key<&MapDescription::fallback>("default", number<float>(from_zero(1e4)), fallback_doc);
 }
@@ -23,7 +23,7 @@ CodecPtr<PinMapDescription> pin_map_codec() {
                                        "How strongly each vertex is held where it starts: weight 1 is a "
                                        "pin, 0 is free, w between them a spring of compliance "
                                        "(1 - w) / w times `compliance`.");
-  add_map_keys(*keys, "weight in the group, or at colour 1; at most 1", "weight elsewhere, or at colour 0");
+  add_map_keys(*keys, "weight in the group, or at color 1; at most 1", "weight elsewhere, or at color 0");
   keys->key<&PinMapDescription::compliance>("compliance", number<float>(positive(1e6)),
                                             "of a vertex of weight 0.5 [m/N]")
       .check([](const PinMapDescription& map, const Place& place) {
@@ -37,7 +37,7 @@ CodecPtr<MapDescription> scale_map_codec() {
   auto keys = table<MapDescription>("map", "A factor for each vertex.");
   keys->start([](const Json&, const Place&, void* map) { static_cast<MapDescription*>(map)->fallback = 1; },
               [](const MapDescription&, MapDescription& fallback) { fallback.fallback = 1; });
-  add_map_keys(*keys, "factor in the group, or at colour 1", "factor elsewhere, or at colour 0");
+  add_map_keys(*keys, "factor in the group, or at color 1", "factor elsewhere, or at color 0");
   return keys;
 }
 
@@ -46,7 +46,7 @@ CodecPtr<MapDescription> scale_map_codec() {
 CodecPtr<MapsDescription> maps_codec() {
   using M = MapsDescription;
   auto keys = table<M>("maps",
-                       "Numbers that differ from vertex to vertex, from the groups or the colours of the "
+                       "Numbers that differ from vertex to vertex, from the groups or the colors of the "
                        "mesh file.");
   keys->key<&M::pin_weight>("pin_weight", maybe(pin_map_codec()), "how strongly vertices are held")
       .key<&M::stiffness>("stiffness", maybe(scale_map_codec()), "scales the material's stiffness")

@@ -6,7 +6,7 @@ namespace {
 
 CodecPtr<GridMesh> grid_codec() {
   auto keys = table<GridMesh>("grid",
-                              "A flat sheet in the XZ plane, square cells, centred at the origin, facing "
+                              "A flat sheet in the XZ plane, square cells, centered at the origin, facing "
                               "up. Vertex index = row * columns + column.");
   keys->required<&GridMesh::columns>("columns", number<int>(within(2, 10000)), "vertices along X")
       .required<&GridMesh::rows>("rows", number<int>(within(2, 10000)), "vertices along Z")
@@ -23,9 +23,9 @@ CodecPtr<GridMesh> grid_codec() {
 
 CodecPtr<DiskMesh> disk_codec() {
   auto keys = table<DiskMesh>("disk",
-                              "A flat disk in the XZ plane, facing up; vertex 0 is the centre, the rest "
+                              "A flat disk in the XZ plane, facing up; vertex 0 is the center, the rest "
                               "follow ring by ring.");
-  keys->required<&DiskMesh::rings>("rings", number<int>(within(1, 10000)), "circles about the centre")
+  keys->required<&DiskMesh::rings>("rings", number<int>(within(1, 10000)), "circles about the center")
       .required<&DiskMesh::segments>("segments", number<int>(within(3, 10000)), "vertices of a circle")
       .required<&DiskMesh::radius>("radius", number<double>(size_range), "[m]")
       .check([](const DiskMesh& mesh, const Place& place) {
@@ -44,7 +44,7 @@ CodecPtr<SphereMesh> sphere_mesh_codec() {
 }
 
 CodecPtr<BoxMesh> box_mesh_codec() {
-  auto keys = table<BoxMesh>("box_mesh", "A closed box, centred at the origin.");
+  auto keys = table<BoxMesh>("box_mesh", "A closed box, centered at the origin.");
   keys->required<&BoxMesh::size>("size", vector3<double>(size_range), "side lengths [m]")
       .key<&BoxMesh::divisions>("divisions", counts(1000), "cells along the sides")
       .check([](const BoxMesh& mesh, const Place& place) {
@@ -159,7 +159,7 @@ CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
   auto keys = table<M>(heading, doc);
   keys->choice<&M::source>(std::move(sources))
       .key<&M::import, &MeshImport::scale>("scale", number<double>(positive(1e6)),
-                                           "metres per unit of the file")
+                                           "meters per unit of the file")
       .key<&M::import, &MeshImport::up>(
           "up", enumeration<UpAxis>({{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}),
           "the axis that points up in the file")

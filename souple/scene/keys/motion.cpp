@@ -25,7 +25,7 @@ std::shared_ptr<Table<S>> sequence_table(const char* heading) {
 CodecPtr<TransformDescription> transform_codec() {
   using T = TransformDescription;
   auto keys = table<T>("transform", "Where a thing stands: scaled first, then rotated, then moved.");
-  keys->key<&T::translate>("translate", vector3<double>(metres), "where its origin goes [m]")
+  keys->key<&T::translate>("translate", vector3<double>(meters), "where its origin goes [m]")
       .key<&T::rotate>("rotate", vector3<double>(signed_range(1e5)),
                        "degrees about X, then Y, then Z (axes that stay)")
       .key<&T::scale>("scale", number<double>(positive(1e4)), "factor");
@@ -35,7 +35,7 @@ CodecPtr<TransformDescription> transform_codec() {
 CodecPtr<TransformDescription> pose_codec() {
   using T = TransformDescription;
   auto keys = table<T>("pose", "Where a collider stands: rotated first, then moved.");
-  keys->key<&T::translate>("translate", vector3<double>(metres), "where its origin goes [m]")
+  keys->key<&T::translate>("translate", vector3<double>(meters), "where its origin goes [m]")
       .key<&T::rotate>("rotate", vector3<double>(signed_range(1e5)),
                        "degrees about X, then Y, then Z (axes that stay)");
   return keys;
@@ -48,7 +48,7 @@ CodecPtr<std::vector<KeyframeDescription>> keyframes_codec() {
                        "shorter way round at constant speed; before the first and after the last "
                        "nothing moves.");
   keys->required<&K::time>("time", number<double>(from_zero(1e6)), "when [s]; each later than the one before")
-      .key<&K::translate>("translate", vector3<double>(metres), "[m]")
+      .key<&K::translate>("translate", vector3<double>(meters), "[m]")
       .key<&K::rotate>("rotate", vector3<double>(signed_range(1e5)), "degrees about X, then Y, then Z");
   return list<K>(keys, 0, 100000);
 }

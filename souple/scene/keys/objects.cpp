@@ -56,9 +56,9 @@ void add_object_keys(Table<T>& keys) {
   keys.template key<&T::transform>("transform", transform_codec(), "where it stands at the start")
       .template key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "at the start [m/s]")
       .template key<&T::angular_velocity>("angular_velocity", vector3<float>(signed_range(fast)),
-                                          "at the start, about the centre of mass [rad/s]")
-      .template key<&T::colour>("colour", maybe(colour()),
-                                "how pictures show it, as in HTML; if not given: one of eight")
+                                          "at the start, about the center of mass [rad/s]")
+      .template key<&T::color>("color", maybe(color()),
+                               "how pictures show it, as in HTML; if not given: one of eight")
       .template key<&T::pins>("pins", list(pin_codec(), 0, 10000), "vertices held where they are, or led")
       .template key<&T::attachments>("attachments", list(attachment_codec(), 0, 10000),
                                      "vertices held by springs");
@@ -122,7 +122,7 @@ std::shared_ptr<Table<SoftBodyDescription>> soft_body_table() {
 std::shared_ptr<Table<RopeDescription>> rope_table() {
   using T = RopeDescription;
   auto keys = object_table<T>("rope", "A line: rope, cable, wire.");
-  keys->required<&T::points>("points", list(vector3<double>(metres), 2), "the corners of its course [m]")
+  keys->required<&T::points>("points", list(vector3<double>(meters), 2), "the corners of its course [m]")
       .key<&T::segments>("segments", number<std::uint32_t>(within(1, 1e6)),
                          "pieces of equal length it is cut into")
       .key<&T::material>("material", rope_material_codec(), "what it is made of");
@@ -135,12 +135,12 @@ std::shared_ptr<Table<RopeDescription>> rope_table() {
 CodecPtr<GrainsBox> grains_box_codec() {
   using G = GrainsBox;
   auto keys = table<G>("grains_box", "A box filled with grains on a cubic lattice.");
-  keys->required<&G::lo>("lo", vector3<double>(metres), "lower corner [m]")
-      .required<&G::hi>("hi", vector3<double>(metres), "upper corner [m]")
+  keys->required<&G::lo>("lo", vector3<double>(meters), "lower corner [m]")
+      .required<&G::hi>("hi", vector3<double>(meters), "upper corner [m]")
       .key<&G::spacing>("spacing", maybe(number<double>(positive(1000))),
-                        "between centres [m]; if not given, two radii and what the jitter needs")
+                        "between centers [m]; if not given, two radii and what the jitter needs")
       .key<&G::jitter>("jitter", number<double>(unit),
-                       "each centre is moved at random by up to this fraction of a radius along each axis")
+                       "each center is moved at random by up to this fraction of a radius along each axis")
       .check([](const G& box, const Place& place) {
         for (int i = 0; i < 3; ++i) {
           if (!(box.lo[i] < box.hi[i])) place.fail("\"lo\" must be below \"hi\" along every axis");
@@ -151,12 +151,12 @@ CodecPtr<GrainsBox> grains_box_codec() {
 
 CodecPtr<GrainsGrid> grains_grid_codec() {
   using G = GrainsGrid;
-  auto keys = table<G>("grains_grid", "A cubic lattice of grains, centred at the origin.");
+  auto keys = table<G>("grains_grid", "A cubic lattice of grains, centered at the origin.");
   keys->required<&G::counts>("counts", counts(10000), "grains along X, Y and Z")
       .key<&G::spacing>("spacing", maybe(number<double>(positive(1000))),
-                        "between centres [m]; if not given, two radii and what the jitter needs")
+                        "between centers [m]; if not given, two radii and what the jitter needs")
       .key<&G::jitter>("jitter", number<double>(unit),
-                       "each centre is moved at random by up to this fraction of a radius along each axis")
+                       "each center is moved at random by up to this fraction of a radius along each axis")
       .check([](const G& grid, const Place& place) {
         check_count(static_cast<double>(grid.counts[0]) * grid.counts[1] * grid.counts[2], place);
       });
@@ -166,11 +166,11 @@ CodecPtr<GrainsGrid> grains_grid_codec() {
 std::shared_ptr<Table<GrainsDescription>> grains_table() {
   using T = GrainsDescription;
   auto keys = object_table<T>("grains", "Loose balls: sand, gravel, beads.");
-  using V = decltype(T::centres);
-  keys->choice<&T::centres>({alternative<V>("points", list(vector3<double>(metres), 1), "centres [m]"),
+  using V = decltype(T::centers);
+  keys->choice<&T::centers>({alternative<V>("points", list(vector3<double>(meters), 1), "centers [m]"),
                              alternative<V>("box", grains_box_codec(), "fills a box"),
                              alternative<V>("grid", grains_grid_codec(), "a given number along each axis"),
-                             alternative<V>("mesh", mesh_codec(MeshUse::points), "centres from a file")});
+                             alternative<V>("mesh", mesh_codec(MeshUse::points), "centers from a file")});
   keys->key<&T::material>("material", grains_material_codec(), "what they are made of");
   add_object_keys(*keys);
   return keys;
@@ -178,8 +178,8 @@ std::shared_ptr<Table<GrainsDescription>> grains_table() {
 
 CodecPtr<FluidBox> fluid_box_codec() {
   auto keys = table<FluidBox>("fluid_box", "A box filled with a fluid.");
-  keys->required<&FluidBox::lo>("lo", vector3<double>(metres), "lower corner [m]")
-      .required<&FluidBox::hi>("hi", vector3<double>(metres), "upper corner [m]")
+  keys->required<&FluidBox::lo>("lo", vector3<double>(meters), "lower corner [m]")
+      .required<&FluidBox::hi>("hi", vector3<double>(meters), "upper corner [m]")
       .check([](const FluidBox& box, const Place& place) {
         for (int i = 0; i < 3; ++i) {
           if (!(box.lo[i] < box.hi[i])) place.fail("\"lo\" must be below \"hi\" along every axis");
@@ -192,7 +192,7 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
   using T = FluidDescription;
   auto keys = object_table<T>("fluid", "A liquid: water, oil, honey.");
   using V = decltype(T::filling);
-  keys->choice<&T::filling>({alternative<V>("points", list(vector3<double>(metres), 0),
+  keys->choice<&T::filling>({alternative<V>("points", list(vector3<double>(meters), 0),
                                             "where particles are [m]; [] where emitters bring all of them"),
                              alternative<V>("box", fluid_box_codec(), "fills a box"),
                              alternative<V>("mesh", mesh_codec(MeshUse::surface), "fills a closed surface")});
@@ -202,7 +202,7 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
       .key<&T::emitters>("emitters", list(emitter_codec(), 0, 10000), "nozzles from which more of it comes")
       .key<&T::most_particles>("most_particles", number<std::uint32_t>(within(0, 5e7)),
                                "emitters give it no more than these; there is room for them from the start")
-      .key<&T::colour>("colour", maybe(colour()), "how pictures show it, as in HTML")
+      .key<&T::color>("color", maybe(color()), "how pictures show it, as in HTML")
       .check([](const T& fluid, const Place& place) {
         const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling);
         if (points && points->empty() && fluid.most_particles == 0)
@@ -224,8 +224,7 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
   keys->required<&T::mesh>("mesh", mesh_codec(MeshUse::surface), "its surface")
       .key<&T::material>("material", obstacle_material_codec(), "how it is felt")
       .key<&T::transform>("transform", transform_codec(), "where it stands")
-      .key<&T::colour>("colour", maybe(colour()),
-                       "how pictures show it, as in HTML; if not given: light grey")
+      .key<&T::color>("color", maybe(color()), "how pictures show it, as in HTML; if not given: light gray")
       .key<&T::keyframes>("keyframes", keyframes_codec(),
                           "moves it, as `transform` has placed it: turned about the origin first, then moved")
       .key<&T::loop>("loop", boolean(), "starts the keyframes over after the last")

@@ -15,7 +15,7 @@ namespace souple::scene_format {
 
 constexpr double far_away = 1e6;       // m
 constexpr double most_vertices = 4e6;  // of one built mesh
-constexpr Range metres = signed_range(far_away);
+constexpr Range meters = signed_range(far_away);
 constexpr Range size_range = positive(far_away);
 constexpr Range unit = within(0, 1);
 constexpr Range friction_range = from_zero(100);

@@ -45,7 +45,7 @@ class BoxCorners : public Codec<Selector::InBox> {
   }
 
  private:
-  Vector3<float> corner_{metres};
+  Vector3<float> corner_{meters};
 };
 
 template <class T>
@@ -56,8 +56,8 @@ void add_pin_keys(Table<T>& keys) {
                                                 "start, `rotate` turns them about `about`")
       .template key<&PinDescription::loop>("loop", boolean(), "starts the keyframes over after the last")
       .template key<&PinDescription::about>(
-          "about", maybe(vector3<double>(metres)),
-          "centre of the rotations [m]; the middle of the vertices if not given")
+          "about", maybe(vector3<double>(meters)),
+          "center of the rotations [m]; the middle of the vertices if not given")
       .template key<&PinDescription::sequence>("sequence", maybe(sequence_codec()),
                                                "moves the vertices along with positions from files")
       .needs("loop", "keyframes")
@@ -78,7 +78,7 @@ std::vector<Alternative> selectors() {
           "these vertices, counted from 0 in the order of the mesh"),
       alternative<V>("in_box", CodecPtr<S::InBox>(std::make_shared<BoxCorners>()),
                      "vertices that stand in this box at the start [m], world coordinates, bounds included"),
-      alternative<V>("nearest", wrapped<S::Nearest>(&S::Nearest::point, vector3<float>(metres)),
+      alternative<V>("nearest", wrapped<S::Nearest>(&S::Nearest::point, vector3<float>(meters)),
                      "the one vertex nearest to this point at the start [m]"),
       alternative<V>("group", wrapped<S::Group>(&S::Group::name, text()),
                      "the vertices of this group of the mesh file"),

@@ -34,7 +34,7 @@ CodecPtr<FoamParameters> foam_codec() {
                                  "particles that one of the fluid makes at most by trapping air [1/s]")
       .key<&F::wave_crest_rate>("wave_crest_rate", number<float>(from_zero(1e6)),
                                 "the same at the crest of a wave [1/s]")
-      .key<&F::trapped_air>("trapped_air", range, "how fast its neighbours have to come closer, summed [m/s]")
+      .key<&F::trapped_air>("trapped_air", range, "how fast its neighbors have to come closer, summed [m/s]")
       .key<&F::wave_crest>("wave_crest", range, "how much the surface has to be bent")
       .key<&F::energy>("energy", range, "v^2 / 2 that it needs [m^2/s^2]")
       .key<&F::life>("life", range, "of foam: of what little made it, and of what much did [s]")
@@ -42,10 +42,10 @@ CodecPtr<FoamParameters> foam_codec() {
       .key<&F::buoyancy>("buoyancy", number<float>(from_zero(1e3)), "of bubbles, over gravity")
       .key<&F::drag>("drag", number<float>(positive(1e6)),
                      "how quickly bubbles take the fluid's velocity [1/s]")
-      .key<&F::spray_neighbours>("spray_neighbours", number<int>(within(0, 1000)),
-                                 "with fewer fluid particles around it is spray")
-      .key<&F::bubble_neighbours>("bubble_neighbours", number<int>(within(0, 1000)),
-                                  "with more it is a bubble");
+      .key<&F::spray_neighbors>("spray_neighbors", number<int>(within(0, 1000)),
+                                "with fewer fluid particles around it is spray")
+      .key<&F::bubble_neighbors>("bubble_neighbors", number<int>(within(0, 1000)),
+                                 "with more it is a bubble");
   return keys;
 }
 
@@ -57,7 +57,7 @@ CodecPtr<FluidSettings> fluid_settings_codec() {
                                        {"poly6_spiky", SmoothingShape::poly6_spiky},
                                        {"cubic_spline", SmoothingShape::cubic_spline},
                                        {"wide_wendland", SmoothingShape::wide_wendland}}),
-          "how the weight of a neighbour falls with its distance")
+          "how the weight of a neighbor falls with its distance")
       .key<&FluidSettings::iterations>("iterations", number<int>(within(0, 100)),
                                        "Jacobi iterations after the coarse level; 0 is the cheapest")
       .key<&FluidSettings::tolerance>(
@@ -116,15 +116,15 @@ void add_setting_keys(Table<SceneDescription>& keys) {
           "how the constraints of a substep are solved")
       .key<&S::settings, &Settings::solver, &SolverSettings::sweep>(
           "sweep", enumeration<Sweep>({std::begin(sweep_names), std::end(sweep_names)}),
-          "in which order colours are solved: the same every time, or forward and backward")
+          "in which order colors are solved: the same every time, or forward and backward")
       .key<&S::settings, &Settings::solver, &SolverSettings::relaxation>(
           "relaxation", number<float>(Range{0, 2, true, true}),
           "factor on every correction: over-relaxation above 1")
       .key<&S::settings, &Settings::solver, &SolverSettings::chebyshev>(
           "chebyshev", number<float>(below(1)),
           "acceleration of the iterations: the spectral radius it assumes; 0: none")
-      .key<&S::settings, &Settings::solver, &SolverSettings::colours>(
-          "colours", number<int>(within(0, 64)),
+      .key<&S::settings, &Settings::solver, &SolverSettings::colors>(
+          "colors", number<int>(within(0, 64)),
           "to which phantom particles cut the constraint graph; 0: as many as it takes without")
       .key<&S::settings, &Settings::segment_test>(
           "segment_test",

@@ -64,7 +64,7 @@ struct LocalSet {
   }
 };
 
-/// `lanes` neighbouring constraints: what their projection reads.
+/// `lanes` neighboring constraints: what their projection reads.
 template <class Set, class Kind>
 struct Block {
   using T = simd::Pack<Set>;

@@ -71,7 +71,7 @@ inline constexpr bool contains<Kind, std::tuple<Kinds...>> = (std::is_same_v<Kin
 }  // namespace detail
 
 /// Whether a kind has compiled kernels. A user's own, compiled by the CMake function souple_add_constraints,
-/// specialises it.
+/// specializes it.
 template <class Kind>
 inline constexpr bool is_compiled = detail::contains<Kind, EveryConstraint>;
 

@@ -33,7 +33,7 @@ Moments surface_moments(const Vec4f* records, const Vec4f& at, const std::uint32
   return {a[0] + 1, {a[1], a[2], a[3]}, b[0], b[1], b[2], b[3], c[0], c[1]};
 }
 
-/// G (x - centre) at nodes i + 4 j of a brick's lowest layer, and what one layer up adds to it.
+/// G (x - center) at nodes i + 4 j of a brick's lowest layer, and what one layer up adds to it.
 template <class Set>
 struct BrickMap {
   using T = simd::Pack<Set>;
@@ -44,7 +44,7 @@ struct BrickMap {
   SOUPLE_INLINE BrickMap(const ParticleKernel& p, const float* origin, float cell) {
     static constexpr float along_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
     static constexpr float along_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-    const float sx = origin[0] - p.centre[0], sy = origin[1] - p.centre[1], sz = origin[2] - p.centre[2];
+    const float sx = origin[0] - p.center[0], sy = origin[1] - p.center[1], sz = origin[2] - p.center[2];
     const float u0 = p.xx * sx + p.xy * sy + p.xz * sz;
     const float v0 = p.xy * sx + p.yy * sy + p.yz * sz;
     const float w0 = p.xz * sx + p.yz * sy + p.zz * sz;
@@ -71,7 +71,7 @@ void surface_brick(const ParticleKernel* kernels, const std::uint32_t* list, std
     const BrickMap<Set> map(p, origin, cell);
     for (int k = 0; k < brick_side; ++k) {
       // A layer out of reach would have 0 added.
-      const float height = origin[2] + static_cast<float>(k) * cell - p.centre[2];
+      const float height = origin[2] + static_cast<float>(k) * cell - p.center[2];
       if (height > p.reach_up || height < -p.reach_up) continue;
       const auto up = static_cast<float>(k);
       const T du(up * map.up[0]), dv(up * map.up[1]), dw(up * map.up[2]);
@@ -100,7 +100,7 @@ void surface_points(const ParticleKernel* kernels, const std::uint32_t* list, st
     T value(0.0f), gx(0.0f), gy(0.0f), gz(0.0f), shift_x(0.0f), shift_y(0.0f), shift_z(0.0f), crowd(0.0f);
     for (std::size_t n = 0; n < count; ++n) {
       const ParticleKernel& p = kernels[list[n]];
-      const T sx = x - T(p.centre[0]), sy = y - T(p.centre[1]), sz = z - T(p.centre[2]);
+      const T sx = x - T(p.center[0]), sy = y - T(p.center[1]), sz = z - T(p.center[2]);
       const T u = T(p.xx) * sx + T(p.xy) * sy + T(p.xz) * sz;
       const T v = T(p.xy) * sx + T(p.yy) * sy + T(p.yz) * sz;
       const T w = T(p.xz) * sx + T(p.yz) * sy + T(p.zz) * sz;

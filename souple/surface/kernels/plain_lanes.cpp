@@ -39,7 +39,7 @@ Moments moments(const Vec4f* records, const Vec4f& at, const std::uint32_t* list
 }
 
 void add_to_brick(const ParticleKernel& p, const float* origin, float cell, float* values) {
-  const float sx = origin[0] - p.centre[0], sy = origin[1] - p.centre[1], sz = origin[2] - p.centre[2];
+  const float sx = origin[0] - p.center[0], sy = origin[1] - p.center[1], sz = origin[2] - p.center[2];
   const float u0 = p.xx * sx + p.xy * sy + p.xz * sz;
   const float v0 = p.xy * sx + p.yy * sy + p.yz * sz;
   const float w0 = p.xz * sx + p.yz * sy + p.zz * sz;
@@ -66,8 +66,8 @@ void points(const ParticleKernel* kernels, const std::uint32_t* list, std::size_
     float value = 0, gradient[3] = {}, shift[3] = {}, crowd = 0;
     for (std::size_t n = 0; n < count; ++n) {
       const ParticleKernel& p = kernels[list[n]];
-      const float sx = points.at[0][k] - p.centre[0], sy = points.at[1][k] - p.centre[1],
-                  sz = points.at[2][k] - p.centre[2];
+      const float sx = points.at[0][k] - p.center[0], sy = points.at[1][k] - p.center[1],
+                  sz = points.at[2][k] - p.center[2];
       const float u = p.xx * sx + p.xy * sy + p.xz * sz;
       const float v = p.xy * sx + p.yy * sy + p.yz * sz;
       const float w = p.xz * sx + p.yz * sy + p.zz * sz;

@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 
-// The loops of a fluid's surface over particles, compiled once for each instruction set. Lanes are neighbours
+// The loops of a fluid's surface over particles, compiled once for each instruction set. Lanes are neighbors
 // (sums go to sixteen partial sums, as in density_kernels.h), nodes or points; kernels are added one after
 // the other. So results are the same bits however wide the registers are.
 
 namespace souple::kernels {
 
-/// Weighted moments of a particle's neighbourhood, itself included, about itself:
+/// Weighted moments of a particle's neighborhood, itself included, about itself:
 /// w = 1 - (r / radius)^3 (Yu and Turk 2013, equation 11), d = x_j - x_i.
 struct Moments {
   float weight;                  ///< sum w
@@ -20,14 +20,14 @@ struct Moments {
   float xx, xy, xz, yy, yz, zz;  ///< sum w d d^T
 };
 
-/// What a particle adds to the field: weight (1 - |G (x - centre)|^2)^3 where that is positive (poly6 of
+/// What a particle adds to the field: weight (1 - |G (x - center)|^2)^3 where that is positive (poly6 of
 /// Müller et al. 2003, bent by G as in Yu and Turk 2013, equation 8).
 struct alignas(64) ParticleKernel {
-  float centre[3];               ///< m
+  float center[3];               ///< m
   float weight;                  ///< V W(0), no unit
   float xx, xy, xz, yy, yz, zz;  ///< G, symmetric [1/m]
-  float shift[3];                ///< from the particle to the centre [m]
-  float crowd;                   ///< how many neighbours, in [0, 1]: see SurfaceOptions::few_neighbours
+  float shift[3];                ///< from the particle to the center [m]
+  float crowd;                   ///< how many neighbors, in [0, 1]: see SurfaceOptions::few_neighbors
   float reach_up;                ///< along z [m]
   float unused;
 };
@@ -46,7 +46,7 @@ struct FieldPoints {
 };
 
 struct SurfaceKernels {
-  /// `records`: x, y, z and anything; `list` padded to whole sixteens as Neighbours does.
+  /// `records`: x, y, z and anything; `list` padded to whole sixteens as Neighbors does.
   Moments (*moments)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                      float inverse_radius);
   /// The field at the nodes origin + cell (i, j, k), written to values[i + 4 j + 16 k].

@@ -98,7 +98,7 @@ std::shared_ptr<Data::Material> material_of(const Core::Asset::MaterialData& dat
   return material;
 }
 
-std::shared_ptr<Data::Material> grey_material(const std::string& name,
+std::shared_ptr<Data::Material> gray_material(const std::string& name,
                                               const Data::AttribArrayDisplayable& mesh) {
   auto material = std::make_shared<Data::BlinnPhongMaterial>(name + "_DefaultBPMaterial");
   material->m_renderAsSplat = mesh.getNumFaces() == 0;
@@ -112,7 +112,7 @@ std::shared_ptr<Data::Material> grey_material(const std::string& name,
 void GeometryComponent::show(const std::shared_ptr<Data::AttribArrayDisplayable>& mesh,
                              const Core::Asset::MaterialData* material) {
   const std::shared_ptr<Data::Material> shown =
-      material ? material_of(*material) : grey_material(m_contentName, *mesh);
+      material ? material_of(*material) : gray_material(m_contentName, *mesh);
   auto* object = Rendering::RenderObject::createRenderObject(m_name + "_" + m_contentName + "_RO", this,
                                                              Rendering::RenderObjectType::Geometry, mesh);
   object->setTransparent(shown->isTransparent());

@@ -41,7 +41,7 @@ class ColorBase : public Eigen::Matrix<S, 4, 1> {
   static ColorBase Magenta() { return {S(1), S(0), S(1)}; }
   static ColorBase Cyan() { return {S(0), S(1), S(1)}; }
   static ColorBase White() { return {S(1), S(1), S(1)}; }
-  static ColorBase Grey(S value = S(0.5), S alpha = S(1)) { return {value, value, value, alpha}; }
+  static ColorBase Gray(S value = S(0.5), S alpha = S(1)) { return {value, value, value, alpha}; }
 };
 
 using Color = ColorBase<Scalar>;

@@ -36,7 +36,7 @@ class Entity : public Core::Utils::IndexedObject {
   }
 
   void addComponent(Component* component);
-  /// Throws std::out_of_range if there is none of that name; Radium's behaviour is undefined.
+  /// Throws std::out_of_range if there is none of that name; Radium's behavior is undefined.
   void removeComponent(const std::string& name);
   Component* getComponent(const std::string& name);
   const Component* getComponent(const std::string& name) const;

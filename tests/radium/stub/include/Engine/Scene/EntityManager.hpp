@@ -25,7 +25,7 @@ class EntityManager {
   Entity* createEntity(const std::string& name = "");
   bool entityExists(const std::string& name) const { return m_entitiesName.count(name) > 0; }
 
-  /// Throws std::out_of_range if there is no such entity; Radium's behaviour is undefined.
+  /// Throws std::out_of_range if there is no such entity; Radium's behavior is undefined.
   void removeEntity(Core::Utils::Index idx);
   void removeEntity(Entity* entity);
   /// All but the system's own.

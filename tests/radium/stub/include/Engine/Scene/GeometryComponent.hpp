@@ -21,7 +21,7 @@ class MaterialData;
 namespace Engine {
 namespace Scene {
 
-/// Shows one geometry with one render object, with a material of the data given or a grey one.
+/// Shows one geometry with one render object, with a material of the data given or a gray one.
 class GeometryComponent : public Component {
  public:
   GeometryComponent(const std::string& name, Entity* entity) : Component(name, entity), m_contentName(name) {}

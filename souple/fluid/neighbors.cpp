@@ -1,4 +1,4 @@
-#include "souple/fluid/neighbours.h"
+#include "souple/fluid/neighbors.h"
 
 #include "souple/fluid/kernels/find_kernels.h"
 #include "souple/state/bytes.h"
@@ -64,8 +64,8 @@ class Windows {
 
 }  // namespace
 
-void Neighbours::find(const CellOrder& order, float radius, Threads& threads) {
-  if (kernels_ == nullptr) kernels_ = &kernels::find_neighbour_kernels(instruction_set());
+void Neighbors::find(const CellOrder& order, float radius, Threads& threads) {
+  if (kernels_ == nullptr) kernels_ = &kernels::find_neighbor_kernels(instruction_set());
   cut(order);
   threads.for_each(block_count_, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) find_in(order, b, radius);
@@ -73,7 +73,7 @@ void Neighbours::find(const CellOrder& order, float radius, Threads& threads) {
 }
 
 // Whole cells, about 1024 places a block.
-void Neighbours::cut(const CellOrder& order) {
+void Neighbors::cut(const CellOrder& order) {
   constexpr std::uint32_t places = 1024;
   first_cell_.clear();
   std::uint32_t next = 0;
@@ -87,7 +87,7 @@ void Neighbours::cut(const CellOrder& order) {
   if (blocks_.size() < block_count_) blocks_.resize(block_count_);
 }
 
-void Neighbours::find_in(const CellOrder& order, std::size_t number, float radius) const {
+void Neighbors::find_in(const CellOrder& order, std::size_t number, float radius) const {
   const auto cells = order.cells();
   const auto rows = order.rows();
   const kernels::PointColumns points{{order.component(0), order.component(1), order.component(2)}};
@@ -128,13 +128,13 @@ void Neighbours::find_in(const CellOrder& order, std::size_t number, float radiu
   *first = used;
 }
 
-std::size_t Neighbours::count() const {
+std::size_t Neighbors::count() const {
   std::size_t sum = 0;
   for (const Block& block : blocks()) sum = std::accumulate(block.count.begin(), block.count.end(), sum);
   return sum;
 }
 
-std::size_t Neighbours::bytes() const {
+std::size_t Neighbors::bytes() const {
   std::size_t sum = bytes_of(first_cell_, blocks_);
   for (const Block& block : blocks_) sum += bytes_of(block.entry, block.first, block.count);
   return sum;

@@ -1,4 +1,4 @@
-#include "render/colour.h"
+#include "render/color.h"
 
 #include "render/srgb.h"
 
@@ -24,17 +24,17 @@ float srgb_of_linear(float linear) {
   return linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
 }
 
-Colour srgb(std::uint32_t hex, float alpha) {
+Color srgb(std::uint32_t hex, float alpha) {
   const auto channel = [&](int shift) { return linear_of_srgb(float((hex >> shift) & 0xff) / 255); };
   return {channel(16), channel(8), channel(0), alpha};
 }
 
-PackedColour pack(const Colour& colour) {
+PackedColor pack(const Color& color) {
   const auto encoded = [](float linear) { return byte_of(srgb_of_linear(std::clamp(linear, 0.0f, 1.0f))); };
-  return encoded(colour.r) | encoded(colour.g) << 8 | encoded(colour.b) << 16 | byte_of(colour.a) << 24;
+  return encoded(color.r) | encoded(color.g) << 8 | encoded(color.b) << 16 | byte_of(color.a) << 24;
 }
 
-Colour heat(float t) {
+Color heat(float t) {
   // "plasma" of matplotlib at tenths: its lightness grows evenly, and red-green blindness leaves it in order.
   static constexpr std::array<std::uint32_t, 10> stops{0x0d0887, 0x47039f, 0x7301a8, 0x9c179e, 0xbd3786,
                                                        0xd8576b, 0xed7953, 0xfa9e3b, 0xfdc926, 0xf0f921};
@@ -50,10 +50,10 @@ Colour heat(float t) {
   return {channel(16), channel(8), channel(0), 1};
 }
 
-Colour palette(std::uint32_t index) {
-  static constexpr std::array<std::uint32_t, 8> colours{0x4e79a7, 0xf28e2b, 0x59a14f, 0xe15759,
-                                                        0x76b7b2, 0xedc948, 0xb07aa1, 0xd37295};
-  return srgb(colours[index % colours.size()]);
+Color palette(std::uint32_t index) {
+  static constexpr std::array<std::uint32_t, 8> colors{0x4e79a7, 0xf28e2b, 0x59a14f, 0xe15759,
+                                                       0x76b7b2, 0xedc948, 0xb07aa1, 0xd37295};
+  return srgb(colors[index % colors.size()]);
 }
 
 }  // namespace souple::render

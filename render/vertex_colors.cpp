@@ -1,4 +1,4 @@
-#include "render/vertex_colours.h"
+#include "render/vertex_colors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,17 +7,17 @@
 namespace souple::render {
 
 HeatScale::HeatScale() : not_a_number_(pack(heat(std::numeric_limits<float>::quiet_NaN()))) {
-  for (std::size_t i = 0; i < colours_.size(); ++i)
-    colours_[i] = pack(heat(static_cast<float>(i) / static_cast<float>(colours_.size() - 1)));
+  for (std::size_t i = 0; i < colors_.size(); ++i)
+    colors_[i] = pack(heat(static_cast<float>(i) / static_cast<float>(colors_.size() - 1)));
 }
 
-PackedColour HeatScale::operator()(float t) const {
+PackedColor HeatScale::operator()(float t) const {
   if (std::isnan(t)) return not_a_number_;
-  const float steps = static_cast<float>(colours_.size() - 1);
-  return colours_[static_cast<std::size_t>(std::lround(std::clamp(t, 0.0f, 1.0f) * steps))];
+  const float steps = static_cast<float>(colors_.size() - 1);
+  return colors_[static_cast<std::size_t>(std::lround(std::clamp(t, 0.0f, 1.0f) * steps))];
 }
 
-void HeatScale::colour(std::span<const float> values, float largest, std::vector<PackedColour>& out) const {
+void HeatScale::color(std::span<const float> values, float largest, std::vector<PackedColor>& out) const {
   const float scale = largest > 0 ? 1 / largest : 0;
   out.resize(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) out[i] = (*this)(values[i] * scale);
@@ -42,10 +42,10 @@ void EdgeStrain::evaluate(std::span<const Vec3f> positions, std::vector<float>& 
   }
 }
 
-void colour_normals(std::span<const Vec3f> normals, std::vector<PackedColour>& out) {
+void color_normals(std::span<const Vec3f> normals, std::vector<PackedColor>& out) {
   out.resize(normals.size());
   const auto byte = [](float x) {
-    return static_cast<PackedColour>(std::clamp(127.5f + 127.5f * x, 0.0f, 255.0f));
+    return static_cast<PackedColor>(std::clamp(127.5f + 127.5f * x, 0.0f, 255.0f));
   };
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const Vec3f& n = normals[i];

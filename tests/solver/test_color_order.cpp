@@ -1,7 +1,7 @@
 #include "souple/constraints/distance.h"
 #include "souple/solver/set_projector.h"
 #include "souple/world/world.h"
-#include "tests/solver/meshes_to_colour.h"
+#include "tests/solver/meshes_to_color.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 // The order of Gauss-Seidel decides stability: the same rigid cloth explodes within frames when its
-// constraints are solved by vertex. Colours of the mesh's own order must hang still.
+// constraints are solved by vertex. Colors of the mesh's own order must hang still.
 
 namespace souple {
 namespace {
@@ -52,15 +52,15 @@ void expect_bounded(int n, double end, double ever) {
   EXPECT_LT(strain.ever, ever);
 }
 
-TEST(ColourOrder, RigidClothOf50HangsStill) {
+TEST(ColorOrder, RigidClothOf50HangsStill) {
   expect_bounded(50, 0.08, 0.25);
 }
 
-TEST(ColourOrder, RigidClothOf100HangsStillSlow) {
+TEST(ColorOrder, RigidClothOf100HangsStillSlow) {
   expect_bounded(100, 0.3, 1.2);
 }
 
-TEST(ColourOrder, RigidClothOf200HangsStillSlow) {
+TEST(ColorOrder, RigidClothOf200HangsStillSlow) {
   expect_bounded(200, 1.5, 4);
 }
 

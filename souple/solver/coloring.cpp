@@ -1,11 +1,11 @@
-#include "souple/solver/colouring.h"
+#include "souple/solver/coloring.h"
 
 #include <algorithm>
 #include <bit>
 #include <numeric>
 
-// First-fit, then what repairs its long tail of small colours. On regular grids first-fit alone is optimal:
-// as many colours as constraints meet in a particle. On an irregular mesh it takes up to half as many again,
+// First-fit, then what repairs its long tail of small colors. On regular grids first-fit alone is optimal:
+// as many colors as constraints meet in a particle. On an irregular mesh it takes up to half as many again,
 // the last of a few dozen constraints: each costs a barrier, and what does not fill a SIMD pack.
 //
 // Tried and left out: orders by degree (smallest last, largest first) gain no more than the reversed passes
@@ -14,26 +14,26 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t colours_per_round = 64;  // one bit each
-constexpr std::uint32_t smallest_colour = 512;   // fills the packs of two threads many times over
+constexpr std::uint32_t colors_per_round = 64;  // one bit each
+constexpr std::uint32_t smallest_color = 512;   // fills the packs of two threads many times over
 
-/// Colours that are being given to constraints; at most 64 are looked at together.
+/// Colors that are being given to constraints; at most 64 are looked at together.
 class Palette {
  public:
   Palette(std::span<const std::uint32_t> indices, std::size_t arity, std::size_t particle_count)
-      : indices_(indices), arity_(arity), colour_of_(indices.size() / arity), taken_(particle_count) {}
+      : indices_(indices), arity_(arity), color_of_(indices.size() / arity), taken_(particle_count) {}
 
-  /// Gives each constraint of `pending` the first colour in [first, first + 64) that its particles do not
+  /// Gives each constraint of `pending` the first color in [first, first + 64) that its particles do not
   /// have yet; returns those that found none.
   std::vector<std::uint32_t> first_fit(std::span<const std::uint32_t> pending, std::uint32_t first);
-  /// Of at most 64 colours: fewer and larger ones.
+  /// Of at most 64 colors: fewer and larger ones.
   void improve();
 
-  const std::vector<std::uint32_t>& colour_of() const { return colour_of_; }
+  const std::vector<std::uint32_t>& color_of() const { return color_of_; }
 
  private:
   using Bits = std::uint64_t;
-  static constexpr Bits bit(std::uint32_t colour) { return Bits{1} << colour; }
+  static constexpr Bits bit(std::uint32_t color) { return Bits{1} << color; }
 
   std::span<const std::uint32_t> particles(std::uint32_t i) const {
     return indices_.subspan(i * arity_, arity_);
@@ -44,19 +44,19 @@ class Palette {
     return used;
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(size_.size()); }
-  void move(std::uint32_t i, std::uint32_t colour);
+  void move(std::uint32_t i, std::uint32_t color);
   void list_constraints_of_particles();
   void refit_reversed();
   bool dissolve_smallest();
   bool make_room(std::uint32_t i, Bits allowed);
-  bool vacate(std::uint32_t i, std::uint32_t colour, Bits allowed);
+  bool vacate(std::uint32_t i, std::uint32_t color, Bits allowed);
   void fill_small();
 
   std::span<const std::uint32_t> indices_;
   std::size_t arity_;
-  std::vector<std::uint32_t> colour_of_;
-  std::vector<Bits> taken_;          // colours that a particle has
-  std::vector<std::uint32_t> size_;  // of each colour; those at the end of a round may be empty
+  std::vector<std::uint32_t> color_of_;
+  std::vector<Bits> taken_;          // colors that a particle has
+  std::vector<std::uint32_t> size_;  // of each color; those at the end of a round may be empty
 
   // The constraints that particle p is in: constraints_[begin_[p] .. begin_[p + 1]).
   std::vector<std::uint32_t> begin_, constraints_;
@@ -78,21 +78,21 @@ std::vector<std::uint32_t> Palette::first_fit(std::span<const std::uint32_t> pen
       left.push_back(i);
       continue;
     }
-    const auto colour = static_cast<std::uint32_t>(std::countr_one(used));
-    for (const std::uint32_t particle : particles(i)) taken_[particle] |= bit(colour);
-    colour_of_[i] = first + colour;
-    if (size_.size() <= first + colour) size_.resize(first + colour + 1);
-    ++size_[first + colour];
+    const auto color = static_cast<std::uint32_t>(std::countr_one(used));
+    for (const std::uint32_t particle : particles(i)) taken_[particle] |= bit(color);
+    color_of_[i] = first + color;
+    if (size_.size() <= first + color) size_.resize(first + color + 1);
+    ++size_[first + color];
   }
   return left;
 }
 
-void Palette::move(std::uint32_t i, std::uint32_t colour) {
-  std::uint32_t& from = colour_of_[i];
+void Palette::move(std::uint32_t i, std::uint32_t color) {
+  std::uint32_t& from = color_of_[i];
   for (const std::uint32_t particle : particles(i))
-    taken_[particle] = (taken_[particle] & ~bit(from)) | bit(colour);
-  --size_[from], ++size_[colour];
-  from = colour;
+    taken_[particle] = (taken_[particle] & ~bit(from)) | bit(color);
+  --size_[from], ++size_[color];
+  from = color;
 }
 
 void Palette::list_constraints_of_particles() {
@@ -101,92 +101,92 @@ void Palette::list_constraints_of_particles() {
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   constraints_.resize(indices_.size());
   std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t i = 0; i < colour_of_.size(); ++i)
+  for (std::uint32_t i = 0; i < color_of_.size(); ++i)
     for (const std::uint32_t particle : particles(i)) constraints_[next[particle]++] = i;
 }
 
-// Iterated greedy (Culberson 1992): first-fit over the colours of the last fit, last one first, never takes
-// more colours and often fewer, because the constraints that were hard to place now choose first.
+// Iterated greedy (Culberson 1992): first-fit over the colors of the last fit, last one first, never takes
+// more colors and often fewer, because the constraints that were hard to place now choose first.
 void Palette::refit_reversed() {
   std::vector<std::uint32_t> next(count());
   std::uint32_t begin = 0;
-  for (std::uint32_t colour = count(); colour-- > 0; begin += size_[colour]) next[colour] = begin;
-  std::vector<std::uint32_t> order(colour_of_.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[next[colour_of_[i]]++] = i;
+  for (std::uint32_t color = count(); color-- > 0; begin += size_[color]) next[color] = begin;
+  std::vector<std::uint32_t> order(color_of_.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[next[color_of_[i]]++] = i;
   first_fit(order, 0);
 }
 
-// Moves those of a colour that stand in the way of constraint i out of it, each to a colour that is free for
+// Moves those of a color that stand in the way of constraint i out of it, each to a color that is free for
 // it. They share no particle, so they may even go to the same one.
-bool Palette::vacate(std::uint32_t i, std::uint32_t colour, Bits allowed) {
+bool Palette::vacate(std::uint32_t i, std::uint32_t color, Bits allowed) {
   rivals_.clear();
   for (const std::uint32_t particle : particles(i)) {
-    if (!(taken_[particle] & bit(colour))) continue;
+    if (!(taken_[particle] & bit(color))) continue;
     std::uint32_t k = begin_[particle];
-    while (colour_of_[constraints_[k]] != colour) ++k;
+    while (color_of_[constraints_[k]] != color) ++k;
     if ((allowed & ~used_around(constraints_[k])) == 0) return false;
     rivals_.push_back(constraints_[k]);
   }
   for (const std::uint32_t rival : rivals_) {
-    if (colour_of_[rival] != colour) continue;  // it shares two particles with i, and has left
-    log_.push_back({rival, colour});
+    if (color_of_[rival] != color) continue;  // it shares two particles with i, and has left
+    log_.push_back({rival, color});
     move(rival, static_cast<std::uint32_t>(std::countr_zero(allowed & ~used_around(rival))));
   }
   return true;
 }
 
-// Moves constraint i to a colour of `allowed`, its rivals there to others if need be.
+// Moves constraint i to a color of `allowed`, its rivals there to others if need be.
 bool Palette::make_room(std::uint32_t i, Bits allowed) {
   Bits open = allowed & ~used_around(i);
-  for (std::uint32_t colour = 0; open == 0 && colour < count(); ++colour)
-    if ((allowed & bit(colour)) && vacate(i, colour, allowed)) open = bit(colour);
+  for (std::uint32_t color = 0; open == 0 && color < count(); ++color)
+    if ((allowed & bit(color)) && vacate(i, color, allowed)) open = bit(color);
   if (open == 0) return false;
-  log_.push_back({i, colour_of_[i]});
+  log_.push_back({i, color_of_[i]});
   move(i, static_cast<std::uint32_t>(std::countr_zero(open)));
   return true;
 }
 
-// Spreads the smallest colour over the others; all of it or nothing.
+// Spreads the smallest color over the others; all of it or nothing.
 bool Palette::dissolve_smallest() {
   const auto smallest =
       static_cast<std::uint32_t>(std::min_element(size_.begin(), size_.end()) - size_.begin());
   const std::uint32_t last = count() - 1;
   const Bits allowed = (bit(last) | (bit(last) - 1)) & ~bit(smallest);
   log_.clear();
-  for (std::uint32_t i = 0; i < colour_of_.size() && size_[smallest] > 0; ++i) {
-    if (colour_of_[i] != smallest || make_room(i, allowed)) continue;
+  for (std::uint32_t i = 0; i < color_of_.size() && size_[smallest] > 0; ++i) {
+    if (color_of_[i] != smallest || make_room(i, allowed)) continue;
     for (auto undo = log_.rbegin(); undo != log_.rend(); ++undo) move(undo->constraint, undo->from);
     return false;
   }
-  for (std::uint32_t i = 0; smallest != last && i < colour_of_.size(); ++i)
-    if (colour_of_[i] == last) move(i, smallest);
+  for (std::uint32_t i = 0; smallest != last && i < color_of_.size(); ++i)
+    if (color_of_[i] == last) move(i, smallest);
   size_.pop_back();
   return true;
 }
 
-// Fills small colours up from those above the mean.
+// Fills small colors up from those above the mean.
 void Palette::fill_small() {
-  const auto mean = static_cast<std::uint32_t>(colour_of_.size() / count());
-  const std::uint32_t goal = std::min(smallest_colour, mean / 2);
+  const auto mean = static_cast<std::uint32_t>(color_of_.size() / count());
+  const std::uint32_t goal = std::min(smallest_color, mean / 2);
   Bits small = 0;
-  for (std::uint32_t colour = 0; colour < count(); ++colour)
-    if (size_[colour] < goal) small |= bit(colour);
-  for (std::uint32_t i = 0; small != 0 && i < colour_of_.size(); ++i) {
+  for (std::uint32_t color = 0; color < count(); ++color)
+    if (size_[color] < goal) small |= bit(color);
+  for (std::uint32_t i = 0; small != 0 && i < color_of_.size(); ++i) {
     const Bits open = small & ~used_around(i);
-    if (open == 0 || size_[colour_of_[i]] <= mean) continue;
-    const auto colour = static_cast<std::uint32_t>(std::countr_zero(open));
-    move(i, colour);
-    if (size_[colour] >= goal) small &= ~bit(colour);
+    if (open == 0 || size_[color_of_[i]] <= mean) continue;
+    const auto color = static_cast<std::uint32_t>(std::countr_zero(open));
+    move(i, color);
+    if (size_[color] >= goal) small &= ~bit(color);
   }
 }
 
 void Palette::improve() {
-  if (colour_of_.empty()) return;
+  if (color_of_.empty()) return;
   list_constraints_of_particles();
   std::uint32_t fewest = 0;
   for (std::size_t particle = 0; particle < taken_.size(); ++particle)
     fewest = std::max(fewest, begin_[particle + 1] - begin_[particle]);
-  constexpr int passes = 4;  // more gain a colour now and then
+  constexpr int passes = 4;  // more gain a color now and then
   for (int pass = 0; count() > fewest; ++pass) {
     while (count() > fewest && dissolve_smallest()) {
     }
@@ -198,47 +198,47 @@ void Palette::improve() {
 
 }  // namespace
 
-Colouring colour_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count) {
+Coloring color_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count) {
   const auto width = static_cast<std::size_t>(arity);
   Palette palette(indices, width, particle_count);
   std::vector<std::uint32_t> pending(indices.size() / width);
   std::iota(pending.begin(), pending.end(), 0u);
   pending = palette.first_fit(pending, 0);
   if (pending.empty()) palette.improve();
-  for (std::uint32_t first = colours_per_round; !pending.empty(); first += colours_per_round)
+  for (std::uint32_t first = colors_per_round; !pending.empty(); first += colors_per_round)
     pending = palette.first_fit(pending, first);
-  return sorted_by_colour(indices, arity, particle_count, palette.colour_of());
+  return sorted_by_color(indices, arity, particle_count, palette.color_of());
 }
 
 // Two stable counting sorts.
-Colouring sorted_by_colour(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count,
-                           std::span<const std::uint32_t> colour_of) {
+Coloring sorted_by_color(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count,
+                         std::span<const std::uint32_t> color_of) {
   const auto width = static_cast<std::size_t>(arity);
   const auto lowest = [&](std::uint32_t i) {
     const auto own = indices.subspan(i * width, width);
     return *std::min_element(own.begin(), own.end());
   };
-  const std::size_t count = colour_of.size();
+  const std::size_t count = color_of.size();
   std::vector<std::uint32_t> next(particle_count + 1), by_particle(count), size;
   for (std::uint32_t i = 0; i < count; ++i) ++next[lowest(i) + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
   for (std::uint32_t i = 0; i < count; ++i) by_particle[next[lowest(i)]++] = i;
 
-  for (const std::uint32_t colour : colour_of) {
-    if (colour >= size.size()) size.resize(colour + 1);
-    ++size[colour];
+  for (const std::uint32_t color : color_of) {
+    if (color >= size.size()) size.resize(color + 1);
+    ++size[color];
   }
-  Colouring result;
+  Coloring result;
   result.order.resize(count);
   next.assign(size.size(), 0);
   std::uint32_t begin = 0;
-  for (std::size_t colour = 0; colour < size.size(); ++colour) {
-    if (size[colour] > 0) result.colour_begin.push_back(begin);
-    next[colour] = begin;
-    begin += size[colour];
+  for (std::size_t color = 0; color < size.size(); ++color) {
+    if (size[color] > 0) result.color_begin.push_back(begin);
+    next[color] = begin;
+    begin += size[color];
   }
-  result.colour_begin.push_back(begin);
-  for (const std::uint32_t i : by_particle) result.order[next[colour_of[i]]++] = i;
+  result.color_begin.push_back(begin);
+  for (const std::uint32_t i : by_particle) result.order[next[color_of[i]]++] = i;
   return result;
 }
 

@@ -13,11 +13,11 @@ namespace fs = std::filesystem;
 
 constexpr double g = 9.81;
 
-class Behaviour : public testing::Test {
+class Behavior : public testing::Test {
  protected:
   void SetUp() override {
     const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("souple_behaviour_") + test.name());
+    folder_ = fs::path(testing::TempDir()) / (std::string("souple_behavior_") + test.name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -86,17 +86,17 @@ void expect_stiff_upper_half(World world) {
   EXPECT_NEAR(lower / upper, 3, 0.3) << upper << " and " << lower;
 }
 
-TEST_F(Behaviour, StiffnessMapOfAGroup) {
+TEST_F(Behavior, StiffnessMapOfAGroup) {
   write_strip(file("strip.obj"));
   expect_stiff_upper_half(built(stretched_strip(R"("group": "upper")")));
 }
 
-TEST_F(Behaviour, StiffnessMapOfAColour) {
+TEST_F(Behavior, StiffnessMapOfAColor) {
   write_strip(file("strip.obj"));
-  expect_stiff_upper_half(built(stretched_strip(R"("colour": "red")")));
+  expect_stiff_upper_half(built(stretched_strip(R"("color": "red")")));
 }
 
-TEST_F(Behaviour, ThicknessMapKeepsItsDistance) {
+TEST_F(Behavior, ThicknessMapKeepsItsDistance) {
   write_strip(file("strip.obj"));
   World world = built(R"({"souple": 1, "objects": [{"kind": "cloth", "mesh": {"file": "strip.obj"},
     "transform": {"translate": [0, 0.05, 0], "rotate": [90, 0, 0]},
@@ -109,7 +109,7 @@ TEST_F(Behaviour, ThicknessMapKeepsItsDistance) {
   EXPECT_NEAR(x[28].y, 0.01, 1e-3);  // half of 0.02
 }
 
-TEST_F(Behaviour, PinWeightOfAGroup) {
+TEST_F(Behavior, PinWeightOfAGroup) {
   write_strip(file("strip.obj"));
   World world = built(R"({"souple": 1, "objects": [{"kind": "cloth", "mesh": {"file": "strip.obj"},
     "maps": {"pin_weight": {"group": "upper", "value": 1}}}]})");
@@ -120,13 +120,13 @@ TEST_F(Behaviour, PinWeightOfAGroup) {
   EXPECT_EQ(positions_of_only(world)[16].y, -0.5f);
 }
 
-TEST_F(Behaviour, HalfAPinWeightIsASpring) {
+TEST_F(Behavior, HalfAPinWeightIsASpring) {
   write_strip(file("strip.obj"));
   // Green is 0.5 everywhere: each vertex hangs on a spring of 0.05 m/N. What they carry together is the
   // weight; edges only pass it on.
   World world = built(R"({"souple": 1, "substeps": 20, "drag": 4, "objects": [{"kind": "cloth",
     "mesh": {"file": "strip.obj"}, "material": {"areal_density": 2, "membrane_stiffness": 100, "air_drag": 0},
-    "maps": {"pin_weight": {"colour": "green", "value": 1, "default": 0, "compliance": 0.05}}}]})");
+    "maps": {"pin_weight": {"color": "green", "value": 1, "default": 0, "compliance": 0.05}}}]})");
   const ObjectId strip = world.objects()[0];
   const std::vector<Vec3f> before(positions_of_only(world).begin(), positions_of_only(world).end());
   run(world, 300);
@@ -172,7 +172,7 @@ void expect_led(World world) {
   EXPECT_NEAR(risen(), 4 * sequence_rise, 1e-4);
 }
 
-TEST_F(Behaviour, PinsFollowAPc2) {
+TEST_F(Behavior, PinsFollowAPc2) {
   write_strip(file("strip.obj"));
   Pc2Writer writer(file("led.pc2"), std::uint64_t{2} * strip_rows);
   for (int frame = 0; frame < sequence_frames; ++frame) writer.append(strip_points(frame * sequence_rise));
@@ -180,7 +180,7 @@ TEST_F(Behaviour, PinsFollowAPc2) {
   expect_led(led_by(file(""), "led.pc2"));
 }
 
-TEST_F(Behaviour, PinsFollowAnMdd) {
+TEST_F(Behavior, PinsFollowAnMdd) {
   write_strip(file("strip.obj"));
   MddWriter writer(file("led.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
   for (int frame = 0; frame < sequence_frames; ++frame)
@@ -189,14 +189,14 @@ TEST_F(Behaviour, PinsFollowAnMdd) {
   expect_led(led_by(file(""), "led.mdd"));
 }
 
-TEST_F(Behaviour, PinsFollowASequenceOfObj) {
+TEST_F(Behavior, PinsFollowASequenceOfObj) {
   write_strip(file("strip.obj"));
   for (int frame = 0; frame < sequence_frames; ++frame)
     write_strip(file("led_000" + std::to_string(frame + 1) + ".obj"), frame * sequence_rise);
   expect_led(led_by(file(""), "led_0001.obj"));
 }
 
-TEST_F(Behaviour, SequenceOfAnotherMeshIsRefused) {
+TEST_F(Behavior, SequenceOfAnotherMeshIsRefused) {
   write_strip(file("strip.obj"));
   Pc2Writer writer(file("led.pc2"), 5);
   writer.append(std::vector<Vec3f>(5));
@@ -222,7 +222,7 @@ double longest_rope(World world) {
   return longest;
 }
 
-TEST_F(Behaviour, TethersHoldALimpRope) {
+TEST_F(Behavior, TethersHoldALimpRope) {
   const auto rope = [](const std::string& more) {
     return with_object(R"("kind": "rope", "points": [[0, 2, 0], [0, 1, 0]], "segments": 20,
         "material": {"radius": 0.01, "young_modulus": 1e4, "damping": 1}, "pins": [{"vertices": [0]}])" +
@@ -238,10 +238,10 @@ TEST_F(Behaviour, TethersHoldALimpRope) {
 double radius_after(World world, int frames) {
   run(world, frames);
   const auto x = positions_of_only(world);
-  Vec3d centre;
-  for (const Vec3f& p : x) centre += Vec3d(p) / static_cast<double>(x.size());
+  Vec3d center;
+  for (const Vec3f& p : x) center += Vec3d(p) / static_cast<double>(x.size());
   double radius = 0;
-  for (const Vec3f& p : x) radius += length(Vec3d(p) - centre) / static_cast<double>(x.size());
+  for (const Vec3f& p : x) radius += length(Vec3d(p) - center) / static_cast<double>(x.size());
   return radius;
 }
 
@@ -252,7 +252,7 @@ std::string balloon(const std::string& more) {
          more + "}]}";
 }
 
-TEST_F(Behaviour, PressureBlowsUp) {
+TEST_F(Behavior, PressureBlowsUp) {
   EXPECT_NEAR(radius_after(built(balloon("")), 120), 0.5, 1e-3);
   // Small strain of a membrane with nu = 1/3, which is what springs along triangles have:
   // dR / R = P R (1 - nu) / (2 Y) = 0.033; finite strain and the coarse mesh add some.
@@ -262,13 +262,13 @@ TEST_F(Behaviour, PressureBlowsUp) {
   EXPECT_LT(radius_after(built(balloon(R"(, "pressure": -5)")), 10), 0.4999) << "suction";
 }
 
-TEST_F(Behaviour, EnclosedVolumeIsKept) {
+TEST_F(Behavior, EnclosedVolumeIsKept) {
   const double swollen = radius_after(built(balloon(R"(, "enclosed_volume": {"factor": 1.331})")), 120) / 0.5;
   EXPECT_NEAR(swollen, 1.1, 0.005);
 }
 
 // --- springs and pairs
-TEST_F(Behaviour, AttachmentsAreSpringsOfTheirCompliance) {
+TEST_F(Behavior, AttachmentsAreSpringsOfTheirCompliance) {
   World world = built(with_object(R"("kind": "grains", "points": [[0, 1, 0], [1, 1, 0]],
       "material": {"radius": 0.05, "density": 1000},
       "attachments": [{"vertices": [0], "compliance": 0.01}, {"vertices": [1]}])"));
@@ -283,7 +283,7 @@ TEST_F(Behaviour, AttachmentsAreSpringsOfTheirCompliance) {
   EXPECT_NEAR(positions_of_only(world)[1].y, 1, 1e-4);
 }
 
-TEST_F(Behaviour, PairsDecideFrictionAndRestitution) {
+TEST_F(Behavior, PairsDecideFrictionAndRestitution) {
   const auto grain = [&](const std::string& start, const std::string& pair) {
     return built(R"({"souple": 1, "substeps": 20, "objects": [{"name": "puck", "kind": "grains",)" + start +
                  R"(, "material": {"radius": 0.05, "friction": 2, "restitution": 0}}],
@@ -306,7 +306,7 @@ TEST_F(Behaviour, PairsDecideFrictionAndRestitution) {
   EXPECT_NEAR(top, 0.25, 0.02);
 }
 
-TEST_F(Behaviour, GroupsAndPairsDecideWhatMeets) {
+TEST_F(Behavior, GroupsAndPairsDecideWhatMeets) {
   const auto height = [&](const std::string& object, const std::string& collider,
                           const std::string& collide) {
     World world = built(
@@ -324,7 +324,7 @@ TEST_F(Behaviour, GroupsAndPairsDecideWhatMeets) {
   EXPECT_NEAR(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [1, 7])", "true"), 0.05f, 1e-3f);
 }
 
-TEST_F(Behaviour, WhatLiesFallsAsleepWhenTheSceneSaysSo) {
+TEST_F(Behavior, WhatLiesFallsAsleepWhenTheSceneSaysSo) {
   for (const char* sleeping : {"", R"("sleeping": {"enabled": true, "seconds": 0.25},)"}) {
     World world =
         built(std::string(R"({"souple": 1, )") + sleeping + R"("objects": [{"name": "puck", "kind": "grains",

@@ -1,5 +1,5 @@
 #include "app/bench_stages.h"
-#include "souple/fluid/neighbours.h"
+#include "souple/fluid/neighbors.h"
 #include "souple/math/fnv1a.h"
 
 #include <algorithm>
@@ -21,9 +21,9 @@ constexpr float radius = 1;  // m
 class Points {
  public:
   explicit Points(int count) : positions_(static_cast<std::size_t>(count)) {
-    constexpr double neighbours = 30.5;  // inside; 29 on average of 100 000, with those at the walls
+    constexpr double neighbors = 30.5;  // inside; 29 on average of 100 000, with those at the walls
     const double volume = 4 * pi / 3 * std::pow(double{radius}, 3);
-    const double side = std::cbrt(count * volume / neighbours);
+    const double side = std::cbrt(count * volume / neighbors);
     for (Vec4f& p : positions_) p = {uniform(side), uniform(side), uniform(side), 0};
   }
   void move() {
@@ -51,9 +51,9 @@ class Points {
   std::vector<Vec4f> positions_, next_;
 };
 
-std::uint64_t hash_of(const Neighbours& neighbours) {
+std::uint64_t hash_of(const Neighbors& neighbors) {
   std::uint64_t hash = fnv1a64_start;
-  for (const Neighbours::Block& block : neighbours.blocks())
+  for (const Neighbors::Block& block : neighbors.blocks())
     for (std::uint32_t place = block.begin; place < block.end; ++place)
       hash = fnv1a64(std::as_bytes(block.of(place)), hash);
   return hash;
@@ -61,11 +61,11 @@ std::uint64_t hash_of(const Neighbours& neighbours) {
 
 }  // namespace
 
-Json measure_neighbours(const BenchOptions& options) {
+Json measure_neighbors(const BenchOptions& options) {
   Points points(options.size);
   const auto threads = make_threads(options.settings.threading, options.settings.threads);
   CellOrder order;
-  Neighbours neighbours;
+  Neighbors neighbors;
   order.build(points.positions(), radius, *threads);
   std::vector<double> whole, sort, lists;
   const auto now = [] { return std::chrono::steady_clock::now(); };
@@ -78,24 +78,24 @@ Json measure_neighbours(const BenchOptions& options) {
     const auto start = now();
     order.build(points.positions(), radius, *threads);
     const auto sorted = now();
-    neighbours.find(order, radius, *threads);
+    neighbors.find(order, radius, *threads);
     const auto end = now();
     if (step < options.warm_up) continue;
     whole.push_back(spent(start, end));
     sort.push_back(spent(start, sorted));
     lists.push_back(spent(sorted, end));
   }
-  const auto count = static_cast<double>(neighbours.count());
+  const auto count = static_cast<double>(neighbors.count());
   Json stages = Json::object(), result = Json::object();
   stages.set("sort", milliseconds(sort));
   stages.set("lists", milliseconds(lists));
   result.set("ms_per_step", milliseconds(whole));
   result.set("ms_fastest", milliseconds({*std::min_element(whole.begin(), whole.end())}));
   result.set("ms_per_stage", std::move(stages));
-  result.set("neighbours", Json::of(std::round(100 * count / options.size) / 100));
+  result.set("neighbors", Json::of(std::round(100 * count / options.size) / 100));
   result.set("pairs_per_second", Json::of(std::round(count / (median(lists) * 1e-3))));
-  result.set("bytes", Json::whole(static_cast<std::int64_t>(order.bytes() + neighbours.bytes())));
-  result.set("hash", hash_json(hash_of(neighbours)));
+  result.set("bytes", Json::whole(static_cast<std::int64_t>(order.bytes() + neighbors.bytes())));
+  result.set("hash", hash_json(hash_of(neighbors)));
   return result;
 }
 

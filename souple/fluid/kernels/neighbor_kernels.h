@@ -17,7 +17,7 @@ struct PointColumns {
   const float* component[3];
 };
 
-struct NeighbourKernels {
+struct NeighborKernels {
   /// Which points of the ranges are closer to point i than the square root of `radius_squared`, itself left
   /// out: their places times four (where their record of four floats begins), written to `found` in order.
   /// Returns how many; room for 16 more than all is needed.
@@ -29,6 +29,6 @@ struct NeighbourKernels {
 struct OneLane {};
 
 template <class Set>
-const NeighbourKernels& neighbour_kernels();
+const NeighborKernels& neighbor_kernels();
 
 }  // namespace souple::kernels

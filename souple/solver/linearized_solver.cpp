@@ -1,4 +1,4 @@
-#include "souple/solver/linearised_solver.h"
+#include "souple/solver/linearized_solver.h"
 
 #include "souple/error.h"
 
@@ -64,7 +64,7 @@ void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& pa
 
 // An inequality that the others turn into a pull is let go, and the rest solved again.
 bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
-  system_.linearise(particles, substep, floors_);
+  system_.linearize(particles, substep, floors_);
   for (int pass = 0; pass < most_passes; ++pass) {
     if (floors_) system_.invert_compliance();
     if (!solve_system(system_, threads)) return false;
@@ -74,7 +74,7 @@ bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep
 }
 
 double LinearisedSolver::violation(const ParticleView& particles, const Substep& substep) {
-  system_.linearise(particles, substep, true);
+  system_.linearize(particles, substep, true);
   system_.invert_compliance();
   return system_.violation();
 }

@@ -2,7 +2,7 @@
 
 #include "souple/fluid/cell_order.h"
 #include "souple/fluid/kernels/density_kernels.h"
-#include "souple/fluid/kernels/neighbour_kernels.h"
+#include "souple/fluid/kernels/neighbor_kernels.h"
 
 #include <cstdint>
 #include <span>
@@ -11,10 +11,10 @@
 namespace souple {
 
 /// Who is within a radius of whom: for each place of a CellOrder the places of the others, in the order of
-/// rows of cells and then ascending; nobody is a neighbour of itself. Lists lie one behind the other, in
+/// rows of cells and then ascending; nobody is a neighbor of itself. Lists lie one behind the other, in
 /// blocks of places that threads make by themselves. The same lists for any number of threads and with all
 /// instruction sets.
-class Neighbours {
+class Neighbors {
  public:
   /// Lists are padded to whole sixteens, so that loops over registers need no end of their own.
   static constexpr std::uint32_t padding = 16;
@@ -25,7 +25,7 @@ class Neighbours {
     std::uint32_t begin = 0, end = 0;    ///< places
     std::vector<std::uint32_t> entry{};  ///< lists, one behind the other; room for a register beyond
     std::vector<std::uint32_t> first{};  ///< of place begin + k: entry[first[k]] up to entry[first[k + 1]]
-    std::vector<std::uint32_t> count{};  ///< of these, how many are neighbours
+    std::vector<std::uint32_t> count{};  ///< of these, how many are neighbors
 
     std::span<const std::uint32_t> of(std::uint32_t place) const {
       const std::uint32_t k = place - begin;
@@ -55,7 +55,7 @@ class Neighbours {
   void cut(const CellOrder& order);
   void find_in(const CellOrder& order, std::size_t block, float radius) const;
 
-  const kernels::NeighbourKernels* kernels_ = nullptr;
+  const kernels::NeighborKernels* kernels_ = nullptr;
   std::vector<std::uint32_t> first_cell_;  // of each block
   mutable std::vector<Block> blocks_;
   std::size_t block_count_ = 0;

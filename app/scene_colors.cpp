@@ -1,4 +1,4 @@
-#include "app/scene_colours.h"
+#include "app/scene_colors.h"
 
 #include <algorithm>
 #include <string_view>
@@ -9,10 +9,10 @@ namespace souple::app {
 namespace {
 
 template <class Things>
-void colour(Things& things, std::string_view name, const std::optional<std::uint32_t>& wish) {
+void color(Things& things, std::string_view name, const std::optional<std::uint32_t>& wish) {
   if (!wish) return;
   for (auto& thing : things) {
-    if (thing.name == name) thing.colour = render::srgb(*wish);
+    if (thing.name == name) thing.color = render::srgb(*wish);
   }
 }
 
@@ -23,11 +23,11 @@ void leave_out(std::vector<render::ColliderBody>& colliders, std::string_view na
 
 }  // namespace
 
-void add_colours(const SceneDescription& scene, render::Subject& subject) {
+void add_colors(const SceneDescription& scene, render::Subject& subject) {
   for (const AnyObjectDescription& object : scene.objects)
-    colour(subject.bodies, common(object).name, common(object).colour);
+    color(subject.bodies, common(object).name, common(object).color);
   for (const ColliderDescription& collider : scene.colliders) {
-    colour(subject.colliders, collider.name, collider.colour);
+    color(subject.colliders, collider.name, collider.color);
     if (!collider.show) leave_out(subject.colliders, collider.name);
   }
 }

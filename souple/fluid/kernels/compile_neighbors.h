@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/fluid/kernels/neighbour_kernels.h"
+#include "souple/fluid/kernels/neighbor_kernels.h"
 #include "souple/math/simd/instruction_sets.h"
 
 #include <array>
@@ -98,8 +98,8 @@ std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const Plac
 }
 
 template <class Set>
-const NeighbourKernels& neighbour_kernels() {
-  static constexpr NeighbourKernels kernels{near_point<Set>};
+const NeighborKernels& neighbor_kernels() {
+  static constexpr NeighborKernels kernels{near_point<Set>};
   return kernels;
 }
 

@@ -7,18 +7,18 @@
 
 namespace souple {
 
-/// What the solvers of the global system share: each iteration linearises all constraints where the particles
+/// What the solvers of the global system share: each iteration linearizes all constraints where the particles
 /// are (linear_system.h), solves the system at once, and moves by what it says, or by a part of it. Kinds
 /// without a linear form (contacts, shape matching, enclosed volumes, custom constraints) are projected after
 /// each iteration, by Gauss-Seidel.
 ///
-/// The linearisation holds near where it was made only, and a rigid cloth has folds in which it says
+/// The linearization holds near where it was made only, and a rigid cloth has folds in which it says
 /// nonsense. So a move may not deform a constraint by more than half of its size, and is halved until it
 /// leaves less than it found of
 ///
 ///   1/2 b^T A^-1 b + 1/2 dx^T M dx
 ///
-/// (b taken anew after the move): the very function that the linear system minimises. After four halvings it
+/// (b taken anew after the move): the very function that the linear system minimizes. After four halvings it
 /// is taken as it is.
 class LinearisedSolver : public Solver {
  public:
@@ -27,7 +27,7 @@ class LinearisedSolver : public Solver {
              Threads& threads) final;
 
  protected:
-  /// The structure is new. Sets `floors` and may linearise with h = 1; throws Error where the system is too
+  /// The structure is new. Sets `floors` and may linearize with h = 1; throws Error where the system is too
   /// large, saying what to use instead.
   virtual void prepare_system(LinearSystem& system, const ParticleView& particles) = 0;
   /// Fills dx and dlambda. False: it failed, and this iteration projects instead.

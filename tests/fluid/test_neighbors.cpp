@@ -1,5 +1,5 @@
 #include "souple/fluid/kernels/find_kernels.h"
-#include "souple/fluid/neighbours.h"
+#include "souple/fluid/neighbors.h"
 #include "tests/count_allocations.h"
 #include "tests/fluid/clouds.h"
 
@@ -13,16 +13,16 @@ namespace {
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
 /// Of each particle as it was given, ascending.
-Lists lists_of(const CellOrder& order, const Neighbours& neighbours) {
+Lists lists_of(const CellOrder& order, const Neighbors& neighbors) {
   Lists lists(order.size());
   std::uint32_t next = 0;
-  for (const Neighbours::Block& block : neighbours.blocks()) {
+  for (const Neighbors::Block& block : neighbors.blocks()) {
     EXPECT_EQ(block.begin, next);
     next = block.end;
     for (std::uint32_t k = block.begin; k < block.end; ++k) {
       std::vector<std::uint32_t>& list = lists[order.order()[k]];
       for (const std::uint32_t entry : block.of(k)) list.push_back(order.order()[entry / 4]);
-      EXPECT_EQ(block.padded(k).size() % Neighbours::padding, 0u);
+      EXPECT_EQ(block.padded(k).size() % Neighbors::padding, 0u);
       for (const std::uint32_t entry : block.padded(k).subspan(list.size()))
         EXPECT_EQ(entry, 4 * order.size());
       std::sort(list.begin(), list.end());
@@ -46,13 +46,13 @@ Lists by_looking_at_all(const std::vector<Vec4f>& points, float radius) {
 Lists found(const std::vector<Vec4f>& points, float cell_size, float radius, int threads = 2) {
   const auto pool = make_threads(Threading::pool, threads);
   CellOrder order;
-  Neighbours neighbours;
+  Neighbors neighbors;
   order.build(points, cell_size, *pool);
-  neighbours.find(order, radius, *pool);
-  return lists_of(order, neighbours);
+  neighbors.find(order, radius, *pool);
+  return lists_of(order, neighbors);
 }
 
-TEST(Neighbours, AreThoseOfLookingAtAll) {
+TEST(Neighbors, AreThoseOfLookingAtAll) {
   const std::vector<Vec4f> points = test::random_cloud(4000, 1, 1);
   const Lists expected = by_looking_at_all(points, 0.12f);
   EXPECT_EQ(found(points, 0.12f, 0.12f), expected);
@@ -62,32 +62,32 @@ TEST(Neighbours, AreThoseOfLookingAtAll) {
   EXPECT_NEAR(double(sum) / 4000, 4000 * 4.18879 * std::pow(0.12, 3), 6);  // less at the cube's walls
 }
 
-TEST(Neighbours, OfAFluidThatFlewApart) {
+TEST(Neighbors, OfAFluidThatFlewApart) {
   const std::vector<Vec4f> points = test::ragged_cloud();
   EXPECT_EQ(found(points, 0.1f, 0.1f), by_looking_at_all(points, 0.1f));
   EXPECT_TRUE(found({}, 0.1f, 0.1f).empty());
 }
 
 // A million cells away and more, coordinates end: what is beyond shares cells, and is found all the same.
-TEST(Neighbours, BeyondTheGrid) {
+TEST(Neighbors, BeyondTheGrid) {
   std::vector<Vec4f> points = test::random_cloud(200, 1, 2);
   for (const Vec4f& far : test::random_cloud(200, 1, 3)) points.push_back({far.x + 3e5f, far.y, far.z, 0});
   EXPECT_EQ(found(points, 0.1f, 0.1f), by_looking_at_all(points, 0.1f));
 }
 
-TEST(Neighbours, InTheSameOrderForAnyNumberOfThreads) {
+TEST(Neighbors, InTheSameOrderForAnyNumberOfThreads) {
   const std::vector<Vec4f> points = test::random_cloud(20000, 1, 7);
   const Lists expected = found(points, 0.06f, 0.06f, 1);
   for (const int threads : {2, 8}) EXPECT_EQ(found(points, 0.06f, 0.06f, threads), expected);
 }
 
-TEST(Neighbours, WithAllInstructionSets) {
+TEST(Neighbors, WithAllInstructionSets) {
   const std::vector<Vec4f> points = test::random_cloud(500, 1, 8);
   const auto threads = make_threads(Threading::serial, 1);
   CellOrder order;
   order.build(points, 1, *threads);
   const kernels::PointColumns columns{{order.component(0), order.component(1), order.component(2)}};
-  const auto near = [&](const kernels::NeighbourKernels& k, std::uint32_t i) {
+  const auto near = [&](const kernels::NeighborKernels& k, std::uint32_t i) {
     // Ranges of every length around a register's.
     std::vector<std::uint32_t> list(600);
     const kernels::PlaceRange ranges[] = {{3, 3}, {5, 6}, {10, 27}, {40, 56}, {100, 133}, {490, 500}};
@@ -98,20 +98,20 @@ TEST(Neighbours, WithAllInstructionSets) {
        {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
     if (set > instruction_set()) continue;
     for (std::uint32_t i = 0; i < 500; ++i)
-      ASSERT_EQ(near(kernels::find_neighbour_kernels(set), i),
-                near(kernels::find_neighbour_kernels(InstructionSet::scalar), i));
+      ASSERT_EQ(near(kernels::find_neighbor_kernels(set), i),
+                near(kernels::find_neighbor_kernels(InstructionSet::scalar), i));
   }
 }
 
-TEST(Neighbours, AllocatesNothingWhenWarm) {
+TEST(Neighbors, AllocatesNothingWhenWarm) {
   const auto threads = make_threads(Threading::pool, 2);
   const std::vector<Vec4f> points = test::random_cloud(20000, 1, 9);
   CellOrder order;
-  Neighbours neighbours;
+  Neighbors neighbors;
   order.build(points, 0.06f, *threads);
-  neighbours.find(order, 0.06f, *threads);
+  neighbors.find(order, 0.06f, *threads);
   const long before = test::allocations();
-  neighbours.find(order, 0.06f, *threads);
+  neighbors.find(order, 0.06f, *threads);
   EXPECT_EQ(test::allocations(), before);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/colour.h"
+#include "render/color.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/math/vec3.h"
 
@@ -10,17 +10,17 @@
 
 namespace souple::render {
 
-/// `heat` by table: colours of many values.
+/// `heat` by table: colors of many values.
 class HeatScale {
  public:
   HeatScale();
-  PackedColour operator()(float t) const;  ///< t in [0, 1], clamped; NaN stands out
-  /// out[i] = colour of values[i] / largest.
-  void colour(std::span<const float> values, float largest, std::vector<PackedColour>& out) const;
+  PackedColor operator()(float t) const;  ///< t in [0, 1], clamped; NaN stands out
+  /// out[i] = color of values[i] / largest.
+  void color(std::span<const float> values, float largest, std::vector<PackedColor>& out) const;
 
  private:
-  std::array<PackedColour, 256> colours_{};
-  PackedColour not_a_number_ = 0;
+  std::array<PackedColor, 256> colors_{};
+  PackedColor not_a_number_ = 0;
 };
 
 /// How much a surface or a line is stretched at its vertices.
@@ -38,7 +38,7 @@ class EdgeStrain {
   std::vector<float> inverse_rest_;  ///< 1 / l0 [1/m]
 };
 
-/// Directions as colours: x, y, z in [-1, 1] as red, green, blue.
-void colour_normals(std::span<const Vec3f> normals, std::vector<PackedColour>& out);
+/// Directions as colors: x, y, z in [-1, 1] as red, green, blue.
+void color_normals(std::span<const Vec3f> normals, std::vector<PackedColor>& out);
 
 }  // namespace souple::render
