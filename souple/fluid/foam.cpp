@@ -237,7 +237,7 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
     total += static_cast<std::uint64_t>(made_[k]);
   }
   const std::uint64_t room =
-      std::min<std::uint64_t>(total, parameters.most - std::min(parameters.most, size()));
+      std::min<std::uint64_t>(total, parameters.max_particles - std::min(parameters.max_particles, size()));
   report_.made = room;
   report_.thinned = total - room;
   // Of all that is made, number k stays where k room / total steps up: evenly among the places.

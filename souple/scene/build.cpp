@@ -375,7 +375,7 @@ class Builder {
 
   ObjectId add(const FluidDescription& fluid) {
     ObjectOptions options = options_of(fluid);
-    options.most_particles = fluid.most_particles;
+    options.max_particles = fluid.max_particles;
     if (const auto* mesh = std::get_if<MeshDescription>(&fluid.filling))
       return world_.add_fluid(surface_of(*mesh, scene_.folder), fluid.material, options);
     if (const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling))

@@ -1,7 +1,9 @@
 #include "souple/scene/nearest.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <utility>
 #include <vector>
 
 namespace souple::scene_format {
@@ -11,6 +13,19 @@ namespace {
 bool same_letter(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
 }
+
+/// Names in older scene files and commands, and their replacements.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> renamed{{
+    {"bubble_neighbours", "bubble_neighbors"},
+    {"centre", "center"},
+    {"centres", "centers"},
+    {"colour", "color"},
+    {"colours", "colors"},
+    {"most", "max_particles"},
+    {"most_particles", "max_particles"},
+    {"neighbours", "neighbors"},
+    {"spray_neighbours", "spray_neighbors"},
+}};
 
 /// Optimal string alignment distance, three rows at a time.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -50,6 +65,11 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
 }
 
 std::string suggestion(std::string_view word, std::span<const std::string> known) {
+  for (const auto& [old, now] : renamed) {
+    if (word == old && std::find(known.begin(), known.end(), now) != known.end()) {
+      return "; it was renamed to \"" + std::string(now) + "\"";
+    }
+  }
   const std::string best = nearest_word(word, known);
   if (!best.empty()) return "; did you mean \"" + best + "\"?";
   if (known.empty()) return {};

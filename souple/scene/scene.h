@@ -206,7 +206,7 @@ struct FluidDescription : ObjectDescription {
   std::variant<std::vector<Vec3d>, FluidBox, MeshDescription> filling;
   MaterialDescription<FluidMaterial> material;
   std::vector<EmitterDescription> emitters;
-  std::uint32_t most_particles = 0;  ///< 0: as many as it begins with
+  std::uint32_t max_particles = 0;  ///< 0: as many as it begins with
 };
 
 struct ObstacleSequenceDescription : SequenceDescription {

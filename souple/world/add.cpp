@@ -40,12 +40,12 @@ Draft draft(const WorldState& world, ObjectKind kind, const Material& material,
   Draft result;
   result.object->kind = kind;
   result.object->name = world.unique_name(options.name, kind_name(kind));
-  if (kind != ObjectKind::fluid && options.most_particles > 0)
-    throw Error(fmt::format("{}: most_particles is {}: only a fluid gets more particles; leave it 0",
-                            result.object->name, options.most_particles));
-  if (options.most_particles > most_of_a_fluid)
-    throw Error(fmt::format("{}: most_particles is {}, expected at most {}", result.object->name,
-                            options.most_particles, most_of_a_fluid));
+  if (kind != ObjectKind::fluid && options.max_particles > 0)
+    throw Error(fmt::format("{}: max_particles is {}: only a fluid gets more particles; leave it 0",
+                            result.object->name, options.max_particles));
+  if (options.max_particles > most_of_a_fluid)
+    throw Error(fmt::format("{}: max_particles is {}, expected at most {}", result.object->name,
+                            options.max_particles, most_of_a_fluid));
   result.object->material = material;
   std::visit([&](const auto& m) { validate(m, result.object->name); }, material);
   validate(options.transform, result.object->name);
@@ -112,7 +112,7 @@ void shrink(Object& object) {
 /// threw.
 ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   Object& object = *draft.object;
-  object.capacity = std::max(static_cast<std::uint32_t>(object.rest.size()), options.most_particles);
+  object.capacity = std::max(static_cast<std::uint32_t>(object.rest.size()), options.max_particles);
   if (object.capacity == 0) throw Error(object.name + ": there are no vertices");
   object.stiffness_map = gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
   object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");

@@ -15,7 +15,7 @@ namespace souple {
 ///
 /// In the first two spacings before it, the mouth, fluid of this object that goes with the jet is led
 /// straight on as in a pipe; from there on it is free. Where there is fluid already, or no room in its object
-/// (ObjectOptions::most_particles), particles are held back.
+/// (ObjectOptions::max_particles), particles are held back.
 struct Emitter {
   Vec3f position{};                                      ///< of its middle [m]
   Vec3f direction{0, -1, 0};                             ///< where the fluid goes; any length but zero

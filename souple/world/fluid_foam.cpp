@@ -34,7 +34,7 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
                      double dt) {
   Threads& threads = *world.threads;
   const FoamParameters& parameters = world.settings.fluid.foam;
-  choose_shape(world.settings.fluid.kernel, parameters.most);
+  choose_shape(world.settings.fluid.kernel, parameters.max_particles);
   if (!(origin_ == source.origin)) foam_->shift(Vec3f(origin_ - source.origin));
   origin_ = source.origin;
   world.guarded("a collider's motion", [&] {

@@ -67,7 +67,7 @@ void check_range(const char* name, const FoamRange& range) {
 }
 
 void validate(const FoamParameters& f) {
-  check_all("settings", {{"fluid.foam.most", double(f.most), 0, 1e8},
+  check_all("settings", {{"fluid.foam.max_particles", double(f.max_particles), 0, 1e8},
                          {"fluid.foam.trapped_air_rate", double(f.trapped_air_rate), 0, 1e6},
                          {"fluid.foam.wave_crest_rate", double(f.wave_crest_rate), 0, 1e6},
                          {"fluid.foam.longest_life", double(f.longest_life), 0, any},

@@ -66,7 +66,7 @@ struct ObjectOptions {
   int layer = 0;
   /// Of a fluid: emitters give it no more than these, for which there is room from the start; 0: it stays as
   /// it is. With room a fluid may begin without any.
-  std::uint32_t most_particles = 0;
+  std::uint32_t max_particles = 0;
   /// Bit masks: which of 32 groups it belongs to, and which groups it wants to meet. Two things meet when
   /// a.collision_groups & b.collision_mask and b.collision_groups & a.collision_mask are both non-zero.
   std::uint32_t collision_groups = 1;

@@ -40,7 +40,7 @@ WATER = {
         SMALL["objects"][0],
         {"name": "block", "kind": "fluid", "box": {"lo": [-0.2, 0, -0.1], "hi": [0, 0.3, 0.1]},
          "material": {"preset": "water", "spacing": 0.05}},
-        {"name": "tap", "kind": "fluid", "points": [], "most_particles": 200,
+        {"name": "tap", "kind": "fluid", "points": [], "max_particles": 200,
          "material": {"preset": "oil", "spacing": 0.05},
          "emitters": [{"position": [0.5, 0.6, 0], "direction": [0, -1, 0], "radius": 0.06, "speed": 2,
                        "start": 0.1}]},

@@ -204,7 +204,7 @@ struct DamBreak {
 TEST(Foam, ADamBreakFoamsWhenItHitsTheWall) {
   DamBreak dam(2);
   FoamParameters parameters = small_scale;
-  parameters.most = 3000;
+  parameters.max_particles = 3000;
   std::size_t before = 0, after = 0, largest = 0, thinned = 0;
   Foam::Report seen;
   for (int f = 0; f < 70; ++f) {
@@ -227,7 +227,7 @@ TEST(Foam, ADamBreakFoamsWhenItHitsTheWall) {
   EXPECT_GT(seen.spray, 20);
   EXPECT_GT(seen.foam, 100);
   EXPECT_GT(seen.bubbles, 100);
-  EXPECT_EQ(largest, parameters.most);
+  EXPECT_EQ(largest, parameters.max_particles);
   EXPECT_GT(thinned, 0);
 }
 

@@ -187,7 +187,7 @@ TEST(FluidFoam, StaysBeforeCloth) {
 }
 
 TEST(FluidFoam, IsBounded) {
-  World world = dam_break({.substeps = 8, .fluid = {.foam = {.most = 300}}}, 4);
+  World world = dam_break({.substeps = 8, .fluid = {.foam = {.max_particles = 300}}}, 4);
   std::size_t most = 0;
   for (int frame = 0; frame < 60; ++frame) {
     world.step(1.0 / 60);

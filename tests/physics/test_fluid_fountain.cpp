@@ -43,7 +43,7 @@ std::size_t bytes(World& world) {
 TEST(FluidFountain, RunsForAMinuteWithoutGrowingSlow) {
   World world({.substeps = 8});
   const ObjectId fluid =
-      world.add_fluid(std::vector<Vec3d>{}, {.spacing = float(d)}, {.most_particles = most});
+      world.add_fluid(std::vector<Vec3d>{}, {.spacing = float(d)}, {.max_particles = most});
   world.add_emitter(fluid,
                     {.position = {0, 0.12f, 0}, .direction = {0.12f, 1, 0}, .radius = 0.041f, .speed = 2.5f});
   world.add_collider(Box{{0, -0.05f, 0}, {0.4f, 0.05f, 0.4f}});
@@ -65,7 +65,7 @@ TEST(FluidFountain, RunsForAMinuteWithoutGrowingSlow) {
 TEST(FluidFountain, AJetIsAParabola) {
   World world({.substeps = 8});
   const ObjectId fluid =
-      world.add_fluid(std::vector<Vec3d>{}, {.spacing = float(d)}, {.most_particles = most});
+      world.add_fluid(std::vector<Vec3d>{}, {.spacing = float(d)}, {.max_particles = most});
   world.add_emitter(fluid, {.position = {0, 0, 0}, .direction = {1, 0, 0}, .radius = 0.081f, .speed = 2});
   play(world, fluid, 24);
   const double t = 24 / 60.0, s = t - 2 * d / 2;

@@ -18,7 +18,7 @@ constexpr std::size_t in_layers[] = {13, 12};
 constexpr double in_layer = 12.5;
 
 ObjectId add_empty(World& world, std::uint32_t most) {
-  return world.add_fluid(std::vector<Vec3d>{}, water, {.name = "water", .most_particles = most});
+  return world.add_fluid(std::vector<Vec3d>{}, water, {.name = "water", .max_particles = most});
 }
 
 World weightless() {
@@ -61,7 +61,7 @@ TEST(Emitters, StopAtTheirEndAndAtTheMostThatTheFluidMayHave) {
   Emitter short_one = nozzle;
   short_one.start = 0.1, short_one.end = 0.2;
   world.add_emitter(timed, short_one);
-  const ObjectId full = world.add_fluid(std::vector<Vec3d>{}, water, {.name = "full", .most_particles = 20});
+  const ObjectId full = world.add_fluid(std::vector<Vec3d>{}, water, {.name = "full", .max_particles = 20});
   Emitter far_off = nozzle;
   far_off.position = {5, 2, 0};
   world.add_emitter(full, far_off);
@@ -75,7 +75,7 @@ TEST(Emitters, StopAtTheirEndAndAtTheMostThatTheFluidMayHave) {
 TEST(Emitters, HoldBackWhatWouldBeWithinOtherFluid) {
   World world = weightless();
   const ObjectId fluid = world.add_fluid(fill(Vec3d{-0.325, 1.7, -0.325}, Vec3d{0.325, 2.3, 0.325}, 0.05),
-                                         water, {.most_particles = 5000});
+                                         water, {.max_particles = 5000});
   world.add_emitter(fluid, nozzle);
   const FluidReport& report = world.step(1e-4).fluid;
   EXPECT_GT(report.held_back, 0u);
@@ -123,7 +123,7 @@ TEST(Drains, TakeNoMoreThanTheirRate) {
 TEST(Drains, AFluidThatHasNothingLeftIsStillThere) {
   World world({.substeps = 2});
   const ObjectId fluid =
-      world.add_fluid(fill(Vec3d{}, Vec3d{0.2, 0.2, 0.2}, 0.05), water, {.most_particles = 500});
+      world.add_fluid(fill(Vec3d{}, Vec3d{0.2, 0.2, 0.2}, 0.05), water, {.max_particles = 500});
   const ObjectId other = world.add_grains(std::vector<Vec3d>{{3, 0, 0}});
   world.add_drain({.shape = Plane{{0, 1, 0}, 1}});
   for (int frame = 0; frame < 3; ++frame) EXPECT_TRUE(world.step(1.0 / 60).ok());
@@ -185,8 +185,7 @@ TEST(Emitters, BadOnesAreErrors) {
   expect_error([&] { world.add_drain({.shape = Sphere{{}, -1}}); }, {"radius"});
   expect_error([&] { world.add_drain({.shape = Plane{}, .rate = 0}); }, {"rate"});
   expect_error([&] { world.add_fluid(std::vector<Vec3d>{}, water); }, {"no vertices"});
-  expect_error([&] { world.add_grains(std::vector<Vec3d>{{}}, {}, {.most_particles = 3}); },
-               {"only a fluid"});
+  expect_error([&] { world.add_grains(std::vector<Vec3d>{{}}, {}, {.max_particles = 3}); }, {"only a fluid"});
   expect_error([&] { world.remove(EmitterId{99}); }, {"no emitter has the handle 99"});
   expect_error([&] { world.pin(fluid, all()); }, {"come and go"});
 }

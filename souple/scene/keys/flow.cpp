@@ -21,7 +21,7 @@ CodecPtr<EmitterDescription> emitter_codec() {
   auto keys =
       table<E>("emitter",
                "A round nozzle from which a fluid comes, layer after layer, a spacing apart. It holds "
-               "back what finds other fluid in its way, and what is more than `most_particles`.");
+               "back what finds other fluid in its way, and what is more than `max_particles`.");
   keys->required<&E::position>("position", vector3<float>(meters), "of its middle [m]")
       .key<&E::direction>("direction", vector3<float>(meters), "where the fluid goes; any length but zero")
       .key<&E::radius>("radius", number<float>(from_zero(far_away)),

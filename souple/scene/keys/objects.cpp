@@ -200,15 +200,15 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
       .key<&T::transform>("transform", transform_codec(), "where it is put")
       .key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "at the start [m/s]")
       .key<&T::emitters>("emitters", list(emitter_codec(), 0, 10000), "nozzles from which more of it comes")
-      .key<&T::most_particles>("most_particles", number<std::uint32_t>(within(0, 5e7)),
-                               "emitters give it no more than these; there is room for them from the start")
+      .key<&T::max_particles>("max_particles", number<std::uint32_t>(within(0, 5e7)),
+                              "emitters give it no more than these; there is room for them from the start")
       .key<&T::color>("color", maybe(color()), "how pictures show it, as in HTML")
       .check([](const T& fluid, const Place& place) {
         const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling);
-        if (points && points->empty() && fluid.most_particles == 0)
-          place.fail("has no points; a fluid that emitters fill needs \"most_particles\"");
-        if (!fluid.emitters.empty() && fluid.most_particles == 0)
-          place.fail("\"emitters\" need \"most_particles\": how many particles there may be");
+        if (points && points->empty() && fluid.max_particles == 0)
+          place.fail("has no points; a fluid that emitters fill needs \"max_particles\"");
+        if (!fluid.emitters.empty() && fluid.max_particles == 0)
+          place.fail("\"emitters\" need \"max_particles\": how many particles there may be");
       });
   add_collision_keys(*keys);
   return keys;

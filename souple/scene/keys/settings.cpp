@@ -28,8 +28,8 @@ CodecPtr<FoamParameters> foam_codec() {
   auto keys =
       table<F>("foam_settings", "Spray, foam and bubbles of fluids whose material has `foam` above 0.");
   const auto range = foam_range_codec("Between which values a part grows from none to all.");
-  keys->key<&F::most>("most", number<std::size_t>(within(0, 1e8)),
-                      "particles; above, what is new is thinned out")
+  keys->key<&F::max_particles>("max_particles", number<std::size_t>(within(0, 1e8)),
+                               "particles; above, what is new is thinned out")
       .key<&F::trapped_air_rate>("trapped_air_rate", number<float>(from_zero(1e6)),
                                  "particles that one of the fluid makes at most by trapping air [1/s]")
       .key<&F::wave_crest_rate>("wave_crest_rate", number<float>(from_zero(1e6)),
