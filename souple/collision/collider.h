@@ -2,7 +2,7 @@
 
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
-#include "souple/collision/surface.h"
+#include "souple/collision/contact_material.h"
 
 #include <string>
 
@@ -13,7 +13,7 @@ struct Collider {
   std::string name;
   Shape shape;
   ColliderMotion motion;  ///< the pose of the shape's frame
-  Surface surface;
+  ContactMaterial material;
   bool enabled = true;
 };
 

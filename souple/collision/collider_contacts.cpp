@@ -20,12 +20,12 @@ constexpr std::size_t particle_grain = 256;  // particles worth a thread
 
 void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                   std::span<const float> radius, std::span<const ContactObject> objects,
-                                  std::span<const Collider> colliders, const SurfaceMatrix& surfaces,
+                                  std::span<const Collider> colliders, const ContactMaterialTable& materials,
                                   const ContactStep& step, Threads& threads) {
-  if (!colliders.empty() && (surfaces.rows() < objects.size() || surfaces.columns() < colliders.size()))
+  if (!colliders.empty() && (materials.rows() < objects.size() || materials.columns() < colliders.size()))
     throw Error("ColliderContacts: the surface matrix is smaller than objects x colliders; build it anew");
   colliders_ = colliders, objects_ = objects, radius_ = radius;
-  surfaces_ = &surfaces;
+  materials_ = &materials;
   step_ = step;
   contacts_.clear();
   candidates_.clear();
@@ -92,7 +92,7 @@ void ColliderContacts::find_candidates(const ParticleView& particles, std::span<
 bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
                                     const ParticleView& particles) const {
   const std::uint32_t i = members_[member].particle;
-  if (!surfaces_->collide(members_[member].object, body.collider)) return false;
+  if (!materials_->collide(members_[member].object, body.collider)) return false;
   const Placed& placed = placed_[member];
   const double reach = 3 * placed.margin + 2 * double(radius_[i]);
   const double clear = body.ball.radius + reach;
@@ -166,7 +166,7 @@ void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float
 bool ColliderContacts::may_reach(const Body& body, const Member& member,
                                  const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
-  if (!(particles.inverse_mass(i) > 0) || !surfaces_->collide(member.object, body.collider)) return false;
+  if (!(particles.inverse_mass(i) > 0) || !materials_->collide(member.object, body.collider)) return false;
   const double D = length(place(particles, i) - body.center);
   const double motion = double(length(particles.moved(i))) + body.shift + body.turn * D;
   return D <= body.ball.radius + 2 * (motion + double(radius_[i]));
@@ -196,7 +196,7 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
   Contact contact;
   contact.particle = i;
   contact.radius = radius_[i];
-  contact.surface = surfaces_->at(member.object, body.collider);
+  contact.material = materials_->at(member.object, body.collider);
   contact.start = surface_distance(shape, from);
   contact.plane_offset = dot(contact.start.normal, from) - contact.start.distance;
   contact.predicted = Vec3f(body.after.rotation * (to - from));
@@ -242,7 +242,7 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
   if (body.moves) contact.carried = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
   Pressed<float> sums{contact.pushed, contact.rubbed};
   particles.correct(
-      i, press(sums, C, contact.allowed, n, particles.moved(i) - contact.carried, contact.surface));
+      i, press(sums, C, contact.allowed, n, particles.moved(i) - contact.carried, contact.material));
   contact.pushed = sums.pushed;
   contact.rubbed = sums.rubbed;
   contact.normal = n;
@@ -266,7 +266,7 @@ void ColliderContacts::restore_speed(const Body& body, Contact& contact, const P
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
       rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
-              2 * step_.gravity * h, contact.surface, inverse_h);
+              2 * step_.gravity * h, contact.material, inverse_h);
   contact.bounced = bounced;
   velocity[contact.particle].set_xyz(v + change);
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));

@@ -41,7 +41,7 @@ class ColliderContacts final : public Projector {
   /// motion callback throws passes through; the contacts are then empty.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const ContactObject> objects,
-                  std::span<const Collider> colliders, const SurfaceMatrix& surfaces, const ContactStep& step,
+                  std::span<const Collider> colliders, const ContactMaterialTable& materials, const ContactStep& step,
                   Threads& threads);
 
   /// The contacts of the substep [time, time + h]: call after prediction and before the first project.
@@ -101,7 +101,7 @@ class ColliderContacts final : public Projector {
   struct Contact {
     std::uint32_t particle;
     float radius;
-    SurfacePair surface;
+    ContactMaterialPair material;
     bool held;              // the plane below holds for the whole substep
     SurfaceDistance start;  // at the substep's begin, or where the motion first touched
     double plane_offset;    // of the plane with normal start.normal, in the collider's frame [m]
@@ -140,7 +140,7 @@ class ColliderContacts final : public Projector {
   std::span<const Collider> colliders_;
   std::span<const ContactObject> objects_;
   std::span<const float> radius_;
-  const SurfaceMatrix* surfaces_ = nullptr;
+  const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   float last_h_ = 0;  // of the last refresh [s]
   std::vector<Body> bodies_;

@@ -9,7 +9,7 @@
 namespace souple {
 
 /// An object as contacts see it: a range of particles with one surface. An object's index in the span given
-/// to begin_step is its row (and column) in the SurfaceMatrix, which may keep two of them apart. Ranges are
+/// to begin_step is its row (and column) in the ContactMaterialTable, which may keep two of them apart. Ranges are
 /// disjoint and ascending.
 struct ContactObject {
   std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)

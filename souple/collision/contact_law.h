@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/surface.h"
+#include "souple/collision/contact_material.h"
 #include "souple/math/vec3.h"
 
 // What a contact does, on T = float or a pack of floats: the same bits.
@@ -44,8 +44,8 @@ Vec3<T> press(Pressed<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>&
 }
 
 inline Vec3f press(Pressed<float>& sums, float C, float allowed, const Vec3f& n, const Vec3f& moved,
-                   const SurfacePair& surface) {
-  return press(sums, C, allowed, n, moved, surface.static_friction, surface.kinetic_friction);
+                   const ContactMaterialPair& material) {
+  return press(sums, C, allowed, n, moved, material.static_friction, material.kinetic_friction);
 }
 
 /// What a contact that pushed does to velocities.
@@ -72,9 +72,9 @@ Rebound<T> rebound(const Pressed<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T
 }
 
 inline Rebound<float> rebound(const Pressed<float>& sums, const Vec3f& n, const Vec3f& u, float approach,
-                              float slowest, const SurfacePair& surface, float inverse_h) {
-  return rebound(sums, n, u, approach, slowest, surface.restitution, surface.static_friction,
-                 surface.kinetic_friction, inverse_h);
+                              float slowest, const ContactMaterialPair& material, float inverse_h) {
+  return rebound(sums, n, u, approach, slowest, material.restitution, material.static_friction,
+                 material.kinetic_friction, inverse_h);
 }
 
 }  // namespace souple

@@ -89,9 +89,9 @@ void FeatureContacts::set_features(std::vector<Feature> features) {
 
 void FeatureContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                  std::span<const float> radius, std::span<const Collider> colliders,
-                                 const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads) {
+                                 const ContactMaterialTable& materials, const ContactStep& step, Threads& threads) {
   colliders_ = colliders, radius_ = radius;
-  surfaces_ = &surfaces;
+  materials_ = &materials;
   step_ = step;
   contacts_.clear();
   find_bodies();
@@ -154,7 +154,7 @@ void FeatureContacts::find_candidates(const ParticleView& particles, std::span<c
 bool FeatureContacts::is_candidate(const Body& body, std::size_t feature,
                                    const ParticleView& particles) const {
   const Feature& f = features_[feature];
-  if (!surfaces_->collide(f.object, body.collider)) return false;
+  if (!materials_->collide(f.object, body.collider)) return false;
   const auto& [a, b, c] = f.particle;
   const Corners x{placed_[a], placed_[b], placed_[c]};
   const Ball ball = ball_about(x, is_edge(f));
@@ -411,7 +411,7 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
     contact.inverse_mass += float(w * w) * particles.inverse_mass(feature.particle[k]);
   }
   contact.target = float(target);
-  contact.surface = surfaces_->at(feature.object, body.collider);
+  contact.material = materials_->at(feature.object, body.collider);
   contact.normal = low.surface.normal;
   contact.plane_offset = dot(low.surface.normal, low.point) - low.surface.distance;
   contact.predicted = Vec3f(body.after.rotation * predicted);
@@ -461,7 +461,7 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
   const Vec3f n(body.after.rotation * contact.normal);
   Pressed<float> sums{contact.pushed, contact.rubbed};
   correct(contact, particles,
-          press(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried, contact.surface));
+          press(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried, contact.material));
   contact.pushed = sums.pushed;
   contact.rubbed = sums.rubbed;
 }
@@ -484,7 +484,7 @@ void FeatureContacts::restore_speed(const Body& body, Contact& contact, const Pa
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
       rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
-              2 * step_.gravity * h, contact.surface, inverse_h);
+              2 * step_.gravity * h, contact.material, inverse_h);
   contact.bounced = bounced;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];

@@ -43,7 +43,7 @@ class FeatureContacts final : public Projector {
   /// As of ColliderContacts, with the same arguments: what is given must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const Collider> colliders,
-                  const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads);
+                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
   void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
   ContactReport report() const;
@@ -88,7 +88,7 @@ class FeatureContacts final : public Projector {
     std::array<float, 3> weight;
     float inverse_mass;  // sum_k w_k^2 / m_k [1/kg]
     float target;        // [m]
-    SurfacePair surface;
+    ContactMaterialPair material;
     Vec3d normal;         // in the collider's frame
     double plane_offset;  // [m]
     float allowed;        // C may stay this negative: an old overlap leaves slowly [m]
@@ -145,7 +145,7 @@ class FeatureContacts final : public Projector {
   std::uint32_t objects_ = 0;    // one more than the largest that features name
   std::span<const Collider> colliders_;
   std::span<const float> radius_;
-  const SurfaceMatrix* surfaces_ = nullptr;
+  const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;

@@ -37,7 +37,7 @@ float first_touch(const Vec3f& d, const Vec3f& motion, float reach) {
 
 bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) const {
   const ContactObject &a = objects_[object_a], &b = objects_[object_b];
-  if (!(a.moves || b.moves) || !surfaces_->collide(object_a, object_b)) return false;
+  if (!(a.moves || b.moves) || !materials_->collide(object_a, object_b)) return false;
   if (object_a == object_b) return a.hits_itself;
   return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
 }
@@ -103,11 +103,11 @@ void ParticleContacts::find_members(const ParticleView& particles, std::span<con
 
 void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                   std::span<const float> radius, std::span<const ContactObject> objects,
-                                  const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads) {
-  if (surfaces.rows() < objects.size() || surfaces.columns() < objects.size())
+                                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads) {
+  if (materials.rows() < objects.size() || materials.columns() < objects.size())
     throw Error("ParticleContacts: the surface matrix is smaller than objects x objects; build it anew");
   objects_ = objects, radius_ = radius;
-  surfaces_ = &surfaces;
+  materials_ = &materials;
   step_ = step;
   sweeps_.begin_step();
   forget_contacts();
@@ -366,7 +366,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const Vec3f to = particles.difference(i, j);
   const Vec3f from = to - motion;
   const float apart_before = length(from);
-  Contact contact{i, j, pair, reach, surfaces_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
+  Contact contact{i, j, pair, reach, materials_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
   if (apart_before > 0) contact.normal = from * (1 / apart_before);
   const float overlap = apart_before - reach;
   if (overlap < 0) {
@@ -411,7 +411,7 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
   Pressed<float> sums{contact.pushed, contact.rubbed};
   const Vec3f moved = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
-  const Vec3f dx = press(sums, C, contact.allowed, n, moved, contact.surface);
+  const Vec3f dx = press(sums, C, contact.allowed, n, moved, contact.material);
   contact.pushed = sums.pushed;
   contact.rubbed = sums.rubbed;
   contact.normal = n;
@@ -443,7 +443,7 @@ void ParticleContacts::restore_speed(Contact& contact, const ParticleView& parti
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
       rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
-              2 * step_.gravity * h, contact.surface, inverse_h);
+              2 * step_.gravity * h, contact.material, inverse_h);
   contact.bounced = bounced;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
@@ -462,7 +462,7 @@ void ParticleContacts::update_drift(const Contact& contact, const ParticleView& 
   Vec3f n;
   const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.reach;
   const bool slides = contact.pushed > 0 &&
-                      length(contact.rubbed) > 0.999f * contact.surface.kinetic_friction * contact.pushed;
+                      length(contact.rubbed) > 0.999f * contact.material.kinetic_friction * contact.pushed;
   Vec3f& drift = drift_[contact.pair];
   drift = near && !slides ? drift + slid : Vec3f{};
 }

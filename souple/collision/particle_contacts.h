@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/collision/contact.h"
-#include "souple/collision/surface.h"
+#include "souple/collision/contact_material.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -38,7 +38,7 @@ class ParticleContacts final : public Projector {
   /// the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const ContactObject> objects,
-                  const SurfaceMatrix& surfaces, const ContactStep& step, Threads& threads);
+                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
@@ -105,7 +105,7 @@ class ParticleContacts final : public Projector {
   struct Contact {
     std::uint32_t i, j, pair;
     float reach;  // r_i + r_j [m]
-    SurfacePair surface;
+    ContactMaterialPair material;
     bool held;          // the normal holds for the substep
     float allowed;      // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;    // motion of i relative to j before any projection [m]
@@ -173,7 +173,7 @@ class ParticleContacts final : public Projector {
 
   std::span<const ContactObject> objects_;
   std::span<const float> radius_;
-  const SurfaceMatrix* surfaces_ = nullptr;
+  const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   float last_h_ = 0;  // of the last refresh [s]
   float largest_diameter_ = 0;

@@ -178,7 +178,7 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                  std::span<const float> radius, std::span<float> pressed,
-                                 const SurfaceMatrix& matrix, const ContactStep& step, Threads& threads) {
+                                 const ContactMaterialTable& matrix, const ContactStep& step, Threads& threads) {
   forget_contacts();
   pairs_.clear();
   if (!pairs_.any()) return;
@@ -341,7 +341,7 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
                                    parts.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
-    const SurfacePair& surface =
+    const ContactMaterialPair& surface =
         matrix_->at(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;

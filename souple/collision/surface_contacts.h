@@ -3,7 +3,7 @@
 #include "souple/collision/contact.h"
 #include "souple/collision/contact_arrays.h"
 #include "souple/collision/feature_pairs.h"
-#include "souple/collision/surface.h"
+#include "souple/collision/contact_material.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -51,7 +51,7 @@ class SurfaceContacts final : public Projector {
   /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
   /// [m], which this keeps up to date. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<float> pressed, const SurfaceMatrix& matrix,
+                  std::span<const float> radius, std::span<float> pressed, const ContactMaterialTable& matrix,
                   const ContactStep& step, Threads& threads);
   /// After prediction: the contacts of this substep.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
@@ -129,7 +129,7 @@ class SurfaceContacts final : public Projector {
   std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // the first triangle that has it
 
   std::span<float> pressed_;
-  const SurfaceMatrix* matrix_ = nullptr;
+  const ContactMaterialTable* matrix_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};
   std::vector<Found> found_;    // of each chunk

@@ -2,7 +2,7 @@
 
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
-#include "souple/collision/surface.h"
+#include "souple/collision/contact_material.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/vertex_maps.h"
 #include "souple/io/mesh_file.h"

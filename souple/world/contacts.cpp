@@ -32,7 +32,7 @@ std::vector<Edge> edges_of_rope(const Object& object) {
 
 ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
   const Object& object = *world.objects[index];
-  const SurfaceMatrix& matrix = world.tables.against_objects;
+  const ContactMaterialTable& matrix = world.tables.against_objects;
   ContactSurface result{
       .begin = object.begin,
       .end = object.end,
@@ -60,12 +60,12 @@ void append_features(const Object& object, std::uint32_t index, std::span<const 
   for (const Edge& edge : rope_edges) features.push_back({{b + edge[0], b + edge[1], b + edge[1]}, index});
 }
 
-Surface surface_of(const Material& material) {
+ContactMaterial contact_material_of(const Material& material) {
   // A fluid rubs by its viscosity, not by Coulomb's law.
   if (const auto* fluid = std::get_if<FluidMaterial>(&material))
     return {.friction = 0, .restitution = fluid->restitution};
   return std::visit(
-      [](const auto& m) { return Surface{.friction = m.friction, .restitution = m.restitution}; }, material);
+      [](const auto& m) { return ContactMaterial{.friction = m.friction, .restitution = m.restitution}; }, material);
 }
 
 void append_event(const WorldState& world, const ContactPush& push, bool against_collider,
@@ -102,19 +102,19 @@ void build_contact_tables(WorldState& world) {
   world.sleep.touching.forget();
   tables.objects.clear();
   tables.colliders.clear();
-  std::vector<NamedSurface> object_surfaces, collider_surfaces;
+  std::vector<NamedContactMaterial> object_materials, collider_materials;
   for (const auto& object : world.objects) {
     tables.objects.push_back(contact_object(*object));
-    object_surfaces.push_back({object->name, surface_of(object->material), object->filter});
+    object_materials.push_back({object->name, contact_material_of(object->material), object->filter});
   }
   for (const ColliderRecord& record : world.colliders) {
-    const Surface surface{.friction = record.options.friction, .restitution = record.options.restitution};
-    tables.colliders.push_back({record.options.name, record.shape, record.options.motion, surface, true});
-    collider_surfaces.push_back(
-        {record.options.name, surface, {record.options.collision_groups, record.options.collision_mask}});
+    const ContactMaterial material{.friction = record.options.friction, .restitution = record.options.restitution};
+    tables.colliders.push_back({record.options.name, record.shape, record.options.motion, material, true});
+    collider_materials.push_back(
+        {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});
   }
-  tables.against_colliders = SurfaceMatrix(object_surfaces, collider_surfaces, world.pairs);
-  tables.against_objects = SurfaceMatrix(object_surfaces, object_surfaces, world.pairs);
+  tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.pairs);
+  tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.pairs);
   std::vector<std::array<std::uint32_t, 2>> tied;
   for (const Extra& extra : world.extras)
     for (std::size_t i = 0; extra.tie && extra.holds && i < extra.tie->size(); ++i)

@@ -137,7 +137,7 @@ struct ContactTables {
   std::vector<ContactObject> objects;
   std::vector<Collider> colliders;
   std::vector<std::vector<Edge>> rope_edges;  ///< of each object; empty but for ropes
-  SurfaceMatrix against_colliders, against_objects;
+  ContactMaterialTable against_colliders, against_objects;
 };
 
 /// Sums over particles, about a point near them: mass, m x, m v, m x x^T (lower triangle), m x cross v.
@@ -180,7 +180,7 @@ struct WorldState {
   Fluids fluids;
   bool look_for_tangles = true;  ///< something was put where nothing led it
   ContactTables tables;
-  PairTable pairs;
+  PairOverrides pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: build before the next step
   bool dirty_tables = true;       ///< so did what contacts look up
   bool dirty_counts = false;      ///< fluids have more or fewer particles than contacts know of

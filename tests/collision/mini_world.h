@@ -25,23 +25,23 @@ struct MiniWorld {
     radius.push_back(radius_);
   }
   /// Particles added since the last object become one.
-  ContactObject& end_object(const Surface& surface, const std::string& name = "object") {
+  ContactObject& end_object(const ContactMaterial& material, const std::string& name = "object") {
     ContactObject object;
     object.begin = objects.empty() ? 0 : objects.back().end;
     object.end = static_cast<std::uint32_t>(position.size());
     objects.push_back(object);
-    surfaces.push_back({name, surface});
+    materials.push_back({name, material});
     return objects.back();
   }
-  void add_collider(Shape shape, const Surface& surface, ColliderMotion motion = {}) {
-    colliders.push_back({"collider", shape, motion, surface, true});
+  void add_collider(Shape shape, const ContactMaterial& material, ColliderMotion motion = {}) {
+    colliders.push_back({"collider", shape, motion, material, true});
   }
 
   void step(double dt, int substeps, int iterations = 1) {
-    std::vector<NamedSurface> named, obstacles;
-    for (std::size_t k = 0; k < objects.size(); ++k) named.push_back({names(k), surfaces[k].second});
-    for (const Collider& collider : colliders) obstacles.push_back({collider.name, collider.surface});
-    const SurfaceMatrix with_colliders(named, obstacles, table), with_objects(named, named, table);
+    std::vector<NamedContactMaterial> named, obstacles;
+    for (std::size_t k = 0; k < objects.size(); ++k) named.push_back({names(k), materials[k].second});
+    for (const Collider& collider : colliders) obstacles.push_back({collider.name, collider.material});
+    const ContactMaterialTable with_colliders(named, obstacles, table), with_objects(named, named, table);
     start = moving();
     const ContactStep contact_step{time, float(dt), length(gravity), 3.0f};
     on_colliders.begin_step(view(), velocity, radius, objects, colliders, with_colliders, contact_step,
@@ -80,7 +80,7 @@ struct MiniWorld {
   std::vector<Vec4f>& moving() { return form == Form::plain ? position : offset; }
   ParticleView view() { return {position, moving(), start, form}; }
   Vec3d at(std::size_t i) const { return Vec3d(position[i].xyz()) + Vec3d(offset[i].xyz()); }
-  std::string_view names(std::size_t k) const { return surfaces[k].first; }
+  std::string_view names(std::size_t k) const { return materials[k].first; }
 
   /// FNV-1a 64 over positions, then velocities.
   std::uint64_t hash() const {
@@ -101,9 +101,9 @@ struct MiniWorld {
   std::vector<Vec4f> position, offset, start, velocity;
   std::vector<float> radius;
   std::vector<ContactObject> objects;
-  std::vector<std::pair<std::string, Surface>> surfaces;
+  std::vector<std::pair<std::string, ContactMaterial>> materials;
   std::vector<Collider> colliders;
-  PairTable table;
+  PairOverrides table;
   ColliderContacts on_colliders;
   ParticleContacts on_particles;
   std::shared_ptr<Threads> threads = make_threads(Threading::serial, 1);

@@ -21,8 +21,8 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
                      }));
   for (int frame = 0; frame < 60; ++frame) world.step(1.0 / 60, 10);
 
-  const std::vector<NamedSurface> surfaces(2);
-  const SurfaceMatrix matrix(surfaces, surfaces, {});
+  const std::vector<NamedContactMaterial> materials(2);
+  const ContactMaterialTable matrix(materials, materials, {});
   const ContactStep step{world.time, 1.0f / 60, 9.81f, 3.0f};
   const Substep substep{1.0f / 600, 1, Mode::small_steps, Form::displacement};
   world.start = world.moving();

@@ -1,5 +1,5 @@
 // Which things meet: collision groups, masks and the pair table, for every kind of contact.
-#include "souple/collision/surface.h"
+#include "souple/collision/contact_material.h"
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
 
