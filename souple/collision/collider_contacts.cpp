@@ -53,7 +53,7 @@ void ColliderContacts::find_members() {
   members_.clear();
   if (bodies_.empty()) return;
   for (std::uint32_t object = 0; object < objects_.size(); ++object) {
-    if (!objects_[object].hits_colliders) continue;
+    if (!objects_[object].collides_with_colliders) continue;
     for (std::uint32_t i = objects_[object].begin; i < objects_[object].end; ++i)
       members_.push_back({i, object});
   }
@@ -130,40 +130,40 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
     body.turn = sqrt(frobenius_squared(body.after.rotation - body.before.rotation));
   }
   if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
-  for (Body& body : bodies_) meet_all(body, particles, substep.h, threads);
+  for (Body& body : bodies_) find_contacts(body, particles, substep.h, threads);
 }
 
 // Which particles are near is found on all threads, then counted in order on one: the contacts are the same,
 // in the same order, for any number of threads.
-void ColliderContacts::meet_all(Body& body, const ParticleView& particles, float h, Threads& threads) {
+void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads) {
   const std::span<const Member> all = candidates_;
-  const std::span<const Member> met =
+  const std::span<const Member> tested =
       body.moves ? std::span<const Member>(members_)
                  : all.subspan(body.candidate_begin, body.candidate_end - body.candidate_begin);
-  distance_.resize(std::max(distance_.size(), met.size()));
-  threads.for_each(met.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+  distance_.resize(std::max(distance_.size(), tested.size()));
+  threads.for_each(tested.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) {
-      const bool reached = !body.moves || may_reach(body, met[m], particles);
-      distance_[m] = reached ? distance_if_near(body, met[m], particles) : far_away;
+      const bool candidate = !body.moves || may_touch(body, tested[m], particles);
+      distance_[m] = candidate ? distance_if_near(body, tested[m], particles) : far_away;
     }
   });
-  met_.clear();
-  for (std::uint32_t m = 0; m < met.size(); ++m)
-    if (distance_[m] < far_away) met_.push_back(m);
+  near_.clear();
+  for (std::uint32_t m = 0; m < tested.size(); ++m)
+    if (distance_[m] < far_away) near_.push_back(m);
   body.contact_begin = contacts_.size();
-  body.contact_end = contacts_.size() + met_.size();
+  body.contact_end = contacts_.size() + near_.size();
   if (contacts_.capacity() < body.contact_end) contacts_.reserve(2 * body.contact_end);
   contacts_.resize(body.contact_end);
-  threads.for_each(met_.size(), grain(), [&](std::size_t begin, std::size_t end) {
+  threads.for_each(near_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      contacts_[body.contact_begin + k] = contact_of(body, met[met_[k]], distance_[met_[k]], particles, h);
+      contacts_[body.contact_begin + k] = contact_of(body, tested[near_[k]], distance_[near_[k]], particles, h);
   });
 }
 
 // A moving collider may go anywhere, so every particle is looked at in every substep: first against a ball.
 // The motion of a point at distance D from the ball's center, relative to the collider, is at most
 // |p - x| + |center's motion| + |R1 - R0| D.
-bool ColliderContacts::may_reach(const Body& body, const Member& member,
+bool ColliderContacts::may_touch(const Body& body, const Member& member,
                                  const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
   if (!(particles.inverse_mass(i) > 0) || !materials_->collide(member.object, body.collider)) return false;

@@ -128,8 +128,8 @@ class ColliderContacts final : public Projector {
                        Threads& threads);
   bool is_candidate(const Body& body, std::size_t member, const ParticleView& particles) const;
   bool left_margins(const ParticleView& particles, Threads& threads) const;
-  void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
-  bool may_reach(const Body& body, const Member& member, const ParticleView& particles) const;
+  void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
+  bool may_touch(const Body& body, const Member& member, const ParticleView& particles) const;
   double distance_if_near(const Body& body, const Member& member, const ParticleView& particles) const;
   Contact contact_of(const Body& body, const Member& member, double end_distance,
                      const ParticleView& particles, float h) const;
@@ -148,7 +148,7 @@ class ColliderContacts final : public Projector {
   std::vector<Placed> placed_;      // of each member
   std::vector<Member> candidates_;  // of static bodies, body by body
   std::vector<double> distance_;    // of each member or candidate that a body may meet [m]
-  std::vector<std::uint32_t> met_;  // which of them it meets
+  std::vector<std::uint32_t> near_;  // which of them it meets
   std::vector<Contact> contacts_;   // body by body
 };
 

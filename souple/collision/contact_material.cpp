@@ -72,7 +72,7 @@ void PairOverrides::set_collide(std::string_view a, std::string_view b, bool col
 }
 
 bool PairOverrides::collide(const NamedContactMaterial& a, const NamedContactMaterial& b) const {
-  if (a.name != b.name && !meet(a.filter, b.filter)) return false;
+  if (a.name != b.name && !may_collide(a.filter, b.filter)) return false;
   return non_colliding_.empty() || non_colliding_.count(key_of(a.name, b.name)) == 0;
 }
 

@@ -41,7 +41,7 @@ struct CollisionFilter {
 };
 
 /// Two things meet when each belongs to a group that the other wants to meet.
-inline bool meet(const CollisionFilter& a, const CollisionFilter& b) {
+inline bool may_collide(const CollisionFilter& a, const CollisionFilter& b) {
   return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
 }
 

@@ -19,23 +19,23 @@ struct ContactSurface {
   std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
   std::span<const Edge> edges{};
   bool loose_particles = false;  ///< grains: every particle is a ball of its radius
-  bool meets_itself = false;     ///< triangles and edges of this object against each other
+  bool self_collision = false;     ///< triangles and edges of this object against each other
   std::uint32_t groups = 1;      ///< two objects meet when a.groups & b.meets and b.groups & a.meets
-  std::uint32_t meets = ~0u;     ///< are both non-zero
+  std::uint32_t mask = ~0u;     ///< are both non-zero
   bool immovable = false;        ///< an obstacle: nothing could move two of them apart
   int layer = 0;  ///< the higher of two lies outside of the lower; 0: there is no order (layers.h)
-  std::vector<std::uint32_t> apart_from{};  ///< surfaces that it never meets, ascending
+  std::vector<std::uint32_t> ignored_surfaces{};  ///< surfaces that it never meets, ascending
   std::span<const Vec3d> rest{};            ///< of its particles: features near at rest may stay as near
 };
 
 /// Whether triangles, edges and balls of two of them are to be kept apart, or of one with itself.
-inline bool meet(std::span<const ContactSurface> surfaces, std::size_t a, std::size_t b) {
+inline bool may_collide(std::span<const ContactSurface> surfaces, std::size_t a, std::size_t b) {
   const ContactSurface &one = surfaces[a], &other = surfaces[b];
-  if (a == b) return one.meets_itself;
+  if (a == b) return one.self_collision;
   if (one.loose_particles && other.loose_particles) return false;  // see ParticleContacts
   if (one.immovable && other.immovable) return false;
-  if (std::binary_search(one.apart_from.begin(), one.apart_from.end(), b)) return false;
-  return (one.groups & other.meets) != 0 && (other.groups & one.meets) != 0;
+  if (std::binary_search(one.ignored_surfaces.begin(), one.ignored_surfaces.end(), b)) return false;
+  return (one.groups & other.mask) != 0 && (other.groups & one.mask) != 0;
 }
 
 }  // namespace souple

@@ -89,11 +89,11 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   const std::size_t n = surfaces_.size();
   own_matrix_ = crossing_matrix_ = ObjectMatrix(n);
   for (std::uint32_t a = 0; a < n; ++a) {
-    own_matrix_.set(a, a, surfaces_[a].meets_itself);
-    any_ = any_ || surfaces_[a].meets_itself;
+    own_matrix_.set(a, a, surfaces_[a].self_collision);
+    any_ = any_ || surfaces_[a].self_collision;
     for (std::uint32_t b = 0; b < a; ++b) {
-      crossing_matrix_.set(a, b, meet(surfaces_, a, b));
-      any_ = any_ || meet(surfaces_, a, b);
+      crossing_matrix_.set(a, b, may_collide(surfaces_, a, b));
+      any_ = any_ || may_collide(surfaces_, a, b);
     }
   }
   if (!any_) return;
@@ -109,7 +109,7 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   for (std::uint32_t a = 0; a < n; ++a) {
     const ContactSurface& surface = surfaces_[a];
     std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
-    if (!surface.meets_itself) continue;
+    if (!surface.self_collision) continue;
     own_.add_triangles(surface.triangles, surface.begin, a);
     own_.add_edges(surface.edges, surface.begin, a);
     for (std::size_t i = 0; i < surface.rest.size(); ++i)
@@ -171,7 +171,7 @@ float FeaturePairs::horizon(const ParticleView& particles, std::span<const Vec4f
   double speeds = 0, thickness = 0;
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     const ContactSurface& surface = surfaces_[a];
-    if (!surface.meets_itself) continue;
+    if (!surface.self_collision) continue;
     const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
     for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
       if (particles.inverse_mass(i) == 0) continue;
@@ -235,7 +235,7 @@ void FeaturePairs::find_frames(const ParticleView& particles, std::span<const Ve
 
 void FeaturePairs::find_shift(const ParticleView& particles) {
   for (std::size_t a = 0; a < surfaces_.size(); ++a)
-    if (surfaces_[a].meets_itself) shift_[a] = Vec3f(middle(surfaces_[a], particles) - middle_[a]);
+    if (surfaces_[a].self_collision) shift_[a] = Vec3f(middle(surfaces_[a], particles) - middle_[a]);
 }
 
 void FeaturePairs::expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
@@ -273,7 +273,7 @@ bool FeaturePairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
   const Vec3f v = expected_velocity_[i].xyz();
   const auto within = [](const Vec3f& d, float room) { return length_squared(d) <= room * room; };
   if (crosses_[surface] != 0 && !within(x - (way.from + v * elapsed_), way.room)) return false;
-  if (!surfaces_[surface].meets_itself) return true;
+  if (!surfaces_[surface].self_collision) return true;
   return within(x - shift_[surface] - (way.own_from + (v - frame_[surface]) * elapsed_), way.own_room);
 }
 

@@ -45,7 +45,7 @@ void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
     for (std::uint32_t b = 0; b < surfaces.size(); ++b) {
       const ContactSurface &lower = surfaces[a], &upper = surfaces[b];
       if (lower.layer != 0 && upper.layer != 0 && lower.layer < upper.layer && !lower.triangles.empty() &&
-          meet(surfaces, a, b))
+          may_collide(surfaces, a, b))
         pairs_.push_back({a, b});
     }
   if (pairs_.empty()) return;

@@ -38,8 +38,8 @@ float first_touch(const Vec3f& d, const Vec3f& motion, float reach) {
 bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) const {
   const ContactObject &a = objects_[object_a], &b = objects_[object_b];
   if (!(a.moves || b.moves) || !materials_->collide(object_a, object_b)) return false;
-  if (object_a == object_b) return a.hits_itself;
-  return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
+  if (object_a == object_b) return a.self_collision;
+  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
 }
 
 // Where each object may go within the step: its box, with room for its fastest particle and for surprises. A
@@ -63,7 +63,7 @@ void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const
                        (1 + largest_margin) * largest_diameter_ + surprise * max(size.x, max(size.y, size.z));
     const Vec3f grown{room, room, room};
     const auto index = static_cast<std::uint32_t>(boxes_.size());
-    boxes_.push_back({lo - grown, hi + grown, index, object.hits_itself && object.moves});
+    boxes_.push_back({lo - grown, hi + grown, index, object.self_collision && object.moves});
   }
 }
 
@@ -87,7 +87,7 @@ void ParticleContacts::find_near_objects() {
 void ParticleContacts::find_members(const ParticleView& particles, std::span<const Vec4f> velocity) {
   members_.clear();
   largest_diameter_ = 0;
-  if (objects_.size() == 1 && !objects_[0].hits_itself) return;
+  if (objects_.size() == 1 && !objects_[0].self_collision) return;
   for (const ContactObject& object : objects_)
     for (std::uint32_t i = object.begin; i < object.end; ++i)
       largest_diameter_ = max(largest_diameter_, 2 * radius_[i]);

@@ -7,25 +7,25 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 // The functions below return how far along the unit direction `d` a ray from outside first meets a surface.
 
-double meet(const Plane& plane, const Vec3d& o, const Vec3d& d) {
+double intersect(const Plane& plane, const Vec3d& o, const Vec3d& d) {
   const double towards = dot(Vec3d(plane.normal), d);
   return towards < 0 ? (double(plane.offset) - dot(Vec3d(plane.normal), o)) / towards : never;
 }
 
 // From the point of closest approach, not from b^2 - c: no digits cancel far away.
-double meet_ball(const Vec3d& o, const Vec3d& d, double radius) {
+double intersect_ball(const Vec3d& o, const Vec3d& d, double radius) {
   const double ahead = -dot(o, d);
   const double half_chord_squared = radius * radius - length_squared(o + d * ahead);
   const double s = half_chord_squared >= 0 ? ahead - sqrt(half_chord_squared) : never;
   return s >= 0 ? s : never;
 }
 
-double meet(const Sphere& sphere, const Vec3d& o, const Vec3d& d) {
-  return meet_ball(o - Vec3d(sphere.center), d, double(sphere.radius));
+double intersect(const Sphere& sphere, const Vec3d& o, const Vec3d& d) {
+  return intersect_ball(o - Vec3d(sphere.center), d, double(sphere.radius));
 }
 
 // Slabs: in when the last slab is entered, provided none was left before.
-double meet(const Box& box, const Vec3d& origin, const Vec3d& d) {
+double intersect(const Box& box, const Vec3d& origin, const Vec3d& d) {
   const Vec3d o = origin - Vec3d(box.center);
   double enter = -never, leave = never;
   for (int k = 0; k < 3; ++k) {
@@ -42,24 +42,24 @@ double meet(const Box& box, const Vec3d& origin, const Vec3d& d) {
 }
 
 // The side of a tube about y, where it is met between the ends.
-double meet_tube(const Vec3d& o, const Vec3d& d, double radius, double half_height) {
+double intersect_tube(const Vec3d& o, const Vec3d& d, double radius, double half_height) {
   const double across = sqrt(d.x * d.x + d.z * d.z);
   if (!(across > 0)) return never;
-  const double s = meet_ball({o.x, 0, o.z}, {d.x / across, 0, d.z / across}, radius) / across;
+  const double s = intersect_ball({o.x, 0, o.z}, {d.x / across, 0, d.z / across}, radius) / across;
   return abs(o.y + s * d.y) <= half_height ? s : never;
 }
 
-double meet(const Capsule& capsule, const Vec3d& origin, const Vec3d& d) {
+double intersect(const Capsule& capsule, const Vec3d& origin, const Vec3d& d) {
   const Vec3d o = origin - Vec3d(capsule.center);
   const double r = double(capsule.radius), h = double(capsule.half_height);
-  const double ends = min(meet_ball(o - Vec3d{0, h, 0}, d, r), meet_ball(o + Vec3d{0, h, 0}, d, r));
-  return min(meet_tube(o, d, r, h), ends);
+  const double ends = min(intersect_ball(o - Vec3d{0, h, 0}, d, r), intersect_ball(o + Vec3d{0, h, 0}, d, r));
+  return min(intersect_tube(o, d, r, h), ends);
 }
 
-double meet(const Cylinder& cylinder, const Vec3d& origin, const Vec3d& d) {
+double intersect(const Cylinder& cylinder, const Vec3d& origin, const Vec3d& d) {
   const Vec3d o = origin - Vec3d(cylinder.center);
   const double r = double(cylinder.radius), h = double(cylinder.half_height);
-  double s = meet_tube(o, d, r, h);
+  double s = intersect_tube(o, d, r, h);
   if (o.y * d.y < 0 && abs(o.y) >= h) {
     const double end = (abs(o.y) - h) / abs(d.y);
     const double x = o.x + end * d.x, z = o.z + end * d.z;
@@ -68,7 +68,7 @@ double meet(const Cylinder& cylinder, const Vec3d& origin, const Vec3d& d) {
   return s;
 }
 
-double meet(const SignedDistanceField& field, const Vec3d& origin, const Vec3d& d) {
+double intersect(const SignedDistanceField& field, const Vec3d& origin, const Vec3d& d) {
   return field.ray(origin, d);
 }
 
@@ -81,7 +81,7 @@ std::optional<RayHit> ray_cast(const Shape& shape, const Vec3d& origin, const Ve
   const SurfaceDistance here = surface_distance(shape, origin);
   if (here.distance <= 0) return RayHit{0, origin, here.normal};
   const Vec3d d = direction / l;
-  const double s = std::visit([&](const auto& one) { return meet(one, origin, d); }, shape);
+  const double s = std::visit([&](const auto& one) { return intersect(one, origin, d); }, shape);
   if (!(s <= max_distance) || s == never) return std::nullopt;
   const Vec3d point = origin + d * s;
   return RayHit{s, point, surface_distance(shape, point).normal};

@@ -64,7 +64,7 @@ void Tangles::set_surfaces(std::span<const ContactSurface> surfaces) {
   for (std::uint32_t a = 0; a < n; ++a) {
     end = std::max(end, surfaces[a].end);
     for (std::uint32_t b = 0; b <= a; ++b) {
-      meets_.set(a, b, meet(surfaces, a, b));
+      meets_.set(a, b, may_collide(surfaces, a, b));
       any_pair_ = any_pair_ || meets_.at(a, b);
     }
   }

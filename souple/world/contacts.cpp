@@ -16,10 +16,10 @@ namespace {
 // Balls meet balls as particles; everything else meets as surfaces.
 ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
-  ContactObject result{.begin = object.begin, .end = object.end, .layers = 0};
-  result.hits_itself = object.kind == ObjectKind::grains;
-  result.hits_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
-  if (is_loose(object) && object.kind != ObjectKind::fluid) result.layers = result.hits_layers = balls;
+  ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
+  result.self_collision = object.kind == ObjectKind::grains;
+  result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
+  if (is_loose(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
   return result;
 }
 
@@ -40,14 +40,14 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .triangles = object.surface,
       .edges = world.tables.rope_edges[index],
       .loose_particles = is_loose(object),
-      .meets_itself = object.self_collision && !is_loose(object) && matrix.collide(index, index),
+      .self_collision = object.self_collision && !is_loose(object) && matrix.collide(index, index),
       .groups = object.filter.groups,
-      .meets = object.filter.mask,
+      .mask = object.filter.mask,
       .immovable = object.kind == ObjectKind::obstacle,
       .layer = object.layer,
       .rest = object.rest};
   for (std::uint32_t other = 0; other < world.objects.size(); ++other)
-    if (other != index && !matrix.collide(index, other)) result.apart_from.push_back(other);
+    if (other != index && !matrix.collide(index, other)) result.ignored_surfaces.push_back(other);
   return result;
 }
 

@@ -128,7 +128,7 @@ bool any_touch(const ParticleView& particles, const Touching& t, const std::vect
 }
 
 bool are_balls(const ContactObject& a, const ContactObject& b) {
-  return (a.layers & b.hits_layers) != 0 && (b.layers & a.hits_layers) != 0;
+  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
 }
 
 void check_balls(WorldState& world, Touching& t) {

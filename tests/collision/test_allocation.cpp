@@ -14,7 +14,7 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
     const Vec3d cell{double(k % 10), double(k / 100), double(k / 10 % 10)};
     world.add(cell * 0.0201 + Vec3d{0, 0.01, 0} + random.point(-1e-4, 1e-4), 0.01f);
   }
-  world.end_object({0.5f, std::nullopt, 0}).hits_itself = true;
+  world.end_object({0.5f, std::nullopt, 0}).self_collision = true;
   world.add_collider(Plane{}, {});
   world.add_collider(Sphere{{0.1f, 0, 0.1f}, 0.02f}, {}, ColliderMotion::callback([](double t) {
                        return Transform{{0, 0.01 * std::sin(20 * t), 0}, {}, 1};

@@ -35,7 +35,7 @@ TEST(ParticleContacts, HeadOnCollisionKeepsMomentumAndTheEnergyLaw) {
         world.gravity = {};
         world.add({-0.1, 0, 0}, 0.02f, 1, {speed, 0, 0});
         world.add({0.1, 0, 0}, 0.03f, 3, {-speed, 0, 0});
-        world.end_object({0.5f, std::nullopt, e}).hits_itself = true;
+        world.end_object({0.5f, std::nullopt, e}).self_collision = true;
         const Vec3d before = momentum(world);
         for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60, 10);
         EXPECT_LT(length(momentum(world) - before), (form == Form::plain ? 1e-3 : 1e-5) * 4 * double(speed));
@@ -54,7 +54,7 @@ TEST(ParticleContacts, ObliqueFastCollisionLeavesAlongTheLineOfCenters) {
   world.gravity = {};
   world.add({-0.052, 0.01, 0}, 0.01f, 1, {6, 0, 0});
   world.add({0, 0, 0}, 0.01f, 1);
-  world.end_object({0, std::nullopt, 1}).hits_itself = true;
+  world.end_object({0, std::nullopt, 1}).self_collision = true;
   for (int frame = 0; frame < 3; ++frame) world.step(1.0 / 60, 10);
   const Vec3d v(world.velocity[1].xyz());
   EXPECT_NEAR(std::atan2(-v.y, v.x), std::asin(0.5), 0.02);
@@ -71,7 +71,7 @@ void drop_grains(MiniWorld& world, int columns, int layers, float radius, const 
         world.add(origin + Vec3d{x * pitch, double(radius) + y * pitch, z * pitch} +
                       random.point(-0.02, 0.02) * double(radius),
                   radius, 0.01f);
-  world.end_object({0.5f, std::nullopt, 0}, "grains").hits_itself = true;
+  world.end_object({0.5f, std::nullopt, 0}, "grains").self_collision = true;
   world.add_collider(Plane{}, {0.5f, std::nullopt, 0}, ColliderMotion::fixed({origin, {}, 1}));
 }
 
@@ -148,7 +148,7 @@ TEST(ParticleContacts, AnUnsupportedClusterKeepsItsMomentum) {
     if (!free) continue;
     world.add(x, 0.01f, float(random.uniform(0.005, 0.02)), Vec3f(x * -5.0 + random.point(-0.2, 0.2)));
   }
-  world.end_object({0.4f, std::nullopt, 0.3f}).hits_itself = true;
+  world.end_object({0.4f, std::nullopt, 0.3f}).self_collision = true;
   const Vec3d before = momentum(world);
   double scale = 0;
   for (std::size_t i = 0; i < world.position.size(); ++i)
@@ -169,7 +169,7 @@ TEST(ParticleContacts, FrictionHoldsAGrainOnAnother) {
       const double angle = std::atan(0.4);
       world.add({0, 0, 0}, 0.1f, 0);
       world.add({0.2 * std::sin(angle), 0.2 * std::cos(angle), 0}, 0.1f, 1);
-      world.end_object({mu, std::nullopt, 0}).hits_itself = true;
+      world.end_object({mu, std::nullopt, 0}).self_collision = true;
       const Vec3d before = world.at(1);
       for (int frame = 0; frame < 120; ++frame) world.step(1.0 / 60, 20);
       if (mu > 0.4f) {
@@ -217,12 +217,12 @@ TEST(ParticleContacts, TheGridFindsEveryTouchingPair) {
     for (int k = 0; k < 700; ++k)
       world.add(random.point(-0.5, 0.5) + Vec3d{0, 0, -3}, float(random.uniform(0.004, 0.05)), 1);
     ContactObject& added = world.end_object({0.3f, std::nullopt, 0});
-    added.layers = 1u << object;
-    added.hits_itself = object == 1;
+    added.groups = 1u << object;
+    added.self_collision = object == 1;
   }
-  world.objects[0].hits_layers = 2 | 4;
-  world.objects[1].hits_layers = 1 | 4;
-  world.objects[2].hits_layers = 1;  // 1 wants 2, 2 does not want 1: they do not meet
+  world.objects[0].mask = 2 | 4;
+  world.objects[1].mask = 1 | 4;
+  world.objects[2].mask = 1;  // 1 wants 2, 2 does not want 1: they do not meet
   // Every pair nearer than 1.1 times its reach must become a contact of the first substep, once.
   std::size_t expected = 0;
   for (std::size_t i = 0; i < world.position.size(); ++i) {

@@ -59,7 +59,7 @@ TEST(Tangles, AreThoseThatTheCheckerCounts) {
   const auto threads = make_threads(Threading::pool, 2);
   for (const double far : {0.0, 1000.0}) {
     CrumpledSheets sheets(3, 20, 2, {far, -far, far / 2});
-    for (ContactSurface& surface : sheets.surfaces()) surface.meets_itself = true;
+    for (ContactSurface& surface : sheets.surfaces()) surface.self_collision = true;
     Tangles tangles;
     tangles.set_surfaces(sheets.surfaces());
     tangles.find(sheets.view(), *threads);
@@ -90,11 +90,11 @@ TEST(Tangles, AreOfWhatMeets) {
   const auto [between, none_within] = found();
   EXPECT_GT(between, 100u);
   EXPECT_EQ(none_within, 0u);
-  for (ContactSurface& surface : sheets.surfaces()) surface.meets_itself = true;
+  for (ContactSurface& surface : sheets.surfaces()) surface.self_collision = true;
   EXPECT_EQ(found().first, between);
   EXPECT_GT(found().second, 100u);
   // Another group, and nothing is left between them.
-  sheets.surfaces()[0].meets = 2, sheets.surfaces()[0].groups = 2, sheets.surfaces()[1].meets = 1;
+  sheets.surfaces()[0].mask = 2, sheets.surfaces()[0].groups = 2, sheets.surfaces()[1].mask = 1;
   EXPECT_EQ(found().first, 0u);
   EXPECT_GT(found().second, 100u);
 }

@@ -25,18 +25,18 @@ struct Inclusion {
       const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
       const Vec3<T> a = corners.a - segment.origin;
       const T approach = dot(d, n);
-      const auto meets = abs(approach) > T(0);
-      const T t = dot(a, n) / select(meets, approach, T(1));
+      const auto crosses_plane = abs(approach) > T(0);
+      const T t = dot(a, n) / select(crosses_plane, approach, T(1));
 
       const Vec3<T> g = d * t;
       const Vec3<T> to_a = a - g, to_b = corners.b - segment.origin - g,
                     to_c = corners.c - segment.origin - g;
       const detail::LargestProjection<T> projection(n);
-      const T inverse = T(1) / select(meets, projection.twice_area(), T(1));
+      const T inverse = T(1) / select(crosses_plane, projection.twice_area(), T(1));
       const Vec3<T> weight =
           Vec3<T>{projection.area(to_b, to_c), projection.area(to_c, to_a), projection.area(to_a, to_b)} *
           inverse;
-      const auto inside = meets && weight.x >= T(0) && weight.y >= T(0) && weight.z >= T(0);
+      const auto inside = crosses_plane && weight.x >= T(0) && weight.y >= T(0) && weight.z >= T(0);
       return detail::crossing(inside, t, weight, approach, segment.reach);
     }
   };

@@ -30,14 +30,14 @@ struct PlaneProjection {
       const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, a = corners.a - segment.origin;
       const Vec3<T> n = cross(e, f);
       const T approach = dot(d, n);
-      const auto meets = abs(approach) > T(0);
-      const T t = dot(a, n) / select(meets, approach, T(1));
+      const auto crosses_plane = abs(approach) > T(0);
+      const T t = dot(a, n) / select(crosses_plane, approach, T(1));
 
       const Vec3<T> g = d * t - a;
       const detail::LargestProjection<T> projection(n);
-      const T inverse = T(1) / select(meets, projection.twice_area(), T(1));
+      const T inverse = T(1) / select(crosses_plane, projection.twice_area(), T(1));
       const T v = projection.area(g, f) * inverse, w = projection.area(e, g) * inverse;
-      const auto inside = meets && v >= T(0) && w >= T(0) && v + w <= T(1);
+      const auto inside = crosses_plane && v >= T(0) && w >= T(0) && v + w <= T(1);
       return detail::crossing(inside, t, {T(1) - v - w, v, w}, approach, segment.reach);
     }
   };
