@@ -18,7 +18,7 @@ struct ContactSurface {
   std::uint32_t reserved_end = 0;    ///< loose ones may come up to here; 0: up to `end`
   std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
   std::span<const Edge> edges{};
-  bool loose_particles = false;  ///< grains: every particle is a ball of its radius
+  bool particles_only = false;  ///< grains: every particle is a ball of its radius
   bool self_collision = false;     ///< triangles and edges of this object against each other
   std::uint32_t groups = 1;      ///< two objects meet when a.groups & b.meets and b.groups & a.meets
   std::uint32_t mask = ~0u;     ///< are both non-zero
@@ -32,7 +32,7 @@ struct ContactSurface {
 inline bool may_collide(std::span<const ContactSurface> surfaces, std::size_t a, std::size_t b) {
   const ContactSurface &one = surfaces[a], &other = surfaces[b];
   if (a == b) return one.self_collision;
-  if (one.loose_particles && other.loose_particles) return false;  // see ParticleContacts
+  if (one.particles_only && other.particles_only) return false;  // see ParticleContacts
   if (one.immovable && other.immovable) return false;
   if (std::binary_search(one.ignored_surfaces.begin(), one.ignored_surfaces.end(), b)) return false;
   return (one.groups & other.mask) != 0 && (other.groups & one.mask) != 0;

@@ -300,7 +300,7 @@ void FeaturePairs::find_crossing() {
     const ContactSurface& surface = surfaces_[a];
     crossing_.add_triangles(surface.triangles, surface.begin, a);
     crossing_.add_edges(surface.edges, surface.begin, a);
-    if (surface.loose_particles) crossing_.add_particles(surface.begin, surface.reserved_end, a);
+    if (surface.particles_only) crossing_.add_particles(surface.begin, surface.reserved_end, a);
   }
   crossing_.index_particles();
 }

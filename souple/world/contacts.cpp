@@ -39,7 +39,7 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .reserved_end = object.reserved_end(),
       .triangles = object.surface,
       .edges = world.tables.rope_edges[index],
-      .loose_particles = is_loose(object),
+      .particles_only = is_loose(object),
       .self_collision = object.self_collision && !is_loose(object) && matrix.collide(index, index),
       .groups = object.filter.groups,
       .mask = object.filter.mask,
