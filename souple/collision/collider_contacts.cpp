@@ -237,14 +237,14 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
   const std::uint32_t i = contact.particle;
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
   const auto C = float(g.C);
-  if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
+  if (!(contact.allowed > C) && !(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * g.normal);
   if (body.moves) contact.carried = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
-  Pressed<float> sums{contact.pushed, contact.rubbed};
+  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   particles.correct(
-      i, press(sums, C, contact.allowed, n, particles.moved(i) - contact.carried, contact.material));
-  contact.pushed = sums.pushed;
-  contact.rubbed = sums.rubbed;
+      i, solve_contact(sums, C, contact.allowed, n, particles.moved(i) - contact.carried, contact.material));
+  contact.normal_sum = sums.normal_sum;
+  contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;
 }
 
@@ -259,13 +259,13 @@ void ColliderContacts::apply_restitution(const ParticleView& particles, std::spa
 
 void ColliderContacts::restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
                                      std::span<Vec4f> velocity, float h) const {
-  if (!(contact.pushed > 0)) return;
+  if (!(contact.normal_sum > 0)) return;
   const Vec3f n = contact.normal;
   const Vec3f v = velocity[contact.particle].xyz();
   const Vec3f u = v - contact.carried * (1 / h);
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
-      rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+      rebound({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
               2 * step_.gravity * h, contact.material, inverse_h);
   contact.bounced = bounced;
   velocity[contact.particle].set_xyz(v + change);
@@ -282,10 +282,10 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
   for (const Body& body : bodies_) {
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
       const Contact& contact = contacts_[c];
-      if (!(contact.pushed > 0)) continue;
+      if (!(contact.normal_sum > 0)) continue;
       const std::uint32_t i = contact.particle;
       const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
-      const float impulse = (contact.pushed * inverse_h + contact.bounced) / particles.inverse_mass(i);
+      const float impulse = (contact.normal_sum * inverse_h + contact.bounced) / particles.inverse_mass(i);
       out.push_back({i, body.collider, Vec3f(body.after.to_world(g.surface)), contact.normal, impulse});
     }
   }

@@ -107,8 +107,8 @@ class ColliderContacts final : public Projector {
     double plane_offset;    // of the plane with normal start.normal, in the collider's frame [m]
     float allowed;          // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;        // motion relative to the surface before any projection [m]
-    float pushed = 0;       // sum of normal corrections [m]
-    Vec3f rubbed{};         // sum of tangential corrections [m]
+    float normal_sum = 0;       // sum of normal corrections [m]
+    Vec3f tangent_sum{};         // sum of tangential corrections [m]
     Vec3f normal{};         // world, of the last projection
     Vec3f carried{};        // what the surface moved in the substep at the contact [m]
     float bounced = 0;      // normal velocity added by apply_restitution [m/s]

@@ -49,7 +49,7 @@ template <class Contacts>
 ContactReport report_of(const Contacts& contacts) {
   ContactReport report;
   for (const auto& contact : contacts) {
-    if (!(contact.pushed > 0)) continue;
+    if (!(contact.normal_sum > 0)) continue;
     ++report.count;
     report.deepest = max(report.deepest, contact.depth);
   }

@@ -34,8 +34,8 @@ class ContactArrays {
     result.static_friction = column();
     result.kinetic_friction = column();
     result.restitution = column();
-    result.pushed = column();
-    for (float*& rubbed : result.rubbed) rubbed = column();
+    result.normal_sum = column();
+    for (float*& tangent_sum : result.tangent_sum) tangent_sum = column();
     result.bounced = column();
     result.depth = column();
     return result;

@@ -11,17 +11,17 @@ namespace souple {
 /// to mu_s times the normal correction; beyond, the surfaces slide and it is cut to mu_k times that.
 /// Corrections and their limit in one unit, meters or meters per second.
 template <class T>
-Vec3<T> within_friction(const Vec3<T>& wanted, T static_friction, T kinetic_friction, T normal) {
-  const T size = length(wanted);
+Vec3<T> within_friction(const Vec3<T>& sticking, T static_friction, T kinetic_friction, T normal) {
+  const T size = length(sticking);
   const auto sticks = size <= static_friction * normal;
-  return wanted * select(sticks, T(1), kinetic_friction * normal / select(sticks, T(1), size));
+  return sticking * select(sticks, T(1), kinetic_friction * normal / select(sticks, T(1), size));
 }
 
 /// What two surfaces have done to one another in a substep.
 template <class T>
-struct Pressed {
-  T pushed;        ///< sum of normal corrections of the distance [m]
-  Vec3<T> rubbed;  ///< sum of tangential corrections of the distance [m]
+struct ContactSums {
+  T normal_sum;        ///< sum of normal corrections of the distance [m]
+  Vec3<T> tangent_sum;  ///< sum of tangential corrections of the distance [m]
 };
 
 /// One projection of C >= allowed with friction (Macklin et al. 2014, section 6.1): changes the sums, and
@@ -29,23 +29,23 @@ struct Pressed {
 /// the second since the substep began. Pushes are taken back where a neighbor's push made them too large, so
 /// the sum never pulls.
 template <class T>
-Vec3<T> press(Pressed<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>& moved, T static_friction,
+Vec3<T> solve_contact(ContactSums<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>& motion, T static_friction,
               T kinetic_friction) {
   const T zero(0);
-  const T dn = max(allowed - C, -sums.pushed);
-  const T pushed = sums.pushed + dn;
-  const auto pushes = pushed > zero;
-  const Vec3<T> wanted = sums.rubbed - n * dot(n, sums.rubbed) - (moved - n * dot(n, moved));
-  Vec3<T> rubbed = within_friction(wanted, static_friction, kinetic_friction, pushed);
-  for (int axis = 0; axis < 3; ++axis) rubbed[axis] = select(pushes, rubbed[axis], zero);
-  const Vec3<T> change = n * dn + (rubbed - sums.rubbed);
-  sums = {select(pushes, pushed, zero), rubbed};
+  const T dn = max(allowed - C, -sums.normal_sum);
+  const T normal_sum = sums.normal_sum + dn;
+  const auto active = normal_sum > zero;
+  const Vec3<T> sticking = sums.tangent_sum - n * dot(n, sums.tangent_sum) - (motion - n * dot(n, motion));
+  Vec3<T> tangent_sum = within_friction(sticking, static_friction, kinetic_friction, normal_sum);
+  for (int axis = 0; axis < 3; ++axis) tangent_sum[axis] = select(active, tangent_sum[axis], zero);
+  const Vec3<T> change = n * dn + (tangent_sum - sums.tangent_sum);
+  sums = {select(active, normal_sum, zero), tangent_sum};
   return change;
 }
 
-inline Vec3f press(Pressed<float>& sums, float C, float allowed, const Vec3f& n, const Vec3f& moved,
+inline Vec3f solve_contact(ContactSums<float>& sums, float C, float allowed, const Vec3f& n, const Vec3f& motion,
                    const ContactMaterialPair& material) {
-  return press(sums, C, allowed, n, moved, material.static_friction, material.kinetic_friction);
+  return solve_contact(sums, C, allowed, n, motion, material.static_friction, material.kinetic_friction);
 }
 
 /// What a contact that pushed does to velocities.
@@ -60,18 +60,18 @@ struct Rebound {
 /// several contacts hold one thing, each pushes more than its share and it is the sum of what is left that
 /// carries the weight. `approach`: of the predicted motion [m/s].
 template <class T>
-Rebound<T> rebound(const Pressed<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach, T slowest,
+Rebound<T> rebound(const ContactSums<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach, T slowest,
                    T restitution, T static_friction, T kinetic_friction, T inverse_h) {
-  const T zero(0), u_n = dot(n, u), pushed = sums.pushed * inverse_h;
+  const T zero(0), u_n = dot(n, u), normal_sum = sums.normal_sum * inverse_h;
   const T target = select(approach > slowest, restitution * approach, zero);
-  const T bounced = max(target - u_n, -pushed);
-  const Vec3<T> held_back = sums.rubbed * inverse_h;
-  const Vec3<T> wanted = held_back - (u - n * u_n);
-  const Vec3<T> rubbed = within_friction(wanted, static_friction, kinetic_friction, pushed + bounced);
-  return {n * bounced + (rubbed - held_back), bounced};
+  const T bounced = max(target - u_n, -normal_sum);
+  const Vec3<T> friction = sums.tangent_sum * inverse_h;
+  const Vec3<T> sticking = friction - (u - n * u_n);
+  const Vec3<T> tangent_sum = within_friction(sticking, static_friction, kinetic_friction, normal_sum + bounced);
+  return {n * bounced + (tangent_sum - friction), bounced};
 }
 
-inline Rebound<float> rebound(const Pressed<float>& sums, const Vec3f& n, const Vec3f& u, float approach,
+inline Rebound<float> rebound(const ContactSums<float>& sums, const Vec3f& n, const Vec3f& u, float approach,
                               float slowest, const ContactMaterialPair& material, float inverse_h) {
   return rebound(sums, n, u, approach, slowest, material.restitution, material.static_friction,
                  material.kinetic_friction, inverse_h);

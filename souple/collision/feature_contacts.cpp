@@ -451,7 +451,7 @@ void FeatureContacts::project(int, std::size_t begin, std::size_t end, const Par
 // The law of ColliderContacts::project_one, for a point of a feature.
 void FeatureContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
   const auto C = static_cast<float>(gap(body, contact, particles));
-  if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
+  if (!(contact.allowed > C) && !(contact.normal_sum > 0)) return;
   if (body.moves) {
     Vec3d point;
     for (std::size_t k = 0; k < 3; ++k)
@@ -459,11 +459,11 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
     contact.carried = Vec3f(point - body.before.to_world(body.after.to_local(point)));
   }
   const Vec3f n(body.after.rotation * contact.normal);
-  Pressed<float> sums{contact.pushed, contact.rubbed};
+  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   correct(contact, particles,
-          press(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried, contact.material));
-  contact.pushed = sums.pushed;
-  contact.rubbed = sums.rubbed;
+          solve_contact(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried, contact.material));
+  contact.normal_sum = sums.normal_sum;
+  contact.tangent_sum = sums.tangent_sum;
 }
 
 void FeatureContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
@@ -476,14 +476,14 @@ void FeatureContacts::apply_restitution(const ParticleView& particles, std::span
 // The law of ColliderContacts::restore_speed.
 void FeatureContacts::restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
                                     std::span<Vec4f> velocity, float h) const {
-  if (!(contact.pushed > 0)) return;
+  if (!(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * contact.normal);
   Vec3f v;
   for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
   const Vec3f u = v - contact.carried * (1 / h);
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
-      rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+      rebound({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
               2 * step_.gravity * h, contact.material, inverse_h);
   contact.bounced = bounced;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -503,7 +503,7 @@ void FeatureContacts::events(const ParticleView& particles, std::vector<ContactP
   for (const Body& body : bodies_) {
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
       const Contact& contact = contacts_[c];
-      if (!(contact.pushed > 0)) continue;
+      if (!(contact.normal_sum > 0)) continue;
       const auto heaviest = std::max_element(contact.weight.begin(), contact.weight.end());
       const auto k = static_cast<std::size_t>(heaviest - contact.weight.begin());
       Vec3d point;
@@ -511,7 +511,7 @@ void FeatureContacts::events(const ParticleView& particles, std::vector<ContactP
         point += place(particles, contact.particle[j]) * double(contact.weight[j]);
       const double C = gap(body, contact, particles);
       const Vec3d n = body.after.rotation * contact.normal;
-      const float impulse = (contact.pushed * inverse_h + contact.bounced) / contact.inverse_mass;
+      const float impulse = (contact.normal_sum * inverse_h + contact.bounced) / contact.inverse_mass;
       out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
                      Vec3f(n), impulse});
     }

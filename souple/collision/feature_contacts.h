@@ -93,8 +93,8 @@ class FeatureContacts final : public Projector {
     double plane_offset;  // [m]
     float allowed;        // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;      // motion of the point relative to the surface before any projection [m]
-    float pushed = 0;     // sums of corrections of the point [m]
-    Vec3f rubbed{};
+    float normal_sum = 0;     // sums of corrections of the point [m]
+    Vec3f tangent_sum{};
     Vec3f carried{};    // what the surface moved in the substep at the contact [m]
     float bounced = 0;  // normal velocity added by apply_restitution [m/s]
     float depth = 0;    // what is left of the overlap of one that pushed [m]

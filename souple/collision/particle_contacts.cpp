@@ -408,12 +408,12 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   const std::uint32_t i = contact.i, j = contact.j;
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
-  if (!(contact.allowed > C) && !(contact.pushed > 0)) return;
-  Pressed<float> sums{contact.pushed, contact.rubbed};
+  if (!(contact.allowed > C) && !(contact.normal_sum > 0)) return;
+  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   const Vec3f moved = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
-  const Vec3f dx = press(sums, C, contact.allowed, n, moved, contact.material);
-  contact.pushed = sums.pushed;
-  contact.rubbed = sums.rubbed;
+  const Vec3f dx = solve_contact(sums, C, contact.allowed, n, moved, contact.material);
+  contact.normal_sum = sums.normal_sum;
+  contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   // What cannot move is shared between contacts of a color: nobody may write to it.
@@ -439,10 +439,10 @@ void ParticleContacts::restore_speed(Contact& contact, const ParticleView& parti
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
   const float u_n = dot(n, u);
   update_drift(contact, particles, (u - n * u_n) * h);
-  if (!(contact.pushed > 0)) return;
+  if (!(contact.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
   const auto [change, bounced] =
-      rebound({contact.pushed, contact.rubbed}, n, u, -dot(n, contact.predicted) * inverse_h,
+      rebound({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
               2 * step_.gravity * h, contact.material, inverse_h);
   contact.bounced = bounced;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
@@ -461,8 +461,8 @@ void ParticleContacts::update_drift(const Contact& contact, const ParticleView& 
                                     const Vec3f& slid) {
   Vec3f n;
   const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.reach;
-  const bool slides = contact.pushed > 0 &&
-                      length(contact.rubbed) > 0.999f * contact.material.kinetic_friction * contact.pushed;
+  const bool slides = contact.normal_sum > 0 &&
+                      length(contact.tangent_sum) > 0.999f * contact.material.kinetic_friction * contact.normal_sum;
   Vec3f& drift = drift_[contact.pair];
   drift = near && !slides ? drift + slid : Vec3f{};
 }
@@ -471,11 +471,11 @@ void ParticleContacts::events(const ParticleView& particles, std::vector<Contact
   const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
   const auto first = static_cast<std::ptrdiff_t>(out.size());
   for (const Contact& contact : contacts_) {
-    if (!(contact.pushed > 0)) continue;
+    if (!(contact.normal_sum > 0)) continue;
     const std::uint32_t i = contact.i, j = contact.j;
     const float mass = 1 / (particles.inverse_mass(i) + particles.inverse_mass(j));
     const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
-    out.push_back({i, j, point, contact.normal, (contact.pushed * inverse_h + contact.bounced) * mass});
+    out.push_back({i, j, point, contact.normal, (contact.normal_sum * inverse_h + contact.bounced) * mass});
   }
   std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;

@@ -110,8 +110,8 @@ class ParticleContacts final : public Projector {
     float allowed;      // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;    // motion of i relative to j before any projection [m]
     Vec3f normal;       // from j to i, of the last projection
-    float pushed = 0;   // sum of normal corrections of the distance [m]
-    Vec3f rubbed{};     // sum of tangential corrections of the distance [m]
+    float normal_sum = 0;   // sum of normal corrections of the distance [m]
+    Vec3f tangent_sum{};     // sum of tangential corrections of the distance [m]
     float bounced = 0;  // relative normal velocity added by apply_restitution [m/s]
     float depth = 0;    // what is left of the overlap of one that pushed [m]
   };

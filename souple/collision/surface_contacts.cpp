@@ -455,7 +455,7 @@ void SurfaceContacts::remember_pushes() {
   constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
   for (float& pressed : pressed_) pressed = pressed > negligible ? kept * pressed : 0;
   for (std::size_t c = 0; c < size(); ++c) {
-    const float beyond = columns_.pushed[c] - max(0.0f, columns_.approach[c]);
+    const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
     if (!(beyond > early * columns_.thickness[c])) continue;
     const float pressed = min(beyond, part_of_thickness * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
@@ -505,7 +505,7 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
 ContactReport SurfaceContacts::report() const {
   ContactReport report;
   for (std::size_t c = 0; c < size(); ++c) {
-    if (!(columns_.pushed[c] > 0)) continue;
+    if (!(columns_.normal_sum[c] > 0)) continue;
     ++report.count;
     report.deepest = max(report.deepest, columns_.depth[c]);
   }
@@ -515,7 +515,7 @@ ContactReport SurfaceContacts::report() const {
 void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
   const auto first = static_cast<std::ptrdiff_t>(out.size());
   for (std::size_t contact = 0; contact < size(); ++contact) {
-    if (!(columns_.pushed[contact] > 0)) continue;
+    if (!(columns_.normal_sum[contact] > 0)) continue;
     const auto i = [&](std::size_t k) { return columns_.particle[k][contact]; };
     const auto c = [&](std::size_t k) { return columns_.c[k][contact]; };
     const Vec3f normal{columns_.normal[0][contact], columns_.normal[1][contact], columns_.normal[2][contact]};
@@ -527,7 +527,7 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
       if (c(k) < c(other)) other = k;
     const Vec3f point = particles.relative(one, {}) - normal * (0.5f * columns_.thickness[contact]);
     out.push_back({one, i(other), point, normal,
-                   (columns_.pushed[contact] * limits_.inverse_h + columns_.bounced[contact]) /
+                   (columns_.normal_sum[contact] * limits_.inverse_h + columns_.bounced[contact]) /
                        columns_.inverse_mass[contact]});
   }
   std::stable_sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {

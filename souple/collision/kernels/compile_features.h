@@ -365,14 +365,14 @@ template <class Set, bool edges>
     }
     for (int axis = 0; axis < 3; ++axis) {
       store<Set>(n[axis], out.normal[axis] + i, count);
-      store<Set>(zero, out.rubbed[axis] + i, count);
+      store<Set>(zero, out.tangent_sum[axis] + i, count);
     }
     store<Set>(thickness, out.thickness + i, count);
     store<Set>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.allowed + i,
                count);
     store<Set>(effective_inverse_mass(points, corners, c), out.inverse_mass + i, count);
     store<Set>(-dot(n, weighted(m, c)), out.approach + i, count);
-    store<Set>(zero, out.pushed + i, count);
+    store<Set>(zero, out.normal_sum + i, count);
     store<Set>(zero, out.bounced + i, count);
     store<Set>(zero, out.depth + i, count);
   }
@@ -476,18 +476,18 @@ SOUPLE_INLINE inline void project_pack(const FeaturePoints& points, const Contac
     apart += x * pack.c[k];
     moved += (m - first_moved) * pack.c[k];
   }
-  Pressed<T> sums{load<Set>(columns.pushed + i, pack.count),
-                  {load<Set>(columns.rubbed[0] + i, pack.count), load<Set>(columns.rubbed[1] + i, pack.count),
-                   load<Set>(columns.rubbed[2] + i, pack.count)}};
+  ContactSums<T> sums{load<Set>(columns.normal_sum + i, pack.count),
+                  {load<Set>(columns.tangent_sum[0] + i, pack.count), load<Set>(columns.tangent_sum[1] + i, pack.count),
+                   load<Set>(columns.tangent_sum[2] + i, pack.count)}};
   const T C = dot(pack.n, apart) - load<Set>(columns.thickness + i, pack.count);
   const T allowed = load<Set>(columns.allowed + i, pack.count);
-  const auto acts = allowed > C || sums.pushed > zero;
+  const auto acts = allowed > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
   const Vectors<Set> change =
-      press(sums, C, allowed, pack.n, moved, load<Set>(columns.static_friction + i, pack.count),
+      solve_contact(sums, C, allowed, pack.n, moved, load<Set>(columns.static_friction + i, pack.count),
             load<Set>(columns.kinetic_friction + i, pack.count));
-  store<Set>(sums.pushed, columns.pushed + i, pack.count);
-  for (int axis = 0; axis < 3; ++axis) store<Set>(sums.rubbed[axis], columns.rubbed[axis] + i, pack.count);
+  store<Set>(sums.normal_sum, columns.normal_sum + i, pack.count);
+  for (int axis = 0; axis < 3; ++axis) store<Set>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);
   const T share = T(1.f) / load<Set>(columns.inverse_mass + i, pack.count);
   if (points.corrected != points.moving)
     for (int k = 0; k < 4; ++k) {
@@ -520,8 +520,8 @@ template <class Set>
   for (std::size_t i = begin; i < end; i += Set::lanes) {
     const Indices<Set> indices(i, end);
     const int count = indices.count;
-    const T pushed = load<Set>(columns.pushed + i, count);
-    const auto acts = pushed > zero;
+    const T normal_sum = load<Set>(columns.normal_sum + i, count);
+    const auto acts = normal_sum > zero;
     if (!any_lane(acts)) continue;
     const ContactPack<Set> pack(columns, i, end);
     Vectors<Set> x[4];
@@ -535,8 +535,8 @@ template <class Set>
       u += corners.component(k) * pack.c[k];
     }
     const auto column = [&](const float* of) { return load<Set>(of + i, count); };
-    const Pressed<T> sums{pushed,
-                          {column(columns.rubbed[0]), column(columns.rubbed[1]), column(columns.rubbed[2])}};
+    const ContactSums<T> sums{normal_sum,
+                          {column(columns.tangent_sum[0]), column(columns.tangent_sum[1]), column(columns.tangent_sum[2])}};
     const auto [change, bounced] =
         rebound(sums, pack.n, u, column(columns.approach) * inverse_h, T(limits.slowest_rebound),
                 column(columns.restitution), column(columns.static_friction),

@@ -70,8 +70,8 @@ struct ContactColumns {
   float* static_friction;
   float* kinetic_friction;
   float* restitution;
-  float* pushed;     ///< sum of normal corrections of the distance [m]
-  float* rubbed[3];  ///< sum of tangential corrections of the distance [m]
+  float* normal_sum;     ///< sum of normal corrections of the distance [m]
+  float* tangent_sum[3];  ///< sum of tangential corrections of the distance [m]
   float* bounced;    ///< relative normal velocity added by restore_speed [m/s]
   float* depth;      ///< what is left of the overlap of one that pushed [m]
 };
