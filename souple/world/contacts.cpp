@@ -216,7 +216,7 @@ void find_candidates(WorldState& world, double dt) {
                                        tables.colliders, tables.against_colliders, step, *world.threads);
   });
   find_tangles(world, step);
-  world.surface_contacts.begin_step(view, particles.velocity, particles.radius, particles.pressed,
+  world.surface_contacts.begin_step(view, particles.velocity, particles.radius, particles.contact_margin,
                                     tables.against_objects, step, *world.threads);
   world.particle_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                      tables.against_objects, step, *world.threads);

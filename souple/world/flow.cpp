@@ -244,7 +244,7 @@ void set_count(WorldState& world, Object& fluid, std::uint32_t count) {
     particles.offset[i] = particles.velocity[i] = {};
     particles.mass[i] = is_there ? mass : 0;
     particles.radius[i] = contact_radius(fluid.material);
-    particles.pressed[i] = 0;
+    particles.contact_margin[i] = 0;
   }
   fluid.rest.resize(count);
   fluid.particle_of.resize(count), fluid.vertex_of.resize(count);

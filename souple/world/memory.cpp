@@ -80,7 +80,7 @@ MemoryReport World::memory() {
   MemoryReport report;
   report.particles = p.size();
   report.simulation.push_back({"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass,
-                                                     p.radius, p.pressed, world.object_of)});
+                                                     p.radius, p.contact_margin, world.object_of)});
   report.simulation.push_back(
       {"last good state", bytes_of(world.good_position, world.good_offset, world.good_velocity)});
   report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,

@@ -139,7 +139,7 @@ Snapshot World::snapshot() const {
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
   put(out, particles.velocity.data(), particles.size());
-  put(out, particles.pressed.data(), particles.size());
+  put(out, particles.contact_margin.data(), particles.size());
   put(out, memory.data(), memory.size());
   for (const auto& object : world.objects) {
     const Rest rest{object->still_time, object->island, object->particle_count()};
@@ -169,7 +169,7 @@ void World::restore(const Snapshot& snapshot) {
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());
-  get(in, particles.pressed.data(), particles.size());
+  get(in, particles.contact_margin.data(), particles.size());
   std::vector<FrictionMemory> memory(header.contacts);
   get(in, memory.data(), memory.size());
   world.particle_contacts.set_memory(memory);
