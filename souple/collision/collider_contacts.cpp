@@ -253,21 +253,21 @@ void ColliderContacts::apply_restitution(const ParticleView& particles, std::spa
   for (const Body& body : bodies_)
     threads.for_each(body.contact_end - body.contact_begin, grain(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = body.contact_begin + begin; c < body.contact_begin + end; ++c)
-        restore_speed(body, contacts_[c], particles, velocity, substep.h);
+        apply_restitution_to(body, contacts_[c], particles, velocity, substep.h);
     });
 }
 
-void ColliderContacts::restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+void ColliderContacts::apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
                                      std::span<Vec4f> velocity, float h) const {
   if (!(contact.normal_sum > 0)) return;
   const Vec3f n = contact.normal;
   const Vec3f v = velocity[contact.particle].xyz();
   const Vec3f u = v - contact.carried * (1 / h);
   const float inverse_h = 1 / h;
-  const auto [change, bounced] =
-      rebound({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
+  const auto [change, restitution_velocity] =
+      solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
               2 * step_.gravity * h, contact.material, inverse_h);
-  contact.bounced = bounced;
+  contact.restitution_velocity = restitution_velocity;
   velocity[contact.particle].set_xyz(v + change);
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));
   contact.depth = max(0.0f, float(-g.C));
@@ -285,7 +285,7 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
       if (!(contact.normal_sum > 0)) continue;
       const std::uint32_t i = contact.particle;
       const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
-      const float impulse = (contact.normal_sum * inverse_h + contact.bounced) / particles.inverse_mass(i);
+      const float impulse = (contact.normal_sum * inverse_h + contact.restitution_velocity) / particles.inverse_mass(i);
       out.push_back({i, body.collider, Vec3f(body.after.to_world(g.surface)), contact.normal, impulse});
     }
   }

@@ -111,7 +111,7 @@ class ColliderContacts final : public Projector {
     Vec3f tangent_sum{};         // sum of tangential corrections [m]
     Vec3f normal{};         // world, of the last projection
     Vec3f carried{};        // what the surface moved in the substep at the contact [m]
-    float bounced = 0;      // normal velocity added by apply_restitution [m/s]
+    float restitution_velocity = 0;      // normal velocity added by apply_restitution [m/s]
     float depth = 0;        // what is left of the overlap of one that pushed [m]
   };
   struct Gap {
@@ -133,7 +133,7 @@ class ColliderContacts final : public Projector {
   double distance_if_near(const Body& body, const Member& member, const ParticleView& particles) const;
   Contact contact_of(const Body& body, const Member& member, double end_distance,
                      const ParticleView& particles, float h) const;
-  void restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+  void apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
                      std::span<Vec4f> velocity, float h) const;
   void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
 

@@ -36,7 +36,7 @@ class ContactArrays {
     result.restitution = column();
     result.normal_sum = column();
     for (float*& tangent_sum : result.tangent_sum) tangent_sum = column();
-    result.bounced = column();
+    result.restitution_velocity = column();
     result.depth = column();
     return result;
   }

@@ -50,9 +50,9 @@ inline Vec3f solve_contact(ContactSums<float>& sums, float C, float allowed, con
 
 /// What a contact that pushed does to velocities.
 template <class T>
-struct Rebound {
+struct Restitution {
   Vec3<T> change;  ///< of the relative velocity [m/s]
-  T bounced;       ///< its normal part [m/s]
+  T restitution_velocity;       ///< its normal part [m/s]
 };
 
 /// The relative velocity u along n becomes e times the speed of approach where that was above `slowest`, else
@@ -60,20 +60,20 @@ struct Rebound {
 /// several contacts hold one thing, each pushes more than its share and it is the sum of what is left that
 /// carries the weight. `approach`: of the predicted motion [m/s].
 template <class T>
-Rebound<T> rebound(const ContactSums<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach, T slowest,
+Restitution<T> solve_restitution(const ContactSums<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach, T threshold,
                    T restitution, T static_friction, T kinetic_friction, T inverse_h) {
   const T zero(0), u_n = dot(n, u), normal_sum = sums.normal_sum * inverse_h;
-  const T target = select(approach > slowest, restitution * approach, zero);
-  const T bounced = max(target - u_n, -normal_sum);
+  const T target = select(approach > threshold, restitution * approach, zero);
+  const T restitution_velocity = max(target - u_n, -normal_sum);
   const Vec3<T> friction = sums.tangent_sum * inverse_h;
   const Vec3<T> sticking = friction - (u - n * u_n);
-  const Vec3<T> tangent_sum = within_friction(sticking, static_friction, kinetic_friction, normal_sum + bounced);
-  return {n * bounced + (tangent_sum - friction), bounced};
+  const Vec3<T> tangent_sum = within_friction(sticking, static_friction, kinetic_friction, normal_sum + restitution_velocity);
+  return {n * restitution_velocity + (tangent_sum - friction), restitution_velocity};
 }
 
-inline Rebound<float> rebound(const ContactSums<float>& sums, const Vec3f& n, const Vec3f& u, float approach,
-                              float slowest, const ContactMaterialPair& material, float inverse_h) {
-  return rebound(sums, n, u, approach, slowest, material.restitution, material.static_friction,
+inline Restitution<float> solve_restitution(const ContactSums<float>& sums, const Vec3f& n, const Vec3f& u, float approach,
+                              float threshold, const ContactMaterialPair& material, float inverse_h) {
+  return solve_restitution(sums, n, u, approach, threshold, material.restitution, material.static_friction,
                  material.kinetic_friction, inverse_h);
 }
 

@@ -470,11 +470,11 @@ void FeatureContacts::apply_restitution(const ParticleView& particles, std::span
                                         const Substep& substep) {
   for (const Body& body : bodies_)
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c)
-      restore_speed(body, contacts_[c], particles, velocity, substep.h);
+      apply_restitution_to(body, contacts_[c], particles, velocity, substep.h);
 }
 
-// The law of ColliderContacts::restore_speed.
-void FeatureContacts::restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+// The law of ColliderContacts::apply_restitution_to.
+void FeatureContacts::apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
                                     std::span<Vec4f> velocity, float h) const {
   if (!(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * contact.normal);
@@ -482,10 +482,10 @@ void FeatureContacts::restore_speed(const Body& body, Contact& contact, const Pa
   for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
   const Vec3f u = v - contact.carried * (1 / h);
   const float inverse_h = 1 / h;
-  const auto [change, bounced] =
-      rebound({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
+  const auto [change, restitution_velocity] =
+      solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
               2 * step_.gravity * h, contact.material, inverse_h);
-  contact.bounced = bounced;
+  contact.restitution_velocity = restitution_velocity;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
     const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
@@ -511,7 +511,7 @@ void FeatureContacts::events(const ParticleView& particles, std::vector<ContactP
         point += place(particles, contact.particle[j]) * double(contact.weight[j]);
       const double C = gap(body, contact, particles);
       const Vec3d n = body.after.rotation * contact.normal;
-      const float impulse = (contact.normal_sum * inverse_h + contact.bounced) / contact.inverse_mass;
+      const float impulse = (contact.normal_sum * inverse_h + contact.restitution_velocity) / contact.inverse_mass;
       out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
                      Vec3f(n), impulse});
     }

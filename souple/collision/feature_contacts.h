@@ -96,7 +96,7 @@ class FeatureContacts final : public Projector {
     float normal_sum = 0;     // sums of corrections of the point [m]
     Vec3f tangent_sum{};
     Vec3f carried{};    // what the surface moved in the substep at the contact [m]
-    float bounced = 0;  // normal velocity added by apply_restitution [m/s]
+    float restitution_velocity = 0;  // normal velocity added by apply_restitution [m/s]
     float depth = 0;    // what is left of the overlap of one that pushed [m]
   };
   /// What a candidate came to.
@@ -133,7 +133,7 @@ class FeatureContacts final : public Projector {
   static Vec3f moved(const Contact& contact, const ParticleView& particles);
   static void correct(const Contact& contact, const ParticleView& particles, const Vec3f& change);
   void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
-  void restore_speed(const Body& body, Contact& contact, const ParticleView& particles,
+  void apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
                      std::span<Vec4f> velocity, float h) const;
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
 

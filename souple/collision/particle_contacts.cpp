@@ -427,12 +427,12 @@ void ParticleContacts::apply_restitution(const ParticleView& particles, std::spa
     const std::size_t first = color_begin_[color];
     threads.for_each(color_begin_[color + 1] - first, grain(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t c = first + begin; c < first + end; ++c)
-        restore_speed(contacts_[c], particles, velocity, substep.h);
+        apply_restitution_to(contacts_[c], particles, velocity, substep.h);
     });
   }
 }
 
-void ParticleContacts::restore_speed(Contact& contact, const ParticleView& particles,
+void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
                                      std::span<Vec4f> velocity, float h) {
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
@@ -441,10 +441,10 @@ void ParticleContacts::restore_speed(Contact& contact, const ParticleView& parti
   update_drift(contact, particles, (u - n * u_n) * h);
   if (!(contact.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
-  const auto [change, bounced] =
-      rebound({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
+  const auto [change, restitution_velocity] =
+      solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
               2 * step_.gravity * h, contact.material, inverse_h);
-  contact.bounced = bounced;
+  contact.restitution_velocity = restitution_velocity;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
   if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
@@ -475,7 +475,7 @@ void ParticleContacts::events(const ParticleView& particles, std::vector<Contact
     const std::uint32_t i = contact.i, j = contact.j;
     const float mass = 1 / (particles.inverse_mass(i) + particles.inverse_mass(j));
     const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
-    out.push_back({i, j, point, contact.normal, (contact.normal_sum * inverse_h + contact.bounced) * mass});
+    out.push_back({i, j, point, contact.normal, (contact.normal_sum * inverse_h + contact.restitution_velocity) * mass});
   }
   std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;

@@ -112,7 +112,7 @@ class ParticleContacts final : public Projector {
     Vec3f normal;       // from j to i, of the last projection
     float normal_sum = 0;   // sum of normal corrections of the distance [m]
     Vec3f tangent_sum{};     // sum of tangential corrections of the distance [m]
-    float bounced = 0;  // relative normal velocity added by apply_restitution [m/s]
+    float restitution_velocity = 0;  // relative normal velocity added by apply_restitution [m/s]
     float depth = 0;    // what is left of the overlap of one that pushed [m]
   };
   /// Contacts [begin, end).
@@ -166,7 +166,7 @@ class ParticleContacts final : public Projector {
   Range contacts_of(int color) const;
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;
-  void restore_speed(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity, float h);
+  void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity, float h);
   void update_drift(const Contact& contact, const ParticleView& particles, const Vec3f& slid);
   template <class Vector>
   float largest_from_mean(const Vector& vector, Threads& threads);

@@ -494,7 +494,7 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
   for (int color = 0; color < color_count(); ++color) {
     const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
     threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
-      packed().restore_speed(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin,
+      packed().apply_restitution(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin,
                              first + end);
     });
   }
@@ -527,7 +527,7 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
       if (c(k) < c(other)) other = k;
     const Vec3f point = particles.relative(one, {}) - normal * (0.5f * columns_.thickness[contact]);
     out.push_back({one, i(other), point, normal,
-                   (columns_.normal_sum[contact] * limits_.inverse_h + columns_.bounced[contact]) /
+                   (columns_.normal_sum[contact] * limits_.inverse_h + columns_.restitution_velocity[contact]) /
                        columns_.inverse_mass[contact]});
   }
   std::stable_sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {

@@ -373,7 +373,7 @@ template <class Set, bool edges>
     store<Set>(effective_inverse_mass(points, corners, c), out.inverse_mass + i, count);
     store<Set>(-dot(n, weighted(m, c)), out.approach + i, count);
     store<Set>(zero, out.normal_sum + i, count);
-    store<Set>(zero, out.bounced + i, count);
+    store<Set>(zero, out.restitution_velocity + i, count);
     store<Set>(zero, out.depth + i, count);
   }
 }
@@ -512,7 +512,7 @@ template <class Set>
 
 /// rebound(), on the difference of two points.
 template <class Set>
-[[gnu::flatten]] void restore_speed(const FeaturePoints& points, const ContactColumns& columns,
+[[gnu::flatten]] void apply_restitution(const FeaturePoints& points, const ContactColumns& columns,
                                     const ContactLimits& limits, float* velocity, std::size_t begin,
                                     std::size_t end) {
   using T = Numbers<Set>;
@@ -537,12 +537,12 @@ template <class Set>
     const auto column = [&](const float* of) { return load<Set>(of + i, count); };
     const ContactSums<T> sums{normal_sum,
                           {column(columns.tangent_sum[0]), column(columns.tangent_sum[1]), column(columns.tangent_sum[2])}};
-    const auto [change, bounced] =
-        rebound(sums, pack.n, u, column(columns.approach) * inverse_h, T(limits.slowest_rebound),
+    const auto [change, restitution_velocity] =
+        solve_restitution(sums, pack.n, u, column(columns.approach) * inverse_h, T(limits.restitution_threshold),
                 column(columns.restitution), column(columns.static_friction),
                 column(columns.kinetic_friction), inverse_h);
     corners.add(change * (T(1.f) / column(columns.inverse_mass)), pack.c, acts, velocity, pack.first_float);
-    store<Set>(select(acts, bounced, zero), columns.bounced + i, count);
+    store<Set>(select(acts, restitution_velocity, zero), columns.restitution_velocity + i, count);
     const T depth = max(zero, column(columns.thickness) - dot(pack.n, weighted(x, pack.c)));
     store<Set>(select(acts, depth, zero), columns.depth + i, count);
   }
@@ -556,7 +556,7 @@ const FeatureKernels& feature_kernels() {
                                           {judge<Set, false>, judge<Set, true>},
                                           {describe<Set, false>, describe<Set, true>},
                                           project<Set>,
-                                          restore_speed<Set>};
+                                          apply_restitution<Set>};
   return kernels;
 }
 

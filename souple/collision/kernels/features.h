@@ -72,14 +72,14 @@ struct ContactColumns {
   float* restitution;
   float* normal_sum;     ///< sum of normal corrections of the distance [m]
   float* tangent_sum[3];  ///< sum of tangential corrections of the distance [m]
-  float* bounced;    ///< relative normal velocity added by restore_speed [m/s]
+  float* restitution_velocity;    ///< relative normal velocity added by apply_restitution [m/s]
   float* depth;      ///< what is left of the overlap of one that pushed [m]
 };
 
 /// What all contacts of a substep share.
 struct ContactLimits {
   float inverse_h;        ///< 1/s
-  float slowest_rebound;  ///< approach below it does not bounce [m/s]
+  float restitution_threshold;  ///< approach below it does not bounce [m/s]
   float depenetration;    ///< how far an old overlap may leave in this substep [m]
 };
 
@@ -105,7 +105,7 @@ struct FeatureKernels {
                       const ContactColumns&);
   /// Contacts [begin, end), no two of which share a particle that can move.
   void (*project)(const FeaturePoints&, const ContactColumns&, std::size_t begin, std::size_t end);
-  void (*restore_speed)(const FeaturePoints&, const ContactColumns&, const ContactLimits&, float* velocity,
+  void (*apply_restitution)(const FeaturePoints&, const ContactColumns&, const ContactLimits&, float* velocity,
                         std::size_t begin, std::size_t end);
 };
 
