@@ -201,7 +201,7 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
   contact.plane_offset = dot(contact.start.normal, from) - contact.start.distance;
   contact.predicted = Vec3f(body.after.rotation * (to - from));
   const double overlap = contact.start.distance - r;
-  contact.allowed = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
+  contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
   contact.held = contact.start.distance <= 0;
   if (!contact.held && may_pass(contact.start.distance, end_distance, length(to - from), r)) {
     if (const auto touch = first_touch(shape, contact.start, from, to, r)) {
@@ -237,12 +237,12 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
   const std::uint32_t i = contact.particle;
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
   const auto C = float(g.C);
-  if (!(contact.allowed > C) && !(contact.normal_sum > 0)) return;
+  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * g.normal);
   if (body.moves) contact.carried = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   particles.correct(
-      i, solve_contact(sums, C, contact.allowed, n, particles.moved(i) - contact.carried, contact.material));
+      i, solve_contact(sums, C, contact.slop, n, particles.moved(i) - contact.carried, contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;

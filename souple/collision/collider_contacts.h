@@ -105,7 +105,7 @@ class ColliderContacts final : public Projector {
     bool held;              // the plane below holds for the whole substep
     SurfaceDistance start;  // at the substep's begin, or where the motion first touched
     double plane_offset;    // of the plane with normal start.normal, in the collider's frame [m]
-    float allowed;          // C may stay this negative: an old overlap leaves slowly [m]
+    float slop;          // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;        // motion relative to the surface before any projection [m]
     float normal_sum = 0;       // sum of normal corrections [m]
     Vec3f tangent_sum{};         // sum of tangential corrections [m]

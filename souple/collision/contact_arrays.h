@@ -28,7 +28,7 @@ class ContactArrays {
     for (float*& c : result.c) c = column();
     for (float*& n : result.normal) n = column();
     result.thickness = column();
-    result.allowed = column();
+    result.slop = column();
     result.inverse_mass = column();
     result.approach = column();
     result.static_friction = column();

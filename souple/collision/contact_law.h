@@ -29,10 +29,10 @@ struct ContactSums {
 /// the second since the substep began. Pushes are taken back where a neighbor's push made them too large, so
 /// the sum never pulls.
 template <class T>
-Vec3<T> solve_contact(ContactSums<T>& sums, T C, T allowed, const Vec3<T>& n, const Vec3<T>& motion, T static_friction,
+Vec3<T> solve_contact(ContactSums<T>& sums, T C, T slop, const Vec3<T>& n, const Vec3<T>& motion, T static_friction,
               T kinetic_friction) {
   const T zero(0);
-  const T dn = max(allowed - C, -sums.normal_sum);
+  const T dn = max(slop - C, -sums.normal_sum);
   const T normal_sum = sums.normal_sum + dn;
   const auto active = normal_sum > zero;
   const Vec3<T> sticking = sums.tangent_sum - n * dot(n, sums.tangent_sum) - (motion - n * dot(n, motion));
@@ -43,9 +43,9 @@ Vec3<T> solve_contact(ContactSums<T>& sums, T C, T allowed, const Vec3<T>& n, co
   return change;
 }
 
-inline Vec3f solve_contact(ContactSums<float>& sums, float C, float allowed, const Vec3f& n, const Vec3f& motion,
+inline Vec3f solve_contact(ContactSums<float>& sums, float C, float slop, const Vec3f& n, const Vec3f& motion,
                    const ContactMaterialPair& material) {
-  return solve_contact(sums, C, allowed, n, motion, material.static_friction, material.kinetic_friction);
+  return solve_contact(sums, C, slop, n, motion, material.static_friction, material.kinetic_friction);
 }
 
 /// What a contact that pushed does to velocities.

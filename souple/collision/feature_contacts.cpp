@@ -415,7 +415,7 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
   contact.normal = low.surface.normal;
   contact.plane_offset = dot(low.surface.normal, low.point) - low.surface.distance;
   contact.predicted = Vec3f(body.after.rotation * predicted);
-  contact.allowed = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
+  contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
   return contact.inverse_mass > 0;
 }
 
@@ -451,7 +451,7 @@ void FeatureContacts::project(int, std::size_t begin, std::size_t end, const Par
 // The law of ColliderContacts::project_one, for a point of a feature.
 void FeatureContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
   const auto C = static_cast<float>(gap(body, contact, particles));
-  if (!(contact.allowed > C) && !(contact.normal_sum > 0)) return;
+  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   if (body.moves) {
     Vec3d point;
     for (std::size_t k = 0; k < 3; ++k)
@@ -461,7 +461,7 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
   const Vec3f n(body.after.rotation * contact.normal);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   correct(contact, particles,
-          solve_contact(sums, C, contact.allowed, n, moved(contact, particles) - contact.carried, contact.material));
+          solve_contact(sums, C, contact.slop, n, moved(contact, particles) - contact.carried, contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
 }

@@ -91,7 +91,7 @@ class FeatureContacts final : public Projector {
     ContactMaterialPair material;
     Vec3d normal;         // in the collider's frame
     double plane_offset;  // [m]
-    float allowed;        // C may stay this negative: an old overlap leaves slowly [m]
+    float slop;        // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;      // motion of the point relative to the surface before any projection [m]
     float normal_sum = 0;     // sums of corrections of the point [m]
     Vec3f tangent_sum{};

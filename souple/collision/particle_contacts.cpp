@@ -370,7 +370,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   if (apart_before > 0) contact.normal = from * (1 / apart_before);
   const float overlap = apart_before - reach;
   if (overlap < 0) {
-    contact.allowed = min(0.0f, overlap + step_.depenetration_speed * h);
+    contact.slop = min(0.0f, overlap + step_.depenetration_speed * h);
     contact.held = dot(from, to) < 0;  // centers passed each other: part them the way they came
   } else if (length(motion) > 0.25f * reach) {
     const float s = first_touch(from, motion, reach);
@@ -408,10 +408,10 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   const std::uint32_t i = contact.i, j = contact.j;
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
-  if (!(contact.allowed > C) && !(contact.normal_sum > 0)) return;
+  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   const Vec3f moved = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
-  const Vec3f dx = solve_contact(sums, C, contact.allowed, n, moved, contact.material);
+  const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;

@@ -107,7 +107,7 @@ class ParticleContacts final : public Projector {
     float reach;  // r_i + r_j [m]
     ContactMaterialPair material;
     bool held;          // the normal holds for the substep
-    float allowed;      // C may stay this negative: an old overlap leaves slowly [m]
+    float slop;      // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;    // motion of i relative to j before any projection [m]
     Vec3f normal;       // from j to i, of the last projection
     float normal_sum = 0;   // sum of normal corrections of the distance [m]

@@ -104,7 +104,7 @@ std::vector<float> everything(const FeatureKernels& kernels, bool plain, std::si
   for (int sweep = 0; sweep < 3; ++sweep) kernels.project(crowd.points(), contacts, 0, found.size());
   kernels.apply_restitution(crowd.points(), contacts, limits, &crowd.velocity[0].x, 0, found.size());
   for (const float* column : {contacts.c[0], contacts.c[1], contacts.c[2], contacts.c[3], contacts.normal[1],
-                              contacts.allowed, contacts.inverse_mass, contacts.approach, contacts.normal_sum,
+                              contacts.slop, contacts.inverse_mass, contacts.approach, contacts.normal_sum,
                               contacts.tangent_sum[0], contacts.restitution_velocity, contacts.depth})
     add(column, found.size());
   add(&crowd.moving[0].x, 4 * crowd.moving.size());

@@ -368,7 +368,7 @@ template <class Set, bool edges>
       store<Set>(zero, out.tangent_sum[axis] + i, count);
     }
     store<Set>(thickness, out.thickness + i, count);
-    store<Set>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.allowed + i,
+    store<Set>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.slop + i,
                count);
     store<Set>(effective_inverse_mass(points, corners, c), out.inverse_mass + i, count);
     store<Set>(-dot(n, weighted(m, c)), out.approach + i, count);
@@ -480,11 +480,11 @@ SOUPLE_INLINE inline void project_pack(const FeaturePoints& points, const Contac
                   {load<Set>(columns.tangent_sum[0] + i, pack.count), load<Set>(columns.tangent_sum[1] + i, pack.count),
                    load<Set>(columns.tangent_sum[2] + i, pack.count)}};
   const T C = dot(pack.n, apart) - load<Set>(columns.thickness + i, pack.count);
-  const T allowed = load<Set>(columns.allowed + i, pack.count);
-  const auto acts = allowed > C || sums.normal_sum > zero;
+  const T slop = load<Set>(columns.slop + i, pack.count);
+  const auto acts = slop > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
   const Vectors<Set> change =
-      solve_contact(sums, C, allowed, pack.n, moved, load<Set>(columns.static_friction + i, pack.count),
+      solve_contact(sums, C, slop, pack.n, moved, load<Set>(columns.static_friction + i, pack.count),
             load<Set>(columns.kinetic_friction + i, pack.count));
   store<Set>(sums.normal_sum, columns.normal_sum + i, pack.count);
   for (int axis = 0; axis < 3; ++axis) store<Set>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);

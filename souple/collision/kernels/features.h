@@ -64,7 +64,7 @@ struct ContactColumns {
   float* c[4];          ///< weights: the distance is between points whose difference is sum_k c_k x_k
   float* normal[3];     ///< unit, from the second point to the first
   float* thickness;     ///< m
-  float* allowed;       ///< C may stay this negative: an old overlap leaves slowly [m]
+  float* slop;       ///< C may stay this negative: an old overlap leaves slowly [m]
   float* inverse_mass;  ///< sum_k w_k c_k^2 [1/kg]
   float* approach;      ///< along the normal, what prediction moved the two towards each other [m]
   float* static_friction;
