@@ -202,10 +202,10 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
   contact.predicted = Vec3f(body.after.rotation * (to - from));
   const double overlap = contact.start.distance - r;
   contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
-  contact.held = contact.start.distance <= 0;
-  if (!contact.held && may_pass(contact.start.distance, end_distance, length(to - from), r)) {
+  contact.fixed_plane = contact.start.distance <= 0;
+  if (!contact.fixed_plane && may_pass(contact.start.distance, end_distance, length(to - from), r)) {
     if (const auto touch = first_touch(shape, contact.start, from, to, r)) {
-      contact.held = true;
+      contact.fixed_plane = true;
       contact.start = touch->surface;
       contact.plane_offset = dot(touch->surface.normal, touch->point) - touch->surface.distance;
     }
@@ -214,8 +214,8 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
 }
 
 ColliderContacts::Gap ColliderContacts::gap(const Shape& shape, const Contact& contact, const Vec3d& local) {
-  SurfaceDistance surface = contact.held ? contact.start : surface_distance(shape, local);
-  if (contact.held || surface.distance <= 0) {
+  SurfaceDistance surface = contact.fixed_plane ? contact.start : surface_distance(shape, local);
+  if (contact.fixed_plane || surface.distance <= 0) {
     surface.normal = contact.start.normal;
     surface.distance = dot(surface.normal, local) - contact.plane_offset;
   }
@@ -239,10 +239,10 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
   const auto C = float(g.C);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * g.normal);
-  if (body.moves) contact.carried = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
+  if (body.moves) contact.surface_motion = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   particles.correct(
-      i, solve_contact(sums, C, contact.slop, n, particles.moved(i) - contact.carried, contact.material));
+      i, solve_contact(sums, C, contact.slop, n, particles.moved(i) - contact.surface_motion, contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;
@@ -262,7 +262,7 @@ void ColliderContacts::apply_restitution_to(const Body& body, Contact& contact, 
   if (!(contact.normal_sum > 0)) return;
   const Vec3f n = contact.normal;
   const Vec3f v = velocity[contact.particle].xyz();
-  const Vec3f u = v - contact.carried * (1 / h);
+  const Vec3f u = v - contact.surface_motion * (1 / h);
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] =
       solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,

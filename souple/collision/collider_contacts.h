@@ -102,7 +102,7 @@ class ColliderContacts final : public Projector {
     std::uint32_t particle;
     float radius;
     ContactMaterialPair material;
-    bool held;              // the plane below holds for the whole substep
+    bool fixed_plane;              // the plane below holds for the whole substep
     SurfaceDistance start;  // at the substep's begin, or where the motion first touched
     double plane_offset;    // of the plane with normal start.normal, in the collider's frame [m]
     float slop;          // C may stay this negative: an old overlap leaves slowly [m]
@@ -110,7 +110,7 @@ class ColliderContacts final : public Projector {
     float normal_sum = 0;       // sum of normal corrections [m]
     Vec3f tangent_sum{};         // sum of tangential corrections [m]
     Vec3f normal{};         // world, of the last projection
-    Vec3f carried{};        // what the surface moved in the substep at the contact [m]
+    Vec3f surface_motion{};        // what the surface moved in the substep at the contact [m]
     float restitution_velocity = 0;      // normal velocity added by apply_restitution [m/s]
     float depth = 0;        // what is left of the overlap of one that pushed [m]
   };

@@ -456,12 +456,12 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
     Vec3d point;
     for (std::size_t k = 0; k < 3; ++k)
       point += place(particles, contact.particle[k]) * double(contact.weight[k]);
-    contact.carried = Vec3f(point - body.before.to_world(body.after.to_local(point)));
+    contact.surface_motion = Vec3f(point - body.before.to_world(body.after.to_local(point)));
   }
   const Vec3f n(body.after.rotation * contact.normal);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   correct(contact, particles,
-          solve_contact(sums, C, contact.slop, n, moved(contact, particles) - contact.carried, contact.material));
+          solve_contact(sums, C, contact.slop, n, moved(contact, particles) - contact.surface_motion, contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
 }
@@ -480,7 +480,7 @@ void FeatureContacts::apply_restitution_to(const Body& body, Contact& contact, c
   const Vec3f n(body.after.rotation * contact.normal);
   Vec3f v;
   for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
-  const Vec3f u = v - contact.carried * (1 / h);
+  const Vec3f u = v - contact.surface_motion * (1 / h);
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] =
       solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,

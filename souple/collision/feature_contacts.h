@@ -95,7 +95,7 @@ class FeatureContacts final : public Projector {
     Vec3f predicted;      // motion of the point relative to the surface before any projection [m]
     float normal_sum = 0;     // sums of corrections of the point [m]
     Vec3f tangent_sum{};
-    Vec3f carried{};    // what the surface moved in the substep at the contact [m]
+    Vec3f surface_motion{};    // what the surface moved in the substep at the contact [m]
     float restitution_velocity = 0;  // normal velocity added by apply_restitution [m/s]
     float depth = 0;    // what is left of the overlap of one that pushed [m]
   };

@@ -371,11 +371,11 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const float overlap = apart_before - reach;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed * h);
-    contact.held = dot(from, to) < 0;  // centers passed each other: part them the way they came
+    contact.fixed_normal = dot(from, to) < 0;  // centers passed each other: part them the way they came
   } else if (length(motion) > 0.25f * reach) {
     const float s = first_touch(from, motion, reach);
-    contact.held = s >= 0;
-    if (contact.held) contact.normal = normalized(from + motion * s);
+    contact.fixed_normal = s >= 0;
+    if (contact.fixed_normal) contact.normal = normalized(from + motion * s);
   }
   return contact;
 }
@@ -389,7 +389,7 @@ ParticleContacts::Range ParticleContacts::contacts_of(int color) const {
 // C and the normal at a difference x_i - x_j.
 float ParticleContacts::gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const {
   normal = contact.normal;
-  if (contact.held) return dot(normal, difference) - contact.reach;
+  if (contact.fixed_normal) return dot(normal, difference) - contact.reach;
   const float l = length(difference);
   if (l > 0) normal = difference * (1 / l);
   return l - contact.reach;

@@ -106,7 +106,7 @@ class ParticleContacts final : public Projector {
     std::uint32_t i, j, pair;
     float reach;  // r_i + r_j [m]
     ContactMaterialPair material;
-    bool held;          // the normal holds for the substep
+    bool fixed_normal;          // the normal holds for the substep
     float slop;      // C may stay this negative: an old overlap leaves slowly [m]
     Vec3f predicted;    // motion of i relative to j before any projection [m]
     Vec3f normal;       // from j to i, of the last projection
