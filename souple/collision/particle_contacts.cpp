@@ -111,7 +111,7 @@ void ParticleContacts::begin_step(const ParticleView& particles, std::span<const
   step_ = step;
   sweeps_.begin_step();
   forget_contacts();
-  remember();
+  save_friction();
   find_members(particles, velocity);
   const auto speed = [&](std::size_t m) { return velocity[members_[m].particle].xyz(); };
   find_pairs(particles, 2.2f * largest_from_mean(speed, threads) * step.dt);
@@ -148,55 +148,55 @@ float ParticleContacts::largest_from_mean(const Vector& vector, Threads& threads
 }
 
 void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_margin) {
-  remember();
+  save_friction();
   if (!(largest_diameter_ > 0)) return;
   margin_ = max(least_margin * largest_diameter_, min(wanted_margin, largest_margin * largest_diameter_));
   place_members(particles);
   sort_into_cells(largest_diameter_ + margin_);
   for (std::uint32_t m = 0; m < members_.size(); ++m) append_pairs_of(m);
-  recall();
+  restore_friction();
 }
 
 // Pairs are in order of (i, j), as particles as well as members: each object's are one ascending range.
-void ParticleContacts::remember() {
+void ParticleContacts::save_friction() {
   if (pairs_.empty()) return;
-  memory_.clear();
+  friction_cache_.clear();
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    if (drift_[p] == Vec3f{}) continue;
-    memory_.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, drift_[p]});
+    if (tangential_displacement_[p] == Vec3f{}) continue;
+    friction_cache_.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
   }
   pairs_.clear();
 }
 
-void ParticleContacts::recall() {
-  drift_.assign(pairs_.size(), {});
+void ParticleContacts::restore_friction() {
+  tangential_displacement_.assign(pairs_.size(), {});
   std::size_t next = 0;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const std::uint32_t i = members_[pairs_[p].i].particle, j = members_[pairs_[p].j].particle;
-    while (next < memory_.size() && (memory_[next].i < i || (memory_[next].i == i && memory_[next].j < j)))
+    while (next < friction_cache_.size() && (friction_cache_[next].i < i || (friction_cache_[next].i == i && friction_cache_[next].j < j)))
       ++next;
-    if (next < memory_.size() && memory_[next].i == i && memory_[next].j == j)
-      drift_[p] = memory_[next].drift;
+    if (next < friction_cache_.size() && friction_cache_[next].i == i && friction_cache_[next].j == j)
+      tangential_displacement_[p] = friction_cache_[next].tangential_displacement;
   }
-  memory_.clear();
+  friction_cache_.clear();
 }
 
-std::vector<FrictionMemory> ParticleContacts::memory() const {
-  if (pairs_.empty()) return memory_;
-  std::vector<FrictionMemory> result;
+std::vector<CachedFriction> ParticleContacts::friction_cache() const {
+  if (pairs_.empty()) return friction_cache_;
+  std::vector<CachedFriction> result;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    if (drift_[p] == Vec3f{}) continue;
-    result.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, drift_[p]});
+    if (tangential_displacement_[p] == Vec3f{}) continue;
+    result.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
   }
   return result;
 }
 
-void ParticleContacts::set_memory(std::span<const FrictionMemory> memory) {
+void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache) {
   pairs_.clear();
   forget_contacts();
-  memory_.clear();
-  for (const FrictionMemory& one : memory)
-    if (is_finite(one.drift)) memory_.push_back(one);
+  friction_cache_.clear();
+  for (const CachedFriction& one : cache)
+    if (is_finite(one.tangential_displacement)) friction_cache_.push_back(one);
 }
 
 void ParticleContacts::place_members(const ParticleView& particles) {
@@ -410,7 +410,7 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   const float C = gap(contact, particles.difference(i, j), n);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  const Vec3f moved = particles.moved(i) - particles.moved(j) + drift_[contact.pair];
+  const Vec3f moved = particles.moved(i) - particles.moved(j) + tangential_displacement_[contact.pair];
   const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
@@ -438,7 +438,7 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   const Vec3f n = contact.normal;
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
   const float u_n = dot(n, u);
-  update_drift(contact, particles, (u - n * u_n) * h);
+  update_tangential_displacement(contact, particles, (u - n * u_n) * h);
   if (!(contact.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] =
@@ -457,14 +457,14 @@ ContactReport ParticleContacts::report() const {
 }
 
 // A pair that rubs with all its kinetic friction slides for good and owes nothing.
-void ParticleContacts::update_drift(const Contact& contact, const ParticleView& particles,
-                                    const Vec3f& slid) {
+void ParticleContacts::update_tangential_displacement(const Contact& contact, const ParticleView& particles,
+                                    const Vec3f& sliding) {
   Vec3f n;
   const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.reach;
   const bool slides = contact.normal_sum > 0 &&
                       length(contact.tangent_sum) > 0.999f * contact.material.kinetic_friction * contact.normal_sum;
-  Vec3f& drift = drift_[contact.pair];
-  drift = near && !slides ? drift + slid : Vec3f{};
+  Vec3f& tangential_displacement = tangential_displacement_[contact.pair];
+  tangential_displacement = near && !slides ? tangential_displacement + sliding : Vec3f{};
 }
 
 void ParticleContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
@@ -507,15 +507,15 @@ void ParticleContacts::visit(const ParticleView& particles, const ConstraintVisi
 }
 
 void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
-  remember();
+  save_friction();
   std::size_t kept = 0;
-  for (FrictionMemory m : memory_) {
+  for (CachedFriction m : friction_cache_) {
     if ((m.i >= begin && m.i < end) || (m.j >= begin && m.j < end)) continue;
     if (m.i >= end) m.i -= end - begin;
     if (m.j >= end) m.j -= end - begin;
-    memory_[kept++] = m;
+    friction_cache_[kept++] = m;
   }
-  memory_.resize(kept);
+  friction_cache_.resize(kept);
   members_.clear();
   placed_.clear();
   forget_contacts();
@@ -523,8 +523,8 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
 }
 
 std::size_t ParticleContacts::bytes() const {
-  return bytes_of(excluded_, boxes_, members_, placed_, cells_, bucket_begin_, entries_, pairs_, drift_,
-                  memory_, contacts_);
+  return bytes_of(excluded_, boxes_, members_, placed_, cells_, bucket_begin_, entries_, pairs_, tangential_displacement_,
+                  friction_cache_, contacts_);
 }
 
 }  // namespace souple

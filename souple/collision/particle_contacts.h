@@ -13,9 +13,9 @@
 namespace souple {
 
 /// What a pair of particles has slid since friction last held it.
-struct FrictionMemory {
+struct CachedFriction {
   std::uint32_t i = 0, j = 0;  ///< particles
-  Vec3f drift{};               ///< of i relative to j [m]
+  Vec3f tangential_displacement{};               ///< of i relative to j [m]
 };
 
 /// Particles against particles: grains and the nodes of lattices. What has triangles or edges meets as a
@@ -45,8 +45,8 @@ class ParticleContacts final : public Projector {
 
   /// What must be kept of one step for the next, in order of (i, j), and its restoration: for checkpoints and
   /// snapshots. Particles erased in between are dropped and the rest renumbered.
-  std::vector<FrictionMemory> memory() const;
-  void set_memory(std::span<const FrictionMemory> memory);
+  std::vector<CachedFriction> friction_cache() const;
+  void set_friction_cache(std::span<const CachedFriction> cache);
 
   /// Pairs of particles that never touch each other, such as tied ones. Replaces the pairs of an earlier
   /// call.
@@ -153,8 +153,8 @@ class ParticleContacts final : public Projector {
   void find_near_objects();
   void find_members(const ParticleView& particles, std::span<const Vec4f> velocity);
   void find_pairs(const ParticleView& particles, float wanted_margin);
-  void remember();
-  void recall();
+  void save_friction();
+  void restore_friction();
   void place_members(const ParticleView& particles);
   void sort_into_cells(float cell_size);
   void append_pairs_of(std::uint32_t member);
@@ -167,7 +167,7 @@ class ParticleContacts final : public Projector {
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;
   void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity, float h);
-  void update_drift(const Contact& contact, const ParticleView& particles, const Vec3f& slid);
+  void update_tangential_displacement(const Contact& contact, const ParticleView& particles, const Vec3f& sliding);
   template <class Vector>
   float largest_from_mean(const Vector& vector, Threads& threads);
 
@@ -187,8 +187,8 @@ class ParticleContacts final : public Projector {
   std::vector<std::uint32_t> bucket_begin_;
   std::vector<Entry> entries_;  // sorted by bucket, then member
   std::vector<Pair> pairs_;
-  std::vector<Vec3f> drift_;            // of each pair: sliding that friction owes since it last held [m]
-  std::vector<FrictionMemory> memory_;  // taken over from the last broad phase by the next
+  std::vector<Vec3f> tangential_displacement_;            // of each pair: sliding that friction owes since it last held [m]
+  std::vector<CachedFriction> friction_cache_;  // taken over from the last broad phase by the next
   std::vector<Vec3d> chunk_sum_;        // of members
   std::vector<float> chunk_largest_;
   std::vector<std::uint8_t> touches_;      // of each pair, in this substep

@@ -82,7 +82,7 @@ std::size_t bytes_of_particles(const WorldState& world) {
 }
 
 std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
-  return sizeof(Header) + bytes_of_particles(world) + contacts * sizeof(FrictionMemory) +
+  return sizeof(Header) + bytes_of_particles(world) + contacts * sizeof(CachedFriction) +
          world.objects.size() * sizeof(Rest) + world.emitters.size() * sizeof(EmitterRecord::layers) +
          world.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
 }
@@ -122,25 +122,25 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
 Snapshot World::snapshot() const {
   const WorldState& world = impl_->state;
   const Particles& particles = world.particles;
-  const std::vector<FrictionMemory> memory = world.particle_contacts.memory();
+  const std::vector<CachedFriction> friction = world.particle_contacts.friction_cache();
   const FluidFoam& foam = world.fluids.foam();
   const Vec3d& origin = foam.origin();
   const Header header{magic,
                       shape_of(world),
                       world.time,
                       world.steps,
-                      memory.size(),
+                      friction.size(),
                       foam.size(),
                       {origin.x, origin.y, origin.z}};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(world, memory.size(), foam.size()));
+  out.reserve(size_for(world, friction.size(), foam.size()));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
   put(out, particles.velocity.data(), particles.size());
   put(out, particles.contact_margin.data(), particles.size());
-  put(out, memory.data(), memory.size());
+  put(out, friction.data(), friction.size());
   for (const auto& object : world.objects) {
     const Rest rest{object->still_time, object->island, object->particle_count()};
     put(out, &rest, 1);
@@ -162,7 +162,7 @@ void World::restore(const Snapshot& snapshot) {
   world.time = header.time;
   world.steps = header.steps;
   std::span<const std::byte> later =
-      in.subspan(bytes_of_particles(world) + header.contacts * sizeof(FrictionMemory));
+      in.subspan(bytes_of_particles(world) + header.contacts * sizeof(CachedFriction));
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
   world.fluids.foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
@@ -170,9 +170,9 @@ void World::restore(const Snapshot& snapshot) {
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());
   get(in, particles.contact_margin.data(), particles.size());
-  std::vector<FrictionMemory> memory(header.contacts);
-  get(in, memory.data(), memory.size());
-  world.particle_contacts.set_memory(memory);
+  std::vector<CachedFriction> friction(header.contacts);
+  get(in, friction.data(), friction.size());
+  world.particle_contacts.set_friction_cache(friction);
   world.forget_contacts();
   world.look_for_tangles = true;
   ++world.version;

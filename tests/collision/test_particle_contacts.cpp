@@ -117,8 +117,8 @@ TEST(ParticleContacts, MemoryCarriesARunOnBitForBit) {
   MiniWorld resumed = world;
   resumed.on_colliders = {};
   resumed.on_particles = {};
-  resumed.on_particles.set_memory(world.on_particles.memory());
-  EXPECT_FALSE(world.on_particles.memory().empty());
+  resumed.on_particles.set_friction_cache(world.on_particles.friction_cache());
+  EXPECT_FALSE(world.on_particles.friction_cache().empty());
   for (int frame = 0; frame < 30; ++frame) {
     world.step(1.0 / 60, 10);
     resumed.step(1.0 / 60, 10);
@@ -128,13 +128,13 @@ TEST(ParticleContacts, MemoryCarriesARunOnBitForBit) {
 
 TEST(ParticleContacts, ErasingParticlesRenumbersTheMemory) {
   ParticleContacts contacts;
-  const FrictionMemory memory[] = {{0, 4, {1, 0, 0}}, {2, 5, {0, 1, 0}}, {4, 7, {0, 0, 1}}};
-  contacts.set_memory(memory);
+  const CachedFriction friction[] = {{0, 4, {1, 0, 0}}, {2, 5, {0, 1, 0}}, {4, 7, {0, 0, 1}}};
+  contacts.set_friction_cache(friction);
   contacts.erase_particles(1, 4);
-  ASSERT_EQ(contacts.memory().size(), 2u);
-  EXPECT_EQ(contacts.memory()[0].j, 1u);
-  EXPECT_EQ(contacts.memory()[1].i, 1u);
-  EXPECT_EQ(contacts.memory()[1].j, 4u);
+  ASSERT_EQ(contacts.friction_cache().size(), 2u);
+  EXPECT_EQ(contacts.friction_cache()[0].j, 1u);
+  EXPECT_EQ(contacts.friction_cache()[1].i, 1u);
+  EXPECT_EQ(contacts.friction_cache()[1].j, 4u);
 }
 
 TEST(ParticleContacts, AnUnsupportedClusterKeepsItsMomentum) {
