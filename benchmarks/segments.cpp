@@ -52,7 +52,7 @@ class EmbreeScene {
     ray.ray.org_x = segment.origin.x, ray.ray.org_y = segment.origin.y, ray.ray.org_z = segment.origin.z;
     ray.ray.dir_x = segment.direction.x, ray.ray.dir_y = segment.direction.y;
     ray.ray.dir_z = segment.direction.z;
-    ray.ray.tfar = segment.reach, ray.ray.mask = ~0u;
+    ray.ray.tfar = segment.max_t, ray.ray.mask = ~0u;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);

@@ -94,10 +94,10 @@ bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
   const std::uint32_t i = members_[member].particle;
   if (!materials_->collide(members_[member].object, body.collider)) return false;
   const Placed& placed = placed_[member];
-  const double reach = 3 * placed.margin + 2 * double(radius_[i]);
-  const double clear = body.ball.radius + reach;
+  const double max_distance = 3 * placed.margin + 2 * double(radius_[i]);
+  const double clear = body.ball.radius + max_distance;
   if (!(length_squared(placed.at - body.center) <= clear * clear)) return false;
-  if (surface_distance(shape_of(body), body.after.to_local(placed.at)).distance > reach) return false;
+  if (surface_distance(shape_of(body), body.after.to_local(placed.at)).distance > max_distance) return false;
   return particles.inverse_mass(i) > 0;
 }
 

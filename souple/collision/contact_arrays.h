@@ -13,12 +13,12 @@ namespace souple {
 class ContactArrays {
  public:
   /// They come and go by many: room for as many again.
-  static constexpr double room = 1;
+  static constexpr double spare = 1;
   std::size_t size() const { return particle_[0].size(); }
   /// What is there keeps its values; sizes that were there before allocate nothing.
   void resize(std::size_t size) {
-    for (auto& column : particle_) resize_with_room(column, size, room);
-    for (auto& column : floats_) resize_with_room(column, size, room);
+    for (auto& column : particle_) resize_with_spare(column, size, spare);
+    for (auto& column : floats_) resize_with_spare(column, size, spare);
   }
   kernels::ContactColumns columns() {
     kernels::ContactColumns result;

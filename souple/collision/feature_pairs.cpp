@@ -475,9 +475,9 @@ void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bo
     (batches_[b].*list).place = sum;
     sum += (batches_[b].*list).count;
   }
-  resize_with_room(particle_, sum);
-  resize_with_room(is_edges_, sum);
-  for (std::vector<float>* column : {&thickness_, &known_}) resize_with_room(*column, sum);
+  resize_with_spare(particle_, sum);
+  resize_with_spare(is_edges_, sum);
+  for (std::vector<float>* column : {&thickness_, &known_}) resize_with_spare(*column, sum);
   threads.for_each(batches, 1, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b) {
       const List& from = batches_[b].*list;
@@ -508,7 +508,7 @@ void FeaturePairs::add_found(const ParticleView& particles, float dt, Threads& t
 // --- chunks that need not be looked at
 
 void FeaturePairs::watch_new_chunks(std::size_t first, Threads& threads) {
-  resize_with_room(blocks_, chunks_.size());
+  resize_with_spare(blocks_, chunks_.size());
   threads.for_each(chunks_.size() - first, 4, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
       Chunk& chunk = chunks_[first + c];

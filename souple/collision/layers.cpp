@@ -95,7 +95,7 @@ void Layers::find_normals(const ParticleView& particles, const Tangles& tangles)
 
 void Layers::build_hash(const ParticleView& particles, const Tangles& tangles, Threads& threads) {
   const std::span<const SurfaceElement> triangles = tangles.elements().triangles();
-  resize_with_room(boxes_, triangles.size());
+  resize_with_spare(boxes_, triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     boxes_[t] = nothing;
     for (const std::uint32_t i : triangles[t].particle) {

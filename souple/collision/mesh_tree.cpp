@@ -59,9 +59,9 @@ MeshTree::Node MeshTree::node_of(std::uint32_t begin, std::uint32_t end) const {
     area += length(area_normal);
   }
   node.center = area > 0 ? node.center / area : (node.lo + node.hi) * 0.5;
-  Vec3d reach;
-  for (int k = 0; k < 3; ++k) reach[k] = max(node.hi[k] - node.center[k], node.center[k] - node.lo[k]);
-  node.radius = length(reach);
+  Vec3d extent;
+  for (int k = 0; k < 3; ++k) extent[k] = max(node.hi[k] - node.center[k], node.center[k] - node.lo[k]);
+  node.radius = length(extent);
   return node;
 }
 
@@ -103,8 +103,8 @@ MeshTree::Nearest MeshTree::nearest(const Vec3d& point, std::uint32_t guess, dou
     if (far(n) * enough > least) continue;
     if (node.right == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        const double reach = distance + triangles_[i].radius;
-        if (length_squared(triangles_[i].middle - point) > reach * reach) continue;
+        const double max_distance = distance + triangles_[i].radius;
+        if (length_squared(triangles_[i].middle - point) > max_distance * max_distance) continue;
         const double squared = squared_distance(triangles_[i], point);
         if (squared < least) least = squared, best = i, distance = sqrt(squared);
       }

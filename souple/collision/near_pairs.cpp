@@ -71,7 +71,7 @@ kernels::Quad* NearPairFinder::List::room_for(std::size_t more) {
 
 void NearPairFinder::Boxes::resize(std::size_t count) {
   for (auto* columns : {&lo, &hi})
-    for (auto& column : *columns) resize_with_room(column, count + SurfaceElements::padding);
+    for (auto& column : *columns) resize_with_spare(column, count + SurfaceElements::padding);
 }
 
 void NearPairFinder::Boxes::set(std::size_t i, const Bounds& box) {
@@ -314,7 +314,7 @@ void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<Nea
     (chunk.*piece).place = sum;
     sum += (chunk.*piece).count;
   }
-  resize_with_room(out, sum);
+  resize_with_spare(out, sum);
   threads.for_each(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Piece& from = chunks_[k].*piece;

@@ -11,11 +11,11 @@ namespace souple {
 namespace {
 
 // The margin as a part of the largest diameter: less means many broad phases, more means many idle pairs.
-constexpr float least_margin = 0.1f;
-constexpr float largest_margin = 1.0f;
+constexpr float min_margin = 0.1f;
+constexpr float max_margin = 1.0f;
 // Objects are looked at in detail when their boxes meet; boxes are larger by this part of their size than
 // what velocities ask for: something may be pulled along within the step.
-constexpr float surprise = 0.125f;
+constexpr float box_margin_part = 0.125f;
 constexpr std::size_t pair_grain = 256;  // pairs worth a thread
 constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::max();
 
@@ -24,9 +24,9 @@ std::int32_t cell_index(float x, float cell_size) {
 }
 
 // The first moment in [0, 1] when |d + s motion| = reach, from outside; negative when there is none.
-float first_touch(const Vec3f& d, const Vec3f& motion, float reach) {
+float first_touch(const Vec3f& d, const Vec3f& motion, float radius_sum) {
   const Vec3d d0(d), m(motion);
-  const double a = dot(m, m), b = dot(d0, m), c = dot(d0, d0) - double(reach) * double(reach);
+  const double a = dot(m, m), b = dot(d0, m), c = dot(d0, d0) - double(radius_sum) * double(radius_sum);
   const double discriminant = b * b - a * c;
   if (!(c > 0) || !(b < 0) || !(discriminant >= 0)) return -1;
   const double s = c / (-b + sqrt(discriminant));
@@ -59,11 +59,11 @@ void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const
     }
     if (!is_finite(sum)) hi = {infinity, infinity, infinity}, lo = -hi;
     const Vec3f size = hi - lo;
-    const float room = 2.2f * (sqrt(fastest) + step_.gravity * step_.dt) * step_.dt +
-                       (1 + largest_margin) * largest_diameter_ + surprise * max(size.x, max(size.y, size.z));
-    const Vec3f grown{room, room, room};
+    const float margin = 2.2f * (sqrt(fastest) + step_.gravity * step_.dt) * step_.dt +
+                       (1 + max_margin) * largest_diameter_ + box_margin_part * max(size.x, max(size.y, size.z));
+    const Vec3f margins{margin, margin, margin};
     const auto index = static_cast<std::uint32_t>(boxes_.size());
-    boxes_.push_back({lo - grown, hi + grown, index, object.self_collision && object.moves});
+    boxes_.push_back({lo - margins, hi + margins, index, object.self_collision && object.moves});
   }
 }
 
@@ -150,7 +150,7 @@ float ParticleContacts::largest_from_mean(const Vector& vector, Threads& threads
 void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_margin) {
   save_friction();
   if (!(largest_diameter_ > 0)) return;
-  margin_ = max(least_margin * largest_diameter_, min(wanted_margin, largest_margin * largest_diameter_));
+  margin_ = max(min_margin * largest_diameter_, min(wanted_margin, max_margin * largest_diameter_));
   place_members(particles);
   sort_into_cells(largest_diameter_ + margin_);
   for (std::uint32_t m = 0; m < members_.size(); ++m) append_pairs_of(m);
@@ -266,10 +266,10 @@ void ParticleContacts::append_pairs_of(std::uint32_t member) {
   const auto scan = [&](std::size_t begin, std::size_t end, std::int32_t y, std::int32_t z) {
     for (std::size_t e = bucket_begin_[begin]; e < bucket_begin_[end]; ++e) {
       const Entry& other = entries_[e];
-      const float reach = r + other.radius;
+      const float search_radius = r + other.radius;
       // One branch, not four: which of them fails is a coin's toss.
       const bool near = (other.member > member) & (other.cell.y == y) & (other.cell.z == z) &
-                        (length_squared(at - other.at) < reach * reach);
+                        (length_squared(at - other.at) < search_radius * search_radius);
       if (near && interact(members_[member].object, members_[other.member].object) &&
           !is_excluded(members_[member].particle, members_[other.member].particle))
         pairs_.push_back({member, other.member});
@@ -361,19 +361,19 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
                                                        float h) const {
   const Member &a = members_[pairs_[pair].i], &b = members_[pairs_[pair].j];
   const std::uint32_t i = a.particle, j = b.particle;
-  const float reach = radius_[i] + radius_[j];
+  const float radius_sum = radius_[i] + radius_[j];
   const Vec3f motion = particles.moved(i) - particles.moved(j);
   const Vec3f to = particles.difference(i, j);
   const Vec3f from = to - motion;
   const float apart_before = length(from);
-  Contact contact{i, j, pair, reach, materials_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
+  Contact contact{i, j, pair, radius_sum, materials_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
   if (apart_before > 0) contact.normal = from * (1 / apart_before);
-  const float overlap = apart_before - reach;
+  const float overlap = apart_before - radius_sum;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed * h);
     contact.fixed_normal = dot(from, to) < 0;  // centers passed each other: part them the way they came
-  } else if (length(motion) > 0.25f * reach) {
-    const float s = first_touch(from, motion, reach);
+  } else if (length(motion) > 0.25f * radius_sum) {
+    const float s = first_touch(from, motion, radius_sum);
     contact.fixed_normal = s >= 0;
     if (contact.fixed_normal) contact.normal = normalized(from + motion * s);
   }
@@ -389,10 +389,10 @@ ParticleContacts::Range ParticleContacts::contacts_of(int color) const {
 // C and the normal at a difference x_i - x_j.
 float ParticleContacts::gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const {
   normal = contact.normal;
-  if (contact.fixed_normal) return dot(normal, difference) - contact.reach;
+  if (contact.fixed_normal) return dot(normal, difference) - contact.radius_sum;
   const float l = length(difference);
   if (l > 0) normal = difference * (1 / l);
-  return l - contact.reach;
+  return l - contact.radius_sum;
 }
 
 void ParticleContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -460,7 +460,7 @@ ContactReport ParticleContacts::report() const {
 void ParticleContacts::update_tangential_displacement(const Contact& contact, const ParticleView& particles,
                                     const Vec3f& sliding) {
   Vec3f n;
-  const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.reach;
+  const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.radius_sum;
   const bool slides = contact.normal_sum > 0 &&
                       length(contact.tangent_sum) > 0.999f * contact.material.kinetic_friction * contact.normal_sum;
   Vec3f& tangential_displacement = tangential_displacement_[contact.pair];

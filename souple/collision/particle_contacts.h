@@ -104,7 +104,7 @@ class ParticleContacts final : public Projector {
   };
   struct Contact {
     std::uint32_t i, j, pair;
-    float reach;  // r_i + r_j [m]
+    float radius_sum;  // r_i + r_j [m]
     ContactMaterialPair material;
     bool fixed_normal;          // the normal holds for the substep
     float slop;      // C may stay this negative: an old overlap leaves slowly [m]

@@ -13,17 +13,17 @@ namespace souple {
 namespace {
 
 constexpr double margin_cells = SignedDistanceField::fine_cells;  // around the mesh, at least
-constexpr double slack = 1.000001;      // what lies on the surface, a whole spacing away, has either sign
+constexpr double rounding_factor = 1.000001;      // what lies on the surface, a whole spacing away, has either sign
 constexpr double far_tolerance = 0.01;  // of distances far from the surface
 
 // Memory goes with the surface, so with spacing^-2.
 [[noreturn]] void too_large(double spacing, double bytes) {
-  const double room = SignedDistanceField::max_bytes;
-  const double fits = spacing * sqrt(bytes / room) * 1.1;
+  const double limit = SignedDistanceField::max_bytes;
+  const double fits = spacing * sqrt(bytes / limit) * 1.1;
   throw Error(
       fmt::format("SignedDistanceField: a spacing of {:.3g} m needs {:.3g} MiB for this mesh; at most {:.3g} "
                   "are allowed: take a spacing of about {:.3g} m or more",
-                  spacing, bytes / 1048576, room / 1048576, fits));
+                  spacing, bytes / 1048576, limit / 1048576, fits));
 }
 
 /// The mesh as it can be mended. If it is not closed then, the user's own mesh is blamed, if that can be.
@@ -61,7 +61,7 @@ struct SignedDistanceField::Builder {
     const double way = length(point - walker.point);
     const MeshTree::Nearest nearest = tree.nearest(point, walker.triangle, tolerance);
     const double clear = max(walker.distance, nearest.distance) / (1 + tolerance);
-    const bool same_side = clear > way * slack && walker.distance >= 0;
+    const bool same_side = clear > way * rounding_factor && walker.distance >= 0;
     if (!same_side) walker.sign = tree.winding_number(point) > 0.5 ? -1.0 : 1.0;
     walker = {point, nearest.distance, walker.sign, nearest.triangle};
     return walker.sign * nearest.distance;
@@ -92,14 +92,14 @@ struct SignedDistanceField::Builder {
     const auto [nx, ny, nz] = grid.blocks;
     grid.place.assign(grid.block_index(nx - 1, ny - 1, nz - 1) + 1, Grid::coarse_only);
     const double step = grid.spacing * Grid::block_cells;
-    const double reach = (fine_cells * grid.spacing + 0.5 * sqrt(3.0) * step) * (1 + far_tolerance);
+    const double max_distance = (fine_cells * grid.spacing + 0.5 * sqrt(3.0) * step) * (1 + far_tolerance);
     std::int32_t count = 0;
     std::uint32_t guess = 0;
     to_and_fro(nx, ny, nz, [&](int i, int j, int k) {
       const Vec3d center = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * step;
       const MeshTree::Nearest nearest = tree.nearest(center, guess, far_tolerance);
       guess = nearest.triangle;
-      if (nearest.distance <= reach) grid.place[grid.block_index(i, j, k)] = count++;
+      if (nearest.distance <= max_distance) grid.place[grid.block_index(i, j, k)] = count++;
     });
     const double bytes = double(count) * Grid::block_points * sizeof(float);
     if (bytes > max_bytes) too_large(grid.spacing, bytes);

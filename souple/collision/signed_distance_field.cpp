@@ -98,9 +98,9 @@ SurfaceDistance SignedDistanceField::at(const Vec3d& point) const {
     towards = way;
     double part = 1;  // of the way from q that stays in the box
     for (int k = 0; k < 3; ++k) {
-      const double room =
+      const double to_side =
           (way[k] > 0 ? double(grid.blocks[static_cast<std::size_t>(k)] * Grid::block_cells) : 0.0) - q[k];
-      if (abs(way[k]) > abs(room)) part = min(part, room / way[k]);
+      if (abs(way[k]) > abs(to_side)) part = min(part, to_side / way[k]);
     }
     c = grid.clamped(q + way * part);
   }

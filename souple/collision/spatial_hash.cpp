@@ -150,7 +150,7 @@ void SpatialHash::lay_out_table() {
   part_shift_ = least_part_shift;
   while ((std::size_t{buckets} >> part_shift_) >= most_parts) ++part_shift_;
   parts_ = buckets == 0 ? 0 : ((buckets - 1) >> part_shift_) + 1;
-  resize_with_room(end_, std::size_t{buckets} + 1);
+  resize_with_spare(end_, std::size_t{buckets} + 1);
   end_[0] = 0;
 }
 
@@ -171,7 +171,7 @@ void SpatialHash::for_each_entry(std::size_t chunk, const Function& function) co
 // Counting sort by parts of the table. Chunks count apart and then know where each of their entries goes: in
 // order of part, chunk, box.
 void SpatialHash::sort_by_parts(Threads& threads) {
-  resize_with_room(place_, parts_ * chunks_);
+  resize_with_spare(place_, parts_ * chunks_);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       std::array<std::uint32_t, most_parts> counts{};
@@ -180,10 +180,10 @@ void SpatialHash::sort_by_parts(Threads& threads) {
     }
   });
   entry_count_ = sum_up_parts();
-  resize_with_room(keyed_, entry_count_);
-  resize_with_room(entries_, entry_count_ + kernels::BoxGroup::most_items);
+  resize_with_spare(keyed_, entry_count_);
+  resize_with_spare(entries_, entry_count_ + kernels::BoxGroup::most_items);
   for (auto* columns : {&lo_, &hi_})
-    for (auto& column : *columns) resize_with_room(column, entry_count_ + kernels::BoxGroup::most_items);
+    for (auto& column : *columns) resize_with_spare(column, entry_count_ + kernels::BoxGroup::most_items);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       std::array<std::uint32_t, most_parts> next{};

@@ -37,9 +37,9 @@ inline bool overlap(const Bounds& a, const Bounds& b) {
 /// Gives a vector a size, and room for a quarter more (or `part` of it) where it must grow: sizes that change
 /// a little from step to step soon allocate nothing.
 template <class Item>
-void resize_with_room(std::vector<Item>& items, std::size_t size, double part = 0.25) {
+void resize_with_spare(std::vector<Item>& items, std::size_t size, double spare = 0.25) {
   if (size > items.capacity())
-    items.reserve(size + static_cast<std::size_t>(static_cast<double>(size) * part) + 16);
+    items.reserve(size + static_cast<std::size_t>(static_cast<double>(size) * spare) + 16);
   items.resize(size);
 }
 

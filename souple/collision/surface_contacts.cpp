@@ -200,12 +200,12 @@ void SurfaceContacts::forget_contacts() {
 void SurfaceContacts::renew_colors_from(std::size_t renewed_from) {
   if (renewed_from == 0) return renew_colors();
   const std::size_t known = color_.size();
-  resize_with_room(color_, pairs_.size());
+  resize_with_spare(color_, pairs_.size());
   std::fill(color_.begin() + static_cast<std::ptrdiff_t>(known), color_.end(), no_color);
 }
 
 void SurfaceContacts::renew_colors() {
-  resize_with_room(color_, pairs_.size());
+  resize_with_spare(color_, pairs_.size());
   std::fill(color_.begin(), color_.end(), no_color);
   used_.assign(pairs_.particle_count(), 0);
 }
@@ -230,7 +230,7 @@ void SurfaceContacts::find(std::vector<Touch>& found, Threads& threads, const Fu
     found_[c].place = sum;
     sum += found_[c].touches.size();
   }
-  resize_with_room(found, sum, ContactArrays::room);
+  resize_with_spare(found, sum, ContactArrays::spare);
   for (std::size_t c = 0; c < count; ++c)
     std::copy(found_[c].touches.begin(), found_[c].touches.end(),
               found.begin() + static_cast<std::ptrdiff_t>(found_[c].place));
@@ -321,8 +321,8 @@ void SurfaceContacts::sort_touches(const ParticleView& particles) {
     sum += vertices + edges;
   }
   begin_.push_back(sum);
-  resize_with_room(pair_, sum, ContactArrays::room);
-  resize_with_room(part_, sum, ContactArrays::room);
+  resize_with_spare(pair_, sum, ContactArrays::spare);
+  resize_with_spare(part_, sum, ContactArrays::spare);
   for (const Touch& touch : touches_) {
     const std::size_t place =
         next_place_[2 * std::size_t{color_[touch.pair]} + (pairs_.are_edges(touch.pair) ? 1 : 0)]++;

@@ -156,7 +156,7 @@ void Tangles::find_active(const ParticleView& particles, const ObjectMatrix& of)
 // Of triangles; those of surfaces that nothing can cross are left out.
 void Tangles::find_boxes(const ParticleView& particles, Threads& threads) {
   const std::span<const SurfaceElement> triangles = elements_.triangles();
-  resize_with_room(boxes_, triangles.size());
+  resize_with_spare(boxes_, triangles.size());
   threads.for_each(triangles.size(), box_grain, [&](std::size_t t, std::size_t end) {
     for (; t < end; ++t) {
       boxes_[t] = nothing;

@@ -20,7 +20,7 @@ Bounds grown(const Bounds& box, float by) {
 }  // namespace
 
 void FoamBodies::build(Threads& threads) {
-  resize_with_room(boxes_, triangles_.size());
+  resize_with_spare(boxes_, triangles_.size());
   threads.for_each(triangles_.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const MovingTriangle& triangle = triangles_[t];

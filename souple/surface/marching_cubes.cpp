@@ -162,16 +162,16 @@ std::array<std::uint64_t, 8> insides(const SurfaceField& field, const std::array
 
 /// Where the edges of a brick that are cut meet the surface.
 struct CutEdges {
-  static constexpr std::size_t room = std::size_t{3} * kernels::brick_nodes;
+  static constexpr std::size_t capacity = std::size_t{3} * kernels::brick_nodes;
 
   std::size_t count = 0;
-  float start[3][room], fraction[room];  // [m]; how far along the edge, in cells
-  float low[room], high[room];           // which lies between these
-  std::size_t axis[room];
-  bool starts_inside[room];
+  float start[3][capacity], fraction[capacity];  // [m]; how far along the edge, in cells
+  float low[capacity], high[capacity];           // which lies between these
+  std::size_t axis[capacity];
+  bool starts_inside[capacity];
   float cell;
   // At the fraction that was looked at last.
-  float at[3][room], value[room], gradient[3][room], shift[3][room], crowd[room];
+  float at[3][capacity], value[capacity], gradient[3][capacity], shift[3][capacity], crowd[capacity];
 
   CutEdges(const SurfaceField& field, std::uint32_t brick, const std::array<std::uint32_t, 8>& corners,
            const std::array<std::uint64_t, 3>& edges);

@@ -62,7 +62,7 @@ class BrickSearch {
  private:
   static constexpr std::size_t plane = std::size_t{side} * side;
   static constexpr float spare = 1e-3f;
-  static constexpr double slack = 1.000001;  // what lies on the surface, a whole cell away, has either side
+  static constexpr double rounding_factor = 1.000001;  // what lies on the surface, a whole cell away, has either side
   static constexpr std::array<std::size_t, 3> strides = {plane, side, 1};
 
   /// A ball as seen from a brick: which of its points, plane by plane of x, may be near.
@@ -115,8 +115,8 @@ class BrickSearch {
       const float dx = float(x) - ball.x, square = dx * dx, more = ball.radius + spare;
       const float* of_plane = &bound_[in_plane];
       for (std::size_t i = ball.begin; i < ball.end; ++i) {
-        const float reach = of_plane[i] + more;
-        may[i] = square + ball.squares[i] <= reach * reach ? 1 : 0;
+        const float max_distance = of_plane[i] + more;
+        may[i] = square + ball.squares[i] <= max_distance * max_distance ? 1 : 0;
       }
       for (std::size_t i = ball.begin; i < ball.end; ++i)
         if (may[i] != 0) measure_at(in_plane + i, balls_[t].corners, first);
@@ -151,7 +151,7 @@ class BrickSearch {
   }
   /// Adds a neighbor to the group of those that wait, if it is on the same side.
   std::size_t join(std::size_t at, std::size_t neighbor, std::size_t waiting) {
-    if (known_[neighbor] || !(std::max(best_[at], best_[neighbor]) > slack)) return waiting;
+    if (known_[neighbor] || !(std::max(best_[at], best_[neighbor]) > rounding_factor)) return waiting;
     known_[neighbor] = true;
     group_[waiting] = static_cast<std::uint16_t>(neighbor);
     return waiting + 1;

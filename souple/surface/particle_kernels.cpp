@@ -17,7 +17,7 @@ namespace {
 constexpr float poly6_center = 315.0f / (64.0f * static_cast<float>(pi));
 constexpr float longest_axis = 1.5f;  // of that inside: wisps do not reach further
 // Boxes are a bit larger than what they hold, for what rounding does.
-constexpr float box_room = 1.001f;
+constexpr float box_growth = 1.001f;
 
 /// Sum w z^2 / sum w over a cubic lattice of spacing 1, w = 1 - (r / radius)^3.
 float lattice_variance(float radius) {
@@ -138,7 +138,7 @@ void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t
     reach = place_ball(kernel, options_.kernel_radius * options_.spacing);
   else
     reach = place_ellipsoid(kernel, m);
-  reach *= box_room;
+  reach *= box_growth;
   kernel.reach_up = reach.z;
   kernel.unused = 0;
   KernelBox& box = boxes_[place];

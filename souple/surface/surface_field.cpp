@@ -182,12 +182,12 @@ void SurfaceField::gather(const CellOrder& order, const ParticleKernels& particl
     const auto k = static_cast<std::size_t>(a);
     box.lo[a] = from[k];
     box.hi[a] = from[k] + static_cast<float>(brick_side) * cell_;
-    const double room = furthest_[k] + 0.01 * cell_size_;
+    const double margin = furthest_[k] + 0.01 * cell_size_;
     const auto cell_at = [&](double x) {
       return static_cast<std::int32_t>(std::floor((x - order.corner(a)) / cell_size_));
     };
-    first[a] = cell_at(static_cast<double>(box.lo[a]) - room);
-    last[a] = cell_at(static_cast<double>(box.hi[a]) + room);
+    first[a] = cell_at(static_cast<double>(box.lo[a]) - margin);
+    last[a] = cell_at(static_cast<double>(box.hi[a]) + margin);
   }
   const auto cells = order.cells();
   const auto rows = order.rows();

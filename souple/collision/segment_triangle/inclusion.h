@@ -37,7 +37,7 @@ struct Inclusion {
           Vec3<T>{projection.area(to_b, to_c), projection.area(to_c, to_a), projection.area(to_a, to_b)} *
           inverse;
       const auto inside = crosses_plane && weight.x >= T(0) && weight.y >= T(0) && weight.z >= T(0);
-      return detail::crossing(inside, t, weight, approach, segment.reach);
+      return detail::crossing(inside, t, weight, approach, segment.max_t);
     }
   };
 

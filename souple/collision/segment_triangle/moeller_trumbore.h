@@ -28,7 +28,7 @@ struct MoellerTrumbore {
       const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, s = segment.origin - corners.a;
       const Vec3<T> p = cross(d, f), q = cross(s, e);
       const T det = dot(e, p), v = dot(s, p), w = dot(d, q);
-      return detail::crossing_of_volumes({det - v - w, v, w}, det, dot(f, q), -det, segment.reach);
+      return detail::crossing_of_volumes({det - v - w, v, w}, det, dot(f, q), -det, segment.max_t);
     }
   };
 

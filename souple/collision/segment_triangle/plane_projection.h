@@ -38,7 +38,7 @@ struct PlaneProjection {
       const T inverse = T(1) / select(crosses_plane, projection.twice_area(), T(1));
       const T v = projection.area(g, f) * inverse, w = projection.area(e, g) * inverse;
       const auto inside = crosses_plane && v >= T(0) && w >= T(0) && v + w <= T(1);
-      return detail::crossing(inside, t, {T(1) - v - w, v, w}, approach, segment.reach);
+      return detail::crossing(inside, t, {T(1) - v - w, v, w}, approach, segment.max_t);
     }
   };
 

@@ -30,7 +30,7 @@ template <class T>
 struct Segment {
   Vec3<T> origin;     ///< m
   Vec3<T> direction;  ///< m; need not be a unit vector
-  T reach = T(1);
+  T max_t = T(1);
 };
 
 /// From a to b.
@@ -75,7 +75,7 @@ using ScalarOf = typename detail::LaneType<T>::type;
 /// A segment in every lane.
 template <class T>
 Segment<T> spread(const Segment<ScalarOf<T>>& segment) {
-  return {Vec3<T>(segment.origin), Vec3<T>(segment.direction), T(segment.reach)};
+  return {Vec3<T>(segment.origin), Vec3<T>(segment.direction), T(segment.max_t)};
 }
 
 /// The crossing of one segment and one triangle, or of one segment and a pack of them.
@@ -88,8 +88,8 @@ namespace detail {
 
 /// `inside`: the line crosses the triangle; `towards_front`: of the sign of d . n.
 template <class T, class Mask>
-Crossing<T> crossing(Mask inside, T t, const Vec3<T>& weight, T towards_front, T reach) {
-  const auto hit = inside && t >= T(0) && t <= reach;
+Crossing<T> crossing(Mask inside, T t, const Vec3<T>& weight, T towards_front, T max_t) {
+  const auto hit = inside && t >= T(0) && t <= max_t;
   const T zero(0);
   constexpr ScalarOf<T> never = std::numeric_limits<ScalarOf<T>>::infinity();
   return {select(hit, t, T(never)),
@@ -100,14 +100,14 @@ Crossing<T> crossing(Mask inside, T t, const Vec3<T>& weight, T towards_front, T
 /// From numbers proportional to the weights, all of the sign of their sum or zero, and to the parameter:
 /// weight = volume / sum, t = height / sum.
 template <class T>
-Crossing<T> crossing_of_volumes(const Vec3<T>& volume, T sum, T height, T towards_front, T reach) {
+Crossing<T> crossing_of_volumes(const Vec3<T>& volume, T sum, T height, T towards_front, T max_t) {
   const T zero(0);
   const T sign = select(sum < zero, T(-1), T(1));
   const auto crosses = abs(sum) > zero;
   const auto inside =
       crosses && volume.x * sign >= zero && volume.y * sign >= zero && volume.z * sign >= zero;
   const T inverse = T(1) / select(crosses, sum, T(1));
-  return crossing(inside, height / select(crosses, sum, T(1)), volume * inverse, towards_front, reach);
+  return crossing(inside, height / select(crosses, sum, T(1)), volume * inverse, towards_front, max_t);
 }
 
 /// The two coordinates of the plane onto which a triangle is projected: the third is the one in which its

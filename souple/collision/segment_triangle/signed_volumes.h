@@ -32,7 +32,7 @@ struct SignedVolumes {
       const Vec3<T> volume{dot(d, cross(b, c)), dot(d, cross(c, a)), dot(d, cross(a, b))};
       const T sum = volume.x + volume.y + volume.z;
       const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
-      return detail::crossing_of_volumes(volume, sum, dot(a, n), sum, segment.reach);
+      return detail::crossing_of_volumes(volume, sum, dot(a, n), sum, segment.max_t);
     }
   };
 

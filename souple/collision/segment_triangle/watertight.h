@@ -27,12 +27,12 @@ struct Watertight {
   template <class T, int along>
   class Prepared {
    public:
-    explicit Prepared(const Segment<T>& segment) : origin_(in_order(segment.origin)), reach_(segment.reach) {
+    explicit Prepared(const Segment<T>& segment) : origin_(in_order(segment.origin)), max_t_(segment.max_t) {
       const Vec3<T> d = in_order(segment.direction);
       const auto has_length = abs(d.z) > T(0);
       const T z = select(has_length, d.z, T(1));
       shear_x_ = d.x / z, shear_y_ = d.y / z, shear_z_ = T(1) / z;
-      reach_ = select(has_length, segment.reach, T(-1));  // t is never in [0, -1]
+      max_t_ = select(has_length, segment.max_t, T(-1));  // t is never in [0, -1]
       sign_ = select(d.z < T(0), T(-1), T(1));
     }
 
@@ -41,7 +41,7 @@ struct Watertight {
       const Vec3<T> area = areas(a, b, c);
       const T sum = area.x + area.y + area.z;
       const T height = area.x * a.z + area.y * b.z + area.z * c.z;
-      return detail::crossing_of_volumes(area, sum, height, sum * sign_, reach_);
+      return detail::crossing_of_volumes(area, sum, height, sum * sign_, max_t_);
     }
 
    private:
@@ -83,7 +83,7 @@ struct Watertight {
     };
 
     Vec3<T> origin_;
-    T shear_x_, shear_y_, shear_z_, sign_, reach_;
+    T shear_x_, shear_y_, shear_z_, sign_, max_t_;
   };
 
   template <class T, class Function>

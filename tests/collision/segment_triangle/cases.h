@@ -24,10 +24,10 @@ class Cases {
   template <class T>
   Case<T> make(int kind) {
     corners_ = {random_.point(-1, 1), random_.point(-1, 1), random_.point(-1, 1)};
-    origin_ = random_.point(-2, 2), reach_ = 1;
+    origin_ = random_.point(-2, 2), max_t_ = 1;
     aim(random_.point(-2, 2), 1);
     change(kind);
-    return {{Vec3<T>(origin_), Vec3<T>(direction_), static_cast<T>(reach_)},
+    return {{Vec3<T>(origin_), Vec3<T>(direction_), static_cast<T>(max_t_)},
             {Vec3<T>(corners_.a), Vec3<T>(corners_.b), Vec3<T>(corners_.c)}};
   }
 
@@ -74,7 +74,7 @@ class Cases {
         break;
       case 11:  // a ray
         aim(inside() + random_.point(-0.5, 0.5), random_.uniform(-1, 1));
-        reach_ = std::numeric_limits<double>::infinity();
+        max_t_ = std::numeric_limits<double>::infinity();
         break;
       default:
         break;
@@ -104,7 +104,7 @@ class Cases {
   Random random_;
   Corners<double> corners_{};
   Vec3d origin_, direction_;
-  double reach_ = 1;
+  double max_t_ = 1;
 };
 
 }  // namespace souple::test

@@ -34,7 +34,7 @@ std::string complaint(const Crossing<T>& found, const Truth& truth, const Segmen
   if (!crosses(found))
     return found.t > std::numeric_limits<T>::max() && found.weight == Vec3<T>{} ? "" : "numbers for a miss";
   if (static_cast<double>(found.side) != truth.side) return "the wrong side";
-  if (!(found.t >= 0 && found.t <= segment.reach)) return "beyond the ends";
+  if (!(found.t >= 0 && found.t <= segment.max_t)) return "beyond the ends";
   if (!(std::fabs(static_cast<double>(found.t) - truth.t) <= truth.t_error)) return "the parameter";
   for (int k = 0; k < 3; ++k)
     if (!(std::fabs(static_cast<double>(found.weight[k]) - truth.weight[k]) <= truth.weight_error))

@@ -54,7 +54,7 @@ inline int sign_beyond(const Exact& value, long double slack, long double, bool&
 }
 
 template <class S>
-Answer answer_of(const Volumes<S>& v, double reach, const Slack& slack, bool& doubtful) {
+Answer answer_of(const Volumes<S>& v, double max_t, const Slack& slack, bool& doubtful) {
   const auto volume_sign = [&](const S& value, double factor) {
     return sign_beyond(value, factor * slack.volume, factor * slack.filter_volume, doubtful);
   };
@@ -66,11 +66,11 @@ Answer answer_of(const Volumes<S>& v, double reach, const Slack& slack, bool& do
   const int ahead = sign_beyond(v.height, slack.height, slack.filter_height, doubtful);
   if (side != 0 && ahead == -side) return Answer::misses;
   bool within = true;
-  if (std::isfinite(reach)) {
+  if (std::isfinite(max_t)) {
     // Beyond the end where |height| > reach |sum|, whatever the signs.
-    const S left = S(abs(v.height)) - S(reach) * S(abs(v.sum));
-    const int beyond = sign_beyond(left, slack.height + 3 * reach * slack.volume,
-                                   slack.filter_height + 3 * reach * slack.filter_volume, doubtful);
+    const S left = S(abs(v.height)) - S(max_t) * S(abs(v.sum));
+    const int beyond = sign_beyond(left, slack.height + 3 * max_t * slack.volume,
+                                   slack.filter_height + 3 * max_t * slack.filter_volume, doubtful);
     if (beyond > 0) return Answer::misses;
     within = beyond < 0;
   }
@@ -116,16 +116,16 @@ template <class T>
 Truth truth_of(const Segment<T>& segment, const Corners<T>& corners, const Slack& slack,
                bool always_exact = false) {
   using Filter = long double;
-  const auto reach = static_cast<double>(segment.reach);
+  const auto max_t = static_cast<double>(segment.max_t);
   const Volumes<Filter> v(Vec3<Filter>(segment.origin), Vec3<Filter>(segment.direction),
                           Vec3<Filter>(corners.a), Vec3<Filter>(corners.b), Vec3<Filter>(corners.c));
   Truth truth;
-  truth.answer = answer_of(v, reach, slack, truth.was_doubtful);
+  truth.answer = answer_of(v, max_t, slack, truth.was_doubtful);
   if (truth.was_doubtful || always_exact) {
     const Volumes<Exact> e(exact(segment.origin), exact(segment.direction), exact(corners.a),
                            exact(corners.b), exact(corners.c));
     bool none = false;
-    truth.answer = answer_of(e, reach, slack, none);
+    truth.answer = answer_of(e, max_t, slack, none);
   }
   if (truth.answer != Answer::crosses) return truth;
   const Filter inverse = 1 / v.sum, error = std::fabs(inverse);
