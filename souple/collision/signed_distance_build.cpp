@@ -58,10 +58,10 @@ struct SignedDistanceField::Builder {
   };
 
   double measure(Walker& walker, const Vec3d& point, double tolerance) const {
-    const double way = length(point - walker.point);
+    const double step = length(point - walker.point);
     const MeshTree::Nearest nearest = tree.nearest(point, walker.triangle, tolerance);
     const double clear = max(walker.distance, nearest.distance) / (1 + tolerance);
-    const bool same_side = clear > way * rounding_factor && walker.distance >= 0;
+    const bool same_side = clear > step * rounding_factor && walker.distance >= 0;
     if (!same_side) walker.sign = tree.winding_number(point) > 0.5 ? -1.0 : 1.0;
     walker = {point, nearest.distance, walker.sign, nearest.triangle};
     return walker.sign * nearest.distance;

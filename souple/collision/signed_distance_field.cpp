@@ -92,17 +92,17 @@ SurfaceDistance SignedDistanceField::at(const Vec3d& point) const {
   for (int guess = 0; guess < 3; ++guess) {
     const SurfaceDistance surface = grid.inside(c);
     const Vec3d q = c - surface.normal * (surface.distance / grid.spacing);
-    const Vec3d way = cells - q;
-    if (!(length(way) < least)) break;
-    least = length(way);
-    towards = way;
+    const Vec3d offset = cells - q;
+    if (!(length(offset) < least)) break;
+    least = length(offset);
+    towards = offset;
     double part = 1;  // of the way from q that stays in the box
     for (int k = 0; k < 3; ++k) {
       const double to_side =
-          (way[k] > 0 ? double(grid.blocks[static_cast<std::size_t>(k)] * Grid::block_cells) : 0.0) - q[k];
-      if (abs(way[k]) > abs(to_side)) part = min(part, to_side / way[k]);
+          (offset[k] > 0 ? double(grid.blocks[static_cast<std::size_t>(k)] * Grid::block_cells) : 0.0) - q[k];
+      if (abs(offset[k]) > abs(to_side)) part = min(part, to_side / offset[k]);
     }
-    c = grid.clamped(q + way * part);
+    c = grid.clamped(q + offset * part);
   }
   return {least * grid.spacing, unit(towards)};
 }
