@@ -305,12 +305,12 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
     const auto moved = [&](std::size_t m) { return particles.moved(members_[m].particle); };
     find_pairs(particles, 2.2f * largest_from_mean(moved, threads));
   }
-  touches_.resize(pairs_.size());
+  is_contact_.resize(pairs_.size());
   threads.for_each(pairs_.size(), pair_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p)
-      touches_[p] = may_touch(static_cast<std::uint32_t>(p), particles) ? 1 : 0;
+      is_contact_[p] = may_touch(static_cast<std::uint32_t>(p), particles) ? 1 : 0;
   });
-  color_touching(particles);
+  color_contacts(particles);
   if (contacts_.capacity() < sorted_.size()) contacts_.reserve(2 * sorted_.size());
   contacts_.resize(sorted_.size());
   sweeps_.begin_sweep(contacts_.size());
@@ -335,17 +335,17 @@ bool ParticleContacts::may_touch(std::uint32_t pair, const ParticleView& particl
 // still crept after six seconds.
 //
 // A particle that cannot move takes no color: a pinned cloth under a thousand grains keeps nobody waiting.
-void ParticleContacts::color_touching(const ParticleView& particles) {
+void ParticleContacts::color_contacts(const ParticleView& particles) {
   next_color_.assign(members_.size(), 0);
-  touching_.clear();
+  colored_pairs_.clear();
   color_begin_.assign(1, 0);
   for (std::uint32_t p = 0; p < pairs_.size(); ++p) {
-    if (touches_[p] == 0) continue;
+    if (is_contact_[p] == 0) continue;
     const auto [i, j] = pairs_[p];
     const std::uint32_t color = std::max(next_color_[i], next_color_[j]);
     if (particles.inverse_mass(members_[i].particle) > 0) next_color_[i] = color + 1;
     if (particles.inverse_mass(members_[j].particle) > 0) next_color_[j] = color + 1;
-    touching_.push_back({p, color});
+    colored_pairs_.push_back({p, color});
     if (color + 1 == color_begin_.size()) color_begin_.push_back(0);
     ++color_begin_[color + 1];
   }
@@ -353,8 +353,8 @@ void ParticleContacts::color_touching(const ParticleView& particles) {
   for (std::size_t color = 1; color < color_begin_.size(); ++color)
     color_begin_[color] += color_begin_[color - 1];
   next_place_ = color_begin_;
-  sorted_.resize(touching_.size());
-  for (const Touch& touch : touching_) sorted_[next_place_[touch.color]++] = touch.pair;
+  sorted_.resize(colored_pairs_.size());
+  for (const ColoredPair& colored : colored_pairs_) sorted_[next_place_[colored.color]++] = colored.pair;
 }
 
 ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const ParticleView& particles,

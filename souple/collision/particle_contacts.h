@@ -144,7 +144,7 @@ class ParticleContacts final : public Projector {
     std::size_t done_ = 0;
   };
   /// A pair that makes a contact in this substep.
-  struct Touch {
+  struct ColoredPair {
     std::uint32_t pair, color;
   };
 
@@ -160,7 +160,7 @@ class ParticleContacts final : public Projector {
   void append_pairs_of(std::uint32_t member);
   std::uint32_t bucket_of_row(std::int32_t y, std::int32_t z) const;
   bool may_touch(std::uint32_t pair, const ParticleView& particles) const;
-  void color_touching(const ParticleView& particles);
+  void color_contacts(const ParticleView& particles);
   Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
   void forget_contacts();
   Range contacts_of(int color) const;
@@ -191,9 +191,9 @@ class ParticleContacts final : public Projector {
   std::vector<CachedFriction> friction_cache_;  // taken over from the last broad phase by the next
   std::vector<Vec3d> chunk_sum_;        // of members
   std::vector<float> chunk_largest_;
-  std::vector<std::uint8_t> touches_;      // of each pair, in this substep
+  std::vector<std::uint8_t> is_contact_;      // of each pair, in this substep
   std::vector<std::uint32_t> next_color_;  // of each member: one more than its contacts have so far
-  std::vector<Touch> touching_;            // in order of pairs
+  std::vector<ColoredPair> colored_pairs_;            // in order of pairs
   std::vector<std::uint32_t> sorted_;      // the same pairs by color
   std::vector<Contact> contacts_;          // in the order of sorted_
   std::vector<std::uint32_t> color_begin_{0}, next_place_;  // in contacts_
