@@ -65,14 +65,14 @@ void ColliderContacts::find_members() {
 void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                        float h, Threads& threads) {
   candidates_.clear();
-  placed_.resize(members_.size());
+  broad_phase_.resize(members_.size());
   distance_.resize(members_.size());
   const double t = double(step_.dt);
   threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) {
       const std::uint32_t i = members_[m].particle;
       const double speed = h > 0 ? double(length(particles.moved(i)) / h) : double(length(velocity[i].xyz()));
-      placed_[m] = {place(particles, i), 2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])};
+      broad_phase_[m] = {place(particles, i), 2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])};
     }
   });
   for (Body& body : bodies_) {
@@ -93,11 +93,11 @@ bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
                                     const ParticleView& particles) const {
   const std::uint32_t i = members_[member].particle;
   if (!materials_->collide(members_[member].object, body.collider)) return false;
-  const Placed& placed = placed_[member];
-  const double max_distance = 3 * placed.margin + 2 * double(radius_[i]);
+  const BroadPhasePosition& last = broad_phase_[member];
+  const double max_distance = 3 * last.margin + 2 * double(radius_[i]);
   const double clear = body.ball.radius + max_distance;
-  if (!(length_squared(placed.at - body.center) <= clear * clear)) return false;
-  if (surface_distance(shape_of(body), body.after.to_local(placed.at)).distance > max_distance) return false;
+  if (!(length_squared(last.at - body.center) <= clear * clear)) return false;
+  if (surface_distance(shape_of(body), body.after.to_local(last.at)).distance > max_distance) return false;
   return particles.inverse_mass(i) > 0;
 }
 
@@ -105,8 +105,8 @@ bool ColliderContacts::left_margins(const ParticleView& particles, Threads& thre
   std::atomic<bool> left{false};
   threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) {
-      const double margin = placed_[m].margin;
-      if (!(length_squared(place(particles, members_[m].particle) - placed_[m].at) > margin * margin))
+      const double margin = broad_phase_[m].margin;
+      if (!(length_squared(place(particles, members_[m].particle) - broad_phase_[m].at) > margin * margin))
         continue;
       left.store(true, std::memory_order_relaxed);
       return;
@@ -319,13 +319,13 @@ void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisi
 void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   bodies_.clear();
   members_.clear();
-  placed_.clear();
+  broad_phase_.clear();
   candidates_.clear();
   contacts_.clear();
 }
 
 std::size_t ColliderContacts::bytes() const {
-  return bytes_of(bodies_, members_, placed_, candidates_, contacts_);
+  return bytes_of(bodies_, members_, broad_phase_, candidates_, contacts_);
 }
 
 }  // namespace souple

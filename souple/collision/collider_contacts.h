@@ -94,7 +94,7 @@ class ColliderContacts final : public Projector {
     std::uint32_t particle, object;
   };
   /// Where a member was in the last broad phase, and how far it may go before the next.
-  struct Placed {
+  struct BroadPhasePosition {
     Vec3d at;
     double margin;
   };
@@ -145,7 +145,7 @@ class ColliderContacts final : public Projector {
   float last_h_ = 0;  // of the last refresh [s]
   std::vector<Body> bodies_;
   std::vector<Member> members_;
-  std::vector<Placed> placed_;      // of each member
+  std::vector<BroadPhasePosition> broad_phase_;      // of each member
   std::vector<Member> candidates_;  // of static bodies, body by body
   std::vector<double> distance_;    // of each member or candidate that a body may meet [m]
   std::vector<std::uint32_t> near_;  // which of them it meets

@@ -151,7 +151,7 @@ void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_ma
   save_friction();
   if (!(largest_diameter_ > 0)) return;
   margin_ = max(min_margin * largest_diameter_, min(wanted_margin, max_margin * largest_diameter_));
-  place_members(particles);
+  record_positions(particles);
   sort_into_cells(largest_diameter_ + margin_);
   for (std::uint32_t m = 0; m < members_.size(); ++m) append_pairs_of(m);
   restore_friction();
@@ -199,7 +199,7 @@ void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache)
     if (is_finite(one.tangential_displacement)) friction_cache_.push_back(one);
 }
 
-void ParticleContacts::place_members(const ParticleView& particles) {
+void ParticleContacts::record_positions(const ParticleView& particles) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   corner_ = {infinity, infinity, infinity};
   for (const Member& member : members_) {
@@ -207,8 +207,8 @@ void ParticleContacts::place_members(const ParticleView& particles) {
     if (!is_finite(x)) continue;
     corner_ = {min(corner_.x, x.x), min(corner_.y, x.y), min(corner_.z, x.z)};
   }
-  placed_.clear();
-  for (const Member& member : members_) placed_.push_back(particles.relative(member.particle, corner_));
+  broad_phase_position_.clear();
+  for (const Member& member : members_) broad_phase_position_.push_back(particles.relative(member.particle, corner_));
 }
 
 // Buckets of cells that follow each other along x follow each other in memory, so that three neighbors are
@@ -227,7 +227,7 @@ void ParticleContacts::sort_into_cells(float cell_size) {
     return (bucket_of_row(cell.y, cell.z) + static_cast<std::uint32_t>(cell.x)) & (buckets - 1);
   };
   cells_.clear();
-  for (const Vec3f& at : placed_) {
+  for (const Vec3f& at : broad_phase_position_) {
     const Cell cell = is_finite(at) ? Cell{cell_index(at.x, cell_size), cell_index(at.y, cell_size),
                                            cell_index(at.z, cell_size)}
                                     : Cell{nowhere, nowhere, nowhere};
@@ -238,7 +238,7 @@ void ParticleContacts::sort_into_cells(float cell_size) {
   for (std::uint32_t& count : bucket_begin_) count = end += count;
   entries_.resize(members_.size());
   for (std::size_t m = members_.size(); m-- > 0;)
-    entries_[--bucket_begin_[bucket_of(cells_[m])]] = {placed_[m], radius_[members_[m].particle],
+    entries_[--bucket_begin_[bucket_of(cells_[m])]] = {broad_phase_position_[m], radius_[members_[m].particle],
                                                        static_cast<std::uint32_t>(m), cells_[m]};
 }
 
@@ -259,7 +259,7 @@ bool ParticleContacts::is_excluded(std::uint32_t i, std::uint32_t j) const {
 void ParticleContacts::append_pairs_of(std::uint32_t member) {
   const Cell cell = cells_[member];
   if (cell.x == nowhere) return;
-  const Vec3f at = placed_[member];
+  const Vec3f at = broad_phase_position_[member];
   const float r = radius_[members_[member].particle] + margin_;
   const std::size_t mask = bucket_begin_.size() - 2;
   const std::size_t first = pairs_.size();
@@ -299,7 +299,7 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
     return;
   }
   const auto gone = [&](std::size_t m) {
-    return particles.relative(members_[m].particle, corner_) - placed_[m];
+    return particles.relative(members_[m].particle, corner_) - broad_phase_position_[m];
   };
   if (2 * largest_from_mean(gone, threads) > margin_) {
     const auto moved = [&](std::size_t m) { return particles.moved(members_[m].particle); };
@@ -352,9 +352,9 @@ void ParticleContacts::color_contacts(const ParticleView& particles) {
   // Counting sort, stable.
   for (std::size_t color = 1; color < color_begin_.size(); ++color)
     color_begin_[color] += color_begin_[color - 1];
-  next_place_ = color_begin_;
+  next_slot_ = color_begin_;
   sorted_.resize(colored_pairs_.size());
-  for (const ColoredPair& colored : colored_pairs_) sorted_[next_place_[colored.color]++] = colored.pair;
+  for (const ColoredPair& colored : colored_pairs_) sorted_[next_slot_[colored.color]++] = colored.pair;
 }
 
 ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const ParticleView& particles,
@@ -517,13 +517,13 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
   }
   friction_cache_.resize(kept);
   members_.clear();
-  placed_.clear();
+  broad_phase_position_.clear();
   forget_contacts();
   largest_diameter_ = 0;
 }
 
 std::size_t ParticleContacts::bytes() const {
-  return bytes_of(excluded_, boxes_, members_, placed_, cells_, bucket_begin_, entries_, pairs_, tangential_displacement_,
+  return bytes_of(excluded_, boxes_, members_, broad_phase_position_, cells_, bucket_begin_, entries_, pairs_, tangential_displacement_,
                   friction_cache_, contacts_);
 }
 

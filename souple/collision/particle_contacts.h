@@ -155,7 +155,7 @@ class ParticleContacts final : public Projector {
   void find_pairs(const ParticleView& particles, float wanted_margin);
   void save_friction();
   void restore_friction();
-  void place_members(const ParticleView& particles);
+  void record_positions(const ParticleView& particles);
   void sort_into_cells(float cell_size);
   void append_pairs_of(std::uint32_t member);
   std::uint32_t bucket_of_row(std::int32_t y, std::int32_t z) const;
@@ -182,7 +182,7 @@ class ParticleContacts final : public Projector {
   Vec3f corner_{};    // of the grid; positions below are relative to it
   std::vector<Box> boxes_;
   std::vector<Member> members_;
-  std::vector<Vec3f> placed_;  // where each member was in the last broad phase
+  std::vector<Vec3f> broad_phase_position_;  // where each member was in the last broad phase
   std::vector<Cell> cells_;    // of each member
   std::vector<std::uint32_t> bucket_begin_;
   std::vector<Entry> entries_;  // sorted by bucket, then member
@@ -196,7 +196,7 @@ class ParticleContacts final : public Projector {
   std::vector<ColoredPair> colored_pairs_;            // in order of pairs
   std::vector<std::uint32_t> sorted_;      // the same pairs by color
   std::vector<Contact> contacts_;          // in the order of sorted_
-  std::vector<std::uint32_t> color_begin_{0}, next_place_;  // in contacts_
+  std::vector<std::uint32_t> color_begin_{0}, next_slot_;  // in contacts_
 };
 
 }  // namespace souple

@@ -90,7 +90,7 @@ struct SignedDistanceField::Builder {
   /// A block holds all its points if the surface comes within its own side of it.
   void choose_blocks() {
     const auto [nx, ny, nz] = grid.blocks;
-    grid.place.assign(grid.block_index(nx - 1, ny - 1, nz - 1) + 1, Grid::coarse_only);
+    grid.slot.assign(grid.block_index(nx - 1, ny - 1, nz - 1) + 1, Grid::coarse_only);
     const double step = grid.spacing * Grid::block_cells;
     const double max_distance = (fine_cells * grid.spacing + 0.5 * sqrt(3.0) * step) * (1 + far_tolerance);
     std::int32_t count = 0;
@@ -99,7 +99,7 @@ struct SignedDistanceField::Builder {
       const Vec3d center = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * step;
       const MeshTree::Nearest nearest = tree.nearest(center, guess, far_tolerance);
       guess = nearest.triangle;
-      if (nearest.distance <= max_distance) grid.place[grid.block_index(i, j, k)] = count++;
+      if (nearest.distance <= max_distance) grid.slot[grid.block_index(i, j, k)] = count++;
     });
     const double bytes = double(count) * Grid::block_points * sizeof(float);
     if (bytes > max_bytes) too_large(grid.spacing, bytes);
@@ -120,9 +120,9 @@ struct SignedDistanceField::Builder {
   void fill_blocks() {
     const auto [nx, ny, nz] = grid.blocks;
     to_and_fro(nx, ny, nz, [&](int i, int j, int k) {
-      const std::int32_t place = grid.place[grid.block_index(i, j, k)];
-      if (place == Grid::coarse_only) return;
-      fill_block(i, j, k, &grid.points[static_cast<std::size_t>(place) * Grid::block_points]);
+      const std::int32_t slot = grid.slot[grid.block_index(i, j, k)];
+      if (slot == Grid::coarse_only) return;
+      fill_block(i, j, k, &grid.points[static_cast<std::size_t>(slot) * Grid::block_points]);
     });
   }
 

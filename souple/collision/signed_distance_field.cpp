@@ -55,7 +55,7 @@ SurfaceDistance SignedDistanceField::Grid::inside(const Vec3d& cells) const {
     cell[k] = min(static_cast<int>(in_block[k]), block_cells - 1);
     in_cell[k] = in_block[k] - double(cell[k]);
   }
-  const std::int32_t at = place[block_index(block[0], block[1], block[2])];
+  const std::int32_t at = slot[block_index(block[0], block[1], block[2])];
   Sample sample;
   if (at == coarse_only) {
     const auto row = static_cast<std::size_t>(blocks[0] + 1);
@@ -156,7 +156,7 @@ const std::vector<Triangle>& SignedDistanceField::triangles() const {
 std::size_t SignedDistanceField::bytes() const {
   if (!grid_) return 0;
   return sizeof(Grid) +
-         bytes_of(grid_->corners, grid_->place, grid_->points, grid_->mesh_positions, grid_->mesh_triangles);
+         bytes_of(grid_->corners, grid_->slot, grid_->points, grid_->mesh_positions, grid_->mesh_triangles);
 }
 
 }  // namespace souple

@@ -99,7 +99,7 @@ void SpatialHash::build(std::span<const Bounds> boxes, float cell_size, Threads&
   kernels_ = &kernels::find_patch_kernels(instruction_set());
   chunks_ = (boxes.size() + chunk_size - 1) / chunk_size;
   lay_out_grids(cell_size);
-  place(threads);
+  assign_grids(threads);
   lay_out_table();
   sort_by_parts(threads);
   threads.for_each(parts_, 1, [this](std::size_t begin, std::size_t end) {
@@ -120,17 +120,17 @@ void SpatialHash::lay_out_grids(float cell_size) {
 }
 
 // The grid of each box, and how many boxes each has.
-void SpatialHash::place(Threads& threads) {
+void SpatialHash::assign_grids(Threads& threads) {
   grid_.resize(boxes_.size());
   boxes_in_.resize(chunks_);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
-    for (std::size_t chunk = begin; chunk < end; ++chunk) place_chunk(chunk);
+    for (std::size_t chunk = begin; chunk < end; ++chunk) assign_grids_of(chunk);
   });
   for (const auto& counts : boxes_in_)
     for (std::size_t g = 0; g < grid_count; ++g) grids_[g].boxes += counts[g];
 }
 
-void SpatialHash::place_chunk(std::size_t chunk) {
+void SpatialHash::assign_grids_of(std::size_t chunk) {
   auto& counts = boxes_in_[chunk];
   counts.fill(0);
   const std::size_t end = std::min(boxes_.size(), (chunk + 1) * chunk_size);
@@ -171,15 +171,15 @@ void SpatialHash::for_each_entry(std::size_t chunk, const Function& function) co
 // Counting sort by parts of the table. Chunks count apart and then know where each of their entries goes: in
 // order of part, chunk, box.
 void SpatialHash::sort_by_parts(Threads& threads) {
-  resize_with_spare(place_, parts_ * chunks_);
+  resize_with_spare(offset_, parts_ * chunks_);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       std::array<std::uint32_t, most_parts> counts{};
       for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t) { ++counts[bucket >> part_shift_]; });
-      for (std::size_t part = 0; part < parts_; ++part) place_[part * chunks_ + chunk] = counts[part];
+      for (std::size_t part = 0; part < parts_; ++part) offset_[part * chunks_ + chunk] = counts[part];
     }
   });
-  entry_count_ = sum_up_parts();
+  entry_count_ = sum_offsets();
   resize_with_spare(keyed_, entry_count_);
   resize_with_spare(entries_, entry_count_ + kernels::BoxGroup::most_items);
   for (auto* columns : {&lo_, &hi_})
@@ -187,7 +187,7 @@ void SpatialHash::sort_by_parts(Threads& threads) {
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       std::array<std::uint32_t, most_parts> next{};
-      for (std::size_t part = 0; part < parts_; ++part) next[part] = place_[part * chunks_ + chunk];
+      for (std::size_t part = 0; part < parts_; ++part) next[part] = offset_[part * chunks_ + chunk];
       for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t entry) {
         keyed_[next[bucket >> part_shift_]++] = {bucket, entry};
       });
@@ -195,11 +195,11 @@ void SpatialHash::sort_by_parts(Threads& threads) {
   });
 }
 
-std::size_t SpatialHash::sum_up_parts() {
+std::size_t SpatialHash::sum_offsets() {
   std::uint32_t sum = 0;
-  for (std::uint32_t& place : place_) {
-    const std::uint32_t count = place;
-    place = sum;
+  for (std::uint32_t& offset : offset_) {
+    const std::uint32_t count = offset;
+    offset = sum;
     sum += count;
   }
   return sum;
@@ -210,8 +210,8 @@ std::size_t SpatialHash::sum_up_parts() {
 void SpatialHash::sort_part(std::size_t part) {
   const std::size_t first = part << part_shift_;
   const std::size_t last = std::min(end_.size() - 1, (part + 1) << part_shift_);
-  const std::size_t begin = place_[part * chunks_];
-  const std::size_t end = part + 1 < parts_ ? place_[(part + 1) * chunks_] : entry_count_;
+  const std::size_t begin = offset_[part * chunks_];
+  const std::size_t end = part + 1 < parts_ ? offset_[(part + 1) * chunks_] : entry_count_;
   std::fill(end_.begin() + static_cast<std::ptrdiff_t>(first) + 1,
             end_.begin() + static_cast<std::ptrdiff_t>(last) + 1, 0u);
   for (std::size_t e = begin; e < end; ++e) ++end_[keyed_[e].bucket + 1];
@@ -222,12 +222,12 @@ void SpatialHash::sort_part(std::size_t part) {
     next += count;
   }
   for (std::size_t e = begin; e < end; ++e) {
-    const std::uint32_t place = end_[keyed_[e].bucket + 1]++;
-    entries_[place] = keyed_[e].entry;
+    const std::uint32_t slot = end_[keyed_[e].bucket + 1]++;
+    entries_[slot] = keyed_[e].entry;
     const Bounds& box = boxes_[keyed_[e].entry >> 3];
     for (int axis = 0; axis < 3; ++axis) {
-      lo_[static_cast<std::size_t>(axis)][place] = box.lo[axis];
-      hi_[static_cast<std::size_t>(axis)][place] = box.hi[axis];
+      lo_[static_cast<std::size_t>(axis)][slot] = box.lo[axis];
+      hi_[static_cast<std::size_t>(axis)][slot] = box.hi[axis];
     }
   }
 }
@@ -314,7 +314,7 @@ void SpatialHash::find_in_finer(const Bounds& box, int index, std::vector<std::u
 }
 
 std::size_t SpatialHash::bytes() const {
-  return bytes_of(grid_, boxes_in_, place_, keyed_, end_, entries_, lo_[0], lo_[1], lo_[2], hi_[0], hi_[1],
+  return bytes_of(grid_, boxes_in_, offset_, keyed_, end_, entries_, lo_[0], lo_[1], lo_[2], hi_[0], hi_[1],
                   hi_[2]);
 }
 

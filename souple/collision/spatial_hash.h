@@ -108,11 +108,11 @@ class SpatialHash {
   static std::uint32_t bucket_of(const Grid& grid, std::int32_t i, std::int32_t j, std::int32_t k);
   static std::uint32_t bucket_of(const Grid& grid, const Cells& cells, std::uint32_t which);
   void lay_out_grids(float cell_size);
-  void place(Threads& threads);
+  void assign_grids(Threads& threads);
   void lay_out_table();
-  void place_chunk(std::size_t chunk);
+  void assign_grids_of(std::size_t chunk);
   void sort_by_parts(Threads& threads);
-  std::size_t sum_up_parts();
+  std::size_t sum_offsets();
   void sort_part(std::size_t part);
   template <class Function>
   void for_each_entry(std::size_t chunk, const Function& function) const;
@@ -128,7 +128,7 @@ class SpatialHash {
   int part_shift_ = 0;
   std::vector<std::uint8_t> grid_;                                   // of each box
   std::vector<std::array<std::uint32_t, grid_count + 1>> boxes_in_;  // of each chunk, by grid
-  std::vector<std::uint32_t> place_;                                 // [part][chunk] in keyed_
+  std::vector<std::uint32_t> offset_;                                 // [part][chunk] in keyed_
   std::vector<Keyed> keyed_;                                         // by part, then box
   std::vector<std::uint32_t> end_;                                   // bucket b: end_[b] to end_[b + 1]
   std::array<std::vector<float>, 3> lo_, hi_;                        // of each entry's box

@@ -257,7 +257,7 @@ void MarchingCubes::extract(const SurfaceField& field, SurfaceMesh& mesh, Thread
   crowd_.resize(vertex_count_);
   mesh.triangles.resize(triangle_count_);
   for_bricks(cuts_.size(), threads, [&](std::uint32_t b) {
-    place_vertices(field, b, mesh);
+    write_vertices(field, b, mesh);
     write_triangles(field, b, mesh);
   });
 }
@@ -304,7 +304,7 @@ std::uint32_t MarchingCubes::vertex(std::uint32_t brick, std::uint32_t node, std
 }
 
 // Two looks bring them within a hundredth of a cell of the level.
-void MarchingCubes::place_vertices(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh) {
+void MarchingCubes::write_vertices(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh) {
   constexpr int looks = 2;
   const Cut& cut = cuts_[brick];
   if ((cut.edges[0] | cut.edges[1] | cut.edges[2]) == 0) return;

@@ -48,7 +48,7 @@ class MarchingCubes {
 
   void find_cuts(const SurfaceField& field, Threads& threads);
   void number();
-  void place_vertices(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh);
+  void write_vertices(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh);
   void write_triangles(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh) const;
   std::uint32_t vertex(std::uint32_t brick, std::uint32_t node, std::size_t edge) const;
 

@@ -125,7 +125,7 @@ class BrickSearch {
   void measure_at(std::size_t point, const std::array<Vec3d, 3>& corners,
                   const std::array<std::int32_t, 3>& first) {
     const auto& [a, b, c] = corners;
-    const Vec3d p = place(point, first);
+    const Vec3d p = position(point, first);
     const TrianglePoint w = closest_on_triangle(p, a, b, c);
     best_[point] = std::min(best_[point], length_squared(p - (a * w.a + b * w.b + c * w.c)));
   }
@@ -134,7 +134,7 @@ class BrickSearch {
     known_.fill(false);
     for (std::size_t i = 0; i < points; ++i) {
       if (known_[i] || !brick.in_band(i)) continue;
-      const bool inside = tree_.winding_number(place(i, brick.first)) > 0.5;
+      const bool inside = tree_.winding_number(position(i, brick.first)) > 0.5;
       known_[i] = true;
       std::size_t waiting = 1;
       group_[0] = static_cast<std::uint16_t>(i);
@@ -157,7 +157,7 @@ class BrickSearch {
     return waiting + 1;
   }
 
-  static Vec3d place(std::size_t point, const std::array<std::int32_t, 3>& first) {
+  static Vec3d position(std::size_t point, const std::array<std::int32_t, 3>& first) {
     const auto part = [&](std::size_t axis) {
       return static_cast<double>(first[axis] + static_cast<std::int32_t>(point / strides[axis] % side));
     };

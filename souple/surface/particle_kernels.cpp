@@ -87,10 +87,10 @@ void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, T
 //   sum_j w_ij s_j / sum_j w_ij,   w_ij = max(0, 1 - |s_i - s_j|^2 / (0.4 r)^2)
 //
 // Those beyond an edge went another way.
-void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint32_t> list) {
+void ParticleKernels::calm_shift(std::uint32_t sorted_index, std::span<const std::uint32_t> list) {
   const float alike = 0.4f * options_.neighbor_radius * options_.spacing;
   const float inverse = 1 / (alike * alike);
-  const Vec3f own = shift_[place];
+  const Vec3f own = shift_[sorted_index];
   Vec3f sum = own;
   float weight = 1;
   for (const std::uint32_t entry : list) {
@@ -100,7 +100,7 @@ void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint3
     weight += w;
   }
   const Vec3f mean = sum / weight;
-  ParticleKernel& kernel = kernels_[place];
+  ParticleKernel& kernel = kernels_[sorted_index];
   kernel.shift[0] = mean.x, kernel.shift[1] = mean.y, kernel.shift[2] = mean.z;
 }
 
@@ -110,38 +110,38 @@ void ParticleKernels::calm_shift(std::uint32_t place, std::span<const std::uint3
 //
 // lambda grows with the number of neighbors up to `few_neighbors`: drops of two or three particles would
 // fall together into one.
-void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t> list, std::size_t count) {
-  const Vec4f& at = records_[place];
-  ParticleKernel& kernel = kernels_[place];
+void ParticleKernels::find_at(std::uint32_t sorted_index, std::span<const std::uint32_t> list, std::size_t count) {
+  const Vec4f& at = records_[sorted_index];
+  ParticleKernel& kernel = kernels_[sorted_index];
   const float radius = options_.neighbor_radius * options_.spacing;
   const Moments m = functions_->moments(records_.data(), at, list.data(), list.size(), 1 / radius);
   const Vec3f delta = Vec3f{m.first[0], m.first[1], m.first[2]} / m.weight;
   const float aside = dot(delta, delta) / (radius * radius);
   const bool few = count <= static_cast<std::size_t>(options_.few_neighbors);
-  at_surface_[place] = few || aside > 0.1f * 0.1f ? 1 : 0;
+  at_surface_[sorted_index] = few || aside > 0.1f * 0.1f ? 1 : 0;
 
   const bool isotropic = options_.method == SurfaceMethod::isotropic;
   const float crowd = static_cast<float>(count) / static_cast<float>(std::max(1, options_.few_neighbors));
   const float lambda = isotropic ? 0 : options_.center_smoothing * std::min(1.0f, crowd);
   const Vec3f shift = delta * lambda;
   kernel.center[0] = at.x + shift.x, kernel.center[1] = at.y + shift.y, kernel.center[2] = at.z + shift.z;
-  shift_[place] = shift;
+  shift_[sorted_index] = shift;
   kernel.shift[0] = shift.x, kernel.shift[1] = shift.y, kernel.shift[2] = shift.z;
   kernel.crowd = std::min(1.0f, 0.5f * crowd);
   Vec3f reach;
   if (isotropic)
-    reach = place_ball(kernel, options_.isotropic_radius * options_.spacing);
+    reach = set_ball(kernel, options_.isotropic_radius * options_.spacing);
   else if (few)
-    reach = place_ball(kernel, options_.drop_radius * options_.spacing);
+    reach = set_ball(kernel, options_.drop_radius * options_.spacing);
   else if (aside < 0.03f * 0.03f &&
            are_around(count))  // deep inside: its ellipsoid is all but a ball, and nobody sees it
-    reach = place_ball(kernel, options_.kernel_radius * options_.spacing);
+    reach = set_ball(kernel, options_.kernel_radius * options_.spacing);
   else
-    reach = place_ellipsoid(kernel, m);
+    reach = set_ellipsoid(kernel, m);
   reach *= box_growth;
   kernel.reach_up = reach.z;
   kernel.unused = 0;
-  KernelBox& box = boxes_[place];
+  KernelBox& box = boxes_[sorted_index];
   for (int a = 0; a < 3; ++a) {
     box.lo[a] = kernel.center[a] - reach[a];
     box.hi[a] = kernel.center[a] + reach[a];
@@ -149,7 +149,7 @@ void ParticleKernels::find_at(std::uint32_t place, std::span<const std::uint32_t
 }
 
 // G = I / h
-Vec3f ParticleKernels::place_ball(ParticleKernel& kernel, float radius) const {
+Vec3f ParticleKernels::set_ball(ParticleKernel& kernel, float radius) const {
   const float inside = options_.spacing / radius;
   kernel.weight = poly6_center * (inside * inside * inside);
   kernel.xx = kernel.yy = kernel.zz = 1 / radius;
@@ -161,7 +161,7 @@ Vec3f ParticleKernels::place_ball(ParticleKernel& kernel, float radius) const {
 //   G = R diag(1 / (h s_k)) R^T
 //
 // S_inside is S of a lattice: 1 / k_s of the paper, such that kernels inside are balls of support h.
-Vec3f ParticleKernels::place_ellipsoid(ParticleKernel& kernel, const Moments& m) const {
+Vec3f ParticleKernels::set_ellipsoid(ParticleKernel& kernel, const Moments& m) const {
   const float w = 1 / (m.weight * variance_);
   const float x = m.first[0] / m.weight, y = m.first[1] / m.weight, z = m.first[2] / m.weight;
   const float u = 1 / variance_;

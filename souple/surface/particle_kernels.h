@@ -43,10 +43,10 @@ class ParticleKernels {
   bool are_around(std::size_t neighbors) const { return neighbors >= around_; }
 
  private:
-  void calm_shift(std::uint32_t place, std::span<const std::uint32_t> list);
-  void find_at(std::uint32_t place, std::span<const std::uint32_t> list, std::size_t count);
-  Vec3f place_ball(kernels::ParticleKernel& kernel, float radius) const;
-  Vec3f place_ellipsoid(kernels::ParticleKernel& kernel, const kernels::Moments& moments) const;
+  void calm_shift(std::uint32_t sorted_index, std::span<const std::uint32_t> list);
+  void find_at(std::uint32_t sorted_index, std::span<const std::uint32_t> list, std::size_t count);
+  Vec3f set_ball(kernels::ParticleKernel& kernel, float radius) const;
+  Vec3f set_ellipsoid(kernels::ParticleKernel& kernel, const kernels::Moments& moments) const;
 
   SurfaceOptions options_;
   const kernels::SurfaceKernels* functions_ = nullptr;

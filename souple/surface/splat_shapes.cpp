@@ -50,20 +50,20 @@ void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
   threads.for_each(neighbors_.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) {
       const Neighbors::Block& block = neighbors_.blocks()[b];
-      for (std::uint32_t place = block.begin; place < block.end; ++place) {
-        const kernels::ParticleKernel& kernel = particles_.kernels()[place];
-        const std::uint32_t i = particle_[order_.order()[place]];
+      for (std::uint32_t sorted_index = block.begin; sorted_index < block.end; ++sorted_index) {
+        const kernels::ParticleKernel& kernel = particles_.kernels()[sorted_index];
+        const std::uint32_t i = particle_[order_.order()[sorted_index]];
         for (int a = 0; a < 3; ++a) centers_[i][a] = kernel.center[a] - kernel.shift[a];
-        axes_[i] = axes_at(place, block.of(place).size());
+        axes_[i] = axes_at(sorted_index, block.of(sorted_index).size());
       }
     }
   });
 }
 
-Mat3f SplatShapes::axes_at(std::size_t place, std::size_t neighbors) const {
+Mat3f SplatShapes::axes_at(std::size_t sorted_index, std::size_t neighbors) const {
   if (neighbors <= few_neighbors) return Mat3f::identity() * (drop_radius * options_.spacing);
-  if (particles_.are_around(neighbors) && particles_.at_surface()[place] == 0) return {};
-  const kernels::ParticleKernel& k = particles_.kernels()[place];
+  if (particles_.are_around(neighbors) && particles_.at_surface()[sorted_index] == 0) return {};
+  const kernels::ParticleKernel& k = particles_.kernels()[sorted_index];
   return inverse(Mat3f({k.xx, k.xy, k.xz}, {k.xy, k.yy, k.yz}, {k.xz, k.yz, k.zz})) * part_of_kernel;
 }
 

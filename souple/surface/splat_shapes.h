@@ -36,7 +36,7 @@ class SplatShapes {
   std::span<const Mat3f> axes() const { return axes_; }
 
  private:
-  Mat3f axes_at(std::size_t place, std::size_t neighbors) const;
+  Mat3f axes_at(std::size_t sorted_index, std::size_t neighbors) const;
 
   SurfaceOptions options_;
   CellOrder order_;

@@ -55,7 +55,7 @@ void SurfaceField::build(const CellOrder& order, float cell_size, const Particle
   const std::size_t count = bricks_.size();
   state_.assign(count, State::inside);
   inside_.assign(count, ~std::uint64_t{0});
-  place_.resize(count);
+  list_index_.resize(count);
   values_.resize(count * brick_nodes);
   threads.for_each(count, 1024, [&](std::size_t first, std::size_t last) {
     std::fill(values_.begin() + static_cast<std::ptrdiff_t>(first * brick_nodes),
@@ -140,7 +140,7 @@ void SurfaceField::choose_first() {
 void SurfaceField::evaluate(const CellOrder& order, const ParticleKernels& particles, Threads& threads) {
   // Blocks end where this round does.
   for (std::size_t k = evaluated_count_; k < list_.size(); ++k)
-    place_[list_[k]] = static_cast<std::uint32_t>(k);
+    list_index_[list_[k]] = static_cast<std::uint32_t>(k);
   const std::size_t first_block = evaluated_count_ / block_size;
   const std::size_t blocks = (list_.size() + block_size - 1) / block_size;
   if (gathered_.size() < blocks) gathered_.resize(blocks);
@@ -229,8 +229,8 @@ void SurfaceField::choose_next() {
 
 std::span<const std::uint32_t> SurfaceField::kernels_near(std::uint32_t brick) const {
   if (brick == Bricks::none || state_[brick] != State::evaluated) return {};
-  const std::size_t k = place_[brick] % block_size;
-  const Gathered& gathered = gathered_[place_[brick] / block_size];
+  const std::size_t k = list_index_[brick] % block_size;
+  const Gathered& gathered = gathered_[list_index_[brick] / block_size];
   return {gathered.kernel.data() + gathered.first[k], gathered.first[k + 1] - gathered.first[k]};
 }
 
