@@ -16,17 +16,17 @@ namespace {
 constexpr std::size_t chunk_size = 4096;     // boxes
 constexpr std::size_t buckets_per_box = 2;   // of a grid, at least
 constexpr std::uint32_t block_buckets = 64;  // 4 x 4 x 4 cells
-constexpr int least_part_shift = 12;         // a part of the table counts its entries within the first cache
-constexpr std::size_t most_parts = 256;      // of the table
+constexpr int min_part_shift = 12;         // a part of the table counts its entries within the first cache
+constexpr std::size_t max_parts = 256;      // of the table
 constexpr float cell_per_side = 1.5f;        // of the median box
-constexpr float most_cells = 8388608;        // from the origin: up to there floats tell them apart
+constexpr float max_cells = 8388608;        // from the origin: up to there floats tell them apart
 
 float largest_side(const Bounds& box) {
   const Vec3f side = box.hi - box.lo;
   return max(side.x, max(side.y, side.z));
 }
 
-// Below most_cells; std::floor is a call where the processor may lack the instruction.
+// Below max_cells; std::floor is a call where the processor may lack the instruction.
 std::int32_t floor_of(float x) {
   const auto i = static_cast<std::int32_t>(x);
   return i - (x < static_cast<float>(i) ? 1 : 0);
@@ -35,10 +35,10 @@ std::int32_t floor_of(float x) {
 }  // namespace
 
 float SpatialHash::choose_cell_size(std::span<const Bounds> boxes) {
-  constexpr std::size_t most_samples = 1024;
-  std::array<float, most_samples> sides;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  constexpr std::size_t max_samples = 1024;
+  std::array<float, max_samples> sides;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   std::size_t samples = 0;
-  const std::size_t stride = boxes.size() / most_samples + 1;
+  const std::size_t stride = boxes.size() / max_samples + 1;
   for (std::size_t b = 0; b < boxes.size(); b += stride)
     if (is_finite(boxes[b])) sides[samples++] = largest_side(boxes[b]);
   if (samples == 0) return 1;
@@ -62,7 +62,7 @@ SpatialHash::Cells SpatialHash::cells_of(const Bounds& box, const Grid& grid) {
 bool SpatialHash::fits(const Bounds& box, const Grid& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     const float lo = box.lo[axis] * grid.inverse, hi = box.hi[axis] * grid.inverse;
-    if (!(lo > -most_cells && hi < most_cells) || floor_of(hi) - floor_of(lo) > 1) return false;
+    if (!(lo > -max_cells && hi < max_cells) || floor_of(hi) - floor_of(lo) > 1) return false;
   }
   return true;
 }
@@ -93,8 +93,8 @@ std::uint32_t SpatialHash::bucket_of(const Grid& grid, const Cells& cells, std::
 }
 
 void SpatialHash::build(std::span<const Bounds> boxes, float cell_size, Threads& threads) {
-  if (boxes.size() > most_boxes)
-    throw Error(fmt::format("SpatialHash: {} boxes; at most {} fit", boxes.size(), most_boxes));
+  if (boxes.size() > max_boxes)
+    throw Error(fmt::format("SpatialHash: {} boxes; at most {} fit", boxes.size(), max_boxes));
   boxes_ = boxes;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
   chunks_ = (boxes.size() + chunk_size - 1) / chunk_size;
@@ -147,8 +147,8 @@ void SpatialHash::lay_out_table() {
     grid.shift = 32 - std::countr_zero(blocks);
     buckets += static_cast<std::uint32_t>(blocks) * block_buckets;
   }
-  part_shift_ = least_part_shift;
-  while ((std::size_t{buckets} >> part_shift_) >= most_parts) ++part_shift_;
+  part_shift_ = min_part_shift;
+  while ((std::size_t{buckets} >> part_shift_) >= max_parts) ++part_shift_;
   parts_ = buckets == 0 ? 0 : ((buckets - 1) >> part_shift_) + 1;
   resize_with_spare(end_, std::size_t{buckets} + 1);
   end_[0] = 0;
@@ -174,7 +174,7 @@ void SpatialHash::sort_by_parts(Threads& threads) {
   resize_with_spare(offset_, parts_ * chunks_);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
-      std::array<std::uint32_t, most_parts> counts{};
+      std::array<std::uint32_t, max_parts> counts{};
       for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t) { ++counts[bucket >> part_shift_]; });
       for (std::size_t part = 0; part < parts_; ++part) offset_[part * chunks_ + chunk] = counts[part];
     }
@@ -186,7 +186,7 @@ void SpatialHash::sort_by_parts(Threads& threads) {
     for (auto& column : *columns) resize_with_spare(column, entry_count_ + kernels::BoxGroup::most_items);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
-      std::array<std::uint32_t, most_parts> next{};
+      std::array<std::uint32_t, max_parts> next{};
       for (std::size_t part = 0; part < parts_; ++part) next[part] = offset_[part * chunks_ + chunk];
       for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t entry) {
         keyed_[next[bucket >> part_shift_]++] = {bucket, entry};
@@ -290,8 +290,8 @@ void SpatialHash::find_in_finer(const Bounds& box, int index, std::vector<std::u
   std::int32_t lo[3], hi[3];
   double cells = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    lo[axis] = floor_of(std::clamp(box.lo[axis] * grid.inverse, -most_cells, most_cells));
-    hi[axis] = floor_of(std::clamp(box.hi[axis] * grid.inverse, -most_cells, most_cells));
+    lo[axis] = floor_of(std::clamp(box.lo[axis] * grid.inverse, -max_cells, max_cells));
+    hi[axis] = floor_of(std::clamp(box.hi[axis] * grid.inverse, -max_cells, max_cells));
     cells *= double(hi[axis]) - double(lo[axis]) + 1;
   }
   if (cells > double(boxes_.size())) {

@@ -60,14 +60,14 @@ void resize_with_spare(std::vector<Item>& items, std::size_t size, double spare 
 class SpatialHash {
  public:
   /// Boxes that can be told apart: 3 bits of an entry say which of its cells it is in.
-  static constexpr std::size_t most_boxes = std::size_t{1} << 28;
+  static constexpr std::size_t max_boxes = std::size_t{1} << 28;
 
   /// One and a half times the median of the largest sides of boxes, of about a thousand of them evenly
   /// spread; 1 where all are points. Boxes that are not finite do not count. [m]
   static float choose_cell_size(std::span<const Bounds> boxes);
 
   /// Replaces what was there. `boxes` must live as long as it is asked. `cell_size`: of one of the grids [m].
-  /// Boxes that are not finite are left out. Throws Error when there are more than most_boxes. Allocates
+  /// Boxes that are not finite are left out. Throws Error when there are more than max_boxes. Allocates
   /// nothing when warm.
   void build(std::span<const Bounds> boxes, float cell_size, Threads& threads);
 

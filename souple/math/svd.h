@@ -113,7 +113,7 @@ Mat3<T> orthonormal_frame(const Vec3<T>& b0, const Vec3<T>& b1, const T& smalles
 /// result.
 template <class T>
 Svd<T> svd(const Mat3<T>& m) {
-  constexpr int most_sweeps = 8;  // 1 to 6 do; a rotation that is not needed is exactly the identity
+  constexpr int max_sweeps = 8;  // 1 to 6 do; a rotation that is not needed is exactly the identity
   constexpr T epsilon = std::numeric_limits<T>::epsilon();
   constexpr T smallest = epsilon * epsilon * epsilon * epsilon;  // of squares, beside a largest entry of 1
 
@@ -124,7 +124,7 @@ Svd<T> svd(const Mat3<T>& m) {
 
   Mat3<T> b = a;
   Mat3<T> v = Mat3<T>::identity();
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+  for (int sweep = 0; sweep < max_sweeps; ++sweep) {
     const auto r01 = detail::make_perpendicular(b.column[0], b.column[1], v.column[0], v.column[1]);
     const auto r02 = detail::make_perpendicular(b.column[0], b.column[2], v.column[0], v.column[2]);
     const auto r12 = detail::make_perpendicular(b.column[1], b.column[2], v.column[1], v.column[2]);

@@ -35,7 +35,7 @@ void check(const SurfaceOptions& o) {
   require(o.kernel_radius >= 1 && o.kernel_radius <= 8, "kernel_radius: expected 1 to 8");
   require(o.isotropic_radius >= 1 && o.isotropic_radius <= 8, "isotropic_radius: expected 1 to 8");
   require(o.drop_radius >= 0.5f && o.drop_radius <= 8, "drop_radius: expected 0.5 to 8");
-  require(o.largest_ratio >= 1 && o.largest_ratio <= 100, "largest_ratio: expected 1 to 100");
+  require(o.max_axis_ratio >= 1 && o.max_axis_ratio <= 100, "max_axis_ratio: expected 1 to 100");
   require(o.few_neighbors >= 0, "few_neighbors: expected 0 or more");
   require(o.level >= 0 && o.level < 1, "level: expected 0, or up to 1");
   require(o.smoothing_passes >= 0, "smoothing_passes: expected 0 or more");

@@ -15,7 +15,7 @@ namespace {
 
 // V W(0) h^3 / V: poly6 integrates to 1.
 constexpr float poly6_center = 315.0f / (64.0f * static_cast<float>(pi));
-constexpr float longest_axis = 1.5f;  // of that inside: wisps do not reach further
+constexpr float max_axis = 1.5f;  // of that inside: wisps do not reach further
 // Boxes are a bit larger than what they hold, for what rounding does.
 constexpr float box_growth = 1.001f;
 
@@ -168,11 +168,11 @@ Vec3f ParticleKernels::set_ellipsoid(ParticleKernel& kernel, const Moments& m) c
   const float xx = m.xx * w - x * x * u, xy = m.xy * w - x * y * u, xz = m.xz * w - x * z * u;
   const float yy = m.yy * w - y * y * u, yz = m.yz * w - y * z * u, zz = m.zz * w - z * z * u;
   const Svd<float> parts = svd(Mat3f({xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}));
-  const float least = parts.sigma.x / options_.largest_ratio;
+  const float least = parts.sigma.x / options_.max_axis_ratio;
   const float h = options_.kernel_radius * options_.spacing;
   float axis[3], inverse[3];
   for (int k = 0; k < 3; ++k) {
-    axis[k] = h * std::min(std::max(parts.sigma[k], least), longest_axis);
+    axis[k] = h * std::min(std::max(parts.sigma[k], least), max_axis);
     inverse[k] = 1 / axis[k];
   }
   float g[3][3] = {}, reach_squared[3] = {};
