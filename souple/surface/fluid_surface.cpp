@@ -84,7 +84,7 @@ class Pool {
     all_.resize(points.size());
     std::iota(all_.begin(), all_.end(), 0u);
   }
-  void look(Samples& at) const {
+  void sample(Samples& at) const {
     functions_.points(kernels_.kernels().data(), all_.data(), all_.size(), at.points(), samples);
   }
 
@@ -113,7 +113,7 @@ float pool_level(const SurfaceOptions& options) {
   }
   for (int halving = 0; halving < 24; ++halving) {
     for (int s = 0; s < samples; ++s) sample.at[2][s] = 0.5f * (low[s] + high[s]);
-    pool.look(sample);
+    pool.sample(sample);
     for (int s = 0; s < samples; ++s) {
       const float lies = sample.at[2][s] - sample.shift[2][s];
       (lies > 0.5f * d ? high[s] : low[s]) = sample.at[2][s];

@@ -175,7 +175,7 @@ struct CutEdges {
 
   CutEdges(const SurfaceField& field, std::uint32_t brick, const std::array<std::uint32_t, 8>& corners,
            const std::array<std::uint64_t, 3>& edges);
-  void look(const SurfaceField& field, std::uint32_t brick);
+  void newton_step(const SurfaceField& field, std::uint32_t brick);
   Vec3f position(std::size_t k) const;
   Vec3f normal(std::size_t k) const {
     return unit_normal(-Vec3f{gradient[0][k], gradient[1][k], gradient[2][k]});
@@ -206,7 +206,7 @@ CutEdges::CutEdges(const SurfaceField& field, std::uint32_t brick,
 }
 
 /// A step of Newton's method, by the field's gradient, as far as the surface can lie.
-void CutEdges::look(const SurfaceField& field, std::uint32_t brick) {
+void CutEdges::newton_step(const SurfaceField& field, std::uint32_t brick) {
   const std::size_t whole = (count + 15) / 16 * 16;
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t k = 0; k < count; ++k) at[c][k] = start[c][k] + (axis[k] == c ? cell * fraction[k] : 0);
@@ -303,13 +303,13 @@ std::uint32_t MarchingCubes::vertex(std::uint32_t brick, std::uint32_t node, std
   return number + static_cast<std::uint32_t>(std::popcount(cut.edges[axis] & before));
 }
 
-// Two looks bring them within a hundredth of a cell of the level.
+// Two newton_steps bring them within a hundredth of a cell of the level.
 void MarchingCubes::write_vertices(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh) {
-  constexpr int looks = 2;
+  constexpr int newton_steps = 2;
   const Cut& cut = cuts_[brick];
   if ((cut.edges[0] | cut.edges[1] | cut.edges[2]) == 0) return;
   CutEdges edges(field, brick, corners_[brick], cut.edges);
-  for (int look = 0; look < looks; ++look) edges.look(field, brick);
+  for (int step = 0; step < newton_steps; ++step) edges.newton_step(field, brick);
   for (std::size_t k = 0; k < edges.count; ++k) {
     const std::size_t v = cut.first_vertex + k;
     mesh.positions[v] = edges.position(k);

@@ -49,7 +49,7 @@ void KernelBox::add(const KernelBox& other) {
 ParticleKernels::ParticleKernels(const SurfaceOptions& options)
     : options_(options),
       variance_(lattice_variance(options.neighbor_radius) * options.spacing * options.spacing),
-      around_(static_cast<std::size_t>(static_cast<float>(pi) * options.neighbor_radius *
+      surrounded_count_(static_cast<std::size_t>(static_cast<float>(pi) * options.neighbor_radius *
                                        options.neighbor_radius * options.neighbor_radius)) {}
 
 void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, Threads& threads) {
@@ -77,7 +77,7 @@ void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, T
     for (std::size_t b = first; b < last; ++b) {
       const Neighbors::Block& block = neighbors.blocks()[b];
       for (std::uint32_t i = block.begin; i < block.end; ++i)
-        if (at_surface_[i] != 0) calm_shift(i, block.of(i));
+        if (at_surface_[i] != 0) smooth_shift(i, block.of(i));
     }
   });
 }
@@ -87,7 +87,7 @@ void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, T
 //   sum_j w_ij s_j / sum_j w_ij,   w_ij = max(0, 1 - |s_i - s_j|^2 / (0.4 r)^2)
 //
 // Those beyond an edge went another way.
-void ParticleKernels::calm_shift(std::uint32_t sorted_index, std::span<const std::uint32_t> list) {
+void ParticleKernels::smooth_shift(std::uint32_t sorted_index, std::span<const std::uint32_t> list) {
   const float alike = 0.4f * options_.neighbor_radius * options_.spacing;
   const float inverse = 1 / (alike * alike);
   const Vec3f own = shift_[sorted_index];
@@ -134,7 +134,7 @@ void ParticleKernels::find_at(std::uint32_t sorted_index, std::span<const std::u
   else if (few)
     reach = set_ball(kernel, options_.drop_radius * options_.spacing);
   else if (aside < 0.03f * 0.03f &&
-           are_around(count))  // deep inside: its ellipsoid is all but a ball, and nobody sees it
+           is_surrounded(count))  // deep inside: its ellipsoid is all but a ball, and nobody sees it
     reach = set_ball(kernel, options_.kernel_radius * options_.spacing);
   else
     reach = set_ellipsoid(kernel, m);

@@ -40,10 +40,10 @@ class ParticleKernels {
   std::span<const std::uint8_t> at_surface() const { return at_surface_; }
   /// Whether so many neighbors lie all around, and not in a sheet or thread: three quarters of those inside
   /// a fluid.
-  bool are_around(std::size_t neighbors) const { return neighbors >= around_; }
+  bool is_surrounded(std::size_t neighbors) const { return neighbors >= surrounded_count_; }
 
  private:
-  void calm_shift(std::uint32_t sorted_index, std::span<const std::uint32_t> list);
+  void smooth_shift(std::uint32_t sorted_index, std::span<const std::uint32_t> list);
   void find_at(std::uint32_t sorted_index, std::span<const std::uint32_t> list, std::size_t count);
   Vec3f set_ball(kernels::ParticleKernel& kernel, float radius) const;
   Vec3f set_ellipsoid(kernels::ParticleKernel& kernel, const kernels::Moments& moments) const;
@@ -51,7 +51,7 @@ class ParticleKernels {
   SurfaceOptions options_;
   const kernels::SurfaceKernels* functions_ = nullptr;
   float variance_;  // of the neighbors of a particle inside the fluid, along an axis [m^2]
-  std::size_t around_;
+  std::size_t surrounded_count_;
   std::vector<Vec4f> records_;
   std::vector<kernels::ParticleKernel> kernels_;
   std::vector<Vec3f> shift_;  // of a center from its particle

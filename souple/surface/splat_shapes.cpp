@@ -62,7 +62,7 @@ void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
 
 Mat3f SplatShapes::axes_at(std::size_t sorted_index, std::size_t neighbors) const {
   if (neighbors <= few_neighbors) return Mat3f::identity() * (drop_radius * options_.spacing);
-  if (particles_.are_around(neighbors) && particles_.at_surface()[sorted_index] == 0) return {};
+  if (particles_.is_surrounded(neighbors) && particles_.at_surface()[sorted_index] == 0) return {};
   const kernels::ParticleKernel& k = particles_.kernels()[sorted_index];
   return inverse(Mat3f({k.xx, k.xy, k.xz}, {k.xy, k.yy, k.yz}, {k.xz, k.yz, k.zz})) * part_of_kernel;
 }
