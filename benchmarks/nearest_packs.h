@@ -8,24 +8,24 @@ namespace souple {
 // Compiled once for each instruction set; all below carries the set in its name and uses nothing else, so
 // that the linker never takes one set's code for another's. benchmarks/continuous.cpp times it.
 
-template <class Set>
+template <class Isa>
 struct PackedPoints {
-  using Pack = simd::Pack<Set>;
+  using Pack = simd::Pack<Isa>;
   Vec3<Pack> p[4];
   explicit PackedPoints(const float* x) {
     for (Vec3<Pack>& v : p) {
-      v = {Pack::load(x), Pack::load(x + Set::lanes), Pack::load(x + 2 * Set::lanes)};
-      x += 3 * Set::lanes;
+      v = {Pack::load(x), Pack::load(x + Isa::lanes), Pack::load(x + 2 * Isa::lanes)};
+      x += 3 * Isa::lanes;
     }
   }
 };
 
 /// nearest_on_triangle of `count` packs of four points; a sum lane by lane keeps it from being left out.
-template <class Set>
+template <class Isa>
 void triangles_of_packs(const float* x, int count, float* sum) {
-  simd::Pack<Set> total(0.0f), weight[3];
-  for (int k = 0; k < count; ++k, x += 12 * Set::lanes) {
-    const PackedPoints<Set> at(x);
+  simd::Pack<Isa> total(0.0f), weight[3];
+  for (int k = 0; k < count; ++k, x += 12 * Isa::lanes) {
+    const PackedPoints<Isa> at(x);
     nearest_on_triangle(at.p[0], at.p[1], at.p[2], at.p[3], weight);
     total += weight[0] + weight[1];
   }
@@ -33,11 +33,11 @@ void triangles_of_packs(const float* x, int count, float* sum) {
 }
 
 /// nearest_on_edges likewise.
-template <class Set>
+template <class Isa>
 void edges_of_packs(const float* x, int count, float* sum) {
-  simd::Pack<Set> total(0.0f), s, t;
-  for (int k = 0; k < count; ++k, x += 12 * Set::lanes) {
-    const PackedPoints<Set> at(x);
+  simd::Pack<Isa> total(0.0f), s, t;
+  for (int k = 0; k < count; ++k, x += 12 * Isa::lanes) {
+    const PackedPoints<Isa> at(x);
     nearest_on_edges(at.p[0], at.p[1], at.p[2], at.p[3], s, t);
     total += s + t;
   }

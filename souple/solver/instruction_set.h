@@ -53,20 +53,20 @@ template <class Kind>
 const kernels::KindKernels* find_kernels(InstructionSet set) {
   if constexpr (kernels::is_compiled<Kind>)
     return detail::find_for(
-        set, []<class Set>(std::type_identity<Set>) { return &kernels::kind_kernels<Set, Kind>(); });
+        set, []<class Isa>(std::type_identity<Isa>) { return &kernels::kind_kernels<Isa, Kind>(); });
   return nullptr;
 }
 
 /// The kernels that move particles.
 inline const kernels::MotionKernels* find_motion_kernels(InstructionSet set) {
   return detail::find_for(set,
-                          []<class Set>(std::type_identity<Set>) { return &kernels::motion_kernels<Set>(); });
+                          []<class Isa>(std::type_identity<Isa>) { return &kernels::motion_kernels<Isa>(); });
 }
 
 /// The kernels of triangles: wind and normals.
 inline const kernels::TriangleKernels* find_triangle_kernels(InstructionSet set) {
   return detail::find_for(
-      set, []<class Set>(std::type_identity<Set>) { return &kernels::triangle_kernels<Set>(); });
+      set, []<class Isa>(std::type_identity<Isa>) { return &kernels::triangle_kernels<Isa>(); });
 }
 
 }  // namespace souple

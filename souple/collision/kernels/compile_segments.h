@@ -8,15 +8,15 @@
 
 namespace souple::kernels {
 
-template <class Set>
-inline Vec3<simd::Pack<Set>> load_corner(const TriangleColumns& triangles, int k, std::size_t i) {
-  using T = simd::Pack<Set>;
+template <class Isa>
+inline Vec3<simd::Pack<Isa>> load_corner(const TriangleColumns& triangles, int k, std::size_t i) {
+  using T = simd::Pack<Isa>;
   return {T::load(triangles.corner[k][0] + i), T::load(triangles.corner[k][1] + i),
           T::load(triangles.corner[k][2] + i)};
 }
 
-template <class Set>
-inline void store_crossing(const Crossing<simd::Pack<Set>>& found, const CrossingColumns& out,
+template <class Isa>
+inline void store_crossing(const Crossing<simd::Pack<Isa>>& found, const CrossingColumns& out,
                            std::size_t i) {
   found.t.store(out.t + i);
   found.weight.x.store(out.weight[0] + i);
@@ -25,7 +25,7 @@ inline void store_crossing(const Crossing<simd::Pack<Set>>& found, const Crossin
   found.side.store(out.side + i);
 }
 
-template <class Set, class Prepared>
+template <class Isa, class Prepared>
 [[gnu::flatten]] std::size_t cross_packs(const Prepared& crosses_segment, const TriangleColumns& columns,
                                          const CrossingColumns& out_columns) {
   // Copies that the compiler knows no store to change.
@@ -33,27 +33,27 @@ template <class Set, class Prepared>
   const TriangleColumns triangles = columns;
   const CrossingColumns out = out_columns;
   std::size_t i = 0;
-  for (; i + Set::lanes <= triangles.count; i += Set::lanes) {
-    const Corners<simd::Pack<Set>> corners{load_corner<Set>(triangles, 0, i),
-                                           load_corner<Set>(triangles, 1, i),
-                                           load_corner<Set>(triangles, 2, i)};
-    store_crossing<Set>(crosses(corners), out, i);
+  for (; i + Isa::lanes <= triangles.count; i += Isa::lanes) {
+    const Corners<simd::Pack<Isa>> corners{load_corner<Isa>(triangles, 0, i),
+                                           load_corner<Isa>(triangles, 1, i),
+                                           load_corner<Isa>(triangles, 2, i)};
+    store_crossing<Isa>(crosses(corners), out, i);
   }
   return i;
 }
 
-template <class Set, class Test>
+template <class Isa, class Test>
 std::size_t cross_all(const Segment<float>& segment, const TriangleColumns& triangles,
                       const CrossingColumns& out) {
-  return Test::template prepare<simd::Pack<Set>>(
-      segment, [&](const auto& crosses) { return cross_packs<Set>(crosses, triangles, out); });
+  return Test::template prepare<simd::Pack<Isa>>(
+      segment, [&](const auto& crosses) { return cross_packs<Isa>(crosses, triangles, out); });
 }
 
-template <class Set>
+template <class Isa>
 const SegmentKernels& segment_kernels() {
-  static constexpr SegmentKernels kernels{cross_all<Set, PlaneProjection>, cross_all<Set, SignedVolumes>,
-                                          cross_all<Set, Inclusion>, cross_all<Set, MoellerTrumbore>,
-                                          cross_all<Set, Watertight>};
+  static constexpr SegmentKernels kernels{cross_all<Isa, PlaneProjection>, cross_all<Isa, SignedVolumes>,
+                                          cross_all<Isa, Inclusion>, cross_all<Isa, MoellerTrumbore>,
+                                          cross_all<Isa, Watertight>};
   return kernels;
 }
 

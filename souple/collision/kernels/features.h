@@ -110,7 +110,7 @@ struct FeatureKernels {
 };
 
 /// Compiled in one translation unit per instruction set (compile_features.h).
-template <class Set>
+template <class Isa>
 const FeatureKernels& feature_kernels();
 
 }  // namespace souple::kernels

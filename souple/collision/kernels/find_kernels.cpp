@@ -6,7 +6,7 @@ namespace souple::kernels {
 
 const FeatureKernels& find_feature_kernels(InstructionSet set) {
   const FeatureKernels* const packed = souple::detail::find_for(
-      set, []<class Set>(std::type_identity<Set>) { return &feature_kernels<Set>(); });
+      set, []<class Isa>(std::type_identity<Isa>) { return &feature_kernels<Isa>(); });
   return packed ? *packed : feature_kernels<Single>();
 }
 

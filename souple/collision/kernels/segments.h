@@ -27,7 +27,7 @@ struct SegmentKernels {
 };
 
 /// Compiled in one translation unit per instruction set (compile_segments.h).
-template <class Set>
+template <class Isa>
 const SegmentKernels& segment_kernels();
 
 }  // namespace souple::kernels

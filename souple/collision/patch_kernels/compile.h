@@ -11,14 +11,14 @@
 namespace souple::kernels {
 
 /// Comparisons of all lanes at once. bits: bit l is set where lane l is true.
-template <class Set>
+template <class Isa>
 struct Lanes {
-  static constexpr std::uint32_t count = Set::lanes;
-  using Vector = typename Set::Vector;
-  using Mask = typename Set::Mask;
-  static Vector broadcast(float a) { return Set::broadcast(a); }
-  static Mask at_most(const float* a, Vector b) { return Set::load(a) <= b; }
-  static Mask at_least(const float* a, Vector b) { return Set::load(a) >= b; }
+  static constexpr std::uint32_t count = Isa::lanes;
+  using Vector = typename Isa::Vector;
+  using Mask = typename Isa::Mask;
+  static Vector broadcast(float a) { return Isa::broadcast(a); }
+  static Mask at_most(const float* a, Vector b) { return Isa::load(a) <= b; }
+  static Mask at_least(const float* a, Vector b) { return Isa::load(a) >= b; }
   static Mask equal(const std::uint32_t* a, std::uint32_t b) {
     Mask loaded;
     __builtin_memcpy(&loaded, a, sizeof loaded);
@@ -46,53 +46,53 @@ struct Lanes {
 };
 
 /// A box in every lane.
-template <class Set>
+template <class Isa>
 struct SpreadBox {
-  typename Lanes<Set>::Vector lo[3], hi[3];
+  typename Lanes<Isa>::Vector lo[3], hi[3];
 
   explicit SpreadBox(const float (&box)[6]) {
     for (int axis = 0; axis < 3; ++axis) {
-      lo[axis] = Lanes<Set>::broadcast(box[axis]);
-      hi[axis] = Lanes<Set>::broadcast(box[3 + axis]);
+      lo[axis] = Lanes<Isa>::broadcast(box[axis]);
+      hi[axis] = Lanes<Isa>::broadcast(box[3 + axis]);
     }
   }
   SpreadBox(const BoxColumns& boxes, std::size_t i) {
     for (int axis = 0; axis < 3; ++axis) {
-      lo[axis] = Lanes<Set>::broadcast(boxes.lo[axis][i]);
-      hi[axis] = Lanes<Set>::broadcast(boxes.hi[axis][i]);
+      lo[axis] = Lanes<Isa>::broadcast(boxes.lo[axis][i]);
+      hi[axis] = Lanes<Isa>::broadcast(boxes.hi[axis][i]);
     }
   }
-  typename Lanes<Set>::Mask overlaps(const BoxColumns& boxes, std::size_t i) const {
-    using L = Lanes<Set>;
+  typename Lanes<Isa>::Mask overlaps(const BoxColumns& boxes, std::size_t i) const {
+    using L = Lanes<Isa>;
     return (L::at_most(boxes.lo[0] + i, hi[0]) & L::at_least(boxes.hi[0] + i, lo[0])) &
            (L::at_most(boxes.lo[1] + i, hi[1]) & L::at_least(boxes.hi[1] + i, lo[1])) &
            (L::at_most(boxes.lo[2] + i, hi[2]) & L::at_least(boxes.hi[2] + i, lo[2]));
   }
 };
 
-template <class Set>
+template <class Isa>
 std::uint32_t first_bits(std::uint32_t count) {
   return count < 32 ? (1u << count) - 1 : ~0u;
 }
 
 /// Bit k: item k of the group overlaps the box.
-template <class Set>
+template <class Isa>
 SOUPLE_INLINE inline std::uint32_t items_in(const BoxColumns& items, const BoxGroup& group,
                                             const float (&box)[6]) {
-  const SpreadBox<Set> spread(box);
+  const SpreadBox<Isa> spread(box);
   std::uint32_t bits = 0;
-  for (std::uint32_t k = 0; k < group.count; k += Lanes<Set>::count)
-    bits |= Lanes<Set>::bits(spread.overlaps(items, group.begin + k)) << k;
-  return bits & first_bits<Set>(group.count);
+  for (std::uint32_t k = 0; k < group.count; k += Lanes<Isa>::count)
+    bits |= Lanes<Isa>::bits(spread.overlaps(items, group.begin + k)) << k;
+  return bits & first_bits<Isa>(group.count);
 }
 
 /// Bit k: item k of the group overlaps box i of `from` and shares no particle with it. No branch looks at
 /// what is found: it could not be foreseen.
-template <class Set, int n, int other_n>
+template <class Isa, int n, int other_n>
 SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t i, const BoxColumns& items,
                                             const BoxGroup& group) {
-  using L = Lanes<Set>;
-  const SpreadBox<Set> box(from, i);
+  using L = Lanes<Isa>;
+  const SpreadBox<Isa> box(from, i);
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < group.count; k += L::count) {
     const std::size_t at = group.begin + k;
@@ -102,7 +102,7 @@ SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t 
       for (int b = 0; b < other_n; ++b) shared |= L::equal(items.particle[b] + at, from.particle[a][i]);
     bits |= L::bits(box.overlaps(items, at) & ~shared) << k;
   }
-  return bits & first_bits<Set>(group.count);
+  return bits & first_bits<Isa>(group.count);
 }
 
 /// Items of the first group that may have a marked pair with one of the second.
@@ -116,7 +116,7 @@ inline std::uint32_t wanted_by(const BoxGroup& first, std::uint32_t k, const Box
 
 /// What is near each item of a group: only items that have something near. One loop then goes over all pairs;
 /// a loop for each item would end as many times at a place that nobody foresees.
-template <class Set>
+template <class Isa>
 struct Rows {
   std::uint32_t item[BoxGroup::most_items + 1], near[BoxGroup::most_items + 1];
   std::uint32_t count = 0, pairs = 0;
@@ -147,16 +147,16 @@ struct Rows {
 };
 
 /// Vertices against triangles (3 corners) or edges (2).
-template <class Set, int corners>
+template <class Isa, int corners>
 std::size_t vertices_items(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& items,
                            const BoxGroup& group, Quad* pairs) {
   constexpr int first = 4 - corners;
-  Rows<Set> rows;
-  for (std::uint32_t near = items_in<Set>(vertices, v, group.box) & may_have_marked(v, group); near != 0;
+  Rows<Isa> rows;
+  for (std::uint32_t near = items_in<Isa>(vertices, v, group.box) & may_have_marked(v, group); near != 0;
        near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
     rows.add(v.begin + k,
-             near_one<Set, 1, corners>(vertices, v.begin + k, items, group) & wanted_by(v, k, group));
+             near_one<Isa, 1, corners>(vertices, v.begin + k, items, group) & wanted_by(v, k, group));
   }
   Quad* next = pairs;
   rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
@@ -168,15 +168,15 @@ std::size_t vertices_items(const BoxColumns& vertices, const BoxGroup& v, const 
 }
 
 // Going over the fewer edges of both groups costs more in finding out which they are than it saves (5 %).
-template <class Set>
+template <class Isa>
 std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs) {
-  Rows<Set> rows;
+  Rows<Isa> rows;
   const bool same = a.begin == b.begin;
-  for (std::uint32_t near = items_in<Set>(edges, a, b.box) & may_have_marked(a, b); near != 0;
+  for (std::uint32_t near = items_in<Isa>(edges, a, b.box) & may_have_marked(a, b); near != 0;
        near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
-    const std::uint32_t hits = near_one<Set, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
-    rows.add(a.begin + k, same ? hits & ~first_bits<Set>(k + 1) : hits);
+    const std::uint32_t hits = near_one<Isa, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
+    rows.add(a.begin + k, same ? hits & ~first_bits<Isa>(k + 1) : hits);
   }
   Quad* next = pairs;
   rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
@@ -189,25 +189,25 @@ std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGro
   return rows.pairs;
 }
 
-template <class Set>
+template <class Isa>
 std::size_t overlapping(const BoxColumns& boxes, std::size_t begin, std::size_t count, const float (&box)[6],
                         const std::uint32_t* keys, std::uint32_t mask, std::uint32_t* found) {
-  using L = Lanes<Set>;
-  const SpreadBox<Set> spread(box);
+  using L = Lanes<Isa>;
+  const SpreadBox<Isa> spread(box);
   std::size_t n = 0;
   for (std::size_t k = 0; k < count; k += L::count) {
     std::uint32_t hits = L::bits(spread.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
-    if (count - k < L::count) hits &= first_bits<Set>(static_cast<std::uint32_t>(count - k));
+    if (count - k < L::count) hits &= first_bits<Isa>(static_cast<std::uint32_t>(count - k));
     for (; hits != 0; hits &= hits - 1)
       found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(hits))];
   }
   return n;
 }
 
-template <class Set>
+template <class Isa>
 const PatchKernels& patch_kernels() {
-  static constexpr PatchKernels kernels{vertices_items<Set, 3>, vertices_items<Set, 2>, edges_edges<Set>,
-                                        overlapping<Set>};
+  static constexpr PatchKernels kernels{vertices_items<Isa, 3>, vertices_items<Isa, 2>, edges_edges<Isa>,
+                                        overlapping<Isa>};
   return kernels;
 }
 

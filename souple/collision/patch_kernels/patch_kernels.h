@@ -46,7 +46,7 @@ struct PatchKernels {
 /// One lane, for processors without registers of ours and to compare with.
 struct Scalar {};
 
-template <class Set>
+template <class Isa>
 const PatchKernels& patch_kernels();
 
 }  // namespace souple::kernels

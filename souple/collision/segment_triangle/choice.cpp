@@ -28,7 +28,7 @@ auto with_test(SegmentTest test, const Function& f) {
 
 const kernels::SegmentKernels* find_segment_kernels(InstructionSet set) {
   return detail::find_for(
-      set, []<class Set>(std::type_identity<Set>) { return &kernels::segment_kernels<Set>(); });
+      set, []<class Isa>(std::type_identity<Isa>) { return &kernels::segment_kernels<Isa>(); });
 }
 
 Vec3f corner_of(const TriangleColumns& triangles, int k, std::size_t i) {

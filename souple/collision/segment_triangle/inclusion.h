@@ -43,7 +43,7 @@ struct Inclusion {
 
   template <class T, class Function>
   static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
-    return f(Prepared<T>{spread<T>(segment)});
+    return f(Prepared<T>{broadcast<T>(segment)});
   }
 };
 

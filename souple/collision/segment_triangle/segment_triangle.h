@@ -74,7 +74,7 @@ using ScalarOf = typename detail::LaneType<T>::type;
 
 /// A segment in every lane.
 template <class T>
-Segment<T> spread(const Segment<ScalarOf<T>>& segment) {
+Segment<T> broadcast(const Segment<ScalarOf<T>>& segment) {
   return {Vec3<T>(segment.origin), Vec3<T>(segment.direction), T(segment.max_t)};
 }
 

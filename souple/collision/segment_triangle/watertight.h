@@ -76,8 +76,8 @@ struct Watertight {
       T high, low;
       explicit Halves(T whole) {
         constexpr int half = (std::numeric_limits<ScalarOf<T>>::digits + 1) / 2;
-        const T spread_out = whole * T(static_cast<ScalarOf<T>>((1 << half) + 1));
-        high = spread_out - (spread_out - whole);
+        const T split = whole * T(static_cast<ScalarOf<T>>((1 << half) + 1));
+        high = split - (split - whole);
         low = whole - high;
       }
     };
@@ -92,9 +92,9 @@ struct Watertight {
     const auto squared = [](ScalarOf<T> a) { return a * a; };
     const auto x = squared(segment.direction.x), y = squared(segment.direction.y),
                z = squared(segment.direction.z);
-    if (x > y && x > z) return f(Prepared<T, 0>(spread<T>(segment)));
-    if (y > z) return f(Prepared<T, 1>(spread<T>(segment)));
-    return f(Prepared<T, 2>(spread<T>(segment)));
+    if (x > y && x > z) return f(Prepared<T, 0>(broadcast<T>(segment)));
+    if (y > z) return f(Prepared<T, 1>(broadcast<T>(segment)));
+    return f(Prepared<T, 2>(broadcast<T>(segment)));
   }
 };
 

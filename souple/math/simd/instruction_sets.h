@@ -15,7 +15,7 @@
 // code for another's. Records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill
 // a register, so that four registers loaded from i, i + 1, i + 2, i + 3 transpose to components in the order
 // of i. min, max: a < b ? a : b and a > b ? a : b. difference_but_last: a - b, the fourth float of every
-// record that of a. spread_last: the fourth float of every record in all of its four. any: a lane of the mask
+// record that of a. broadcast_last: the fourth float of every record in all of its four. any: a lane of the mask
 // is set.
 
 namespace souple::simd {
@@ -40,7 +40,7 @@ struct Sse {
     const Vector d = a - b;
     return _mm_shuffle_ps(d, _mm_shuffle_ps(d, a, 0xEA), 0xC4);  // d.x d.y (d.z d.z a.z a.w)[0, 3]
   }
-  static Vector spread_last(Vector a) { return _mm_shuffle_ps(a, a, 0xFF); }
+  static Vector broadcast_last(Vector a) { return _mm_shuffle_ps(a, a, 0xFF); }
   static Vector unpack_low(Vector a, Vector b) { return _mm_unpacklo_ps(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return _mm_unpackhi_ps(a, b); }
   static Vector pair_low(Vector a, Vector b) { return _mm_shuffle_ps(a, b, 0x44); }
@@ -70,7 +70,7 @@ struct Avx2 {
     _mm_store_ps(base + i[4], _mm256_extractf128_ps(a, 1));
   }
   static Vector difference_but_last(Vector a, Vector b) { return _mm256_blend_ps(a - b, a, 0x88); }
-  static Vector spread_last(Vector a) { return _mm256_shuffle_ps(a, a, 0xFF); }
+  static Vector broadcast_last(Vector a) { return _mm256_shuffle_ps(a, a, 0xFF); }
   static Vector unpack_low(Vector a, Vector b) { return _mm256_unpacklo_ps(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return _mm256_unpackhi_ps(a, b); }
   static Vector pair_low(Vector a, Vector b) { return _mm256_shuffle_ps(a, b, 0x44); }
@@ -106,7 +106,7 @@ struct Avx512 {
     _mm_store_ps(at(i[12]), _mm512_extractf32x4_ps(a, 3));
   }
   static Vector difference_but_last(Vector a, Vector b) { return _mm512_mask_sub_ps(a, 0x7777, a, b); }
-  static Vector spread_last(Vector a) { return _mm512_shuffle_ps(a, a, 0xFF); }
+  static Vector broadcast_last(Vector a) { return _mm512_shuffle_ps(a, a, 0xFF); }
   static Vector unpack_low(Vector a, Vector b) { return _mm512_unpacklo_ps(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return _mm512_unpackhi_ps(a, b); }
   static Vector pair_low(Vector a, Vector b) { return _mm512_shuffle_ps(a, b, 0x44); }
@@ -130,7 +130,7 @@ struct Neon {
   static Vector load_records(const float* base, const std::uint32_t* i) { return vld1q_f32(base + i[0]); }
   static void store_records(float* base, const std::uint32_t* i, Vector a) { vst1q_f32(base + i[0], a); }
   static Vector difference_but_last(Vector a, Vector b) { return vcopyq_laneq_f32(a - b, 3, a, 3); }
-  static Vector spread_last(Vector a) { return vdupq_laneq_f32(a, 3); }
+  static Vector broadcast_last(Vector a) { return vdupq_laneq_f32(a, 3); }
   static Vector unpack_low(Vector a, Vector b) { return vzip1q_f32(a, b); }
   static Vector unpack_high(Vector a, Vector b) { return vzip2q_f32(a, b); }
   static Vector pair_low(Vector a, Vector b) { return vcombine_f32(vget_low_f32(a), vget_low_f32(b)); }

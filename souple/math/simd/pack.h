@@ -10,14 +10,14 @@ namespace souple::simd {
 /// As many floats as a register of the instruction set holds: the scalar T of constraint code. Every
 /// operation rounds as that of float does, lane by lane, so a pack's lanes are the bits that float would
 /// give.
-template <class Set>
+template <class Isa>
 struct Pack {
-  using Vector = typename Set::Vector;
-  static constexpr int lanes = Set::lanes;
+  using Vector = typename Isa::Vector;
+  static constexpr int lanes = Isa::lanes;
 
   /// A comparison, lane by lane: for `select`.
   struct Mask {
-    typename Set::Mask lanes;
+    typename Isa::Mask lanes;
     friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
     friend Mask operator||(Mask a, Mask b) { return {a.lanes | b.lanes}; }
   };
@@ -27,13 +27,13 @@ struct Pack {
   // Not set, and not zero for {} either: arrays of packs that are filled later cost nothing.
   Pack() {}  // NOLINT(modernize-use-equals-default)
   /// The same number in every lane. Implicit, so that plain numbers mix with packs as they do with floats.
-  Pack(float a) : v(Set::broadcast(a)) {}  // NOLINT(google-explicit-constructor)
+  Pack(float a) : v(Isa::broadcast(a)) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(double a) : Pack(static_cast<float>(a)) {}
   explicit Pack(int a) : Pack(static_cast<float>(a)) {}
   explicit Pack(Vector a) requires(!std::is_same_v<Vector, float>) : v(a) {}
 
-  static Pack load(const float* p) { return Pack(Set::load(p)); }
-  void store(float* p) const { Set::store(p, v); }
+  static Pack load(const float* p) { return Pack(Isa::load(p)); }
+  void store(float* p) const { Isa::store(p, v); }
 
   Pack& operator+=(Pack b) { return *this = *this + b; }
   Pack& operator-=(Pack b) { return *this = *this - b; }
@@ -48,26 +48,26 @@ struct Pack {
   friend Mask operator<=(Pack a, Pack b) { return {a.v <= b.v}; }
   friend Mask operator>=(Pack a, Pack b) { return {a.v >= b.v}; }
 
-  friend bool any_lane(Mask mask) { return Set::any(mask.lanes); }
+  friend bool any_lane(Mask mask) { return Isa::any(mask.lanes); }
   friend Pack select(Mask mask, Pack a, Pack b) { return Pack(mask.lanes ? a.v : b.v); }
   // The operand that std::min and std::max give when neither is smaller.
-  friend Pack min(Pack a, Pack b) { return Pack(Set::min(b.v, a.v)); }
-  friend Pack max(Pack a, Pack b) { return Pack(Set::max(b.v, a.v)); }
-  friend Pack abs(Pack a) { return Pack((Vector)((typename Set::Mask)a.v & 0x7fffffff)); }
-  friend Pack sqrt(Pack a) { return Pack(Set::sqrt(a.v)); }
+  friend Pack min(Pack a, Pack b) { return Pack(Isa::min(b.v, a.v)); }
+  friend Pack max(Pack a, Pack b) { return Pack(Isa::max(b.v, a.v)); }
+  friend Pack abs(Pack a) { return Pack((Vector)((typename Isa::Mask)a.v & 0x7fffffff)); }
+  friend Pack sqrt(Pack a) { return Pack(Isa::sqrt(a.v)); }
   friend Pack atan2(Pack y, Pack x) { return arctangent(y, x); }
 };
 
 /// Four registers of records (see instruction_sets.h) to their four components, and back: a 4 x 4 transpose
 /// of every 16 bytes.
-template <class Set>
-[[gnu::always_inline]] inline void transpose(typename Set::Vector (&r)[4]) {
-  const auto t0 = Set::unpack_low(r[0], r[1]), t1 = Set::unpack_high(r[0], r[1]);
-  const auto t2 = Set::unpack_low(r[2], r[3]), t3 = Set::unpack_high(r[2], r[3]);
-  r[0] = Set::pair_low(t0, t2);
-  r[1] = Set::pair_high(t0, t2);
-  r[2] = Set::pair_low(t1, t3);
-  r[3] = Set::pair_high(t1, t3);
+template <class Isa>
+[[gnu::always_inline]] inline void transpose(typename Isa::Vector (&r)[4]) {
+  const auto t0 = Isa::unpack_low(r[0], r[1]), t1 = Isa::unpack_high(r[0], r[1]);
+  const auto t2 = Isa::unpack_low(r[2], r[3]), t3 = Isa::unpack_high(r[2], r[3]);
+  r[0] = Isa::pair_low(t0, t2);
+  r[1] = Isa::pair_high(t0, t2);
+  r[2] = Isa::pair_low(t1, t3);
+  r[3] = Isa::pair_high(t1, t3);
 }
 
 }  // namespace souple::simd

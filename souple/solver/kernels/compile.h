@@ -25,9 +25,9 @@ SOUPLE_INLINE inline void unrolled(const Function& f) {
 }
 
 /// A column that loads as a register everywhere: an equal number for all is spread over one.
-template <class Set>
+template <class Isa>
 struct LoadedColumn {
-  alignas(64) float spread[Set::lanes];
+  alignas(64) float spread[Isa::lanes];
   const float* values;
   std::size_t stride;
 
@@ -35,23 +35,23 @@ struct LoadedColumn {
     values = column.values;
     stride = column.stride;
     if (stride == 1) return;
-    simd::Pack<Set>(*column.values).store(spread);
+    simd::Pack<Isa>(*column.values).store(spread);
     values = spread;
   }
-  simd::Pack<Set> load(std::size_t i) const { return simd::Pack<Set>::load(values + i * stride); }
+  simd::Pack<Isa> load(std::size_t i) const { return simd::Pack<Isa>::load(values + i * stride); }
 };
 
 /// A copy of SetArrays that the compiler knows no store of positions to change.
-template <class Set, class Kind>
+template <class Isa, class Kind>
 struct LocalSet {
   static constexpr int param_count = sizeof(typename Kind::template Params<float>) / sizeof(float);
   static constexpr int alpha_count = static_cast<int>(compliance_size<Kind>);
 
   const std::uint32_t* records[Kind::arity];
-  LoadedColumn<Set> parameters[param_count], compliances[alpha_count], damping_time, scale;
+  LoadedColumn<Isa> parameters[param_count], compliances[alpha_count], damping_time, scale;
   float* multipliers[rows_of<Kind>];
   bool stored;
-  simd::Pack<Set> h, inverse_h2, relaxation;
+  simd::Pack<Isa> h, inverse_h2, relaxation;
 
   explicit LocalSet(const SetArrays& set)
       : stored(set.multipliers != nullptr), h(set.h), inverse_h2(set.inverse_h2), relaxation(set.relaxation) {
@@ -65,31 +65,31 @@ struct LocalSet {
 };
 
 /// `lanes` neighboring constraints: what their projection reads.
-template <class Set, class Kind>
+template <class Isa, class Kind>
 struct Block {
-  using T = simd::Pack<Set>;
+  using T = simd::Pack<Isa>;
 
   const std::uint32_t* records[Kind::arity];
   /// What corrections are added to: components of positions (plain form), or records of displacements.
-  typename Set::Vector moving[Kind::arity][4];
+  typename Isa::Vector moving[Kind::arity][4];
   typename Kind::template Params<T> params;
   ProjectionInput<Kind, T> in;
 
-  Block(const LocalSet<Set, Kind>& set, std::size_t i) {
+  Block(const LocalSet<Isa, Kind>& set, std::size_t i) {
     for (int k = 0; k < Kind::arity; ++k) records[k] = set.records[k] + i;
     T* param = reinterpret_cast<T*>(&params);  // members of type T only
-    for (int k = 0; k < LocalSet<Set, Kind>::param_count; ++k) param[k] = set.parameters[k].load(i);
+    for (int k = 0; k < LocalSet<Isa, Kind>::param_count; ++k) param[k] = set.parameters[k].load(i);
   }
 };
 
 /// x_k - x_0 (or x_0 - origin) and the inverse masses; components of the plain form stay in registers.
-template <class Set, class Kind>
-SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Set, Kind>& block) {
-  using T = simd::Pack<Set>;
+template <class Isa, class Kind>
+SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& block) {
+  using T = simd::Pack<Isa>;
   auto& x = block.moving;
   unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
-    unrolled<4>([&](auto j) SOUPLE_INLINE { x[k][j] = Set::load_records(p.position, block.records[k] + j); });
-    simd::transpose<Set>(x[k]);
+    unrolled<4>([&](auto j) SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
+    simd::transpose<Isa>(x[k]);
     block.in.inverse_mass[k] = T(x[k][3]);
   });
   const Vec3<T> first{T(x[0][0]), T(x[0][1]), T(x[0][2])};
@@ -106,33 +106,33 @@ SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Set, Kind>& 
 
 /// The same of (x_k - x_0) + (d_k - d_0), taken record by record before they are transposed: the displacement
 /// form then costs loads and additions, but no transpose more.
-template <class Set, class Kind>
-SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Set, Kind>& block) {
-  using T = simd::Pack<Set>;
-  using Vector = typename Set::Vector;
+template <class Isa, class Kind>
+SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Isa, Kind>& block) {
+  using T = simd::Pack<Isa>;
+  using Vector = typename Isa::Vector;
   auto& d = block.moving;
   Vector first[4];
   unrolled<4>([&](auto j) SOUPLE_INLINE {
-    first[j] = Set::load_records(p.position, block.records[0] + j);
-    d[0][j] = Set::load_records(p.moving, block.records[0] + j);
+    first[j] = Isa::load_records(p.position, block.records[0] + j);
+    d[0][j] = Isa::load_records(p.moving, block.records[0] + j);
   });
   unrolled<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
     constexpr int k = before + 1;
     Vector u[4];
     unrolled<4>([&](auto j) SOUPLE_INLINE {
-      const Vector x = Set::load_records(p.position, block.records[k] + j);
-      d[k][j] = Set::load_records(p.moving, block.records[k] + j);
-      u[j] = Set::difference_but_last(x, first[j]) + (d[k][j] - d[0][j]);  // d.w = 0: u.w = x.w
+      const Vector x = Isa::load_records(p.position, block.records[k] + j);
+      d[k][j] = Isa::load_records(p.moving, block.records[k] + j);
+      u[j] = Isa::difference_but_last(x, first[j]) + (d[k][j] - d[0][j]);  // d.w = 0: u.w = x.w
     });
-    simd::transpose<Set>(u);
+    simd::transpose<Isa>(u);
     block.in.x[k] = {T(u[0]), T(u[1]), T(u[2])};
     block.in.inverse_mass[k] = T(u[3]);
   });
-  simd::transpose<Set>(first);
+  simd::transpose<Isa>(first);
   block.in.inverse_mass[0] = T(first[3]);
   if constexpr (has_origin<Kind>) {
     Vector moved[4] = {d[0][0], d[0][1], d[0][2], d[0][3]};
-    simd::transpose<Set>(moved);
+    simd::transpose<Isa>(moved);
     block.in.x[0] = (Vec3<T>{T(first[0]), T(first[1]), T(first[2])} - Kind::origin(block.params)) +
                     Vec3<T>{T(moved[0]), T(moved[1]), T(moved[2])};
   } else {
@@ -140,8 +140,8 @@ SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Set, Kin
   }
 }
 
-template <class Set, class Kind, bool displacement>
-SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Set, Kind>& block) {
+template <class Isa, class Kind, bool displacement>
+SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Isa, Kind>& block) {
   if constexpr (displacement) {
     load_displaced(p, block);
   } else {
@@ -150,16 +150,16 @@ SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Set, Kin
 }
 
 /// What the particles have moved since the substep began.
-template <class Set, class Kind>
-SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Set, Kind>& block) {
-  using T = simd::Pack<Set>;
+template <class Isa, class Kind>
+SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Isa, Kind>& block) {
+  using T = simd::Pack<Isa>;
   unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
-    typename Set::Vector moved[4];
+    typename Isa::Vector moved[4];
     unrolled<4>([&](auto j) SOUPLE_INLINE {
-      moved[j] = Set::load_records(p.moving, block.records[k] + j) -
-                 Set::load_records(p.start, block.records[k] + j);
+      moved[j] = Isa::load_records(p.moving, block.records[k] + j) -
+                 Isa::load_records(p.start, block.records[k] + j);
     });
-    simd::transpose<Set>(moved);
+    simd::transpose<Isa>(moved);
     block.in.moved[k] = {T(moved[0]), T(moved[1]), T(moved[2])};
   });
 }
@@ -167,39 +167,39 @@ SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Set, Kind>& 
 /// Adds the corrections to the records of `corrected`; the fourth lane stays. `in_place`: it is `moving`,
 /// which the block still holds. (The general terms read it again: a third of the code less, at the same
 /// speed.)
-template <class Set, class Kind, bool displacement, bool in_place>
-SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block<Set, Kind>& block,
-                                            const Vec3<simd::Pack<Set>> (&dx)[Kind::arity]) {
-  using Vector = typename Set::Vector;
+template <class Isa, class Kind, bool displacement, bool in_place>
+SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block<Isa, Kind>& block,
+                                            const Vec3<simd::Pack<Isa>> (&dx)[Kind::arity]) {
+  using Vector = typename Isa::Vector;
   unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
     const std::uint32_t* records = block.records[k];
     if constexpr (in_place && !displacement) {
       const auto& x = block.moving[k];
       Vector r[4] = {x[0] + dx[k].x.v, x[1] + dx[k].y.v, x[2] + dx[k].z.v, x[3]};
-      simd::transpose<Set>(r);
-      unrolled<4>([&](auto j) SOUPLE_INLINE { Set::store_records(p.corrected, records + j, r[j]); });
+      simd::transpose<Isa>(r);
+      unrolled<4>([&](auto j) SOUPLE_INLINE { Isa::store_records(p.corrected, records + j, r[j]); });
     } else {
       Vector r[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, Vector{}};
-      simd::transpose<Set>(r);
+      simd::transpose<Isa>(r);
       unrolled<4>([&](auto j) SOUPLE_INLINE {
-        const Vector before = in_place ? block.moving[k][j] : Set::load_records(p.corrected, records + j);
-        Set::store_records(p.corrected, records + j, before + r[j]);
+        const Vector before = in_place ? block.moving[k][j] : Isa::load_records(p.corrected, records + j);
+        Isa::store_records(p.corrected, records + j, before + r[j]);
       });
     }
   });
 }
 
 /// Blocks of a register's worth of constraints from the i-th on.
-template <class Set, class Kind, bool displacement, Terms terms>
+template <class Isa, class Kind, bool displacement, Terms terms>
 [[gnu::flatten]] void project_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
                                      std::size_t end) {
-  using T = simd::Pack<Set>;
+  using T = simd::Pack<Isa>;
   const ParticleArrays p = arrays;
-  const LocalSet<Set, Kind> set(set_arrays);
-  for (; i < end; i += Set::lanes) {
-    Block<Set, Kind> block(set, i);
-    load_particles<Set, Kind, displacement>(p, block);
-    for (int k = 0; k < LocalSet<Set, Kind>::alpha_count; ++k)
+  const LocalSet<Isa, Kind> set(set_arrays);
+  for (; i < end; i += Isa::lanes) {
+    Block<Isa, Kind> block(set, i);
+    load_particles<Isa, Kind, displacement>(p, block);
+    for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
       block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
     block.in.scale = set.scale.load(i) * set.relaxation;
     if constexpr (terms == Terms::general) {
@@ -214,19 +214,19 @@ template <class Set, class Kind, bool displacement, Terms terms>
     if constexpr (terms == Terms::general)
       for (int r = 0; set.stored && r < rows_of<Kind>; ++r)
         (block.in.lambda[r] + dlambda[r]).store(set.multipliers[r] + i);
-    store_corrections<Set, Kind, displacement, terms == Terms::plain>(p, block, dx);
+    store_corrections<Isa, Kind, displacement, terms == Terms::plain>(p, block, dx);
   }
 }
 
 /// C of the same.
-template <class Set, class Kind, bool displacement>
+template <class Isa, class Kind, bool displacement>
 [[gnu::flatten]] void evaluate_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays,
                                       std::size_t i, std::size_t end, float* const* values) {
-  using T = simd::Pack<Set>;
-  const LocalSet<Set, Kind> set(set_arrays);
-  for (std::size_t at = 0; i < end; i += Set::lanes, at += Set::lanes) {
-    Block<Set, Kind> block(set, i);
-    load_particles<Set, Kind, displacement>(arrays, block);
+  using T = simd::Pack<Isa>;
+  const LocalSet<Isa, Kind> set(set_arrays);
+  for (std::size_t at = 0; i < end; i += Isa::lanes, at += Isa::lanes) {
+    Block<Isa, Kind> block(set, i);
+    load_particles<Isa, Kind, displacement>(arrays, block);
     T C[rows_of<Kind>];
     Vec3<T> gradient[rows_of<Kind>][Kind::arity];
     evaluate_rows<Kind, T>(block.in.x, block.params, C, gradient);
@@ -239,16 +239,16 @@ struct KindSize {
   int particles, parameters, compliances, rows;
 };
 
-template <class Set, class Kind>
-inline constexpr KindSize size_of_kind{Kind::arity, LocalSet<Set, Kind>::param_count,
-                                       LocalSet<Set, Kind>::alpha_count, rows_of<Kind>};
+template <class Isa, class Kind>
+inline constexpr KindSize size_of_kind{Kind::arity, LocalSet<Isa, Kind>::param_count,
+                                       LocalSet<Isa, Kind>::alpha_count, rows_of<Kind>};
 
 /// A copy of the last constraints of a range, filled up to a whole block with constraints on dummy particles
 /// that weigh nothing to anyone: the end of a range runs the same code, so it gives the same bits. One text
 /// for all kinds: compiled for each, it took a quarter of the time that kernels take to compile.
-template <class Set>
+template <class Isa>
 struct Tail {
-  static constexpr int lanes = Set::lanes;
+  static constexpr int lanes = Isa::lanes;
   static constexpr int most_particles = 4, most_parameters = 16, most_rows = 3;
   static constexpr int most_compliances = most_rows * (most_rows + 1) / 2;
   static constexpr bool holds(const KindSize& size) {
@@ -326,55 +326,55 @@ struct Tail {
 };
 
 /// The end of the last whole block of [begin, end).
-template <class Set>
+template <class Isa>
 std::size_t whole(std::size_t begin, std::size_t end) {
-  return end - (end - begin) % Set::lanes;
+  return end - (end - begin) % Isa::lanes;
 }
 
-template <class Set, class Kind, bool displacement, Terms terms>
+template <class Isa, class Kind, bool displacement, Terms terms>
 void project(const ParticleArrays& p, const SetArrays& set, std::size_t begin, std::size_t end) {
-  const std::size_t last = whole<Set>(begin, end);
-  const auto blocks = project_blocks<Set, Kind, displacement, terms>;
+  const std::size_t last = whole<Isa>(begin, end);
+  const auto blocks = project_blocks<Isa, Kind, displacement, terms>;
   if (begin < last) blocks(p, set, begin, last);
   if (last == end) return;
-  static_assert(Tail<Set>::holds(size_of_kind<Set, Kind>));
-  Tail<Set> tail(size_of_kind<Set, Kind>, p, set, last, end);
-  blocks(tail.particles(), tail.set(set), 0, Set::lanes);
+  static_assert(Tail<Isa>::holds(size_of_kind<Isa, Kind>));
+  Tail<Isa> tail(size_of_kind<Isa, Kind>, p, set, last, end);
+  blocks(tail.particles(), tail.set(set), 0, Isa::lanes);
   tail.copy_back(p, set);
 }
 
-template <class Set, class Kind, bool displacement>
+template <class Isa, class Kind, bool displacement>
 void evaluate(const ParticleArrays& p, const SetArrays& set, std::size_t begin, std::size_t end,
               float* const* values) {
-  const std::size_t last = whole<Set>(begin, end);
-  if (begin < last) evaluate_blocks<Set, Kind, displacement>(p, set, begin, last, values);
+  const std::size_t last = whole<Isa>(begin, end);
+  if (begin < last) evaluate_blocks<Isa, Kind, displacement>(p, set, begin, last, values);
   if (last == end) return;
-  static_assert(Tail<Set>::holds(size_of_kind<Set, Kind>));
-  Tail<Set> tail(size_of_kind<Set, Kind>, p, set, last, end);
-  float C[rows_of<Kind>][Set::lanes];
+  static_assert(Tail<Isa>::holds(size_of_kind<Isa, Kind>));
+  Tail<Isa> tail(size_of_kind<Isa, Kind>, p, set, last, end);
+  float C[rows_of<Kind>][Isa::lanes];
   float* pointers[rows_of<Kind>];
   for (int r = 0; r < rows_of<Kind>; ++r) pointers[r] = C[r];
-  evaluate_blocks<Set, Kind, displacement>(tail.particles(), tail.set(set), 0, Set::lanes, pointers);
+  evaluate_blocks<Isa, Kind, displacement>(tail.particles(), tail.set(set), 0, Isa::lanes, pointers);
   for (int r = 0; r < rows_of<Kind>; ++r)
     for (std::size_t lane = 0; lane < end - last; ++lane) values[r][last - begin + lane] = C[r][lane];
 }
 
-template <class Set, class Kind>
+template <class Isa, class Kind>
 const KindKernels& kind_kernels() {
   static constexpr KindKernels kernels{
-      {project<Set, Kind, false, Terms::plain>, project<Set, Kind, true, Terms::plain>},
-      {project<Set, Kind, false, Terms::general>, project<Set, Kind, true, Terms::general>},
-      {evaluate<Set, Kind, false>, evaluate<Set, Kind, true>}};
+      {project<Isa, Kind, false, Terms::plain>, project<Isa, Kind, true, Terms::plain>},
+      {project<Isa, Kind, false, Terms::general>, project<Isa, Kind, true, Terms::general>},
+      {evaluate<Isa, Kind, false>, evaluate<Isa, Kind, true>}};
   return kernels;
 }
 
 /// Instantiates the kernels of every kind in a list.
-template <class Set, class List>
+template <class Isa, class List>
 struct Compile;
-template <class Set, class... Kinds>
-struct Compile<Set, std::tuple<Kinds...>> {
+template <class Isa, class... Kinds>
+struct Compile<Isa, std::tuple<Kinds...>> {
   using Getter = const KindKernels& (*)();
-  static constexpr Getter all[] = {kind_kernels<Set, Kinds>...};
+  static constexpr Getter all[] = {kind_kernels<Isa, Kinds>...};
 };
 
 }  // namespace souple::kernels

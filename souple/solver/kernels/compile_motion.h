@@ -10,43 +10,43 @@
 namespace souple::kernels {
 
 /// Four floats, repeated over a register.
-template <class Set>
-inline typename Set::Vector records_of(float x, float y, float z, float w) {
+template <class Isa>
+inline typename Isa::Vector records_of(float x, float y, float z, float w) {
   const float record[4] = {x, y, z, w};
-  float spread[Set::lanes];
-  for (int lane = 0; lane < Set::lanes; ++lane) spread[lane] = record[lane % 4];
-  return Set::load(spread);
+  float spread[Isa::lanes];
+  for (int lane = 0; lane < Isa::lanes; ++lane) spread[lane] = record[lane % 4];
+  return Isa::load(spread);
 }
 
-template <class Set>
-inline typename Set::Mask three_of_four() {
-  typename Set::Mask mask{};
-  for (int lane = 0; lane < Set::lanes; ++lane) mask[lane] = lane % 4 == 3 ? 0 : -1;
+template <class Isa>
+inline typename Isa::Mask three_of_four() {
+  typename Isa::Mask mask{};
+  for (int lane = 0; lane < Isa::lanes; ++lane) mask[lane] = lane % 4 == 3 ? 0 : -1;
   return mask;
 }
 
 /// Says at the end whether a number came by that is infinite, no number, or so large that the sum of three
 /// is.
-template <class Set>
+template <class Isa>
 class Watch {
  public:
-  void add(typename Set::Vector a) {
-    const typename Set::Vector large = a * 8.0f;
+  void add(typename Isa::Vector a) {
+    const typename Isa::Vector large = a * 8.0f;
     sum_ = sum_ + (large - large);  // NOLINT(misc-redundant-expression): infinity less infinity is no number,
                                     // nor is any sum with it
   }
   bool is_clean() const {
-    for (int lane = 0; lane < Set::lanes; ++lane)
+    for (int lane = 0; lane < Isa::lanes; ++lane)
       if (sum_[lane] != 0.0f) return false;
     return true;
   }
 
  private:
-  typename Set::Vector sum_{};
+  typename Isa::Vector sum_{};
 };
 
 /// The last particles, fewer than a register holds, copied to where a whole register may be read and written.
-template <class Set>
+template <class Isa>
 class LastRecords {
  public:
   LastRecords(const MotionArrays& of, std::size_t count) : of_(of), floats_(4 * count) {
@@ -69,14 +69,14 @@ class LastRecords {
 
   const MotionArrays of_;
   std::size_t floats_;
-  float position_[Set::lanes]{}, moving_[Set::lanes]{}, start_[Set::lanes]{}, velocity_[Set::lanes]{},
-      force_[Set::lanes]{};
+  float position_[Isa::lanes]{}, moving_[Isa::lanes]{}, start_[Isa::lanes]{}, velocity_[Isa::lanes]{},
+      force_[Isa::lanes]{};
 };
 
 /// Calls f on every register's worth of particles [begin, end).
-template <class Set, class Function>
+template <class Isa, class Function>
 inline void for_each_register(const MotionArrays& a, std::size_t begin, std::size_t end, const Function& f) {
-  constexpr std::size_t records = Set::lanes / 4;
+  constexpr std::size_t records = Isa::lanes / 4;
   const auto at = [&a](std::size_t i) {
     return MotionArrays{a.position + 4 * i, a.moving + 4 * i, a.start + 4 * i, a.velocity + 4 * i,
                         a.force ? a.force + 4 * i : nullptr};
@@ -84,63 +84,63 @@ inline void for_each_register(const MotionArrays& a, std::size_t begin, std::siz
   std::size_t i = begin;
   for (; i + records <= end; i += records) f(at(i));
   if (i == end) return;
-  LastRecords<Set> last(at(i), end - i);
+  LastRecords<Isa> last(at(i), end - i);
   f(last.arrays());
   last.copy_back();
 }
 
-template <class Set, bool windy>
+template <class Isa, bool windy>
 [[gnu::flatten]] bool predict(const MotionArrays& arrays, std::size_t begin, std::size_t end,
                               const float (&gravity)[3], float h) {
-  using Vector = typename Set::Vector;
-  const Vector g = records_of<Set>(gravity[0], gravity[1], gravity[2], 0);
-  const typename Set::Mask xyz = three_of_four<Set>();
-  Watch<Set> watch;
-  for_each_register<Set>(arrays, begin, end, [&](const MotionArrays& at) {
-    const Vector w = Set::spread_last(Set::load(at.position));
-    const Vector p = Set::load(at.moving), v = Set::load(at.velocity);
-    const typename Set::Mask moves = (w != 0.0f) & xyz;
+  using Vector = typename Isa::Vector;
+  const Vector g = records_of<Isa>(gravity[0], gravity[1], gravity[2], 0);
+  const typename Isa::Mask xyz = three_of_four<Isa>();
+  Watch<Isa> watch;
+  for_each_register<Isa>(arrays, begin, end, [&](const MotionArrays& at) {
+    const Vector w = Isa::broadcast_last(Isa::load(at.position));
+    const Vector p = Isa::load(at.moving), v = Isa::load(at.velocity);
+    const typename Isa::Mask moves = (w != 0.0f) & xyz;
     Vector a = g;
-    if constexpr (windy) a = a + Set::load(at.force) * w;
+    if constexpr (windy) a = a + Isa::load(at.force) * w;
     const Vector v_star = moves ? v + a * h : v;
     watch.add(v_star);
-    Set::store(at.start, p);
-    Set::store(at.velocity, v_star);
-    Set::store(at.moving, moves ? p + v_star * h : p);
+    Isa::store(at.start, p);
+    Isa::store(at.velocity, v_star);
+    Isa::store(at.moving, moves ? p + v_star * h : p);
   });
   return watch.is_clean();
 }
 
-template <class Set>
+template <class Isa>
 bool predict_any(const MotionArrays& arrays, std::size_t begin, std::size_t end, const float (&gravity)[3],
                  float h) {
-  return (arrays.force ? predict<Set, true> : predict<Set, false>)(arrays, begin, end, gravity, h);
+  return (arrays.force ? predict<Isa, true> : predict<Isa, false>)(arrays, begin, end, gravity, h);
 }
 
-template <class Set, bool displacement>
+template <class Isa, bool displacement>
 [[gnu::flatten]] bool finish(const MotionArrays& arrays, std::size_t begin, std::size_t end, float h) {
-  using Vector = typename Set::Vector;
-  const typename Set::Mask xyz = three_of_four<Set>();
-  Watch<Set> watch;
-  for_each_register<Set>(arrays, begin, end, [&](const MotionArrays& at) {
-    const Vector x = Set::load(at.position), q = Set::load(at.moving), v_star = Set::load(at.velocity);
-    const Vector base = Set::spread_last(x) != 0.0f ? v_star : Vector{};
-    const Vector v = base + (q - (Set::load(at.start) + base * h)) / h;
+  using Vector = typename Isa::Vector;
+  const typename Isa::Mask xyz = three_of_four<Isa>();
+  Watch<Isa> watch;
+  for_each_register<Isa>(arrays, begin, end, [&](const MotionArrays& at) {
+    const Vector x = Isa::load(at.position), q = Isa::load(at.moving), v_star = Isa::load(at.velocity);
+    const Vector base = Isa::broadcast_last(x) != 0.0f ? v_star : Vector{};
+    const Vector v = base + (q - (Isa::load(at.start) + base * h)) / h;
     watch.add(xyz ? v : Vector{});
-    Set::store(at.velocity, xyz ? v : v_star);
+    Isa::store(at.velocity, xyz ? v : v_star);
     if constexpr (displacement) {
       const Vector moved = x + q;
       watch.add(moved);
-      Set::store(at.position, xyz ? moved : x);
-      Set::store(at.moving, xyz ? q - (moved - x) : q);
+      Isa::store(at.position, xyz ? moved : x);
+      Isa::store(at.moving, xyz ? q - (moved - x) : q);
     }
   });
   return watch.is_clean();
 }
 
-template <class Set>
+template <class Isa>
 const MotionKernels& motion_kernels() {
-  static constexpr MotionKernels kernels{predict_any<Set>, {finish<Set, false>, finish<Set, true>}};
+  static constexpr MotionKernels kernels{predict_any<Isa>, {finish<Isa, false>, finish<Isa, true>}};
   return kernels;
 }
 

@@ -9,12 +9,12 @@
 namespace souple::kernels {
 
 /// The corners of as many triangles as a register has lanes, and where their results go.
-template <class Set>
+template <class Isa>
 struct TriangleRecords {
-  std::uint32_t corner[3][Set::lanes], result[Set::lanes];
+  std::uint32_t corner[3][Isa::lanes], result[Isa::lanes];
 
   TriangleRecords(const TriangleArrays& a, std::size_t i) {
-    for (std::size_t lane = 0; lane < Set::lanes; ++lane) {
+    for (std::size_t lane = 0; lane < Isa::lanes; ++lane) {
       for (std::size_t k = 0; k < 3; ++k) corner[k][lane] = 4 * (a.first + a.triangles[i + lane][k]);
       result[lane] = static_cast<std::uint32_t>(4 * lane);
     }
@@ -22,65 +22,65 @@ struct TriangleRecords {
 };
 
 /// Records lane by lane, made by `load(j)`, as three components.
-template <class Set, class Load>
-inline Vec3<simd::Pack<Set>> components(const Load& load) {
-  typename Set::Vector r[4] = {load(0), load(1), load(2), load(3)};
-  simd::transpose<Set>(r);
-  return {simd::Pack<Set>(r[0]), simd::Pack<Set>(r[1]), simd::Pack<Set>(r[2])};
+template <class Isa, class Load>
+inline Vec3<simd::Pack<Isa>> components(const Load& load) {
+  typename Isa::Vector r[4] = {load(0), load(1), load(2), load(3)};
+  simd::transpose<Isa>(r);
+  return {simd::Pack<Isa>(r[0]), simd::Pack<Isa>(r[1]), simd::Pack<Isa>(r[2])};
 }
 
 /// Corner k less corner 0.
-template <class Set, bool displacement>
-inline Vec3<simd::Pack<Set>> side(const TriangleArrays& a, const TriangleRecords<Set>& records, int k) {
-  return components<Set>([&](int j) {
+template <class Isa, bool displacement>
+inline Vec3<simd::Pack<Isa>> side(const TriangleArrays& a, const TriangleRecords<Isa>& records, int k) {
+  return components<Isa>([&](int j) {
     const auto from_first = [&](const float* base) {
-      return Set::load_records(base, records.corner[k] + j) - Set::load_records(base, records.corner[0] + j);
+      return Isa::load_records(base, records.corner[k] + j) - Isa::load_records(base, records.corner[0] + j);
     };
     if constexpr (displacement) return from_first(a.position) + from_first(a.moving);
     return from_first(a.position);
   });
 }
 
-template <class Set>
-inline void store(const TriangleArrays& a, const TriangleRecords<Set>& records, std::size_t i,
-                  const Vec3<simd::Pack<Set>>& v) {
-  typename Set::Vector r[4] = {v.x.v, v.y.v, v.z.v, typename Set::Vector{}};
-  simd::transpose<Set>(r);
-  for (int j = 0; j < 4; ++j) Set::store_records(a.result + 4 * i, records.result + j, r[j]);
+template <class Isa>
+inline void store(const TriangleArrays& a, const TriangleRecords<Isa>& records, std::size_t i,
+                  const Vec3<simd::Pack<Isa>>& v) {
+  typename Isa::Vector r[4] = {v.x.v, v.y.v, v.z.v, typename Isa::Vector{}};
+  simd::transpose<Isa>(r);
+  for (int j = 0; j < 4; ++j) Isa::store_records(a.result + 4 * i, records.result + j, r[j]);
 }
 
-template <class Set, bool displacement>
+template <class Isa, bool displacement>
 [[gnu::flatten]] std::size_t air_forces(const TriangleArrays& a, const Air& air, std::size_t i,
                                         std::size_t end) {
-  using T = simd::Pack<Set>;
+  using T = simd::Pack<Isa>;
   const Vec3<T> wind{T(air.wind[0]), T(air.wind[1]), T(air.wind[2])};
-  for (; i + Set::lanes <= end; i += Set::lanes) {
-    const TriangleRecords<Set> records(a, i);
-    const Vec3<T> sum = components<Set>([&](int j) {
-      return Set::load_records(a.velocity, records.corner[0] + j) +
-             Set::load_records(a.velocity, records.corner[1] + j) +
-             Set::load_records(a.velocity, records.corner[2] + j);
+  for (; i + Isa::lanes <= end; i += Isa::lanes) {
+    const TriangleRecords<Isa> records(a, i);
+    const Vec3<T> sum = components<Isa>([&](int j) {
+      return Isa::load_records(a.velocity, records.corner[0] + j) +
+             Isa::load_records(a.velocity, records.corner[1] + j) +
+             Isa::load_records(a.velocity, records.corner[2] + j);
     });
-    const Vec3<T> force = air_force(side<Set, displacement>(a, records, 1),
-                                    side<Set, displacement>(a, records, 2), sum * T(1.0f / 3) - wind, air);
+    const Vec3<T> force = air_force(side<Isa, displacement>(a, records, 1),
+                                    side<Isa, displacement>(a, records, 2), sum * T(1.0f / 3) - wind, air);
     store(a, records, i, force * T(1.0f / 3));
   }
   return i;
 }
 
-template <class Set>
+template <class Isa>
 [[gnu::flatten]] std::size_t area_normals(const TriangleArrays& a, std::size_t i, std::size_t end) {
-  for (; i + Set::lanes <= end; i += Set::lanes) {
-    const TriangleRecords<Set> records(a, i);
-    store(a, records, i, cross(side<Set, false>(a, records, 1), side<Set, false>(a, records, 2)));
+  for (; i + Isa::lanes <= end; i += Isa::lanes) {
+    const TriangleRecords<Isa> records(a, i);
+    store(a, records, i, cross(side<Isa, false>(a, records, 1), side<Isa, false>(a, records, 2)));
   }
   return i;
 }
 
-template <class Set>
+template <class Isa>
 const TriangleKernels& triangle_kernels() {
-  static constexpr TriangleKernels kernels{{air_forces<Set, false>, air_forces<Set, true>},
-                                           area_normals<Set>};
+  static constexpr TriangleKernels kernels{{air_forces<Isa, false>, air_forces<Isa, true>},
+                                           area_normals<Isa>};
   return kernels;
 }
 

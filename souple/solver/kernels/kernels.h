@@ -60,7 +60,7 @@ struct KindKernels {
 };
 
 /// Compiled in one translation unit per instruction set (compile.h).
-template <class Set, class Kind>
+template <class Isa, class Kind>
 const KindKernels& kind_kernels();
 
 namespace detail {

@@ -31,7 +31,7 @@ struct MotionKernels {
 };
 
 /// Compiled in one translation unit per instruction set (compile_motion.h).
-template <class Set>
+template <class Isa>
 const MotionKernels& motion_kernels();
 
 }  // namespace souple::kernels

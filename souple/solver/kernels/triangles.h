@@ -30,7 +30,7 @@ struct TriangleKernels {
 };
 
 /// Compiled in one translation unit per instruction set (compile_triangles.h).
-template <class Set>
+template <class Isa>
 const TriangleKernels& triangle_kernels();
 
 }  // namespace souple::kernels

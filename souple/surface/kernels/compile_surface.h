@@ -8,14 +8,14 @@
 
 namespace souple::kernels {
 
-template <class Set>
+template <class Isa>
 Moments surface_moments(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                         float inverse_radius) {
-  using T = simd::Pack<Set>;
-  Sixteen<Set> weight, x, y, z, xx, xy, xz, yy, yz, zz;
+  using T = simd::Pack<Isa>;
+  Sixteen<Isa> weight, x, y, z, xx, xy, xz, yy, yz, zz;
   for (std::size_t k = 0; k < count; k += 16) {
-    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const Gathered<Set> other(&records->x, list + k + static_cast<std::size_t>(r * Set::lanes));
+    for (int r = 0; r < Sixteen<Isa>::registers; ++r) {
+      const Gathered<Isa> other(&records->x, list + k + static_cast<std::size_t>(r * Isa::lanes));
       const T dx = T(other.x) - T(at.x), dy = T(other.y) - T(at.y), dz = T(other.z) - T(at.z);
       const T q = sqrt(dx * dx + dy * dy + dz * dz) * T(inverse_radius);
       const T w = max(T(1.0f) - q * q * q, T(0.0f));
@@ -34,10 +34,10 @@ Moments surface_moments(const Vec4f* records, const Vec4f& at, const std::uint32
 }
 
 /// G (x - center) at nodes i + 4 j of a brick's lowest layer, and what one layer up adds to it.
-template <class Set>
+template <class Isa>
 struct BrickMap {
-  using T = simd::Pack<Set>;
-  static constexpr int registers = 16 / Set::lanes;
+  using T = simd::Pack<Isa>;
+  static constexpr int registers = 16 / Isa::lanes;
   T u[registers], v[registers], w[registers];
   float up[3];
 
@@ -49,7 +49,7 @@ struct BrickMap {
     const float v0 = p.xy * sx + p.yy * sy + p.yz * sz;
     const float w0 = p.xz * sx + p.yz * sy + p.zz * sz;
     for (int r = 0; r < registers; ++r) {
-      const T i = T::load(along_x + r * Set::lanes), j = T::load(along_y + r * Set::lanes);
+      const T i = T::load(along_x + r * Isa::lanes), j = T::load(along_y + r * Isa::lanes);
       u[r] = T(u0) + i * T(cell * p.xx) + j * T(cell * p.xy);
       v[r] = T(v0) + i * T(cell * p.xy) + j * T(cell * p.yy);
       w[r] = T(w0) + i * T(cell * p.xz) + j * T(cell * p.yz);
@@ -58,17 +58,17 @@ struct BrickMap {
   }
 };
 
-template <class Set>
+template <class Isa>
 void surface_brick(const ParticleKernel* kernels, const std::uint32_t* list, std::size_t count,
                    const float* origin, float cell, float* values) {
-  using T = simd::Pack<Set>;
-  constexpr int registers = BrickMap<Set>::registers;
+  using T = simd::Pack<Isa>;
+  constexpr int registers = BrickMap<Isa>::registers;
   T sum[brick_side][registers];
   for (auto& layer : sum)
     for (T& register_of : layer) register_of = T(0.0f);
   for (std::size_t n = 0; n < count; ++n) {
     const ParticleKernel& p = kernels[list[n]];
-    const BrickMap<Set> map(p, origin, cell);
+    const BrickMap<Isa> map(p, origin, cell);
     for (int k = 0; k < brick_side; ++k) {
       // A layer out of reach would have 0 added.
       const float height = origin[2] + static_cast<float>(k) * cell - p.center[2];
@@ -84,17 +84,17 @@ void surface_brick(const ParticleKernel* kernels, const std::uint32_t* list, std
   }
   for (int k = 0; k < brick_side; ++k) {
     for (int r = 0; r < registers; ++r) {
-      const std::size_t first = 16 * static_cast<std::size_t>(k) + static_cast<std::size_t>(r * Set::lanes);
+      const std::size_t first = 16 * static_cast<std::size_t>(k) + static_cast<std::size_t>(r * Isa::lanes);
       sum[k][r].store(values + first);
     }
   }
 }
 
-template <class Set>
+template <class Isa>
 void surface_points(const ParticleKernel* kernels, const std::uint32_t* list, std::size_t count,
                     const FieldPoints& points, std::size_t point_count) {
-  using T = simd::Pack<Set>;
-  for (std::size_t first = 0; first < point_count; first += Set::lanes) {
+  using T = simd::Pack<Isa>;
+  for (std::size_t first = 0; first < point_count; first += Isa::lanes) {
     const T x = T::load(points.at[0] + first), y = T::load(points.at[1] + first),
             z = T::load(points.at[2] + first);
     T value(0.0f), gx(0.0f), gy(0.0f), gz(0.0f), shift_x(0.0f), shift_y(0.0f), shift_z(0.0f), crowd(0.0f);
@@ -128,9 +128,9 @@ void surface_points(const ParticleKernel* kernels, const std::uint32_t* list, st
   }
 }
 
-template <class Set>
+template <class Isa>
 const SurfaceKernels& surface_kernels() {
-  static constexpr SurfaceKernels kernels{surface_moments<Set>, surface_brick<Set>, surface_points<Set>};
+  static constexpr SurfaceKernels kernels{surface_moments<Isa>, surface_brick<Isa>, surface_points<Isa>};
   return kernels;
 }
 

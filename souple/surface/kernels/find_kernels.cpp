@@ -4,7 +4,7 @@ namespace souple::kernels {
 
 const SurfaceKernels& find_surface_kernels(InstructionSet set) {
   const SurfaceKernels* const packed = souple::detail::find_for(
-      set, []<class Set>(std::type_identity<Set>) { return &surface_kernels<Set>(); });
+      set, []<class Isa>(std::type_identity<Isa>) { return &surface_kernels<Isa>(); });
   return packed ? *packed : surface_kernels<PlainLanes>();
 }
 

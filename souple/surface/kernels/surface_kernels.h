@@ -60,7 +60,7 @@ struct SurfaceKernels {
 /// One lane after the other, to compare with.
 struct PlainLanes;
 
-template <class Set>
+template <class Isa>
 const SurfaceKernels& surface_kernels();
 
 /// Those of an instruction set; scalar code where there are none. Results are the same.
