@@ -72,7 +72,8 @@ void ColliderContacts::find_candidates(const ParticleView& particles, std::span<
     for (std::size_t m = begin; m < end; ++m) {
       const std::uint32_t i = members_[m].particle;
       const double speed = h > 0 ? double(length(particles.moved(i)) / h) : double(length(velocity[i].xyz()));
-      broad_phase_[m] = {place(particles, i), 2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])};
+      broad_phase_[m] = {place(particles, i),
+                         2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])};
     }
   });
   for (Body& body : bodies_) {
@@ -156,7 +157,8 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
   contacts_.resize(body.contact_end);
   threads.for_each(near_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      contacts_[body.contact_begin + k] = contact_of(body, tested[near_[k]], distance_[near_[k]], particles, h);
+      contacts_[body.contact_begin + k] =
+          contact_of(body, tested[near_[k]], distance_[near_[k]], particles, h);
   });
 }
 
@@ -239,10 +241,11 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
   const auto C = float(g.C);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * g.normal);
-  if (body.moves) contact.surface_motion = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
+  if (body.moves)
+    contact.surface_motion = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  particles.correct(
-      i, solve_contact(sums, C, contact.slop, n, particles.moved(i) - contact.surface_motion, contact.material));
+  particles.correct(i, solve_contact(sums, C, contact.slop, n, particles.moved(i) - contact.surface_motion,
+                                     contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;
@@ -258,15 +261,15 @@ void ColliderContacts::apply_restitution(const ParticleView& particles, std::spa
 }
 
 void ColliderContacts::apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
-                                     std::span<Vec4f> velocity, float h) const {
+                                            std::span<Vec4f> velocity, float h) const {
   if (!(contact.normal_sum > 0)) return;
   const Vec3f n = contact.normal;
   const Vec3f v = velocity[contact.particle].xyz();
   const Vec3f u = v - contact.surface_motion * (1 / h);
   const float inverse_h = 1 / h;
-  const auto [change, restitution_velocity] =
-      solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-              2 * step_.gravity * h, contact.material, inverse_h);
+  const auto [change, restitution_velocity] = solve_restitution(
+      {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
+      2 * step_.gravity * h, contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
   velocity[contact.particle].set_xyz(v + change);
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));
@@ -285,7 +288,8 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
       if (!(contact.normal_sum > 0)) continue;
       const std::uint32_t i = contact.particle;
       const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
-      const float impulse = (contact.normal_sum * inverse_h + contact.restitution_velocity) / particles.inverse_mass(i);
+      const float impulse =
+          (contact.normal_sum * inverse_h + contact.restitution_velocity) / particles.inverse_mass(i);
       out.push_back({i, body.collider, Vec3f(body.after.to_world(g.surface)), contact.normal, impulse});
     }
   }

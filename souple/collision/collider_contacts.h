@@ -41,8 +41,8 @@ class ColliderContacts final : public Projector {
   /// motion callback throws passes through; the contacts are then empty.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const ContactObject> objects,
-                  std::span<const Collider> colliders, const ContactMaterialTable& materials, const ContactStep& step,
-                  Threads& threads);
+                  std::span<const Collider> colliders, const ContactMaterialTable& materials,
+                  const ContactStep& step, Threads& threads);
 
   /// The contacts of the substep [time, time + h]: call after prediction and before the first project.
   void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
@@ -102,17 +102,17 @@ class ColliderContacts final : public Projector {
     std::uint32_t particle;
     float radius;
     ContactMaterialPair material;
-    bool fixed_plane;              // the plane below holds for the whole substep
-    SurfaceDistance start;  // at the substep's begin, or where the motion first touched
-    double plane_offset;    // of the plane with normal start.normal, in the collider's frame [m]
-    float slop;          // C may stay this negative: an old overlap leaves slowly [m]
-    Vec3f predicted;        // motion relative to the surface before any projection [m]
-    float normal_sum = 0;       // sum of normal corrections [m]
-    Vec3f tangent_sum{};         // sum of tangential corrections [m]
-    Vec3f normal{};         // world, of the last projection
-    Vec3f surface_motion{};        // what the surface moved in the substep at the contact [m]
-    float restitution_velocity = 0;      // normal velocity added by apply_restitution [m/s]
-    float depth = 0;        // what is left of the overlap of one that pushed [m]
+    bool fixed_plane;                // the plane below holds for the whole substep
+    SurfaceDistance start;           // at the substep's begin, or where the motion first touched
+    double plane_offset;             // of the plane with normal start.normal, in the collider's frame [m]
+    float slop;                      // C may stay this negative: an old overlap leaves slowly [m]
+    Vec3f predicted;                 // motion relative to the surface before any projection [m]
+    float normal_sum = 0;            // sum of normal corrections [m]
+    Vec3f tangent_sum{};             // sum of tangential corrections [m]
+    Vec3f normal{};                  // world, of the last projection
+    Vec3f surface_motion{};          // what the surface moved in the substep at the contact [m]
+    float restitution_velocity = 0;  // normal velocity added by apply_restitution [m/s]
+    float depth = 0;                 // what is left of the overlap of one that pushed [m]
   };
   struct Gap {
     double C;       // m
@@ -134,7 +134,7 @@ class ColliderContacts final : public Projector {
   Contact contact_of(const Body& body, const Member& member, double end_distance,
                      const ParticleView& particles, float h) const;
   void apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
-                     std::span<Vec4f> velocity, float h) const;
+                            std::span<Vec4f> velocity, float h) const;
   void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
 
   std::span<const Collider> colliders_;
@@ -145,11 +145,11 @@ class ColliderContacts final : public Projector {
   float last_h_ = 0;  // of the last refresh [s]
   std::vector<Body> bodies_;
   std::vector<Member> members_;
-  std::vector<BroadPhasePosition> broad_phase_;      // of each member
-  std::vector<Member> candidates_;  // of static bodies, body by body
-  std::vector<double> distance_;    // of each member or candidate that a body may meet [m]
-  std::vector<std::uint32_t> near_;  // which of them it meets
-  std::vector<Contact> contacts_;   // body by body
+  std::vector<BroadPhasePosition> broad_phase_;  // of each member
+  std::vector<Member> candidates_;               // of static bodies, body by body
+  std::vector<double> distance_;                 // of each member or candidate that a body may meet [m]
+  std::vector<std::uint32_t> near_;              // which of them it meets
+  std::vector<Contact> contacts_;                // body by body
 };
 
 }  // namespace souple

@@ -15,9 +15,9 @@ struct ContactObject {
   std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
   bool moves = true;                 ///< two that do not are not compared, nor one with itself
   bool collides_with_colliders = true;
-  bool self_collision = false;       ///< its particles against each other
-  std::uint32_t groups = 1;       ///< particles of two objects meet when a.groups & b.mask and
-  std::uint32_t mask = 0;  ///<   b.groups & a.mask are both non-zero
+  bool self_collision = false;  ///< its particles against each other
+  std::uint32_t groups = 1;     ///< particles of two objects meet when a.groups & b.mask and
+  std::uint32_t mask = 0;       ///<   b.groups & a.mask are both non-zero
 };
 
 /// The whole step, known before its first substep.

@@ -20,7 +20,7 @@ Vec3<T> within_friction(const Vec3<T>& sticking, T static_friction, T kinetic_fr
 /// What two surfaces have done to one another in a substep.
 template <class T>
 struct ContactSums {
-  T normal_sum;        ///< sum of normal corrections of the distance [m]
+  T normal_sum;         ///< sum of normal corrections of the distance [m]
   Vec3<T> tangent_sum;  ///< sum of tangential corrections of the distance [m]
 };
 
@@ -29,8 +29,8 @@ struct ContactSums {
 /// the second since the substep began. Pushes are taken back where a neighbor's push made them too large, so
 /// the sum never pulls.
 template <class T>
-Vec3<T> solve_contact(ContactSums<T>& sums, T C, T slop, const Vec3<T>& n, const Vec3<T>& motion, T static_friction,
-              T kinetic_friction) {
+Vec3<T> solve_contact(ContactSums<T>& sums, T C, T slop, const Vec3<T>& n, const Vec3<T>& motion,
+                      T static_friction, T kinetic_friction) {
   const T zero(0);
   const T dn = max(slop - C, -sums.normal_sum);
   const T normal_sum = sums.normal_sum + dn;
@@ -44,15 +44,15 @@ Vec3<T> solve_contact(ContactSums<T>& sums, T C, T slop, const Vec3<T>& n, const
 }
 
 inline Vec3f solve_contact(ContactSums<float>& sums, float C, float slop, const Vec3f& n, const Vec3f& motion,
-                   const ContactMaterialPair& material) {
+                           const ContactMaterialPair& material) {
   return solve_contact(sums, C, slop, n, motion, material.static_friction, material.kinetic_friction);
 }
 
 /// What a contact that pushed does to velocities.
 template <class T>
 struct Restitution {
-  Vec3<T> change;  ///< of the relative velocity [m/s]
-  T restitution_velocity;       ///< its normal part [m/s]
+  Vec3<T> change;          ///< of the relative velocity [m/s]
+  T restitution_velocity;  ///< its normal part [m/s]
 };
 
 /// The relative velocity u along n becomes e times the speed of approach where that was above `slowest`, else
@@ -60,21 +60,24 @@ struct Restitution {
 /// several contacts hold one thing, each pushes more than its share and it is the sum of what is left that
 /// carries the weight. `approach`: of the predicted motion [m/s].
 template <class T>
-Restitution<T> solve_restitution(const ContactSums<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach, T threshold,
-                   T restitution, T static_friction, T kinetic_friction, T inverse_h) {
+Restitution<T> solve_restitution(const ContactSums<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach,
+                                 T threshold, T restitution, T static_friction, T kinetic_friction,
+                                 T inverse_h) {
   const T zero(0), u_n = dot(n, u), normal_sum = sums.normal_sum * inverse_h;
   const T target = select(approach > threshold, restitution * approach, zero);
   const T restitution_velocity = max(target - u_n, -normal_sum);
   const Vec3<T> friction = sums.tangent_sum * inverse_h;
   const Vec3<T> sticking = friction - (u - n * u_n);
-  const Vec3<T> tangent_sum = within_friction(sticking, static_friction, kinetic_friction, normal_sum + restitution_velocity);
+  const Vec3<T> tangent_sum =
+      within_friction(sticking, static_friction, kinetic_friction, normal_sum + restitution_velocity);
   return {n * restitution_velocity + (tangent_sum - friction), restitution_velocity};
 }
 
-inline Restitution<float> solve_restitution(const ContactSums<float>& sums, const Vec3f& n, const Vec3f& u, float approach,
-                              float threshold, const ContactMaterialPair& material, float inverse_h) {
+inline Restitution<float> solve_restitution(const ContactSums<float>& sums, const Vec3f& n, const Vec3f& u,
+                                            float approach, float threshold,
+                                            const ContactMaterialPair& material, float inverse_h) {
   return solve_restitution(sums, n, u, approach, threshold, material.restitution, material.static_friction,
-                 material.kinetic_friction, inverse_h);
+                           material.kinetic_friction, inverse_h);
 }
 
 }  // namespace souple

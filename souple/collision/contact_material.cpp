@@ -45,7 +45,8 @@ ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b) 
   const float static_friction = mean(a.friction, b.friction);
   const float kinetic_friction =
       mean(a.kinetic_friction.value_or(a.friction), b.kinetic_friction.value_or(b.friction));
-  return {static_friction, std::min(kinetic_friction, static_friction), std::max(a.restitution, b.restitution)};
+  return {static_friction, std::min(kinetic_friction, static_friction),
+          std::max(a.restitution, b.restitution)};
 }
 
 void PairOverrides::set(std::string_view a, std::string_view b, const ContactMaterialPair& pair) {
@@ -58,7 +59,8 @@ const ContactMaterialPair* PairOverrides::find(std::string_view a, std::string_v
   return found == overrides_.end() ? nullptr : &found->second;
 }
 
-ContactMaterialPair PairOverrides::resolve(const NamedContactMaterial& a, const NamedContactMaterial& b) const {
+ContactMaterialPair PairOverrides::resolve(const NamedContactMaterial& a,
+                                           const NamedContactMaterial& b) const {
   const ContactMaterialPair* exception = find(a.name, b.name);
   return exception ? *exception : combine(a.material, b.material);
 }
@@ -76,8 +78,9 @@ bool PairOverrides::collide(const NamedContactMaterial& a, const NamedContactMat
   return non_colliding_.empty() || non_colliding_.count(key_of(a.name, b.name)) == 0;
 }
 
-ContactMaterialTable::ContactMaterialTable(std::span<const NamedContactMaterial> rows, std::span<const NamedContactMaterial> columns,
-                             const PairOverrides& table)
+ContactMaterialTable::ContactMaterialTable(std::span<const NamedContactMaterial> rows,
+                                           std::span<const NamedContactMaterial> columns,
+                                           const PairOverrides& table)
     : columns_(columns.size()) {
   pairs_.reserve(rows.size() * columns.size());
   collide_.reserve(pairs_.capacity());

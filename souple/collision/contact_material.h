@@ -75,10 +75,12 @@ class PairOverrides {
 class ContactMaterialTable {
  public:
   ContactMaterialTable() = default;
-  ContactMaterialTable(std::span<const NamedContactMaterial> rows, std::span<const NamedContactMaterial> columns,
-                const PairOverrides& table);
+  ContactMaterialTable(std::span<const NamedContactMaterial> rows,
+                       std::span<const NamedContactMaterial> columns, const PairOverrides& table);
 
-  const ContactMaterialPair& at(std::size_t row, std::size_t column) const { return pairs_[row * columns_ + column]; }
+  const ContactMaterialPair& at(std::size_t row, std::size_t column) const {
+    return pairs_[row * columns_ + column];
+  }
   /// False: the two pass through each other.
   bool collide(std::size_t row, std::size_t column) const { return collide_[row * columns_ + column] != 0; }
   std::size_t rows() const { return columns_ == 0 ? 0 : pairs_.size() / columns_; }

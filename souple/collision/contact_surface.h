@@ -19,13 +19,13 @@ struct ContactSurface {
   std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
   std::span<const Edge> edges{};
   bool particles_only = false;  ///< grains: every particle is a ball of its radius
-  bool self_collision = false;     ///< triangles and edges of this object against each other
-  std::uint32_t groups = 1;      ///< two objects meet when a.groups & b.meets and b.groups & a.meets
+  bool self_collision = false;  ///< triangles and edges of this object against each other
+  std::uint32_t groups = 1;     ///< two objects meet when a.groups & b.meets and b.groups & a.meets
   std::uint32_t mask = ~0u;     ///< are both non-zero
-  bool immovable = false;        ///< an obstacle: nothing could move two of them apart
+  bool immovable = false;       ///< an obstacle: nothing could move two of them apart
   int layer = 0;  ///< the higher of two lies outside of the lower; 0: there is no order (layers.h)
   std::vector<std::uint32_t> ignored_surfaces{};  ///< surfaces that it never meets, ascending
-  std::span<const Vec3d> rest{};            ///< of its particles: features near at rest may stay as near
+  std::span<const Vec3d> rest{};  ///< of its particles: features near at rest may stay as near
 };
 
 /// Whether triangles, edges and balls of two of them are to be kept apart, or of one with itself.

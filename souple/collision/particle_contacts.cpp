@@ -60,7 +60,8 @@ void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const
     if (!is_finite(sum)) hi = {infinity, infinity, infinity}, lo = -hi;
     const Vec3f size = hi - lo;
     const float margin = 2.2f * (sqrt(fastest) + step_.gravity * step_.dt) * step_.dt +
-                       (1 + max_margin) * largest_diameter_ + box_margin_part * max(size.x, max(size.y, size.z));
+                         (1 + max_margin) * largest_diameter_ +
+                         box_margin_part * max(size.x, max(size.y, size.z));
     const Vec3f margins{margin, margin, margin};
     const auto index = static_cast<std::uint32_t>(boxes_.size());
     boxes_.push_back({lo - margins, hi + margins, index, object.self_collision && object.moves});
@@ -103,7 +104,8 @@ void ParticleContacts::find_members(const ParticleView& particles, std::span<con
 
 void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                   std::span<const float> radius, std::span<const ContactObject> objects,
-                                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads) {
+                                  const ContactMaterialTable& materials, const ContactStep& step,
+                                  Threads& threads) {
   if (materials.rows() < objects.size() || materials.columns() < objects.size())
     throw Error("ParticleContacts: the surface matrix is smaller than objects x objects; build it anew");
   objects_ = objects, radius_ = radius;
@@ -163,7 +165,8 @@ void ParticleContacts::save_friction() {
   friction_cache_.clear();
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     if (tangential_displacement_[p] == Vec3f{}) continue;
-    friction_cache_.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
+    friction_cache_.push_back(
+        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
   }
   pairs_.clear();
 }
@@ -173,7 +176,8 @@ void ParticleContacts::restore_friction() {
   std::size_t next = 0;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const std::uint32_t i = members_[pairs_[p].i].particle, j = members_[pairs_[p].j].particle;
-    while (next < friction_cache_.size() && (friction_cache_[next].i < i || (friction_cache_[next].i == i && friction_cache_[next].j < j)))
+    while (next < friction_cache_.size() &&
+           (friction_cache_[next].i < i || (friction_cache_[next].i == i && friction_cache_[next].j < j)))
       ++next;
     if (next < friction_cache_.size() && friction_cache_[next].i == i && friction_cache_[next].j == j)
       tangential_displacement_[p] = friction_cache_[next].tangential_displacement;
@@ -186,7 +190,8 @@ std::vector<CachedFriction> ParticleContacts::friction_cache() const {
   std::vector<CachedFriction> result;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     if (tangential_displacement_[p] == Vec3f{}) continue;
-    result.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
+    result.push_back(
+        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
   }
   return result;
 }
@@ -208,7 +213,8 @@ void ParticleContacts::record_positions(const ParticleView& particles) {
     corner_ = {min(corner_.x, x.x), min(corner_.y, x.y), min(corner_.z, x.z)};
   }
   broad_phase_position_.clear();
-  for (const Member& member : members_) broad_phase_position_.push_back(particles.relative(member.particle, corner_));
+  for (const Member& member : members_)
+    broad_phase_position_.push_back(particles.relative(member.particle, corner_));
 }
 
 // Buckets of cells that follow each other along x follow each other in memory, so that three neighbors are
@@ -238,8 +244,8 @@ void ParticleContacts::sort_into_cells(float cell_size) {
   for (std::uint32_t& count : bucket_begin_) count = end += count;
   entries_.resize(members_.size());
   for (std::size_t m = members_.size(); m-- > 0;)
-    entries_[--bucket_begin_[bucket_of(cells_[m])]] = {broad_phase_position_[m], radius_[members_[m].particle],
-                                                       static_cast<std::uint32_t>(m), cells_[m]};
+    entries_[--bucket_begin_[bucket_of(cells_[m])]] = {
+        broad_phase_position_[m], radius_[members_[m].particle], static_cast<std::uint32_t>(m), cells_[m]};
 }
 
 // Members after `member` within reach, in their order.
@@ -433,7 +439,7 @@ void ParticleContacts::apply_restitution(const ParticleView& particles, std::spa
 }
 
 void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
-                                     std::span<Vec4f> velocity, float h) {
+                                            std::span<Vec4f> velocity, float h) {
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
@@ -441,9 +447,9 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   update_tangential_displacement(contact, particles, (u - n * u_n) * h);
   if (!(contact.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
-  const auto [change, restitution_velocity] =
-      solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-              2 * step_.gravity * h, contact.material, inverse_h);
+  const auto [change, restitution_velocity] = solve_restitution(
+      {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
+      2 * step_.gravity * h, contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
@@ -458,11 +464,12 @@ ContactReport ParticleContacts::report() const {
 
 // A pair that rubs with all its kinetic friction slides for good and owes nothing.
 void ParticleContacts::update_tangential_displacement(const Contact& contact, const ParticleView& particles,
-                                    const Vec3f& sliding) {
+                                                      const Vec3f& sliding) {
   Vec3f n;
   const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.radius_sum;
-  const bool slides = contact.normal_sum > 0 &&
-                      length(contact.tangent_sum) > 0.999f * contact.material.kinetic_friction * contact.normal_sum;
+  const bool slides =
+      contact.normal_sum > 0 &&
+      length(contact.tangent_sum) > 0.999f * contact.material.kinetic_friction * contact.normal_sum;
   Vec3f& tangential_displacement = tangential_displacement_[contact.pair];
   tangential_displacement = near && !slides ? tangential_displacement + sliding : Vec3f{};
 }
@@ -475,7 +482,8 @@ void ParticleContacts::events(const ParticleView& particles, std::vector<Contact
     const std::uint32_t i = contact.i, j = contact.j;
     const float mass = 1 / (particles.inverse_mass(i) + particles.inverse_mass(j));
     const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
-    out.push_back({i, j, point, contact.normal, (contact.normal_sum * inverse_h + contact.restitution_velocity) * mass});
+    out.push_back({i, j, point, contact.normal,
+                   (contact.normal_sum * inverse_h + contact.restitution_velocity) * mass});
   }
   std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
@@ -523,8 +531,8 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
 }
 
 std::size_t ParticleContacts::bytes() const {
-  return bytes_of(excluded_, boxes_, members_, broad_phase_position_, cells_, bucket_begin_, entries_, pairs_, tangential_displacement_,
-                  friction_cache_, contacts_);
+  return bytes_of(excluded_, boxes_, members_, broad_phase_position_, cells_, bucket_begin_, entries_, pairs_,
+                  tangential_displacement_, friction_cache_, contacts_);
 }
 
 }  // namespace souple

@@ -14,8 +14,8 @@ namespace souple {
 
 /// What a pair of particles has slid since friction last held it.
 struct CachedFriction {
-  std::uint32_t i = 0, j = 0;  ///< particles
-  Vec3f tangential_displacement{};               ///< of i relative to j [m]
+  std::uint32_t i = 0, j = 0;       ///< particles
+  Vec3f tangential_displacement{};  ///< of i relative to j [m]
 };
 
 /// Particles against particles: grains and the nodes of lattices. What has triangles or edges meets as a
@@ -106,14 +106,14 @@ class ParticleContacts final : public Projector {
     std::uint32_t i, j, pair;
     float radius_sum;  // r_i + r_j [m]
     ContactMaterialPair material;
-    bool fixed_normal;          // the normal holds for the substep
-    float slop;      // C may stay this negative: an old overlap leaves slowly [m]
-    Vec3f predicted;    // motion of i relative to j before any projection [m]
-    Vec3f normal;       // from j to i, of the last projection
-    float normal_sum = 0;   // sum of normal corrections of the distance [m]
-    Vec3f tangent_sum{};     // sum of tangential corrections of the distance [m]
+    bool fixed_normal;               // the normal holds for the substep
+    float slop;                      // C may stay this negative: an old overlap leaves slowly [m]
+    Vec3f predicted;                 // motion of i relative to j before any projection [m]
+    Vec3f normal;                    // from j to i, of the last projection
+    float normal_sum = 0;            // sum of normal corrections of the distance [m]
+    Vec3f tangent_sum{};             // sum of tangential corrections of the distance [m]
     float restitution_velocity = 0;  // relative normal velocity added by apply_restitution [m/s]
-    float depth = 0;    // what is left of the overlap of one that pushed [m]
+    float depth = 0;                 // what is left of the overlap of one that pushed [m]
   };
   /// Contacts [begin, end).
   struct Range {
@@ -166,8 +166,10 @@ class ParticleContacts final : public Projector {
   Range contacts_of(int color) const;
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;
-  void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity, float h);
-  void update_tangential_displacement(const Contact& contact, const ParticleView& particles, const Vec3f& sliding);
+  void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
+                            float h);
+  void update_tangential_displacement(const Contact& contact, const ParticleView& particles,
+                                      const Vec3f& sliding);
   template <class Vector>
   float largest_from_mean(const Vector& vector, Threads& threads);
 
@@ -183,19 +185,20 @@ class ParticleContacts final : public Projector {
   std::vector<Box> boxes_;
   std::vector<Member> members_;
   std::vector<Vec3f> broad_phase_position_;  // where each member was in the last broad phase
-  std::vector<Cell> cells_;    // of each member
+  std::vector<Cell> cells_;                  // of each member
   std::vector<std::uint32_t> bucket_begin_;
   std::vector<Entry> entries_;  // sorted by bucket, then member
   std::vector<Pair> pairs_;
-  std::vector<Vec3f> tangential_displacement_;            // of each pair: sliding that friction owes since it last held [m]
+  std::vector<Vec3f>
+      tangential_displacement_;  // of each pair: sliding that friction owes since it last held [m]
   std::vector<CachedFriction> friction_cache_;  // taken over from the last broad phase by the next
-  std::vector<Vec3d> chunk_sum_;        // of members
+  std::vector<Vec3d> chunk_sum_;                // of members
   std::vector<float> chunk_largest_;
-  std::vector<std::uint8_t> is_contact_;      // of each pair, in this substep
-  std::vector<std::uint32_t> next_color_;  // of each member: one more than its contacts have so far
-  std::vector<ColoredPair> colored_pairs_;            // in order of pairs
-  std::vector<std::uint32_t> sorted_;      // the same pairs by color
-  std::vector<Contact> contacts_;          // in the order of sorted_
+  std::vector<std::uint8_t> is_contact_;    // of each pair, in this substep
+  std::vector<std::uint32_t> next_color_;   // of each member: one more than its contacts have so far
+  std::vector<ColoredPair> colored_pairs_;  // in order of pairs
+  std::vector<std::uint32_t> sorted_;       // the same pairs by color
+  std::vector<Contact> contacts_;           // in the order of sorted_
   std::vector<std::uint32_t> color_begin_{0}, next_slot_;  // in contacts_
 };
 

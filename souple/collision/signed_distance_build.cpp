@@ -13,7 +13,8 @@ namespace souple {
 namespace {
 
 constexpr double margin_cells = SignedDistanceField::fine_cells;  // around the mesh, at least
-constexpr double rounding_factor = 1.000001;      // what lies on the surface, a whole spacing away, has either sign
+constexpr double rounding_factor =
+    1.000001;                           // what lies on the surface, a whole spacing away, has either sign
 constexpr double far_tolerance = 0.01;  // of distances far from the surface
 
 // Memory goes with the surface, so with spacing^-2.

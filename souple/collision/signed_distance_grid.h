@@ -18,7 +18,7 @@ struct SignedDistanceField::Grid {
   double spacing = 0;                 // [m]
   std::array<int, 3> blocks{};        // along each axis
   std::vector<float> corners;         // distances at the corners of blocks, x fastest [m]
-  std::vector<std::int32_t> slot;    // of each block among those that hold all their points
+  std::vector<std::int32_t> slot;     // of each block among those that hold all their points
   std::vector<float> points;          // their distances, block by block, x fastest [m]
   Vec3d lo{}, hi{};                   // of the mesh [m]
   std::vector<Vec3d> mesh_positions;  // as mended

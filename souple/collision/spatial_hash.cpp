@@ -16,10 +16,10 @@ namespace {
 constexpr std::size_t chunk_size = 4096;     // boxes
 constexpr std::size_t buckets_per_box = 2;   // of a grid, at least
 constexpr std::uint32_t block_buckets = 64;  // 4 x 4 x 4 cells
-constexpr int min_part_shift = 12;         // a part of the table counts its entries within the first cache
-constexpr std::size_t max_parts = 256;      // of the table
+constexpr int min_part_shift = 12;           // a part of the table counts its entries within the first cache
+constexpr std::size_t max_parts = 256;       // of the table
 constexpr float cell_per_side = 1.5f;        // of the median box
-constexpr float max_cells = 8388608;        // from the origin: up to there floats tell them apart
+constexpr float max_cells = 8388608;         // from the origin: up to there floats tell them apart
 
 float largest_side(const Bounds& box) {
   const Vec3f side = box.hi - box.lo;

@@ -128,7 +128,7 @@ class SpatialHash {
   int part_shift_ = 0;
   std::vector<std::uint8_t> grid_;                                   // of each box
   std::vector<std::array<std::uint32_t, grid_count + 1>> boxes_in_;  // of each chunk, by grid
-  std::vector<std::uint32_t> offset_;                                 // [part][chunk] in keyed_
+  std::vector<std::uint32_t> offset_;                                // [part][chunk] in keyed_
   std::vector<Keyed> keyed_;                                         // by part, then box
   std::vector<std::uint32_t> end_;                                   // bucket b: end_[b] to end_[b + 1]
   std::array<std::vector<float>, 3> lo_, hi_;                        // of each entry's box

@@ -30,7 +30,7 @@ struct Particles {
   std::vector<Vec4f> velocity;  ///< m/s
   std::vector<float> mass;      ///< kg, kept for pinned particles too
   std::vector<float> radius;    ///< half thickness for contacts [m]
-  std::vector<float> contact_margin;   ///< how far contacts of surfaces pushed it of late [m]
+  std::vector<float> contact_margin;  ///< how far contacts of surfaces pushed it of late [m]
 
   std::size_t size() const { return position.size(); }
 

@@ -62,7 +62,8 @@ class BrickSearch {
  private:
   static constexpr std::size_t plane = std::size_t{side} * side;
   static constexpr float spare = 1e-3f;
-  static constexpr double rounding_factor = 1.000001;  // what lies on the surface, a whole cell away, has either side
+  static constexpr double rounding_factor =
+      1.000001;  // what lies on the surface, a whole cell away, has either side
   static constexpr std::array<std::size_t, 3> strides = {plane, side, 1};
 
   /// A ball as seen from a brick: which of its points, plane by plane of x, may be near.

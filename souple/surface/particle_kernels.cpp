@@ -50,7 +50,7 @@ ParticleKernels::ParticleKernels(const SurfaceOptions& options)
     : options_(options),
       variance_(lattice_variance(options.neighbor_radius) * options.spacing * options.spacing),
       surrounded_count_(static_cast<std::size_t>(static_cast<float>(pi) * options.neighbor_radius *
-                                       options.neighbor_radius * options.neighbor_radius)) {}
+                                                 options.neighbor_radius * options.neighbor_radius)) {}
 
 void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, Threads& threads) {
   if (functions_ == nullptr) functions_ = &kernels::find_surface_kernels(instruction_set());
@@ -110,7 +110,8 @@ void ParticleKernels::smooth_shift(std::uint32_t sorted_index, std::span<const s
 //
 // lambda grows with the number of neighbors up to `few_neighbors`: drops of two or three particles would
 // fall together into one.
-void ParticleKernels::find_at(std::uint32_t sorted_index, std::span<const std::uint32_t> list, std::size_t count) {
+void ParticleKernels::find_at(std::uint32_t sorted_index, std::span<const std::uint32_t> list,
+                              std::size_t count) {
   const Vec4f& at = records_[sorted_index];
   ParticleKernel& kernel = kernels_[sorted_index];
   const float radius = options_.neighbor_radius * options_.spacing;

@@ -72,9 +72,9 @@ class SurfaceField {
   std::vector<State> state_;
   std::vector<std::uint64_t> inside_;
   std::vector<float> values_;
-  std::vector<std::uint32_t> list_;   // bricks evaluated so far, in the order of their evaluation
+  std::vector<std::uint32_t> list_;        // bricks evaluated so far, in the order of their evaluation
   std::vector<std::uint32_t> list_index_;  // of each evaluated brick in the list
-  std::size_t evaluated_count_ = 0;   // bricks in which the field was computed
+  std::size_t evaluated_count_ = 0;        // bricks in which the field was computed
   std::vector<Gathered> gathered_;
 };
 

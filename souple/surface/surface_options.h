@@ -20,7 +20,7 @@ struct SurfaceOptions {
   /// Support of the kernel of a particle inside the fluid.
   float kernel_radius = 3.25f;
   float isotropic_radius = 2;  ///< the same of isotropic ones
-  float max_axis_ratio = 4;     ///< of a kernel's axes, k_r
+  float max_axis_ratio = 4;    ///< of a kernel's axes, k_r
   /// With no more than so many neighbors a particle is a drop: a ball of support `drop_radius`.
   int few_neighbors = 12;
   float drop_radius = 0.8f;

@@ -19,7 +19,8 @@ TEST(ContactMaterial, GeometricMeanOfFrictionsAndLargerRestitution) {
 TEST(ContactMaterial, PairOverridesComeFirstInEitherOrder) {
   PairOverrides table;
   table.set("ice", "skate", {0.02f, 0.01f, 0.0f});
-  const std::vector<NamedContactMaterial> rows{{"skate", {1, std::nullopt, 0}}, {"shoe", {1, std::nullopt, 0}}};
+  const std::vector<NamedContactMaterial> rows{{"skate", {1, std::nullopt, 0}},
+                                               {"shoe", {1, std::nullopt, 0}}};
   const std::vector<NamedContactMaterial> columns{{"ice", {0.25f, std::nullopt, 0.5f}}};
   const ContactMaterialTable matrix(rows, columns, table);
   EXPECT_EQ(matrix.rows(), 2u);
