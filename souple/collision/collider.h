@@ -8,11 +8,11 @@
 
 namespace souple {
 
-/// A rigid obstacle that particles cannot enter and that they do not move.
+/// A rigid obstacle. Particles cannot enter it and do not move it.
 struct Collider {
   std::string name;
   Shape shape;
-  ColliderMotion motion;  ///< the pose of the shape's frame
+  ColliderMotion motion;  ///< pose of the shape's frame over time
   ContactMaterial material;
   bool enabled = true;
 };

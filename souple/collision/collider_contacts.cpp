@@ -14,7 +14,7 @@ namespace souple {
 namespace {
 
 constexpr double far_away = std::numeric_limits<double>::infinity();
-constexpr std::size_t particle_grain = 256;  // particles worth a thread
+constexpr std::size_t particle_grain = 256;  // least number of particles that pays for a thread
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void ColliderContacts::begin_step(const ParticleView& particles, std::span<const
                                   std::span<const Collider> colliders, const ContactMaterialTable& materials,
                                   const ContactStep& step, Threads& threads) {
   if (!colliders.empty() && (materials.rows() < objects.size() || materials.columns() < colliders.size()))
-    throw Error("ColliderContacts: the surface matrix is smaller than objects x colliders; build it anew");
+    throw Error("ColliderContacts: the material table is smaller than objects x colliders; rebuild it");
   colliders_ = colliders, objects_ = objects, radius_ = radius;
   materials_ = &materials;
   step_ = step;
@@ -59,9 +59,9 @@ void ColliderContacts::find_members() {
   }
 }
 
-// The margin is twice what a particle goes in a step at its present speed plus what gravity adds: forces and
-// neighbors change speeds, and a particle that leaves its margin costs a new broad phase. In the middle of a
-// step (h > 0) the speed is that of the predicted motion.
+// The margin is the particle's radius plus twice its path in a step at its present speed and under gravity:
+// forces and neighbors change speeds, and a particle that leaves its margin costs a new broad phase. In the
+// middle of a step (h > 0) the speed is that of the predicted motion.
 void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                        float h, Threads& threads) {
   candidates_.clear();
@@ -134,8 +134,8 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
   for (Body& body : bodies_) find_contacts(body, particles, substep.h, threads);
 }
 
-// Which particles are near is found on all threads, then counted in order on one: the contacts are the same,
-// in the same order, for any number of threads.
+// All threads find the near particles; one thread then counts them in order. So contacts and their order do
+// not depend on the number of threads.
 void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads) {
   const std::span<const Member> all = candidates_;
   const std::span<const Member> tested =
@@ -162,9 +162,9 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
   });
 }
 
-// A moving collider may go anywhere, so every particle is looked at in every substep: first against a ball.
-// The motion of a point at distance D from the ball's center, relative to the collider, is at most
-// |p - x| + |center's motion| + |R1 - R0| D.
+// The path of a moving collider is not known in advance, so every substep tests every particle, first against
+// the bounding ball. The motion of a point at distance D from the ball's center, relative to the collider, is
+// at most |p - x| + |center's motion| + |R1 - R0| D.
 bool ColliderContacts::may_touch(const Body& body, const Member& member,
                                  const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
@@ -174,9 +174,9 @@ bool ColliderContacts::may_touch(const Body& body, const Member& member,
   return D <= body.ball.radius + 2 * (motion + double(radius_[i]));
 }
 
-// How far the center is from the surface at the substep's end; far_away when it neither touched on the way
-// nor is likely to be pushed in by other constraints. Both ends in the collider's frame, where it stands
-// still.
+// Distance of the particle's center from the surface at the substep's end. far_away when the particle did not
+// touch the surface during the substep and other constraints are unlikely to push it in. Start and end of the
+// motion are in the collider's frame, where the collider is at rest.
 double ColliderContacts::distance_if_near(const Body& body, const Member& member,
                                           const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
@@ -232,9 +232,9 @@ void ColliderContacts::project(int color, std::size_t begin, std::size_t end, co
     project_one(body, contacts_[c], particles);
 }
 
-// dn = max(allowed - C, -pushed)          a contact pushes; later iterations may take back what it pushed
-// t  = (I - n n^T) (p - x - carried)      tangential displacement relative to the surface
-// rubbed' = rubbed - t                    cancels it all; beyond mu_s pushed it is cut to mu_k pushed
+// dn = max(slop - C, -N)                     N, the normal sum: never negative, later iterations may reduce
+// it t  = (I - n n^T) (p - x - surface motion)  tangential displacement relative to the surface T' = T - t
+// T, the tangent sum, cancels t; beyond mu_s N it is cut to mu_k N
 void ColliderContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
   const std::uint32_t i = contact.particle;
   const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));

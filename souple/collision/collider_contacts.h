@@ -11,57 +11,60 @@
 
 namespace souple {
 
-/// Particles against analytic colliders, static or moving.
+/// Contacts of particles with analytic colliders, static or moving.
 ///
 ///   C = n . (p - s) - r >= 0,   s the surface point, n the outward normal, r the particle's radius.
 ///
-/// How a step uses it:
-///   begin_step(...)                                 once: which particles may meet which collider
+/// Calls in a step:
+///   begin_step(...)                                 once: broad phase of particles and colliders
 ///   for each substep, at time t:
 ///     refresh(view, substep, t)                     after prediction: the contacts along x -> p,
 ///                                                   colliders t -> t + h
-///     project(color, view, substep)                each iteration: push out, friction
+///     project(color, view, substep)                each iteration: normal correction, friction
 ///     apply_restitution(view, velocities, substep)  after v = (p - x) / h
 ///     report(), events()
 ///
-/// n and s are read anew from the shape at each projection while the particle's center is outside the shape
-/// (outside a convex shape the normal is continuous, so it cannot flip). Where the center is inside, or the
-/// particle moves so fast that it may pass the shape within a substep, they are found once where the motion
-/// relative to the collider first touches the surface (sphere tracing), and that plane holds for the substep:
-/// a thin box lets nothing through and an edge does not throw a particle to its other side.
+/// While the particle's center is outside the shape, each projection reads n and s from the shape again
+/// (outside a convex shape the normal is continuous, so it cannot flip). Two cases use one plane for the
+/// whole substep. A center that starts inside takes the nearest surface at the substep's start. A particle
+/// fast enough to pass the shape within the substep takes the surface where its motion relative to the
+/// collider first touches it (sphere tracing). So no particle passes a thin box, and no edge moves a particle
+/// to the box's far side.
 ///
-/// Friction is solved with the positions (Macklin et al. 2014, section 6.1): the tangential displacement
-/// since the substep began, relative to that of the collider's surface, is canceled by corrections whose sum
-/// stays within mu times the sum of normal corrections, so any number of iterations gives the same law and
-/// nothing creeps. Particles of inverse mass 0 are ignored. No state outlives a step.
+/// Friction is solved with the positions (Macklin et al. 2014, section 6.1). Corrections cancel the
+/// tangential displacement since the substep began, relative to that of the collider's surface. Their sum
+/// stays within mu times the sum of normal corrections. So the law does not depend on the number of
+/// iterations, and resting particles do not creep. Particles of inverse mass 0 are ignored. No state outlives
+/// a step.
 class ColliderContacts final : public Projector {
  public:
-  /// `particles` as the last substep left them; spans are read during the call only, but `colliders`,
-  /// `objects`, `surfaces` and `radius` must live until the step ends. surfaces.at(object, collider). What a
-  /// motion callback throws passes through; the contacts are then empty.
+  /// `particles`: as the last substep left them. The table is read as materials.at(object, collider).
+  /// `colliders`, `objects`, `materials` and `radius` must live until the step ends, all other spans during
+  /// the call only. Exceptions of a motion callback pass through; the contacts are then empty.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const ContactObject> objects,
                   std::span<const Collider> colliders, const ContactMaterialTable& materials,
                   const ContactStep& step, Threads& threads);
 
-  /// The contacts of the substep [time, time + h]: call after prediction and before the first project.
+  /// Finds the contacts of the substep [time, time + h]. Call it after prediction and before the first
+  /// project.
   void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
 
-  /// Velocity of contacts that pushed, relative to the collider's surface: v_n becomes e times the approach
-  /// speed where that was above 2 |g| h, else 0. The approach speed is that of the predicted motion. What is
-  /// left of a push that only undid an overlap is taken out, never more than the contact itself put in.
-  /// Impulses added here bring their friction. `velocity` is m/s per particle.
+  /// For contacts with a normal impulse: sets v_n, the normal velocity relative to the collider's surface, to
+  /// e times the approach speed where that was above 2 |g| h, else to 0. The approach speed is that of the
+  /// predicted motion. Velocity that came from removing an overlap is taken out, but never more than the
+  /// contact itself added. Friction follows the change of the normal impulse. `velocity`: per particle [m/s].
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
 
   ContactReport report() const;
-  /// Appends the contacts that pushed during the last substep, in order of collider, then particle.
+  /// Appends the contacts with a normal impulse in the last substep, in order of collider, then particle.
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
   std::string_view kind() const override { return "collider contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
-  /// One color per collider: a particle meets each collider once.
+  /// One color per enabled collider: a particle has at most one contact with each.
   int color_count() const override { return static_cast<int>(bodies_.size()); }
   std::size_t color_size(int color) const override {
     const Body& body = bodies_[static_cast<std::size_t>(color)];
@@ -73,19 +76,19 @@ class ColliderContacts final : public Projector {
                const Substep& substep) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
-  /// Contacts live for one step; erasing between steps forgets them all.
   std::size_t bytes() const override;
+  /// Drops all contacts: they live for one step only.
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  /// A collider during the step.
+  /// An enabled collider during the step.
   struct Body {
     std::uint32_t collider = 0;
     bool moves = false;
-    RigidPose before, after;  // at the substep's begin and end
+    RigidPose before, after;  // at the start and end of the substep
     BoundingBall ball;
-    Vec3d center;                // of the ball, at the substep's end [m]
-    double shift = 0, turn = 0;  // what the center moves in a substep [m], and |R1 - R0|
+    Vec3d center;                // of the ball, world space, at the substep's end [m]
+    double shift = 0, turn = 0;  // how far the center moves in the substep [m]; |R1 - R0|
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
@@ -93,7 +96,7 @@ class ColliderContacts final : public Projector {
   struct Member {
     std::uint32_t particle, object;
   };
-  /// Where a member was in the last broad phase, and how far it may go before the next.
+  /// Position of a member in the last broad phase, and the distance it may move before the next one [m].
   struct BroadPhasePosition {
     Vec3d at;
     double margin;
@@ -102,22 +105,22 @@ class ColliderContacts final : public Projector {
     std::uint32_t particle;
     float radius;
     ContactMaterialPair material;
-    bool fixed_plane;                // the plane below holds for the whole substep
-    SurfaceDistance start;           // at the substep's begin, or where the motion first touched
-    double plane_offset;             // of the plane with normal start.normal, in the collider's frame [m]
-    float slop;                      // C may stay this negative: an old overlap leaves slowly [m]
+    bool fixed_plane;                // the plane below serves for the whole substep
+    SurfaceDistance start;           // surface at the substep's start, or at the first touch
+    double plane_offset;             // of the plane with normal start.normal, collider's frame [m]
+    float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
     Vec3f predicted;                 // motion relative to the surface before any projection [m]
     float normal_sum = 0;            // sum of normal corrections [m]
     Vec3f tangent_sum{};             // sum of tangential corrections [m]
-    Vec3f normal{};                  // world, of the last projection
-    Vec3f surface_motion{};          // what the surface moved in the substep at the contact [m]
-    float restitution_velocity = 0;  // normal velocity added by apply_restitution [m/s]
-    float depth = 0;                 // what is left of the overlap of one that pushed [m]
+    Vec3f normal{};                  // of the last projection, world space
+    Vec3f surface_motion{};          // displacement of the surface at the contact in the substep [m]
+    float restitution_velocity = 0;  // normal velocity that apply_restitution added [m/s]
+    float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
   };
   struct Gap {
     double C;       // m
     Vec3d normal;   // in the collider's frame
-    Vec3d surface;  // the surface point in the collider's frame
+    Vec3d surface;  // surface point in the collider's frame [m]
   };
 
   static Gap gap(const Shape& shape, const Contact& contact, const Vec3d& local);
@@ -142,13 +145,13 @@ class ColliderContacts final : public Projector {
   std::span<const float> radius_;
   const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
-  float last_h_ = 0;  // of the last refresh [s]
+  float last_h_ = 0;  // h of the last refresh [s]
   std::vector<Body> bodies_;
   std::vector<Member> members_;
   std::vector<BroadPhasePosition> broad_phase_;  // of each member
-  std::vector<Member> candidates_;               // of static bodies, body by body
-  std::vector<double> distance_;                 // of each member or candidate that a body may meet [m]
-  std::vector<std::uint32_t> near_;              // which of them it meets
+  std::vector<Member> candidates_;               // members near static bodies, body by body
+  std::vector<double> distance_;                 // per member or candidate: to the body's surface [m]
+  std::vector<std::uint32_t> near_;              // indices of those in contact with the body
   std::vector<Contact> contacts_;                // body by body
 };
 

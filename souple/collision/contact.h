@@ -4,47 +4,47 @@
 
 #include <cstdint>
 
-// What contact projectors have in common.
+// Types that all contact projectors share.
 
 namespace souple {
 
-/// An object as contacts see it: a range of particles with one surface. An object's index in the span given
-/// to begin_step is its row (and column) in the ContactMaterialTable, which may keep two of them apart. Ranges are
-/// disjoint and ascending.
+/// An object in contact detection: a range of particles with one contact material. Its index in the span that
+/// begin_step takes is its row (and column) in the ContactMaterialTable, which may disable a pair of objects.
+/// Ranges are disjoint and ascending.
 struct ContactObject {
   std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
-  bool moves = true;                 ///< two that do not are not compared, nor one with itself
+  bool moves = true;  ///< pairs of objects that do not move are skipped; so is such an object with itself
   bool collides_with_colliders = true;
-  bool self_collision = false;  ///< its particles against each other
-  std::uint32_t groups = 1;     ///< particles of two objects meet when a.groups & b.mask and
-  std::uint32_t mask = 0;       ///<   b.groups & a.mask are both non-zero
+  bool self_collision = false;  ///< between particles of this object
+  std::uint32_t groups = 1;     ///< bits; two objects a and b collide when a.groups & b.mask
+  std::uint32_t mask = 0;       ///<   and b.groups & a.mask are both non-zero
 };
 
-/// The whole step, known before its first substep.
+/// Data of a whole step, set before its first substep.
 struct ContactStep {
-  double time = 0;        ///< at the step's begin [s]
-  float dt = 0;           ///< its length [s]
-  float gravity = 9.81f;  ///< |g| [m/s^2]: approach slower than 2 |g| h does not bounce
-  /// How fast an overlap that was there before the substep is pushed out. [m/s]
+  double time = 0;        ///< at the start of the step [s]
+  float dt = 0;           ///< length of the step [s]
+  float gravity = 9.81f;  ///< |g| [m/s^2]: contacts that approach slower than 2 |g| h do not bounce
+  /// Speed at which an overlap older than the substep is removed [m/s].
   float depenetration_speed = 3.f;
-  float h = 0;  ///< the length of its substeps; 0: there is one [s]
+  float h = 0;  ///< length of a substep; 0: the step has only one [s]
 };
 
-/// One contact that pushed during the last substep.
+/// One contact that applied a normal impulse during the last substep.
 struct ContactPush {
   std::uint32_t particle = 0;
-  std::uint32_t other = 0;  ///< collider index, or second particle
-  Vec3f point{};            ///< on the surface, world space [m]
+  std::uint32_t other = 0;  ///< index of the collider or of the second particle
+  Vec3f point{};            ///< point of contact on the surface, world space [m]
   Vec3f normal{};           ///< unit, towards `particle`
   float impulse = 0;        ///< normal impulse on `particle` [N s]
 };
 
 struct ContactReport {
-  std::size_t count = 0;  ///< contacts that pushed during the last substep
-  float deepest = 0;      ///< largest penetration left after it [m]
+  std::size_t count = 0;  ///< contacts with a normal impulse in the last substep
+  float deepest = 0;      ///< largest penetration left after the last substep [m]
 };
 
-/// Of contacts that know how far they `pushed` and what `depth` is left.
+/// Report of contacts that have a `normal_sum` and the `depth` that is left.
 template <class Contacts>
 ContactReport report_of(const Contacts& contacts) {
   ContactReport report;

@@ -9,13 +9,13 @@
 
 namespace souple {
 
-/// Contacts column by column, as kernels read and write them.
+/// Contacts as columns (structure of arrays), the layout that kernels read and write.
 class ContactArrays {
  public:
-  /// They come and go by many: room for as many again.
+  /// Part of the size that is reserved beyond it: the number of contacts changes fast.
   static constexpr double spare = 1;
   std::size_t size() const { return particle_[0].size(); }
-  /// What is there keeps its values; sizes that were there before allocate nothing.
+  /// Existing contacts keep their values. A size that was reached before allocates nothing.
   void resize(std::size_t size) {
     for (auto& column : particle_) resize_with_spare(column, size, spare);
     for (auto& column : floats_) resize_with_spare(column, size, spare);

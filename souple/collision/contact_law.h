@@ -3,13 +3,13 @@
 #include "souple/collision/contact_material.h"
 #include "souple/math/vec3.h"
 
-// What a contact does, on T = float or a pack of floats: the same bits.
+// Friction and restitution of one contact, for T = float or a pack of floats. Both give the same bits.
 
 namespace souple {
 
-/// Coulomb's law for sums over a substep: the tangential correction that would stop all sliding is allowed up
-/// to mu_s times the normal correction; beyond, the surfaces slide and it is cut to mu_k times that.
-/// Corrections and their limit in one unit, meters or meters per second.
+/// Coulomb's law for sums over a substep. `sticking` is the tangential correction that would stop all
+/// sliding. It stands up to mu_s times the normal correction. Beyond that the contact slides, and the
+/// correction is cut to mu_k times the normal correction. All arguments have the same unit, m or m/s.
 template <class T>
 Vec3<T> within_friction(const Vec3<T>& sticking, T static_friction, T kinetic_friction, T normal) {
   const T size = length(sticking);
@@ -17,17 +17,17 @@ Vec3<T> within_friction(const Vec3<T>& sticking, T static_friction, T kinetic_fr
   return sticking * select(sticks, T(1), kinetic_friction * normal / select(sticks, T(1), size));
 }
 
-/// What two surfaces have done to one another in a substep.
+/// Corrections that a contact has applied since the substep began.
 template <class T>
 struct ContactSums {
-  T normal_sum;         ///< sum of normal corrections of the distance [m]
-  Vec3<T> tangent_sum;  ///< sum of tangential corrections of the distance [m]
+  T normal_sum;         ///< sum of normal corrections of the relative position, never negative [m]
+  Vec3<T> tangent_sum;  ///< sum of tangential corrections of the relative position [m]
 };
 
-/// One projection of C >= allowed with friction (Macklin et al. 2014, section 6.1): changes the sums, and
-/// returns by how much, which is what the distance changes by [m]. `moved`: of the first surface relative to
-/// the second since the substep began. Pushes are taken back where a neighbor's push made them too large, so
-/// the sum never pulls.
+/// One projection of C >= slop with friction (Macklin et al. 2014, section 6.1). Updates the sums and returns
+/// their change, which is the correction of the relative position [m]. `motion`: of the first side relative
+/// to the second since the substep began [m]. A correction that a neighboring contact made too large is
+/// partly undone, but the normal sum never falls below 0: contacts do not pull.
 template <class T>
 Vec3<T> solve_contact(ContactSums<T>& sums, T C, T slop, const Vec3<T>& n, const Vec3<T>& motion,
                       T static_friction, T kinetic_friction) {
@@ -48,17 +48,17 @@ inline Vec3f solve_contact(ContactSums<float>& sums, float C, float slop, const 
   return solve_contact(sums, C, slop, n, motion, material.static_friction, material.kinetic_friction);
 }
 
-/// What a contact that pushed does to velocities.
+/// Change of velocity by a contact whose normal sum is above 0.
 template <class T>
 struct Restitution {
   Vec3<T> change;          ///< of the relative velocity [m/s]
-  T restitution_velocity;  ///< its normal part [m/s]
+  T restitution_velocity;  ///< normal part of the change [m/s]
 };
 
-/// The relative velocity u along n becomes e times the speed of approach where that was above `slowest`, else
-/// 0; never by taking out more than the contact put in. Friction follows what that adds or takes: where
-/// several contacts hold one thing, each pushes more than its share and it is the sum of what is left that
-/// carries the weight. `approach`: of the predicted motion [m/s].
+/// Restitution: the normal part of the relative velocity u becomes e times the approach speed where that is
+/// above `threshold`, else 0. The change never removes more velocity than the contact added. Friction is then
+/// limited by the new normal sum: where several contacts support one object, each pushes more than its part,
+/// and only the sum of the remaining pushes carries the weight. `approach`: of the predicted motion [m/s].
 template <class T>
 Restitution<T> solve_restitution(const ContactSums<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach,
                                  T threshold, T restitution, T static_friction, T kinetic_friction,

@@ -40,7 +40,7 @@ void validate(const ContactMaterialPair& pair, std::string_view where) {
 }
 
 ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b) {
-  // The square root of each factor: no product to overflow, and equal frictions come out as they are.
+  // Root of each factor: the product cannot overflow. Equal frictions are returned unchanged.
   const auto mean = [](float x, float y) { return x == y ? x : std::sqrt(x) * std::sqrt(y); };
   const float static_friction = mean(a.friction, b.friction);
   const float kinetic_friction =

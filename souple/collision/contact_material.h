@@ -12,47 +12,49 @@
 
 namespace souple {
 
-/// How an object's or a collider's surface rubs and bounces.
+/// Friction and restitution of an object or a collider.
 struct ContactMaterial {
-  float friction = 0.5f;                    ///< static coefficient
-  std::optional<float> kinetic_friction{};  ///< the static one when absent
-  float restitution = 0;                    ///< in [0, 1]
+  float friction = 0.5f;                    ///< coefficient of static friction
+  std::optional<float> kinetic_friction{};  ///< coefficient; that of static friction when absent
+  float restitution = 0;                    ///< coefficient, in [0, 1]
 };
 
-/// The same for two surfaces that touch.
+/// Combined coefficients of two materials in contact.
 struct ContactMaterialPair {
   float static_friction = 0;
-  float kinetic_friction = 0;  ///< never above the static one
+  float kinetic_friction = 0;  ///< never above static_friction
   float restitution = 0;
 };
 
 /// Throws Error when a coefficient is negative or not finite, the kinetic friction is above the static one or
-/// the restitution above 1; `where` names the owner in the message.
+/// the restitution is above 1. `where` names the object or pair in the message.
 void validate(const ContactMaterial& material, std::string_view where);
 void validate(const ContactMaterialPair& pair, std::string_view where);
 
-/// The rule for two surfaces: geometric mean of the frictions, the larger restitution.
+/// Default rule for two materials: geometric mean of the frictions, the larger restitution.
 ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
 
-/// Which of the 32 collision groups something belongs to, and which it wants to meet; one bit each.
+/// Collision groups of an object or a collider, one bit for each of 32: those that it belongs to (`groups`)
+/// and those that it collides with (`mask`).
 struct CollisionFilter {
   std::uint32_t groups = 1;
   std::uint32_t mask = ~0u;
 };
 
-/// Two things meet when each belongs to a group that the other wants to meet.
+/// True when each side belongs to a group in the mask of the other side.
 inline bool may_collide(const CollisionFilter& a, const CollisionFilter& b) {
   return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
 }
 
-/// A surface and the name of the object or collider that has it.
+/// A material with the name and filter of its object or collider.
 struct NamedContactMaterial {
   std::string_view name;
   ContactMaterial material;
   CollisionFilter filter{};
 };
 
-/// Exceptions to the rule, by the names of objects and colliders; the order of the two names does not matter.
+/// Pairs of objects or colliders that deviate from the default rule, by name. The order of the two names does
+/// not matter.
 class PairOverrides {
  public:
   /// Throws Error when the pair is not valid.
@@ -60,10 +62,10 @@ class PairOverrides {
   const ContactMaterialPair* find(std::string_view a, std::string_view b) const;
   ContactMaterialPair resolve(const NamedContactMaterial& a, const NamedContactMaterial& b) const;
 
-  /// Whether the two collide at all; they do until told otherwise. A name with itself: whether it collides
-  /// with itself, if it would.
+  /// Enables or disables collisions of a pair; the default is enabled. The same name twice: disables the
+  /// object's self-collision, or leaves it as the object has it.
   void set_collide(std::string_view a, std::string_view b, bool collide);
-  /// The switch and the filters together. The filters do not say whether something collides with itself.
+  /// Combines set_collide and the filters. Filters do not apply to an object's self-collision.
   bool collide(const NamedContactMaterial& a, const NamedContactMaterial& b) const;
 
  private:
@@ -71,7 +73,7 @@ class PairOverrides {
   std::set<std::pair<std::string, std::string>> non_colliding_;
 };
 
-/// Every row against every column, looked up by index: what contacts read in a step.
+/// Combined materials of every row with every column, by index: the table that contacts read during a step.
 class ContactMaterialTable {
  public:
   ContactMaterialTable() = default;
@@ -81,7 +83,7 @@ class ContactMaterialTable {
   const ContactMaterialPair& at(std::size_t row, std::size_t column) const {
     return pairs_[row * columns_ + column];
   }
-  /// False: the two pass through each other.
+  /// False: row and column pass through each other.
   bool collide(std::size_t row, std::size_t column) const { return collide_[row * columns_ + column] != 0; }
   std::size_t rows() const { return columns_ == 0 ? 0 : pairs_.size() / columns_; }
   std::size_t columns() const { return columns_; }

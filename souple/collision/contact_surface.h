@@ -11,24 +11,25 @@
 
 namespace souple {
 
-/// What an object shows to others: triangles, loose edges and loose vertices over its particles. Spans live
-/// as long as whoever was given it uses them.
+/// Contact geometry of an object: triangles, edges without triangles, or particles alone. The spans must
+/// outlive all users of the struct.
 struct ContactSurface {
   std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
-  std::uint32_t reserved_end = 0;    ///< loose ones may come up to here; 0: up to `end`
-  std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< of particles, counted from `begin`
-  std::span<const Edge> edges{};
-  bool particles_only = false;  ///< grains: every particle is a ball of its radius
-  bool self_collision = false;  ///< triangles and edges of this object against each other
-  std::uint32_t groups = 1;     ///< two objects meet when a.groups & b.meets and b.groups & a.meets
-  std::uint32_t mask = ~0u;     ///< are both non-zero
-  bool immovable = false;       ///< an obstacle: nothing could move two of them apart
-  int layer = 0;  ///< the higher of two lies outside of the lower; 0: there is no order (layers.h)
-  std::vector<std::uint32_t> ignored_surfaces{};  ///< surfaces that it never meets, ascending
-  std::span<const Vec3d> rest{};  ///< of its particles: features near at rest may stay as near
+  std::uint32_t reserved_end = 0;    ///< end of the range for particles added later; 0: `end`
+  std::span<const std::array<std::uint32_t, 3>> triangles{};  ///< indices of particles, relative to `begin`
+  std::span<const Edge> edges{};                              ///< without triangles, such as those of ropes
+  bool particles_only = false;  ///< no triangles or edges: every particle is a ball of its radius
+  bool self_collision = false;  ///< between triangles and edges of this object
+  std::uint32_t groups = 1;     ///< bits; objects a and b collide when a.groups & b.mask and
+  std::uint32_t mask = ~0u;     ///<   b.groups & a.mask are both non-zero
+  bool immovable = false;       ///< an obstacle: no contact can move it, so two of them are not compared
+  int layer = 0;  ///< the surface with the higher layer lies outside of the lower one; 0: no order (layers.h)
+  std::vector<std::uint32_t> ignored_surfaces{};  ///< indices of surfaces it never collides with, ascending
+  /// Rest position of each particle [m]: elements that are near at rest may stay as near.
+  std::span<const Vec3d> rest{};
 };
 
-/// Whether triangles, edges and balls of two of them are to be kept apart, or of one with itself.
+/// Whether surface a collides with surface b; where a == b, whether it has self-collision.
 inline bool may_collide(std::span<const ContactSurface> surfaces, std::size_t a, std::size_t b) {
   const ContactSurface &one = surfaces[a], &other = surfaces[b];
   if (a == b) return one.self_collision;
