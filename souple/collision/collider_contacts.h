@@ -148,7 +148,7 @@ class ColliderContacts final : public Projector {
   float last_h_ = 0;  // h of the last refresh [s]
   std::vector<Body> bodies_;
   std::vector<Member> members_;
-  std::vector<BroadPhasePosition> broad_phase_;  // of each member
+  std::vector<BroadPhasePosition> broad_phase_;  // per member
   std::vector<Member> candidates_;               // members near static bodies, body by body
   std::vector<double> distance_;                 // per member or candidate: to the body's surface [m]
   std::vector<std::uint32_t> near_;              // indices of those in contact with the body

@@ -10,20 +10,21 @@
 namespace souple {
 namespace {
 
-// The margin as a part of the largest diameter: less means many broad phases, more means many idle pairs.
+// Limits of the margin, as parts of the largest diameter. Smaller margins cost more broad phases, larger ones
+// more pairs without contact.
 constexpr float min_margin = 0.1f;
 constexpr float max_margin = 1.0f;
-// Objects are looked at in detail when their boxes meet; boxes are larger by this part of their size than
-// what velocities ask for: something may be pulled along within the step.
+// Only particles of objects whose boxes overlap enter the broad phase. Boxes grow by this part of their size
+// beyond their velocities' margin: an object may be dragged along within the step.
 constexpr float box_margin_part = 0.125f;
-constexpr std::size_t pair_grain = 256;  // pairs worth a thread
+constexpr std::size_t pair_grain = 256;  // least number of pairs that pays for a thread
 constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::max();
 
 std::int32_t cell_index(float x, float cell_size) {
   return static_cast<std::int32_t>(std::floor(min(double(x) / double(cell_size), 1e9)));
 }
 
-// The first moment in [0, 1] when |d + s motion| = reach, from outside; negative when there is none.
+// The first s in [0, 1] with |d + s motion| = radius_sum, from outside; negative when there is none.
 float first_touch(const Vec3f& d, const Vec3f& motion, float radius_sum) {
   const Vec3d d0(d), m(motion);
   const double a = dot(m, m), b = dot(d0, m), c = dot(d0, d0) - double(radius_sum) * double(radius_sum);
@@ -42,8 +43,8 @@ bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) 
   return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
 }
 
-// Where each object may go within the step: its box, with room for its fastest particle and for surprises. A
-// number that is not finite makes the box endless.
+// Bounds of each object's motion within the step: its box, with margins for its fastest particle and for
+// being dragged along. A position or velocity that is not finite makes the box infinite.
 void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   boxes_.clear();
@@ -68,8 +69,8 @@ void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const
   }
 }
 
-// Objects whose boxes meet that of one they interact with: in order of their lower corners along x, each
-// looks at those that begin before it ends.
+// Marks objects whose box overlaps that of an object they interact with. Boxes are sorted by their lower
+// corners along x; each is compared with those that begin before it ends (sort and sweep).
 void ParticleContacts::find_near_objects() {
   std::sort(boxes_.begin(), boxes_.end(), [](const Box& a, const Box& b) {
     return a.lo.x < b.lo.x || (a.lo.x == b.lo.x && a.object < b.object);
@@ -84,7 +85,7 @@ void ParticleContacts::find_near_objects() {
   std::sort(boxes_.begin(), boxes_.end(), [](const Box& a, const Box& b) { return a.object < b.object; });
 }
 
-// Particles of objects that may meet another, or themselves, within the step.
+// Particles of objects that may collide with another object, or with themselves, within the step.
 void ParticleContacts::find_members(const ParticleView& particles, std::span<const Vec4f> velocity) {
   members_.clear();
   largest_diameter_ = 0;
@@ -99,7 +100,7 @@ void ParticleContacts::find_members(const ParticleView& particles, std::span<con
     const ContactObject& object = objects_[box.object];
     for (std::uint32_t i = object.begin; i < object.end; ++i) members_.push_back({i, box.object});
   }
-  if (members_.empty()) largest_diameter_ = 0;  // nothing to look for
+  if (members_.empty()) largest_diameter_ = 0;  // no pair is possible
 }
 
 void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
@@ -107,7 +108,7 @@ void ParticleContacts::begin_step(const ParticleView& particles, std::span<const
                                   const ContactMaterialTable& materials, const ContactStep& step,
                                   Threads& threads) {
   if (materials.rows() < objects.size() || materials.columns() < objects.size())
-    throw Error("ParticleContacts: the surface matrix is smaller than objects x objects; build it anew");
+    throw Error("ParticleContacts: the material table is smaller than objects x objects; rebuild it");
   objects_ = objects, radius_ = radius;
   materials_ = &materials;
   step_ = step;
@@ -119,8 +120,8 @@ void ParticleContacts::begin_step(const ParticleView& particles, std::span<const
   find_pairs(particles, 2.2f * largest_from_mean(speed, threads) * step.dt);
 }
 
-// The largest distance of any member's vector from their mean: a heap that falls as one needs no margin. Sums
-// of chunks of one size are added in order: the same bits for any number of threads.
+// The largest distance of a member's vector from the mean of all: a heap that falls as a whole needs no
+// margin. Chunks have one size and their sums are added in order: the same bits for any number of threads.
 template <class Vector>
 float ParticleContacts::largest_from_mean(const Vector& vector, Threads& threads) {
   constexpr std::size_t chunk = 1024;
@@ -159,7 +160,8 @@ void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_ma
   restore_friction();
 }
 
-// Pairs are in order of (i, j), as particles as well as members: each object's are one ascending range.
+// Pairs are in order of (i, j), both as members and as particles: the particles of each object are one
+// ascending range.
 void ParticleContacts::save_friction() {
   if (pairs_.empty()) return;
   friction_cache_.clear();
@@ -217,14 +219,13 @@ void ParticleContacts::record_positions(const ParticleView& particles) {
     broad_phase_position_.push_back(particles.relative(member.particle, corner_));
 }
 
-// Buckets of cells that follow each other along x follow each other in memory, so that three neighbors are
-// one row.
+// Cells that are neighbors along x have neighboring buckets, so that three of them are contiguous in memory.
 std::uint32_t ParticleContacts::bucket_of_row(std::int32_t y, std::int32_t z) const {
   return static_cast<std::uint32_t>(y) * 2654435761u ^ static_cast<std::uint32_t>(z) * 2246822519u;
 }
 
-// Counting sort: bucket_begin_ counts, then ends, then begins of buckets; members keep their order in a
-// bucket.
+// Counting sort. bucket_begin_ holds the counts, then the ends, then the begins of buckets. Members keep
+// their order within a bucket.
 void ParticleContacts::sort_into_cells(float cell_size) {
   std::size_t buckets = 64;
   while (buckets < 2 * members_.size()) buckets *= 2;
@@ -248,7 +249,6 @@ void ParticleContacts::sort_into_cells(float cell_size) {
         broad_phase_position_[m], radius_[members_[m].particle], static_cast<std::uint32_t>(m), cells_[m]};
 }
 
-// Members after `member` within reach, in their order.
 void ParticleContacts::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
   for (auto& pair : pairs)
     if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
@@ -262,6 +262,7 @@ bool ParticleContacts::is_excluded(std::uint32_t i, std::uint32_t j) const {
                             std::array<std::uint32_t, 2>{std::min(i, j), std::max(i, j)});
 }
 
+// Appends the pairs of `member` with later members within the margin, in their order.
 void ParticleContacts::append_pairs_of(std::uint32_t member) {
   const Cell cell = cells_[member];
   if (cell.x == nowhere) return;
@@ -273,7 +274,7 @@ void ParticleContacts::append_pairs_of(std::uint32_t member) {
     for (std::size_t e = bucket_begin_[begin]; e < bucket_begin_[end]; ++e) {
       const Entry& other = entries_[e];
       const float search_radius = r + other.radius;
-      // One branch, not four: which of them fails is a coin's toss.
+      // One branch, not four: the outcome of each is random to a branch predictor.
       const bool near = (other.member > member) & (other.cell.y == y) & (other.cell.z == z) &
                         (length_squared(at - other.at) < search_radius * search_radius);
       if (near && interact(members_[member].object, members_[other.member].object) &&
@@ -286,7 +287,7 @@ void ParticleContacts::append_pairs_of(std::uint32_t member) {
       const std::size_t begin = (bucket_of_row(y, z) + static_cast<std::uint32_t>(cell.x) - 1u) & mask;
       const std::size_t end = min(begin + 3, mask + 1);
       scan(begin, end, y, z);
-      if (end - begin < 3) scan(0, 3 - (end - begin), y, z);  // the row goes on at the table's begin
+      if (end - begin < 3) scan(0, 3 - (end - begin), y, z);  // the row continues at the table's begin
     }
   }
   std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(),
@@ -325,7 +326,8 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
   });
 }
 
-// Neither touched on the way nor likely to be pushed together by other constraints: no contact.
+// False for pairs that did not touch during the substep and that other constraints are unlikely to push
+// together: they get no contact.
 bool ParticleContacts::may_touch(std::uint32_t pair, const ParticleView& particles) const {
   const std::uint32_t i = members_[pairs_[pair].i].particle, j = members_[pairs_[pair].j].particle;
   if (!(particles.inverse_mass(i) + particles.inverse_mass(j) > 0)) return false;
@@ -333,14 +335,14 @@ bool ParticleContacts::may_touch(std::uint32_t pair, const ParticleView& particl
   return length(particles.difference(i, j)) < 1.1f * (radius_[i] + radius_[j]) + path;
 }
 
-// In order of (i, j) a contact takes the color after the highest that its two particles have so far. Solving
-// color after color then gives, to the bit, what solving one contact after the other in order of (i, j)
-// gives, as two contacts of one particle keep their order; and backwards what the reverse order gives. That
-// order carries a push from the floor up through a heap in one sweep, and down again in the next. A greedy
-// coloring needs fewer colors, but loses it: a heap of 288 grains lay 0.069 m high instead of 0.08, and
-// still crept after six seconds.
+// In order of (i, j), a contact takes the color after the highest that its two particles have so far. So two
+// contacts of one particle keep their order. Solving color after color then equals, to the bit, solving one
+// contact after another in order of (i, j); colors in reverse order equal the reverse order. This order
+// carries a push from the floor up through a heap in one sweep, and down again in the next. Greedy coloring
+// needs fewer colors but loses the order: a heap of 288 grains lay 0.069 m high instead of 0.08, and still
+// crept after six seconds.
 //
-// A particle that cannot move takes no color: a pinned cloth under a thousand grains keeps nobody waiting.
+// A particle that cannot move takes no color, so a pinned cloth does not serialize a thousand grains on it.
 void ParticleContacts::color_contacts(const ParticleView& particles) {
   next_color_.assign(members_.size(), 0);
   colored_pairs_.clear();
@@ -377,7 +379,8 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const float overlap = apart_before - radius_sum;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed * h);
-    contact.fixed_normal = dot(from, to) < 0;  // centers passed each other: part them the way they came
+    contact.fixed_normal =
+        dot(from, to) < 0;  // the centers passed each other: separate them along the old normal
   } else if (length(motion) > 0.25f * radius_sum) {
     const float s = first_touch(from, motion, radius_sum);
     contact.fixed_normal = s >= 0;
@@ -386,13 +389,13 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   return contact;
 }
 
-// Contacts of what comes as `color` in this sweep.
+// Contacts of the color that is number `color` in this sweep's order.
 ParticleContacts::Range ParticleContacts::contacts_of(int color) const {
   const auto c = static_cast<std::size_t>(sweeps_.backwards() ? color_count() - 1 - color : color);
   return {color_begin_[c], color_begin_[c + 1]};
 }
 
-// C and the normal at a difference x_i - x_j.
+// Returns C and sets the normal, for a difference x_i - x_j.
 float ParticleContacts::gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const {
   normal = contact.normal;
   if (contact.fixed_normal) return dot(normal, difference) - contact.radius_sum;
@@ -408,8 +411,8 @@ void ParticleContacts::project(int color, std::size_t begin, std::size_t end, co
   sweeps_.projected(end - begin, contacts_.size());
 }
 
-// As in collider_contacts.cpp, on the difference of two particles: its correction is shared out by inverse
-// mass. dx_i = w_i / (w_i + w_j) dx,   dx_j = -w_j / (w_i + w_j) dx
+// As in collider_contacts.cpp, for the difference of two particles. Its correction dx is split by inverse
+// mass: dx_i = w_i / (w_i + w_j) dx,   dx_j = -w_j / (w_i + w_j) dx
 void ParticleContacts::project_one(Contact& contact, const ParticleView& particles) const {
   const std::uint32_t i = contact.i, j = contact.j;
   Vec3f n;
@@ -422,7 +425,7 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  // What cannot move is shared between contacts of a color: nobody may write to it.
+  // Contacts of one color may share a particle that cannot move: no thread may write to it.
   if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
   if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
 }
@@ -462,7 +465,8 @@ ContactReport ParticleContacts::report() const {
   return report_of(contacts_);
 }
 
-// A pair that rubs with all its kinetic friction slides for good and owes nothing.
+// The displacement starts again at 0 for a pair that slides, at the limit of its kinetic friction, and for a
+// pair that is apart by 2 % of its radii's sum or more.
 void ParticleContacts::update_tangential_displacement(const Contact& contact, const ParticleView& particles,
                                                       const Vec3f& sliding) {
   Vec3f n;

@@ -12,30 +12,32 @@
 
 namespace souple {
 
-/// What a pair of particles has slid since friction last held it.
+/// Friction state of a pair of particles that is kept from step to step.
 struct CachedFriction {
   std::uint32_t i = 0, j = 0;       ///< particles
-  Vec3f tangential_displacement{};  ///< of i relative to j [m]
+  Vec3f tangential_displacement{};  ///< of i relative to j since the pair last slid [m]
 };
 
-/// Particles against particles: grains and the nodes of lattices. What has triangles or edges meets as a
-/// surface (surface_contacts.h).
+/// Contacts between particles: grains and the nodes of lattices. Objects with triangles or edges collide as
+/// surfaces (surface_contacts.h).
 ///
 ///   C = |x_i - x_j| - (r_i + r_j) >= 0
 ///
-/// Used like ColliderContacts: begin_step once, then per substep refresh, project, apply_restitution. The
-/// broad phase is a uniform grid, sorted by counting; it runs once per step with a margin for motion relative
-/// to the mean, and again in the middle of a step when some particle has left its margin. Contacts are
-/// solved as if one after the other (Gauss-Seidel) in order of (i, j), every second sweep backwards; they
-/// are colored anew in each substep such that this holds, and those of one color share no particle that can
-/// move. The order depends on positions and indices alone. Corrections are equal and opposite: momentum is
-/// kept to rounding. Friction and restitution follow the same rules as for colliders. A pair that is apart
-/// before and after a substep but met in between is caught where both particles are still in each other's
-/// margin (at most one largest diameter).
+/// Use it like ColliderContacts: begin_step once, then per substep refresh, project, apply_restitution. The
+/// broad phase is a uniform grid, filled by counting sort. It runs once per step with a margin for motion
+/// relative to the mean, and again in the middle of a step when a particle has left its margin.
+///
+/// The result is that of solving contacts one after another (Gauss-Seidel) in order of (i, j), every second
+/// sweep in reverse order. Each substep colors the contacts so that this holds; contacts of one color share
+/// no particle that can move. The order depends on positions and indices alone. Corrections are equal and
+/// opposite: momentum is conserved to rounding. Friction and restitution follow the law of collider contacts.
+///
+/// A pair may be apart before and after a substep and yet collide within it. It is found while both particles
+/// are within each other's margin (at most one largest diameter).
 class ParticleContacts final : public Projector {
  public:
-  /// As for ColliderContacts; surfaces.at(object, object). `objects`, `surfaces` and `radius` must live until
-  /// the step ends.
+  /// As for ColliderContacts; the table is read as materials.at(object, object). `objects`, `materials` and
+  /// `radius` must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const ContactObject> objects,
                   const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
@@ -43,23 +45,24 @@ class ParticleContacts final : public Projector {
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
 
-  /// What must be kept of one step for the next, in order of (i, j), and its restoration: for checkpoints and
-  /// snapshots. Particles erased in between are dropped and the rest renumbered.
+  /// Friction state that one step passes to the next, in order of (i, j), and its restoration: for
+  /// checkpoints and snapshots. erase_particles drops the entries of erased particles and renumbers the
+  /// others.
   std::vector<CachedFriction> friction_cache() const;
   void set_friction_cache(std::span<const CachedFriction> cache);
 
-  /// Pairs of particles that never touch each other, such as tied ones. Replaces the pairs of an earlier
-  /// call.
+  /// Pairs of particles that never collide, such as those of distance joints. Replaces the pairs of earlier
+  /// calls.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
 
   ContactReport report() const;
-  /// Appends the contacts that pushed during the last substep, in order of (i, j).
+  /// Appends the contacts with a normal impulse in the last substep, in order of (i, j).
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
   std::string_view kind() const override { return "particle contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
-  /// As many as the longest chain of contacts (i, j), (j, k), ... of ascending particles has, at least.
+  /// At least the number of contacts in the longest chain (i, j), (j, k), ... of ascending particles.
   int color_count() const override { return static_cast<int>(color_begin_.size()) - 1; }
   std::size_t color_size(int color) const override {
     const Range range = contacts_of(color);
@@ -75,28 +78,28 @@ class ParticleContacts final : public Projector {
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  std::vector<std::array<std::uint32_t, 2>> excluded_;  // each ascending, sorted
+  std::vector<std::array<std::uint32_t, 2>> excluded_;  // sorted; each pair ascending
   bool is_excluded(std::uint32_t i, std::uint32_t j) const;
 
-  /// A particle that takes part.
+  /// A particle in the broad phase.
   struct Member {
     std::uint32_t particle, object;
   };
   struct Cell {
     std::int32_t x, y, z;
   };
-  /// A member in the grid; copied there, so that neighbors are read in a row.
+  /// A member in the grid: a copy, so that neighbors are contiguous in memory.
   struct Entry {
     Vec3f at;
     float radius;
     std::uint32_t member;
     Cell cell;
   };
-  /// Where an object may be within the step.
+  /// Bounds of an object's motion within the step.
   struct Box {
     Vec3f lo, hi;
     std::uint32_t object;
-    bool near;  ///< to one that it interacts with
+    bool near;  ///< the box overlaps that of an object it interacts with
   };
   /// Members i < j that may touch before the next broad phase.
   struct Pair {
@@ -106,21 +109,21 @@ class ParticleContacts final : public Projector {
     std::uint32_t i, j, pair;
     float radius_sum;  // r_i + r_j [m]
     ContactMaterialPair material;
-    bool fixed_normal;               // the normal holds for the substep
-    float slop;                      // C may stay this negative: an old overlap leaves slowly [m]
+    bool fixed_normal;               // the normal does not change in the substep
+    float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
     Vec3f predicted;                 // motion of i relative to j before any projection [m]
     Vec3f normal;                    // from j to i, of the last projection
-    float normal_sum = 0;            // sum of normal corrections of the distance [m]
-    Vec3f tangent_sum{};             // sum of tangential corrections of the distance [m]
-    float restitution_velocity = 0;  // relative normal velocity added by apply_restitution [m/s]
-    float depth = 0;                 // what is left of the overlap of one that pushed [m]
+    float normal_sum = 0;            // sum of normal corrections of x_i - x_j [m]
+    Vec3f tangent_sum{};             // sum of tangential corrections of x_i - x_j [m]
+    float restitution_velocity = 0;  // relative normal velocity that apply_restitution added [m/s]
+    float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
   };
   /// Contacts [begin, end).
   struct Range {
     std::size_t begin, end;
   };
-  /// How often all contacts were projected: the part that comes last, of whichever thread, ends a sweep. So
-  /// nobody reads the number of sweeps while it changes.
+  /// Counts sweeps over all contacts. The call that projects the last contacts of a sweep ends it, whichever
+  /// thread makes it. So no thread reads the count while it changes.
   class Sweeps {
    public:
     Sweeps() = default;
@@ -140,10 +143,10 @@ class ParticleContacts final : public Projector {
     }
 
    private:
-    std::atomic<std::size_t> left_{0};  // contacts, in this sweep
+    std::atomic<std::size_t> left_{0};  // contacts not yet projected in this sweep
     std::size_t done_ = 0;
   };
-  /// A pair that makes a contact in this substep.
+  /// A pair that has a contact in this substep.
   struct ColoredPair {
     std::uint32_t pair, color;
   };
@@ -177,29 +180,28 @@ class ParticleContacts final : public Projector {
   std::span<const float> radius_;
   const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
-  float last_h_ = 0;  // of the last refresh [s]
+  float last_h_ = 0;  // h of the last refresh [s]
   float largest_diameter_ = 0;
-  float margin_ = 0;  // of the last broad phase: two members may approach each other this much [m]
-  Sweeps sweeps_;     // of this step; odd ones go backwards
-  Vec3f corner_{};    // of the grid; positions below are relative to it
+  float margin_ = 0;  // of the last broad phase: how far two members may approach each other [m]
+  Sweeps sweeps_;     // of this step; odd sweeps run in reverse order
+  Vec3f corner_{};    // lower corner of the grid [m]; positions below are relative to it
   std::vector<Box> boxes_;
   std::vector<Member> members_;
-  std::vector<Vec3f> broad_phase_position_;  // where each member was in the last broad phase
-  std::vector<Cell> cells_;                  // of each member
+  std::vector<Vec3f> broad_phase_position_;  // per member, of the last broad phase [m]
+  std::vector<Cell> cells_;                  // per member
   std::vector<std::uint32_t> bucket_begin_;
   std::vector<Entry> entries_;  // sorted by bucket, then member
   std::vector<Pair> pairs_;
-  std::vector<Vec3f>
-      tangential_displacement_;  // of each pair: sliding that friction owes since it last held [m]
-  std::vector<CachedFriction> friction_cache_;  // taken over from the last broad phase by the next
-  std::vector<Vec3d> chunk_sum_;                // of members
+  std::vector<Vec3f> tangential_displacement_;  // per pair: that friction has not canceled yet [m]
+  std::vector<CachedFriction> friction_cache_;  // from one broad phase to the next
+  std::vector<Vec3d> chunk_sum_;                // per chunk of members
   std::vector<float> chunk_largest_;
-  std::vector<std::uint8_t> is_contact_;    // of each pair, in this substep
-  std::vector<std::uint32_t> next_color_;   // of each member: one more than its contacts have so far
+  std::vector<std::uint8_t> is_contact_;    // per pair: 1 when it has a contact in this substep
+  std::vector<std::uint32_t> next_color_;   // per member: one above the highest color of its contacts
   std::vector<ColoredPair> colored_pairs_;  // in order of pairs
-  std::vector<std::uint32_t> sorted_;       // the same pairs by color
+  std::vector<std::uint32_t> sorted_;       // pairs with a contact, by color
   std::vector<Contact> contacts_;           // in the order of sorted_
-  std::vector<std::uint32_t> color_begin_{0}, next_slot_;  // in contacts_
+  std::vector<std::uint32_t> color_begin_{0}, next_slot_;  // per color: index in contacts_
 };
 
 }  // namespace souple
