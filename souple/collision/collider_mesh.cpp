@@ -11,7 +11,7 @@
 namespace souple {
 namespace {
 
-/// Which of the box's six sides a normal belongs to.
+/// Index of the side of a box (0 to 5) that a normal belongs to.
 int side_of(const Vec3d& normal) {
   int axis = 0;
   for (int k = 1; k < 3; ++k)
@@ -24,8 +24,8 @@ Vec3d face_normal(const TriangleMesh& mesh, const Triangle& t) {
   return normalized(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
 }
 
-/// Copies a mesh and moves it to `center`. `crease(face normal)` tells the smooth patches of the surface
-/// apart, vertices between patches are doubled; `normal(vertex, face normal)` gives the normal there.
+/// Copies a mesh and moves it to `center`. `crease(face normal)` returns the number of a triangle's smooth
+/// patch; vertices between patches are doubled. `normal(vertex, face normal)` returns the normal at a vertex.
 template <class Crease, class Normal>
 ColliderMesh creased(const TriangleMesh& mesh, const Vec3f& center, const Crease& crease,
                      const Normal& normal) {
@@ -99,7 +99,7 @@ struct MeshOf {
         });
   }
 
-  /// Its mesh, sharp where that is.
+  /// The field's mesh, with its sharp edges.
   ColliderMesh operator()(const SignedDistanceField& field) const {
     CreasedSurface surface(field.positions(), field.triangles());
     std::vector<Vec3f> positions;

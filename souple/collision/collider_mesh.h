@@ -7,8 +7,8 @@
 
 namespace souple {
 
-/// What a collider looks like, in its own frame: smooth where the shape is, sharp at the edges of boxes and
-/// cylinders.
+/// Triangle mesh for drawing a collider, in its own frame: smooth where the shape is smooth, sharp at the
+/// edges of boxes and cylinders.
 struct ColliderMesh {
   std::vector<Vec3f> positions;  ///< on the shape's surface [m]
   std::vector<Vec3f> normals;    ///< unit, outward; one per position

@@ -14,8 +14,8 @@ bool is_finite(const Quatd& q) {
   return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);
 }
 
-// slerp(a, b, s) = (sin((1 - s) angle) a + sin(s angle) b) / sin(angle)   (Shoemake 1985); for angles whose
-// sine vanishes the chord is the arc.
+// slerp(a, b, s) = (sin((1 - s) angle) a + sin(s angle) b) / sin(angle)   (Shoemake 1985). For angles too
+// small for a division by their sine, linear interpolation is as good.
 Quatd slerp(const Quatd& a, Quatd b, double s) {
   double cosine = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
   if (cosine < 0) {
@@ -46,7 +46,7 @@ ColliderMotion ColliderMotion::keyframes(std::vector<PoseKey> keys, bool loop, s
     const std::string key = fmt::format("{}: keyframe {}", where, k);
     if (!std::isfinite(keys[k].time) || !souple::is_finite(keys[k].translation) ||
         !is_finite(keys[k].rotation))
-      throw Error(key + " holds a number that is not finite");
+      throw Error(key + " has a number that is not finite; expected finite numbers");
     if (k > 0 && !(keys[k].time > keys[k - 1].time))
       throw Error(key + " is not later than the one before it; expected times that increase");
     keys[k].rotation = normalized(keys[k].rotation);

@@ -8,15 +8,15 @@
 
 namespace souple {
 
-/// A pose at a moment.
+/// A pose at a time.
 struct PoseKey {
   double time = 0;  ///< s
   Vec3d translation{};
   Quatd rotation{};
 };
 
-/// Where a collider is as a function of time: fixed, through keyframes, or asked of a callback. Poses are
-/// rigid: `scale` of a Transform is ignored here and always 1 in what comes out.
+/// The pose of a collider as a function of time: fixed, by keyframes, or by a callback. Poses are rigid: the
+/// `scale` of a Transform is ignored in input and 1 in output.
 class ColliderMotion {
  public:
   using Callback = std::function<Transform(double time)>;
@@ -26,27 +26,27 @@ class ColliderMotion {
 
   static ColliderMotion fixed(const Transform& pose);
   /// Translations are interpolated linearly, rotations along the shorter arc at constant speed (slerp).
-  /// Before the first and after the last key the pose stays; with `loop` the time wraps round to the first
-  /// key. Throws Error when there is no key, times do not increase strictly or a number is not finite;
+  /// Before the first and after the last key the pose is constant; with `loop` the time wraps around to the
+  /// first key. Throws Error when there is no key, times do not increase strictly or a number is not finite.
   /// `where` names the collider in the message.
   static ColliderMotion keyframes(std::vector<PoseKey> keys, bool loop = false,
                                   std::string_view where = "collider");
-  /// Asked at every substep, for its begin and its end; must answer alike when asked twice. Throws Error when
-  /// the callback is empty.
+  /// The callback is called in every substep, for its start and its end. It must return the same pose for the
+  /// same time. Throws Error when it is empty.
   static ColliderMotion callback(Callback callback);
 
-  /// The pose at `time` [s], its rotation normalized. What a callback throws passes through: the world
-  /// catches it. Throws Error when a callback's pose is not finite.
+  /// The pose at `time` [s], with a normalized rotation. Exceptions of a callback pass through: the world
+  /// catches them. Throws Error when a callback's pose is not finite.
   Transform at(double time) const;
 
-  /// True when a loop whose ends differ starts again between the two times: the collider is then somewhere
-  /// else at once, and has no velocity that it could pass on.
+  /// True when a loop whose first and last poses differ restarts between the two times. The collider then
+  /// changes its pose at once, without a velocity that contacts could take over.
   bool jumps(double from, double to) const;
 
   /// True when the pose can never change.
   bool is_static() const { return !callback_ && keys_.size() <= 1; }
 
-  /// What it was made of, for those who write scenes back: one key or none when fixed, none for a callback.
+  /// The keys it was made of, for scene writers: one or none when fixed, none for a callback.
   const std::vector<PoseKey>& keys() const { return keys_; }
   bool loops() const { return loop_; }
 

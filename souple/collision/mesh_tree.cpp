@@ -12,7 +12,7 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t leaf_size = 4;
-// A box counts as a dipole from so many radii on: beta of Barill et al. 2018, who take 2.
+// A box counts as a dipole beyond this many radii: beta of Barill et al. 2018, who take 2 as well.
 constexpr double far_radii = 2;
 
 double squared_distance_to_box(const Vec3d& lo, const Vec3d& hi, const Vec3d& p) {
@@ -118,8 +118,8 @@ MeshTree::Nearest MeshTree::nearest(const Vec3d& point, std::uint32_t guess, dou
 }
 
 // tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|),
-// a, b, c as seen from the point (van Oosterom & Strackee 1983, eq. 8). Positive where the point is behind
-// the triangle.
+// a, b, c relative to the point (van Oosterom & Strackee 1983, eq. 8). Positive where the point is behind the
+// triangle.
 double MeshTree::solid_angle(const Corners& t, const Vec3d& point) {
   const Vec3d a = t.a - point, b = t.b - point, c = t.c - point;
   const double la = length(a), lb = length(b), lc = length(c);

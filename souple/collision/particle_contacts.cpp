@@ -379,8 +379,8 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const float overlap = apart_before - radius_sum;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed * h);
-    contact.fixed_normal =
-        dot(from, to) < 0;  // the centers passed each other: separate them along the old normal
+    // Where the centers passed each other, separate them along the old normal.
+    contact.fixed_normal = dot(from, to) < 0;
   } else if (length(motion) > 0.25f * radius_sum) {
     const float s = first_touch(from, motion, radius_sum);
     contact.fixed_normal = s >= 0;

@@ -5,14 +5,15 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-// The functions below return how far along the unit direction `d` a ray from outside first meets a surface.
+// The functions below return the distance along the unit direction `d` at which a ray from outside first hits
+// a surface.
 
 double intersect(const Plane& plane, const Vec3d& o, const Vec3d& d) {
   const double towards = dot(Vec3d(plane.normal), d);
   return towards < 0 ? (double(plane.offset) - dot(Vec3d(plane.normal), o)) / towards : never;
 }
 
-// From the point of closest approach, not from b^2 - c: no digits cancel far away.
+// By the point of closest approach, not by b^2 - c: no digits cancel far from the ball.
 double intersect_ball(const Vec3d& o, const Vec3d& d, double radius) {
   const double ahead = -dot(o, d);
   const double half_chord_squared = radius * radius - length_squared(o + d * ahead);
@@ -24,7 +25,7 @@ double intersect(const Sphere& sphere, const Vec3d& o, const Vec3d& d) {
   return intersect_ball(o - Vec3d(sphere.center), d, double(sphere.radius));
 }
 
-// Slabs: in when the last slab is entered, provided none was left before.
+// Slab test: the ray enters the box where it enters the last slab, unless it has left another before.
 double intersect(const Box& box, const Vec3d& origin, const Vec3d& d) {
   const Vec3d o = origin - Vec3d(box.center);
   double enter = -never, leave = never;
@@ -41,7 +42,7 @@ double intersect(const Box& box, const Vec3d& origin, const Vec3d& d) {
   return enter <= leave && enter >= 0 ? enter : never;
 }
 
-// The side of a tube about y, where it is met between the ends.
+// The side of a tube about y, between its ends.
 double intersect_tube(const Vec3d& o, const Vec3d& d, double radius, double half_height) {
   const double across = sqrt(d.x * d.x + d.z * d.z);
   if (!(across > 0)) return never;

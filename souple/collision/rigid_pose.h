@@ -5,7 +5,7 @@
 
 namespace souple {
 
-/// Where a collider is at a moment, its rotation as a matrix: point = rotation local + translation.
+/// Pose of a collider at a time, with a rotation matrix: world point = rotation local point + translation.
 struct RigidPose {
   Mat3d rotation;
   Vec3d translation;
@@ -17,13 +17,14 @@ struct RigidPose {
   }
 };
 
-/// Throws what ColliderMotion::at throws.
+/// Throws whatever ColliderMotion::at throws.
 inline RigidPose pose_at(const ColliderMotion& motion, double time) {
   const Transform pose = motion.at(time);
   return {rotation_matrix(pose.rotation), pose.translation};
 }
 
-/// At a substep's begin and end. A loop that starts again within it is at its end all along.
+/// Poses at a substep's start and end. Where a loop restarts within the substep, both are the pose at its
+/// end.
 struct PosesOfSubstep {
   RigidPose before, after;
 };

@@ -10,7 +10,7 @@
 namespace souple {
 namespace {
 
-// Below this length a direction is rounding noise of an underflow.
+// Below this length a vector's direction is rounding noise of underflow.
 constexpr double no_length = 1e-150;
 
 double sign_of(double a) {
@@ -32,7 +32,7 @@ SurfaceDistance distance_to(const Sphere& sphere, const Vec3d& point) {
   return from_point(point - Vec3d(sphere.center), double(sphere.radius), {0, 1, 0});
 }
 
-// Outside, the part of the point beyond the faces; inside, the nearest face.
+// Outside: the vector beyond the faces. Inside: the nearest face.
 SurfaceDistance distance_to(const Box& box, const Vec3d& point) {
   const Vec3d p = point - Vec3d(box.center);
   Vec3d beyond, outward;
@@ -121,7 +121,7 @@ struct Validator {
   }
 };
 
-// A plane across one axis bounds that side of the box, any other plane nothing.
+// A plane whose normal is along an axis bounds the box on one side; any other plane bounds nothing.
 ShapeBounds box_of(const Plane& plane) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   ShapeBounds box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};

@@ -7,16 +7,17 @@
 #include <string_view>
 #include <variant>
 
-// The shapes of colliders, in the collider's own frame [m]: analytic ones, and a grid of distances. Distances
-// and normals are computed in double: a plane may be touched hundreds of meters from its frame's origin.
+// Shapes of colliders, in the collider's own frame [m]: analytic shapes, and grids of signed distances.
+// Distances and normals are computed in double: contacts with a plane may be hundreds of meters from its
+// frame's origin.
 
 namespace souple {
 
-/// The half-space normal . x <= offset is solid. The normal points out of it; it need not be a unit vector
-/// (then `offset` scales with it), only not zero.
+/// The solid half-space normal . x <= offset. The normal points out of the solid. It must not be zero, but
+/// need not be a unit vector; `offset` scales with its length.
 struct Plane {
   Vec3f normal{0, 1, 0};
-  float offset = 0;  ///< m
+  float offset = 0;  ///< along the normal [m]
 };
 
 struct Sphere {
@@ -29,14 +30,14 @@ struct Box {
   Vec3f half_extents{0.5f, 0.5f, 0.5f};  ///< m
 };
 
-/// All points within `radius` of a segment of length 2 half_height along y.
+/// All points within `radius` of a segment along y of length 2 half_height.
 struct Capsule {
   Vec3f center{};
   float radius = 0.25f;      ///< m
-  float half_height = 0.5f;  ///< of the segment, caps not counted [m]
+  float half_height = 0.5f;  ///< of the segment, without caps [m]
 };
 
-/// Axis along y, flat ends at +- half_height.
+/// A cylinder with its axis along y and flat ends at +- half_height.
 struct Cylinder {
   Vec3f center{};
   float radius = 0.25f;      ///< m
@@ -45,21 +46,22 @@ struct Cylinder {
 
 using Shape = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceField>;
 
-/// Whether the way between any two points of it lies in it.
+/// Whether the shape is convex: it contains the segment between any two of its points. False for every signed
+/// distance field.
 bool is_convex(const Shape& shape);
 
-/// Exact distance from a local point to the shape's surface, outside and inside (a signed distance field: see
-/// there). For a finite point the result is always finite and point - normal * distance lies on the surface.
+/// Exact distance from a local point to the shape's surface, outside and inside (for signed distance fields
+/// see there). For a finite point the result is finite, and point - normal * distance is on the surface.
 SurfaceDistance surface_distance(const Shape& shape, const Vec3d& point);
 
-/// The center and radius of a ball that holds the shape; the radius is infinite for a plane.
+/// A ball that contains the shape. Its radius is infinite for a plane.
 struct BoundingBall {
   Vec3d center{};
   double radius = 0;
 };
 BoundingBall bounding_ball(const Shape& shape);
 
-/// An axis-aligned box that holds the shape; infinite along what a plane does not bound.
+/// An axis-aligned box that contains the shape [m]; infinite where a plane does not bound it.
 struct ShapeBounds {
   Vec3d lo{}, hi{};
 };
@@ -68,8 +70,8 @@ ShapeBounds shape_bounds(const Shape& shape);
 /// "plane", "sphere", ...
 std::string_view shape_name(const Shape& shape);
 
-/// Throws Error when a size is not positive (a capsule's half_height may be 0), a number not finite, a
-/// plane's normal zero or a signed distance field empty; `where` names the collider in the message.
+/// Throws Error when a size is not positive (a capsule's half_height may be 0), a number is not finite, a
+/// plane's normal is zero or a signed distance field is empty. `where` names the collider in the message.
 void validate(const Shape& shape, std::string_view where);
 
 }  // namespace souple

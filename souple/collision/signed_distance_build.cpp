@@ -12,12 +12,12 @@
 namespace souple {
 namespace {
 
-constexpr double margin_cells = SignedDistanceField::fine_cells;  // around the mesh, at least
-constexpr double rounding_factor =
-    1.000001;                           // what lies on the surface, a whole spacing away, has either sign
-constexpr double far_tolerance = 0.01;  // of distances far from the surface
+constexpr double margin_cells = SignedDistanceField::fine_cells;  // least margin of the grid around the mesh
+// A point on the surface, a whole spacing away, may have either sign.
+constexpr double rounding_factor = 1.000001;
+constexpr double far_tolerance = 0.01;  // relative, of distances far from the surface
 
-// Memory goes with the surface, so with spacing^-2.
+// Memory is proportional to the surface, so to spacing^-2.
 [[noreturn]] void too_large(double spacing, double bytes) {
   const double limit = SignedDistanceField::max_bytes;
   const double fits = spacing * sqrt(bytes / limit) * 1.1;
@@ -27,7 +27,8 @@ constexpr double far_tolerance = 0.01;  // of distances far from the surface
                   spacing, bytes / 1048576, limit / 1048576, fits));
 }
 
-/// The mesh as it can be mended. If it is not closed then, the user's own mesh is blamed, if that can be.
+/// The repaired mesh. Throws Error if it is not closed; the message describes the user's mesh if that is open
+/// too.
 TriangleMesh closed_surface(const TriangleMesh& mesh) {
   const RepairedSurface repaired = repair(mesh);
   TriangleMesh solid;
@@ -44,16 +45,16 @@ TriangleMesh closed_surface(const TriangleMesh& mesh) {
 
 }  // namespace
 
-/// Fills a grid. Points are gone through along lines to and fro, so that each has a neighbor just before it:
-/// its nearest triangle is a good guess, and where it was further from the surface than the way between the
-/// two, both are on the same side.
+/// Fills a grid. Points are visited along lines in alternating direction, so each follows a neighbor. The
+/// neighbor's nearest triangle is a good guess. Where one of the two is further from the surface than their
+/// distance from each other, both are on the same side.
 struct SignedDistanceField::Builder {
   const MeshTree& tree;
   Grid& grid;
 
   struct Walker {
     Vec3d point{};
-    double distance = -1;  // unsigned; none yet
+    double distance = -1;  // unsigned [m]; below 0: none yet
     double sign = 1;
     std::uint32_t triangle = 0;
   };
@@ -68,7 +69,7 @@ struct SignedDistanceField::Builder {
     return walker.sign * nearest.distance;
   }
 
-  /// Calls f(i, j, k) for all points of a box of them, each next to the last.
+  /// Calls f(i, j, k) for all points of a box; successive points are neighbors.
   template <class F>
   static void to_and_fro(int nx, int ny, int nz, const F& f) {
     bool back_y = false, back_x = false;
@@ -88,7 +89,7 @@ struct SignedDistanceField::Builder {
     });
   }
 
-  /// A block holds all its points if the surface comes within its own side of it.
+  /// A block stores all its points if the surface comes within fine_cells spacings of it.
   void choose_blocks() {
     const auto [nx, ny, nz] = grid.blocks;
     grid.slot.assign(grid.block_index(nx - 1, ny - 1, nz - 1) + 1, Grid::coarse_only);
@@ -127,7 +128,7 @@ struct SignedDistanceField::Builder {
     });
   }
 
-  /// As many blocks as hold the mesh and its margin, the mesh in their middle.
+  /// Sets the number of blocks that contain the mesh and its margin, with the mesh in the middle.
   static void lay_out(Grid& grid) {
     const double step = grid.spacing * Grid::block_cells;
     double blocks = 1;
@@ -137,7 +138,7 @@ struct SignedDistanceField::Builder {
       blocks *= count[k];
       grid.origin[k] = 0.5 * (grid.lo[k] + grid.hi[k]) - 0.5 * step * count[k];
     }
-    // Before anything is computed: no mesh that fills so large a box fits either.
+    // Checked before the costly part. A mesh in so large a box would exceed the limit as well.
     const double bytes = blocks * (sizeof(float) + sizeof(std::int32_t));
     if (!(bytes <= max_bytes / 8)) too_large(grid.spacing, 8 * bytes);
     for (int k = 0; k < 3; ++k) grid.blocks[static_cast<std::size_t>(k)] = static_cast<int>(count[k]);

@@ -20,7 +20,8 @@ double between(double a, double b, double s) {
   return a + (b - a) * s;
 }
 
-// f(x, y, z) = sum over the cell's corners of value times the three weights; the gradient is its derivative.
+// f(x, y, z) = sum over the cell's corners of value times the three weights. The gradient is the derivative
+// of f.
 Sample trilinear(const float* corner, std::size_t row, std::size_t layer, const Vec3d& s) {
   double f[2][2][2];  // [z][y][x]
   for (std::size_t z = 0; z < 2; ++z)
@@ -74,14 +75,14 @@ Vec3d SignedDistanceField::Grid::clamped(const Vec3d& cells) const {
   Vec3d result;
   for (int k = 0; k < 3; ++k) {
     const double most = double(blocks[static_cast<std::size_t>(k)] * block_cells);
-    result[k] = cells[k] >= 0 ? min(cells[k], most) : 0.0;  // 0 for what is not a number
+    result[k] = cells[k] >= 0 ? min(cells[k], most) : 0.0;  // 0 for NaN
   }
   return result;
 }
 
-// The way from a point p beyond the grid to the nearest point q of the surface enters the grid's box at some
-// c, and q is the point nearest to c as well: q = c - n(c) d(c). From a guess of c comes q, from q a better
-// c.
+// The segment from a point p outside the grid to its nearest point q on the surface enters the grid's box at
+// a point c. Then q is the point nearest to c as well: q = c - n(c) d(c). A guess of c gives q, and q gives a
+// better c.
 SurfaceDistance SignedDistanceField::at(const Vec3d& point) const {
   const Grid& grid = *grid_;
   const Vec3d cells = (point - grid.origin) / grid.spacing;
@@ -96,7 +97,7 @@ SurfaceDistance SignedDistanceField::at(const Vec3d& point) const {
     if (!(length(offset) < least)) break;
     least = length(offset);
     towards = offset;
-    double part = 1;  // of the way from q that stays in the box
+    double part = 1;  // of the segment from q to p that is inside the box
     for (int k = 0; k < 3; ++k) {
       const double to_side =
           (offset[k] > 0 ? double(grid.blocks[static_cast<std::size_t>(k)] * Grid::block_cells) : 0.0) - q[k];
@@ -107,8 +108,8 @@ SurfaceDistance SignedDistanceField::at(const Vec3d& point) const {
   return {least * grid.spacing, unit(towards)};
 }
 
-// Sphere tracing (Hart 1996) in the interpolant, whose strides are shortened because its slope may exceed 1
-// by a little; then bisection.
+// Sphere tracing (Hart 1996) in the interpolant, then bisection. Steps are shorter than the distance because
+// the interpolant's slope may slightly exceed 1.
 double SignedDistanceField::ray(const Vec3d& origin, const Vec3d& d) const {
   double enter = 0, leave = never;
   for (int k = 0; k < 3; ++k) {

@@ -7,26 +7,26 @@
 
 namespace souple {
 
-/// What a signed distance field holds: points at origin + spacing (i, j, k), grouped into blocks.
+/// Data of a signed distance field: points at origin + spacing (i, j, k), grouped into blocks.
 struct SignedDistanceField::Grid {
-  static constexpr int block_cells = 8;               // along each side
-  static constexpr int block_side = block_cells + 1;  // points; neighbors repeat those they share
+  static constexpr int block_cells = 8;               // along each side of a block
+  static constexpr int block_side = block_cells + 1;  // points; neighbors both store shared ones
   static constexpr std::size_t block_points = std::size_t(block_side) * block_side * block_side;
   static constexpr std::int32_t coarse_only = -1;
 
-  Vec3d origin{};                     // [m]
-  double spacing = 0;                 // [m]
-  std::array<int, 3> blocks{};        // along each axis
-  std::vector<float> corners;         // distances at the corners of blocks, x fastest [m]
-  std::vector<std::int32_t> slot;     // of each block among those that hold all their points
-  std::vector<float> points;          // their distances, block by block, x fastest [m]
-  Vec3d lo{}, hi{};                   // of the mesh [m]
-  std::vector<Vec3d> mesh_positions;  // as mended
+  Vec3d origin{};                  // [m]
+  double spacing = 0;              // [m]
+  std::array<int, 3> blocks{};     // number along each axis
+  std::vector<float> corners;      // distances at the corners of blocks, x fastest [m]
+  std::vector<std::int32_t> slot;  // per block: its index in `points`, or coarse_only
+  std::vector<float> points;       // distances in blocks that store all points, block by block, x fastest [m]
+  Vec3d lo{}, hi{};                // bounding box of the mesh [m]
+  std::vector<Vec3d> mesh_positions;  // of the repaired mesh [m]
   std::vector<Triangle> mesh_triangles;
 
-  /// At a point of the grid's box, counted in cells from the origin.
+  /// Distance [m] and normal at a point inside the grid's box, given in cells from the origin.
   SurfaceDistance inside(const Vec3d& cells) const;
-  /// The point of the box nearest to one, both counted in cells.
+  /// The nearest point of the grid's box, both points in cells.
   Vec3d clamped(const Vec3d& cells) const;
 
   std::size_t block_index(int i, int j, int k) const {

@@ -14,19 +14,19 @@ namespace souple {
 namespace {
 
 constexpr std::size_t chunk_size = 4096;     // boxes
-constexpr std::size_t buckets_per_box = 2;   // of a grid, at least
+constexpr std::size_t buckets_per_box = 2;   // least number in a grid
 constexpr std::uint32_t block_buckets = 64;  // 4 x 4 x 4 cells
-constexpr int min_part_shift = 12;           // a part of the table counts its entries within the first cache
+constexpr int min_part_shift = 12;           // the counts of a part of the table fit in the L1 cache
 constexpr std::size_t max_parts = 256;       // of the table
-constexpr float cell_per_side = 1.5f;        // of the median box
-constexpr float max_cells = 8388608;         // from the origin: up to there floats tell them apart
+constexpr float cell_per_side = 1.5f;        // in largest sides of the median box
+constexpr float max_cells = 8388608;         // from the origin: 2^23, up to which floats distinguish cells
 
 float largest_side(const Bounds& box) {
   const Vec3f side = box.hi - box.lo;
   return max(side.x, max(side.y, side.z));
 }
 
-// Below max_cells; std::floor is a call where the processor may lack the instruction.
+// For |x| below max_cells. std::floor is a function call where the processor may lack the instruction.
 std::int32_t floor_of(float x) {
   const auto i = static_cast<std::int32_t>(x);
   return i - (x < static_cast<float>(i) ? 1 : 0);
@@ -47,7 +47,7 @@ float SpatialHash::choose_cell_size(std::span<const Bounds> boxes) {
   return *median > 0 ? cell_per_side * *median : 1;
 }
 
-// Of a box that touches at most two along each axis.
+// For a box that overlaps at most two cells along each axis.
 SpatialHash::Cells SpatialHash::cells_of(const Bounds& box, const Grid& grid) {
   Cells cells{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -58,7 +58,7 @@ SpatialHash::Cells SpatialHash::cells_of(const Bounds& box, const Grid& grid) {
   return cells;
 }
 
-// Whether the box touches at most two cells along each axis, where floats still tell cells apart.
+// Whether the box overlaps at most two cells along each axis, and floats distinguish its cells.
 bool SpatialHash::fits(const Bounds& box, const Grid& grid) {
   for (int axis = 0; axis < 3; ++axis) {
     const float lo = box.lo[axis] * grid.inverse, hi = box.hi[axis] * grid.inverse;
@@ -67,8 +67,8 @@ bool SpatialHash::fits(const Bounds& box, const Grid& grid) {
   return true;
 }
 
-// The finest grid whose cells are as large as the box. In all coarser ones it also touches at most two cells
-// along each axis: they differ by powers of two, so that nothing rounds.
+// The finest grid whose cells are as large as the box. In coarser grids it also overlaps at most two cells
+// along each axis: cell sizes differ by powers of two, so nothing rounds.
 std::uint8_t SpatialHash::grid_of(const Bounds& box) const {
   if (!is_finite(box)) return nowhere;
   const float side = largest_side(box);
@@ -81,7 +81,8 @@ std::uint32_t SpatialHash::bucket_of(const Grid& grid, std::int32_t i, std::int3
   const std::uint32_t hash = static_cast<std::uint32_t>(i >> 2) * 73856093u ^
                              static_cast<std::uint32_t>(j >> 2) * 19349663u ^
                              static_cast<std::uint32_t>(k >> 2) * 83492791u;
-  // The upper bits of a product by 2^32 / golden ratio depend on all of the hash (Knuth, section 6.4).
+  // The upper bits of the product with 2^32 / golden ratio depend on all bits of the hash (Knuth, section
+  // 6.4).
   const std::uint32_t block = hash * 2654435769u >> grid.shift;
   return grid.first_bucket + block * block_buckets +
          static_cast<std::uint32_t>((i & 3) | (j & 3) << 2 | (k & 3) << 4);
@@ -119,7 +120,7 @@ void SpatialHash::lay_out_grids(float cell_size) {
   grids_.back().inverse = 0;
 }
 
-// The grid of each box, and how many boxes each has.
+// Finds the grid of each box and counts the boxes of each grid.
 void SpatialHash::assign_grids(Threads& threads) {
   grid_.resize(boxes_.size());
   boxes_in_.resize(chunks_);
@@ -137,7 +138,7 @@ void SpatialHash::assign_grids_of(std::size_t chunk) {
   for (std::size_t b = chunk * chunk_size; b < end; ++b) ++counts[grid_[b] = grid_of(boxes_[b])];
 }
 
-// Each grid has a part of the table of its own, so that a bucket holds boxes of one grid only.
+// Each grid has its own range of buckets, so that a bucket contains boxes of one grid only.
 void SpatialHash::lay_out_table() {
   std::uint32_t buckets = 0;
   for (Grid& grid : grids_) {
@@ -154,7 +155,7 @@ void SpatialHash::lay_out_table() {
   end_[0] = 0;
 }
 
-// The bucket of each cell of each box of a chunk, in order of boxes.
+// Calls function(bucket, entry) for each cell of each box of a chunk, in order of boxes.
 template <class Function>
 void SpatialHash::for_each_entry(std::size_t chunk, const Function& function) const {
   const std::size_t end = std::min(boxes_.size(), (chunk + 1) * chunk_size);
@@ -168,8 +169,8 @@ void SpatialHash::for_each_entry(std::size_t chunk, const Function& function) co
   }
 }
 
-// Counting sort by parts of the table. Chunks count apart and then know where each of their entries goes: in
-// order of part, chunk, box.
+// Counting sort by parts of the table. Each chunk counts its entries per part. The prefix sums over (part,
+// chunk) then give each chunk its offsets, so entries are in order of part, chunk, box.
 void SpatialHash::sort_by_parts(Threads& threads) {
   resize_with_spare(offset_, parts_ * chunks_);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
@@ -205,8 +206,8 @@ std::size_t SpatialHash::sum_offsets() {
   return sum;
 }
 
-// Counting sort of a part by buckets. end_[b + 1] counts bucket b's entries, then says where the next goes,
-// and is its end when all are there.
+// Counting sort of a part by buckets. end_[b + 1] is first the count of bucket b, then the slot of its next
+// entry, and its end after the last entry.
 void SpatialHash::sort_part(std::size_t part) {
   const std::size_t first = part << part_shift_;
   const std::size_t last = std::min(end_.size() - 1, (part + 1) << part_shift_);
@@ -232,7 +233,8 @@ void SpatialHash::sort_part(std::size_t part) {
   }
 }
 
-// Those of a grid, from box `first` on; not one whose cells are smaller than the box asked for.
+// Finds overlapping boxes of one grid with index `first` or higher. The grid's cells must not be smaller than
+// `box`.
 void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t first,
                           std::vector<std::uint32_t>& found) const {
   const kernels::BoxColumns columns{
@@ -246,7 +248,8 @@ void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t fir
     if (size == 0) continue;
     std::size_t count = found.size();
     found.resize(count + size);
-    // Along an axis along which both came from the cell before, what they share does not begin in this cell.
+    // A pair counts in the cell where its intersection begins: not where both boxes come from the previous
+    // cell along an axis.
     const std::size_t hits =
         kernels_->overlapping(columns, begin, size, corners, entries_.data(), which, found.data() + count);
     const std::size_t end = count + hits;
@@ -284,7 +287,7 @@ void SpatialHash::find(const Bounds& box, std::vector<std::uint32_t>& found) con
   std::sort(found.begin() + before, found.end());
 }
 
-// A large box among small ones: cell by cell, or box by box where these are fewer.
+// A large box in a grid of smaller cells: cell by cell, or box by box where boxes are fewer than cells.
 void SpatialHash::find_in_finer(const Bounds& box, int index, std::vector<std::uint32_t>& found) const {
   const Grid& grid = grids_[static_cast<std::size_t>(index)];
   std::int32_t lo[3], hi[3];

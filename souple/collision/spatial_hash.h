@@ -11,12 +11,12 @@
 
 namespace souple {
 
-/// All points between two corners, these included [m].
+/// An axis-aligned box: all points between two corners, which belong to it [m].
 struct Bounds {
   Vec3f lo, hi;
 };
 
-/// Whether it is one: no number that is not finite, no corner beyond the other.
+/// Whether the box is valid: all numbers finite, lo <= hi.
 inline bool is_finite(const Bounds& box) {
   return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z && is_finite(box.lo) &&
          is_finite(box.hi);
@@ -28,14 +28,14 @@ inline Bounds united(const Bounds& a, const Bounds& b) {
           {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
 }
 
-/// Whether they share a point.
+/// Whether the boxes share a point.
 inline bool overlap(const Bounds& a, const Bounds& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
          b.lo.z <= a.hi.z;
 }
 
-/// Gives a vector a size, and room for a quarter more (or `part` of it) where it must grow: sizes that change
-/// a little from step to step soon allocate nothing.
+/// Resizes a vector. Where it must grow, it reserves a quarter more (`spare` of its size), so that sizes that
+/// vary a little from step to step soon allocate nothing.
 template <class Item>
 void resize_with_spare(std::vector<Item>& items, std::size_t size, double spare = 0.25) {
   if (size > items.capacity())
@@ -43,57 +43,58 @@ void resize_with_spare(std::vector<Item>& items, std::size_t size, double spare 
   items.resize(size);
 }
 
-/// Boxes by the cells of a grid that they touch, found by a hash of the cell (Teschner et al. 2003,
-/// "Optimized spatial hashing for collision detection of deformable objects", section 3):
+/// Boxes by the grid cells that they overlap, in a hash table (Teschner et al. 2003, "Optimized spatial
+/// hashing for collision detection of deformable objects", section 3):
 ///
 ///   hash(i, j, k) = (i p1 xor j p2 xor k p3) mod n,  p1 = 73856093, p2 = 19349663, p3 = 83492791
 ///
-/// We differ in this:
-/// - There are grids of several cell sizes, each four times that of the one below. A box is entered in the
-///   finest whose cells are as large as itself, so in 8 cells at most: a huge triangle among small ones costs
-///   no more than they do. Two boxes meet in the grid of the larger.
-/// - What is hashed is a block of 4 x 4 x 4 cells; within it cells lie in order. Neighbors in space are then
-///   neighbors in memory, and two cells that a box touches never fall on one bucket.
-/// - Buckets are filled by counting sort, first by parts of the table, then within each: no lists, no time
-///   stamps, the same contents for any number of threads.
-/// - A pair that meets in several cells is taken in the one that holds the lower corner of what they share.
+/// Deviations:
+/// - There are several grids; the cell size of each is four times that of the next finer one. A box is entered
+///   in the finest grid whose cells are as large as itself, so in 8 cells at most: a huge triangle among small
+///   ones costs no more than they do. Two boxes are compared in the grid of the larger one.
+/// - The hash is that of a block of 4 x 4 x 4 cells; cells are in order within it. So neighbors in space are
+///   neighbors in memory, and no two cells that a box overlaps share a bucket.
+/// - Buckets are filled by counting sort, first by parts of the table, then within each part. There are no
+///   lists and no time stamps, and the contents are the same for any number of threads.
+/// - A pair that shares several cells is reported in the cell that contains the lower corner of its
+///   intersection.
 class SpatialHash {
  public:
-  /// Boxes that can be told apart: 3 bits of an entry say which of its cells it is in.
+  /// Greatest number of boxes: an entry uses 3 of its 32 bits for the number of a box's cell.
   static constexpr std::size_t max_boxes = std::size_t{1} << 28;
 
-  /// One and a half times the median of the largest sides of boxes, of about a thousand of them evenly
-  /// spread; 1 where all are points. Boxes that are not finite do not count. [m]
+  /// Cell size [m]: 1.5 times the median of the boxes' largest sides, over a sample of about a thousand
+  /// evenly spaced boxes. 1 where the median is 0. Boxes that are not finite do not count.
   static float choose_cell_size(std::span<const Bounds> boxes);
 
-  /// Replaces what was there. `boxes` must live as long as it is asked. `cell_size`: of one of the grids [m].
-  /// Boxes that are not finite are left out. Throws Error when there are more than max_boxes. Allocates
-  /// nothing when warm.
+  /// Replaces all boxes. `boxes` must outlive all queries. `cell_size`: of one of the grids [m]. Boxes that
+  /// are not finite are left out. Throws Error when there are more than max_boxes. Allocates nothing when
+  /// warm.
   void build(std::span<const Bounds> boxes, float cell_size, Threads& threads);
 
-  /// All that overlap `box`, of any size: appended to `found`, ascending.
+  /// Appends the indices of all boxes that overlap `box`, which may have any size, to `found`, ascending.
   void find(const Bounds& box, std::vector<std::uint32_t>& found) const;
-  /// Those that overlap box a and are larger, by grids, or as large and come after it: appended, ascending.
-  /// Asked for every a, this gives each pair once.
+  /// Appends the indices of the boxes that overlap box a and are in a coarser grid, or in the same grid with
+  /// a higher index, ascending. Called for every a, it finds each pair once.
   void find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const;
 
   std::size_t size() const { return boxes_.size(); }
-  /// Boxes in cells.
+  /// Number of entries: one per box and cell.
   std::size_t entries() const { return entry_count_; }
   std::size_t bytes() const;
 
  private:
-  /// Cells of one size, and their part of the table.
+  /// A grid of cells of one size, with its part of the table.
   struct Grid {
     float cell_size = 0, inverse = 0;  // m, 1/m
     std::uint32_t first_bucket = 0;
-    int shift = 32;  // of the hash: what is left counts blocks
+    int shift = 32;  // of the hash; the remaining bits are the block's index
     std::uint32_t boxes = 0;
   };
-  /// The last has one cell.
+  /// The coarsest grid has one cell.
   static constexpr int grid_count = 16, finer_grids = 6;
   static constexpr std::uint8_t nowhere = grid_count;
-  /// The cells that a box touches in a grid: lo, and its neighbors along the axes whose bits are set.
+  /// The cells that a box overlaps in a grid: lo, and its upper neighbors along the axes whose bits are set.
   struct Cells {
     std::int32_t lo[3];
     std::uint32_t spans;
@@ -126,13 +127,13 @@ class SpatialHash {
   std::array<Grid, grid_count> grids_;
   std::size_t entry_count_ = 0, chunks_ = 0, parts_ = 0;
   int part_shift_ = 0;
-  std::vector<std::uint8_t> grid_;                                   // of each box
-  std::vector<std::array<std::uint32_t, grid_count + 1>> boxes_in_;  // of each chunk, by grid
+  std::vector<std::uint8_t> grid_;                                   // per box
+  std::vector<std::array<std::uint32_t, grid_count + 1>> boxes_in_;  // per chunk and grid
   std::vector<std::uint32_t> offset_;                                // [part][chunk] in keyed_
   std::vector<Keyed> keyed_;                                         // by part, then box
-  std::vector<std::uint32_t> end_;                                   // bucket b: end_[b] to end_[b + 1]
-  std::array<std::vector<float>, 3> lo_, hi_;                        // of each entry's box
-  std::vector<std::uint32_t> entries_;                               // 8 box + which of its cells
+  std::vector<std::uint32_t> end_;             // entries of bucket b: end_[b] to end_[b + 1]
+  std::array<std::vector<float>, 3> lo_, hi_;  // per entry: corners of its box
+  std::vector<std::uint32_t> entries_;         // 8 box + number of the box's cell
 };
 
 }  // namespace souple

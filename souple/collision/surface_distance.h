@@ -4,10 +4,10 @@
 
 namespace souple {
 
-/// Signed distance to a surface (negative inside) and its gradient there.
+/// Signed distance to a surface (negative inside) and the gradient of that distance.
 struct SurfaceDistance {
   double distance = 0;  ///< m
-  Vec3d normal{};  ///< unit, outward; where it is not unique (a center, an axis, an edge), one valid choice
+  Vec3d normal{};       ///< unit, outward; one valid choice where it is not unique (center, axis, edge)
 };
 
 }  // namespace souple
