@@ -18,7 +18,7 @@ struct SignedDistanceField::Grid {
   double spacing = 0;              // [m]
   std::array<int, 3> blocks{};     // number along each axis
   std::vector<float> corners;      // distances at the corners of blocks, x fastest [m]
-  std::vector<std::int32_t> slot;  // per block: its index in `points`, or coarse_only
+  std::vector<std::int32_t> slot;  // per block: its number in `points`, or coarse_only
   std::vector<float> points;       // distances in blocks that store all points, block by block, x fastest [m]
   Vec3d lo{}, hi{};                // bounding box of the mesh [m]
   std::vector<Vec3d> mesh_positions;  // of the repaired mesh [m]

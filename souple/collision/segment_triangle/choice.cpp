@@ -8,7 +8,7 @@
 namespace souple {
 namespace {
 
-/// f(the test of that name).
+/// Calls f with the test of that name.
 template <class Function>
 auto with_test(SegmentTest test, const Function& f) {
   switch (test) {
@@ -23,7 +23,7 @@ auto with_test(SegmentTest test, const Function& f) {
     case SegmentTest::watertight:
       return f(Watertight{});
   }
-  throw Error("a segment-triangle test of no name");
+  throw Error("segment-triangle test: unknown value; expected one of SegmentTest");
 }
 
 const kernels::SegmentKernels* find_segment_kernels(InstructionSet set) {
@@ -35,7 +35,7 @@ Vec3f corner_of(const TriangleColumns& triangles, int k, std::size_t i) {
   return {triangles.corner[k][0][i], triangles.corner[k][1][i], triangles.corner[k][2][i]};
 }
 
-/// One by one, from `begin` on.
+/// Tests the triangles from `begin` on, one by one.
 template <class Test>
 void cross_rest(const Segment<float>& segment, const TriangleColumns& triangles, const CrossingColumns& out,
                 std::size_t begin) {

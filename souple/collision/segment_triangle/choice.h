@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-// The tests by name, and many triangles at once. What each is good for: docs/segment-triangle.md.
+// Segment-triangle tests by name, for one triangle or many. docs/segment-triangle.md compares them.
 
 namespace souple {
 
@@ -13,10 +13,11 @@ enum class InstructionSet;
 
 enum class SegmentTest { plane_projection, signed_volumes, inclusion, moeller_trumbore, watertight };
 
-/// The default: the only one that lets nothing through. docs/segment-triangle.md has what it costs.
+/// The default: the only watertight test, which misses no crossing of a closed mesh. docs/segment-triangle.md
+/// has its cost.
 inline constexpr SegmentTest default_segment_test = SegmentTest::watertight;
 
-/// The one list of what they are called.
+/// Names of all tests; the only list of them.
 inline constexpr std::pair<const char*, SegmentTest> segment_test_names[] = {
     {"plane_projection", SegmentTest::plane_projection},
     {"signed_volumes", SegmentTest::signed_volumes},
@@ -24,26 +25,26 @@ inline constexpr std::pair<const char*, SegmentTest> segment_test_names[] = {
     {"moeller_trumbore", SegmentTest::moeller_trumbore},
     {"watertight", SegmentTest::watertight}};
 
-/// Where the segment crosses the triangle, by the test of that name.
+/// Crossing of the segment and the triangle, by the given test.
 Crossing<float> find_crossing(SegmentTest test, const Segment<float>& segment, const Corners<float>& corners);
 Crossing<double> find_crossing(SegmentTest test, const Segment<double>& segment,
                                const Corners<double>& corners);
 
-/// Corners of many triangles: corner[k][j] has component j of corner k of each.
+/// Corners of many triangles: corner[k][j] is the column of component j of corner k [m].
 struct TriangleColumns {
   const float* corner[3][3] = {};
   std::size_t count = 0;
 };
 
-/// As many crossings as there are triangles.
+/// Output columns: one crossing per triangle.
 struct CrossingColumns {
   float* t = nullptr;
   float* weight[3] = {};
   float* side = nullptr;
 };
 
-/// find_crossing of the segment and every triangle, a register's worth at a time. The same bits with every
-/// instruction set.
+/// find_crossing of the segment with every triangle, as many at a time as a register has lanes. The same bits
+/// with every instruction set.
 void find_crossings(SegmentTest test, const Segment<float>& segment, const TriangleColumns& triangles,
                     const CrossingColumns& crossings);
 void find_crossings(SegmentTest test, const Segment<float>& segment, const TriangleColumns& triangles,

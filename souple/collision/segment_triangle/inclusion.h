@@ -4,17 +4,19 @@
 
 namespace souple {
 
-/// Inclusion in the triangle: Snyder and Barr, Ray tracing complex models containing surface tessellations,
-/// SIGGRAPH 1987.
+/// Inclusion test: Snyder and Barr, Ray tracing complex models containing surface tessellations, SIGGRAPH
+/// 1987.
 ///
-/// The point of the plane, t = a . n / d . n, with g = t d, is joined to the corners; projected along the
-/// axis in which n is largest, the three triangles that this makes are to the whole as the weights:
+/// The line crosses the plane at t = a . n / d . n, g = t d. This point and the corners form three triangles.
+/// All are projected along the axis in which n is largest. The weights are the ratios of their areas to that
+/// of the whole triangle:
 ///
 ///   weight of a = [b - g, c - g] / [e, f],   of b = [c - g, a - g] / [e, f],
 ///   of c = [a - g, b - g] / [e, f].
 ///
-/// Inside where none is negative. All corners are treated alike: no weight is a difference of the others, as
-/// in Badouel's test and in Möller and Trumbore's. Slivers are as hard as for Badouel's.
+/// The point is inside where no weight is negative. All corners are treated alike: no weight is a difference
+/// of the others, as one is in Badouel's test and in that of Möller and Trumbore. Slivers are as hard as for
+/// Badouel's.
 struct Inclusion {
   template <class T>
   struct Prepared {

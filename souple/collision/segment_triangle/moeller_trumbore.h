@@ -15,9 +15,10 @@ namespace souple {
 ///
 ///   det = e . p,   v = s . p / det,   w = d . q / det,   t = f . q / det.
 ///
-/// det = -d . n: positive where the segment comes from the front. Where they divide first and compare with
-/// 1, the third weight is compared with 0 before the division: no rounding shuts out the edge between b and
-/// c. That edge, though, is a difference of the others, and not the same number in the neighboring triangle.
+/// det = -d . n is positive where the segment comes from the front. Deviation: the paper divides first and
+/// compares v + w with 1. Here the third weight is compared with 0 before the division, so rounding does not
+/// exclude the edge between b and c. But the weight of that edge is a difference of the others, and not the
+/// same number in the neighboring triangle.
 struct MoellerTrumbore {
   template <class T>
   struct Prepared {

@@ -4,22 +4,22 @@
 
 namespace souple {
 
-/// Projection on the plane: Badouel, An efficient ray-polygon intersection, Graphics Gems, 1990.
+/// Projection of the plane: Badouel, An efficient ray-polygon intersection, Graphics Gems, 1990.
 ///
-/// Where the segment meets the triangle's plane, n . (t d - a) = 0:
+/// At the crossing of the segment and the triangle's plane, n . (t d - a) = 0:
 ///
 ///   t = a . n / d . n.
 ///
-/// From corner a to that point, g = t d - a = v e + w f. Both sides are projected along the axis in which n
-/// is largest, where two equations are left for v and w; with [x, y] the area of two projected vectors,
+/// The vector from corner a to that point is g = t d - a = v e + w f. Both sides are projected along the axis
+/// in which n is largest; two equations remain for v and w. With [x, y] the area of two projected vectors,
 ///
 ///   v = [g, f] / [e, f],   w = [e, g] / [e, f],
 ///
-/// and the point is inside where v >= 0, w >= 0 and v + w <= 1. Badouel divides by a coordinate of e and
-/// needs a case for where it is zero; Cramer's rule needs none, and [e, f] is that component of n.
+/// and the point is inside where v >= 0, w >= 0 and v + w <= 1. Deviation: Badouel divides by a coordinate of
+/// e and needs a special case where it is zero. Cramer's rule needs none, and [e, f] is that component of n.
 ///
 /// Slivers lose digits twice: n, rounded, is not quite perpendicular to the long edges, and far along them
-/// the plane is off by more than the sliver is wide.
+/// the plane is off by more than the sliver's width.
 struct PlaneProjection {
   template <class T>
   struct Prepared {

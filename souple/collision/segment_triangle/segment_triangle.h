@@ -5,27 +5,28 @@
 #include <limits>
 #include <utility>
 
-// Where a segment crosses a triangle: what every test takes and gives. Each test has a file of its own, and
-// choice.h a list of them.
+// Crossing of a segment and a triangle: the types that all tests share. Each test has its own file; choice.h
+// lists them.
 //
 // A test is a struct `Test` with
 //
 //   template <class T, class Function> static auto prepare(const Segment<ScalarOf<T>>&, const Function& f);
 //
-// which calls f(crosses) with what is the same for every triangle; crosses(Corners<T>) is the Crossing<T>.
-// T is float, double or a SIMD pack: one segment against as many triangles as a pack has lanes.
+// prepare computes the part that does not depend on the triangle, and calls f(crosses); crosses(Corners<T>)
+// returns the Crossing<T>. T is float, double or a SIMD pack: one segment against as many triangles as a pack
+// has lanes.
 //
-// In the formulas o + t d is the segment, a, b, c are the corners less o, e = b - a, f = c - a, and
-// n = e x f is the triangle's normal, as long as twice its area.
+// In the formulas, o + t d is the segment; a, b, c are the corners minus o; e = b - a, f = c - a; and n = e x
+// f is the triangle's normal, whose length is twice the area.
 //
-// The segment's ends and the triangle's edges and corners belong to them. A segment parallel to a triangle
-// does not cross it, not even where it lies in it; nor does a segment of no length, nor anything a triangle
-// of no area, nor what is not finite. Products of three lengths have to be numbers of the type: with float,
-// lengths from 1e-10 to 1e10 m are safe.
+// The segment includes its ends, and the triangle its edges and corners. These cases never cross: a segment
+// parallel to the triangle, even within it; a segment of zero length; a triangle of zero area; numbers that
+// are not finite. Products of three lengths must be in the type's range: with float, lengths from 1e-10 to
+// 1e10 m are safe.
 
 namespace souple {
 
-/// The points origin + t direction, 0 <= t <= reach. A reach of infinity makes it a ray.
+/// The points origin + t direction, 0 <= t <= max_t. With max_t infinite it is a ray.
 template <class T>
 struct Segment {
   Vec3<T> origin;     ///< m
@@ -33,13 +34,13 @@ struct Segment {
   T max_t = T(1);
 };
 
-/// From a to b.
+/// The segment from a to b.
 template <class T>
 Segment<T> segment_between(const Vec3<T>& a, const Vec3<T>& b) {
   return {a, b - a};
 }
 
-/// A triangle's corners. [m] Its front is where they are seen counter-clockwise.
+/// Corners of a triangle [m], counter-clockwise as seen from its front.
 template <class T>
 struct Corners {
   Vec3<T> a, b, c;
@@ -47,9 +48,9 @@ struct Corners {
 
 template <class T>
 struct Crossing {
-  T t;             ///< along the segment, in [0, reach]; infinity where it does not cross
+  T t;             ///< parameter along the segment, in [0, max_t]; infinity where it does not cross
   Vec3<T> weight;  ///< barycentric coordinates of the point for a, b and c, >= 0 to rounding, their sum 1
-  T side;          ///< 1 where it comes from the front, -1 from behind, 0 where it does not cross
+  T side;          ///< 1 where the segment comes from the front, -1 from behind, 0 where it does not cross
 };
 
 namespace detail {
@@ -68,17 +69,17 @@ struct LaneType<T> {
 
 }  // namespace detail
 
-/// The type of one lane.
+/// The type of one lane of T.
 template <class T>
 using ScalarOf = typename detail::LaneType<T>::type;
 
-/// A segment in every lane.
+/// Copies a segment to every lane.
 template <class T>
 Segment<T> broadcast(const Segment<ScalarOf<T>>& segment) {
   return {Vec3<T>(segment.origin), Vec3<T>(segment.direction), T(segment.max_t)};
 }
 
-/// The crossing of one segment and one triangle, or of one segment and a pack of them.
+/// The crossing of one segment and one triangle, or a pack of triangles.
 template <class Test, class T>
 Crossing<T> find_crossing(const Segment<ScalarOf<T>>& segment, const Corners<T>& corners) {
   return Test::template prepare<T>(segment, [&](const auto& crosses) { return crosses(corners); });
@@ -86,7 +87,7 @@ Crossing<T> find_crossing(const Segment<ScalarOf<T>>& segment, const Corners<T>&
 
 namespace detail {
 
-/// `inside`: the line crosses the triangle; `towards_front`: of the sign of d . n.
+/// `inside`: the segment's line crosses the triangle. `towards_front`: a number with the sign of d . n.
 template <class T, class Mask>
 Crossing<T> crossing(Mask inside, T t, const Vec3<T>& weight, T towards_front, T max_t) {
   const auto hit = inside && t >= T(0) && t <= max_t;
@@ -97,8 +98,8 @@ Crossing<T> crossing(Mask inside, T t, const Vec3<T>& weight, T towards_front, T
           select(hit, select(towards_front > zero, T(-1), T(1)), zero)};
 }
 
-/// From numbers proportional to the weights, all of the sign of their sum or zero, and to the parameter:
-/// weight = volume / sum, t = height / sum.
+/// The crossing from `volume` and `height`, proportional to the weights and to t: weight = volume / sum,
+/// t = height / sum. Inside where no volume has the opposite sign of their sum.
 template <class T>
 Crossing<T> crossing_of_volumes(const Vec3<T>& volume, T sum, T height, T towards_front, T max_t) {
   const T zero(0);
@@ -110,9 +111,8 @@ Crossing<T> crossing_of_volumes(const Vec3<T>& volume, T sum, T height, T toward
   return crossing(inside, height / select(crosses, sum, T(1)), volume * inverse, towards_front, max_t);
 }
 
-/// The two coordinates of the plane onto which a triangle is projected: the third is the one in which its
-/// normal is largest, so that the projection shrinks it least. In the order in which the areas keep the sign
-/// of that component.
+/// Projects a triangle to two coordinates. It drops the coordinate in which the normal is largest, so that
+/// the projection shrinks the triangle least. The order of the others gives areas the sign of that component.
 template <class T>
 class LargestProjection {
  public:
@@ -121,9 +121,9 @@ class LargestProjection {
         y_(abs(normal.y) >= abs(normal.z)),
         twice_area_(select(x_, normal.x, select(y_, normal.y, normal.z))) {}
 
-  /// Of the triangle itself: the largest component of its normal.
+  /// Twice the signed area of the projected triangle: the largest component of its normal.
   T twice_area() const { return twice_area_; }
-  /// Of the parallelogram of v and w.
+  /// Signed area of the projected parallelogram of v and w.
   T area(const Vec3<T>& v, const Vec3<T>& w) const { return first(v) * second(w) - second(v) * first(w); }
 
  private:

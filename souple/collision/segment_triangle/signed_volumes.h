@@ -6,20 +6,20 @@ namespace souple {
 
 /// Signed volumes: O'Rourke, Computational Geometry in C, 2nd edition, section 7.3.
 ///
-/// Six times the volumes of the tetrahedra that the segment makes with the triangle's edges,
+/// Six times the volumes of the tetrahedra of the segment and each of the triangle's edges,
 ///
 ///   U = d . (b x c),   V = d . (c x a),   W = d . (a x b),
 ///
-/// tell on which side of each edge its line passes: it crosses the triangle where none differs from the
-/// others in sign (O'Rourke's SegTriCross). Their sum is d . n, since b x c + c x a + a x b = e x f, so that
+/// give the side on which the segment's line passes each edge. It crosses the triangle where no volume
+/// differs from the others in sign (O'Rourke's SegTriCross). Their sum is d . n, since b x c + c x a + a x b
+/// = e x f, so that
 ///
 ///   weights = (U, V, W) / (U + V + W),   t = a . n / (U + V + W).
 ///
-/// O'Rourke asks first whether both ends lie on one side of the plane; here t in [0, reach] says so.
+/// Deviation: O'Rourke first tests whether both ends are on one side of the plane; here t in [0, max_t] does.
 ///
-/// Volumes round: a line that passes within rounding of a corner may be told to be left of all edges that
-/// meet there. At an edge the two triangles compute the same numbers with opposite signs, and never both
-/// refuse it.
+/// Volumes are rounded: a line within rounding of a corner may appear to pass outside of all triangles there.
+/// At an edge, both triangles compute the same numbers with opposite signs, so they never both miss the line.
 struct SignedVolumes {
   template <class T>
   struct Prepared {

@@ -7,22 +7,22 @@ namespace souple {
 /// Woop, Benthin and Wald, Watertight ray/triangle intersection, JCGT 2 (1), 2013: no ray passes between two
 /// triangles that share an edge, nor through the corner where many meet.
 ///
-/// Let z be the axis in which d is largest, and x and y the two that follow it. Corners are sheared so that
-/// the segment runs along z from the origin (section 3.1), each on its own:
+/// Let z be the axis in which d is largest, and x and y the two axes after it. Each corner is sheared
+/// independently, so that the segment is along z from the origin (section 3.1):
 ///
 ///   x' = x - (d_x / d_z) z,   y' = y - (d_y / d_z) z,   z' = z / d_z.
 ///
-/// What is left is to tell whether the plane's origin is in the triangle of the (x', y') (section 3.2):
+/// The test is then whether the origin of the plane is in the triangle of the (x', y') (section 3.2):
 ///
 ///   U = b_x c_y - b_y c_x,   V = c_x a_y - c_y a_x,   W = a_x b_y - a_y b_x,
 ///   t = (U a_z + V b_z + W c_z) / (U + V + W).
 ///
-/// Every triangle rounds a shared corner to the same x' and y'. So they form a mesh in the plane that has
-/// no hole, as long as no U has a wrong sign. None has: rounding keeps the order of the two products, so
-/// their difference has the right sign or is zero; and where it is zero, the products' own rounding errors,
-/// which are numbers of the same type, are subtracted instead. (The paper computes those cases again in
-/// double, section 3.3; packs have no double.) An origin within rounding of the surface may be on either side
-/// of it.
+/// Every triangle rounds a shared corner to the same x' and y'. So the sheared triangles are a mesh without
+/// holes in the plane, as long as no U has a wrong sign. None has: rounding keeps the order of the two
+/// products, so their difference has the right sign or is zero. Where it is zero, the products' rounding
+/// errors, which are numbers of the same type, are subtracted instead. (Deviation: the paper computes these
+/// cases in double, section 3.3; packs have no double.) An origin within rounding of the surface may be on
+/// either side of it.
 struct Watertight {
   template <class T, int along>
   class Prepared {
@@ -65,13 +65,13 @@ struct Watertight {
     }
     /// p q - r s where both products round to the same number.
     static T difference_of_errors(T p, T q, T r, T s) { return product_error(p, q) - product_error(r, s); }
-    /// p q less the number it rounds to: Dekker, A floating-point technique for extending the available
-    /// precision, 1971, section 5.
+    /// p q minus its rounded value: Dekker, A floating-point technique for extending the available precision,
+    /// 1971, section 5.
     static T product_error(T p, T q) {
       const Halves x(p), y(q);
       return x.low * y.low - (((p * q - x.high * y.high) - x.low * y.high) - x.high * y.low);
     }
-    /// A number as a sum of two of half its digits, whose products are exact.
+    /// A number split into two with half its digits each; their products are exact.
     struct Halves {
       T high, low;
       explicit Halves(T whole) {
@@ -88,7 +88,8 @@ struct Watertight {
 
   template <class T, class Function>
   static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
-    // No abs: code of one float that this translation unit shares with others must not come out of it.
+    // No abs: this translation unit, compiled for one instruction set, must not emit scalar functions that
+    // others share.
     const auto squared = [](ScalarOf<T> a) { return a * a; };
     const auto x = squared(segment.direction.x), y = squared(segment.direction.y),
                z = squared(segment.direction.z);
