@@ -9,16 +9,16 @@ namespace souple {
 
 /// A value and its derivative along one direction: the scalar for forward-mode differentiation.
 ///
-/// Seed one input with derivative 1 (or several with the components of a direction), evaluate, and the result
-/// carries df/dt exactly to rounding:
+/// Set the derivative of one input to 1 (or those of several inputs to the components of a direction) and
+/// evaluate. The derivative of the result is df/dt, exact to rounding:
 ///
 ///     Vec3<Dual<double>> x[2] = ...;
 ///     x[0].y.derivative = 1;
 ///     Distance::evaluate(x, params, gradient).derivative   // = gradient[0].y
 ///
-/// Comparisons look at values only. Where a function has no derivative - sqrt at 0, acos at -1 and 1, abs at
-/// 0, atan2 at (0, 0) - the derivative is 0, as constraints do with their gradients; the second derivative
-/// comes from Dual<Dual<T>>.
+/// Comparisons use values only. Where a function has no derivative (sqrt at 0, acos at -1 and 1, abs at 0,
+/// atan2 at (0, 0)) the derivative is 0, as the gradients of constraints are. Dual<Dual<T>> gives second
+/// derivatives.
 template <class T>
 struct Dual {
   T value{};
@@ -26,7 +26,7 @@ struct Dual {
 
   constexpr Dual() = default;
   constexpr Dual(const T& value_, const T& derivative_) : value(value_), derivative(derivative_) {}
-  /// A constant. Implicit, so that plain numbers mix with duals as they do with float and double.
+  /// A constant, with derivative 0. Implicit, so that plain numbers mix with duals as with float and double.
   template <class Number, class = std::enable_if_t<std::is_arithmetic_v<Number> || std::is_same_v<Number, T>>>
   constexpr Dual(const Number& constant) : value(static_cast<T>(constant)), derivative(T(0)) {}
 
@@ -46,7 +46,7 @@ struct Dual {
   friend constexpr Dual operator*(const Dual& a, const Dual& b) {
     return {a.value * b.value, a.derivative * b.value + a.value * b.derivative};
   }
-  // (a / b)' = (a' - (a / b) b') / b, which does not square b.
+  // (a / b)' = (a' - (a / b) b') / b, without squaring b.
   friend constexpr Dual operator/(const Dual& a, const Dual& b) {
     const T quotient = a.value / b.value;
     return {quotient, (a.derivative - quotient * b.derivative) / b.value};
@@ -106,7 +106,7 @@ Dual<T> cos(const Dual<T>& a) {
 
 template <class T>
 Dual<T> acos(const Dual<T>& a) {
-  // 1 - v^2 as (1 - v)(1 + v): accurate beside 1 and -1. Outside [-1, 1] the value itself is NaN.
+  // 1 - v^2 as (1 - v)(1 + v): accurate near 1 and -1. Outside [-1, 1] the value itself is NaN.
   const T square = (T(1) - a.value) * (T(1) + a.value);
   const auto inside = square > T(0);
   const T sine = sqrt(select(inside, square, T(1)));
@@ -120,7 +120,7 @@ Dual<T> atan2(const Dual<T>& y, const Dual<T>& x) {
           detail::divide_where_positive(numerator, x.value * x.value + y.value * y.value)};
 }
 
-/// As std::min and std::max, the first operand where the two are equal.
+/// Like std::min and std::max: the first operand where the values are equal.
 template <class T>
 constexpr Dual<T> min(const Dual<T>& a, const Dual<T>& b) {
   return select(b.value < a.value, b, a);
@@ -132,6 +132,6 @@ constexpr Dual<T> max(const Dual<T>& a, const Dual<T>& b) {
 
 }  // namespace souple
 
-/// The limits of the value's type, so that relative thresholds read the same on duals.
+/// Limits of the value's type, so that relative thresholds also work for duals.
 template <class T>
 class std::numeric_limits<souple::Dual<T>> : public std::numeric_limits<T> {};

@@ -7,8 +7,8 @@
 
 namespace souple {
 
-/// FNV-1a, 64 bits (Fowler, Noll and Vo): for each byte, hash = (hash ^ byte) * 1099511628211. It finds
-/// accidents, not forgeries. Streams: pass the hash so far as `hash`.
+/// FNV-1a, 64 bits (Fowler, Noll and Vo): for each byte, hash = (hash ^ byte) * 1099511628211. It detects
+/// accidental changes, not forgeries. For streams, pass the hash of the earlier bytes as `hash`.
 inline constexpr std::uint64_t fnv1a64_start = 14695981039346656037ull;
 
 inline std::uint64_t fnv1a64(std::span<const std::byte> bytes, std::uint64_t hash = fnv1a64_start) {

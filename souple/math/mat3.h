@@ -4,7 +4,7 @@
 
 namespace souple {
 
-/// A 3 x 3 matrix of any scalar type, kept as its three columns.
+/// A 3 x 3 matrix of any scalar type, stored as three columns.
 template <class T>
 struct Mat3 {
   Vec3<T> column[3];
@@ -66,7 +66,7 @@ constexpr T trace(const Mat3<T>& m) {
   return m.column[0].x + m.column[1].y + m.column[2].z;
 }
 
-/// m^-1 = cofactor(m)^T / det m. Not finite when m is singular: the caller checks.
+/// m^-1 = cofactor(m)^T / det m. Not finite when m is singular: the caller must check.
 template <class T>
 constexpr Mat3<T> inverse(const Mat3<T>& m) {
   return transpose(cofactor(m)) * (T(1) / determinant(m));

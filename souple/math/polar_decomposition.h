@@ -4,18 +4,18 @@
 
 namespace souple {
 
-/// M = R S.
+/// The factors of M = R S.
 template <class T>
 struct PolarDecomposition {
   Mat3<T> rotation;  ///< the rotation nearest to M: det = +1, also where M reflects
-  Mat3<T> stretch;   ///< symmetric, exactly; unit of M. Where M reflects, its smallest eigenvalue is negative
+  Mat3<T> stretch;   ///< exactly symmetric; unit of M. Where M reflects, its smallest eigenvalue is negative
 };
 
 /// R = U V^T, S = V diag(sigma) V^T of the singular value decomposition (see svd.h for its conventions).
 ///
-/// R minimizes |M - R| and maximizes trace(R^T M) among rotations (Kabsch 1978). It is unique unless
-/// sigma.y + sigma.z = 0: for M of rank 1 or 0, and for reflections with two equal smallest singular values,
-/// one of the nearest comes back; for M = 0, the identity.
+/// R minimizes |M - R| and maximizes trace(R^T M) among rotations (Kabsch 1978). It is unique unless sigma.y
+/// + sigma.z = 0. For M of rank 1 or 0, and for reflections with two equal smallest singular values, the
+/// result is one of the nearest rotations; for M = 0, the identity.
 template <class T>
 PolarDecomposition<T> polar_decomposition(const Mat3<T>& m) {
   const Svd<T> d = svd(m);
@@ -27,7 +27,7 @@ PolarDecomposition<T> polar_decomposition(const Mat3<T>& m) {
   return {d.u * transpose(d.v), s};
 }
 
-/// The rotation alone.
+/// The rotation R alone.
 template <class T>
 Mat3<T> nearest_rotation(const Mat3<T>& m) {
   const Svd<T> d = svd(m);

@@ -42,7 +42,7 @@ Quaternion<T> normalized(const Quaternion<T>& q) {
   return {q.x / l, q.y / l, q.z / l, q.w / l};
 }
 
-/// v turned by the unit quaternion q.
+/// v rotated by the unit quaternion q.
 template <class T>
 constexpr Vec3<T> rotate(const Quaternion<T>& q, const Vec3<T>& v) {
   const Vec3<T> u{q.x, q.y, q.z};

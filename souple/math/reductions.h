@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstring>
 
-// Sums and maxima of many floats in one fixed order, the same bits however wide the registers are: number k
-// goes to the (k mod 16)-th of sixteen partial results, which are then combined as a tree.
+// Sums and maxima of many floats in a fixed order: the same bits for any register width. Number k goes to the
+// (k mod 16)-th of sixteen partial results, which are then combined as a tree.
 
 namespace souple {
 
@@ -35,7 +35,7 @@ inline float sum_of(const float* values, std::size_t n) {
   return detail::reduce(values, n, [](auto a, auto b) { return a + b; });
 }
 
-/// The largest, or 0 when all are less. What is no number is left out.
+/// The largest value, or 0 when all are below 0. NaNs are left out.
 inline float largest_of(const float* values, std::size_t n) {
   return detail::reduce(values, n, [](auto a, auto b) { return b > a ? b : a; });
 }

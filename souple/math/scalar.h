@@ -1,8 +1,9 @@
 #pragma once
 
-// The scalar vocabulary of the kernels. Constraints and small linear algebra are written once on a type T:
-// float, double, a dual number or a SIMD pack. A T brings the four operators, comparisons whose result
-// `select` takes, and these functions, found by argument-dependent lookup for types that are not built in.
+// Scalar functions for kernels. Constraints and small linear algebra are written once for a type T: float,
+// double, a dual number or a SIMD pack. T provides the four arithmetic operators, comparisons whose result
+// `select` takes, and the functions below, found by argument-dependent lookup for types that are not built
+// in.
 
 #include <cmath>
 
@@ -14,7 +15,7 @@ using std::cos;
 using std::sin;
 using std::sqrt;
 
-// As in std, without <algorithm>: every file that simulates comes by here.
+// Like std::min and std::max, without <algorithm>: almost every file includes this one.
 template <class T>
 constexpr const T& min(const T& a, const T& b) {
   return b < a ? b : a;
@@ -32,12 +33,13 @@ inline double select(bool condition, double a, double b) {
   return condition ? a : b;
 }
 
-/// Whether it holds in any lane.
+/// Whether the condition holds in any lane.
 inline bool any_lane(bool condition) {
   return condition;
 }
 
-/// atan2(y, x) in [-pi, pi], within 3e-7 rad; 0 at (0, 0). On T = float or a pack of floats, the same bits.
+/// atan2(y, x) in [-pi, pi], with an error below 3e-7 rad; 0 at (0, 0). T = float and packs of floats give
+/// the same bits.
 ///
 /// With t = min(|x|, |y|) / max(|x|, |y|) in [0, 1], reduced to u = (t - 1) / (t + 1) above tan(pi/8):
 ///   atan(u) = u + u^3 P(u^2), P the minimax polynomial of Cephes' atanf (Moshier 1989).
@@ -65,12 +67,12 @@ T arctangent(T y, T x) {
 inline double atan2(double y, double x) {
   return std::atan2(y, x);
 }
-/// By arithmetic alone, so that packs have the same: the C library's differs between its versions.
+/// By arithmetic alone, so that packs give the same bits: the C library's result differs between versions.
 inline float atan2(float y, float x) {
   return arctangent(y, x);
 }
 
-/// The plain number behind a scalar: itself for float and double, the value part of a dual number.
+/// The plain number of a scalar: itself for float and double, the value of a dual number.
 inline float value_of(float a) {
   return a;
 }

@@ -9,10 +9,10 @@ namespace souple {
 
 /// M = U diag(sigma) V^T.
 ///
-/// U and V are rotations (det = +1), so a reflection shows in the singular values:
-/// sigma.x >= sigma.y >= |sigma.z|, the first two never negative, and sigma.z has the sign of det M (Irving
-/// et al. 2004, section 4). The order holds to rounding. Singular values that are equal, or zero, leave
-/// freedom in U and V: any choice that reproduces M may come back, the same one for the same bits.
+/// U and V are rotations (det = +1), so a reflection appears in the singular values: sigma.x >= sigma.y >=
+/// |sigma.z|, the first two never negative, and sigma.z has the sign of det M (Irving et al. 2004, section
+/// 4). The order holds to rounding. Where singular values are equal or zero, U and V are not unique: the
+/// result is some choice that reproduces M, the same for the same bits.
 template <class T>
 struct Svd {
   Mat3<T> u;
@@ -22,7 +22,8 @@ struct Svd {
 
 namespace detail {
 
-// True where no comparison held; packs always say no and run all sweeps, which changes no number.
+// True where no comparison is true. For packs it is always false: they run all sweeps, which changes no
+// number.
 template <class Mask>
 bool none(const Mask& mask) {
   if constexpr (std::is_arithmetic_v<Mask>) {
@@ -46,8 +47,8 @@ Vec3<T> any_perpendicular(const Vec3<T>& a) {
   return normalized(cross(a, axis));
 }
 
-/// Rotates columns p and q of b to be perpendicular, and those of v alike. Returns whether they were not
-/// already, to rounding.
+/// Rotates columns p and q of b so that they are perpendicular, and those of v likewise. Returns whether they
+/// were oblique beyond rounding.
 ///
 ///   t = tan(angle) is the smaller root of t^2 + 2 zeta t - 1 = 0, zeta = (|q|^2 - |p|^2) / (2 p.q)
 template <class T>
@@ -69,7 +70,7 @@ auto make_perpendicular(Vec3<T>& p, Vec3<T>& q, Vec3<T>& v_p, Vec3<T>& v_q) {
   return oblique;
 }
 
-/// Swaps columns p and q of b where |p| < |q|, and those of v, keeping det v: one of them changes sign.
+/// Swaps columns p and q of b where |p| < |q|, and those of v. One of each changes sign, which keeps det v.
 template <class T>
 void sort_descending(Vec3<T>& p, Vec3<T>& q, Vec3<T>& v_p, Vec3<T>& v_q) {
   const auto swapped = dot(p, p) < dot(q, q);
@@ -80,9 +81,9 @@ void sort_descending(Vec3<T>& p, Vec3<T>& q, Vec3<T>& v_p, Vec3<T>& v_q) {
   v_q = select_vector<T>(swapped, -v_old, v_q);
 }
 
-/// The rotation whose first column is along b0, whose second lies in the plane of b0 and b1 (Gram-Schmidt),
-/// and whose third completes them. Directions that b0 and b1 lack, beside `smallest`, are taken from f0 and
-/// f1 where possible.
+/// The rotation whose first column is along b0, whose second is in the plane of b0 and b1 (Gram-Schmidt), and
+/// whose third completes them. f0 replaces a b0 that is too short (squared length at most `smallest`). Where
+/// possible, f1 replaces a b1 that is too short or too close to the direction of b0.
 template <class T>
 Mat3<T> orthonormal_frame(const Vec3<T>& b0, const Vec3<T>& b1, const T& smallest, const Vec3<T>& f0,
                           const Vec3<T>& f1) {
@@ -91,7 +92,7 @@ Mat3<T> orthonormal_frame(const Vec3<T>& b0, const Vec3<T>& b1, const T& smalles
   const Vec3<T> e0 = select_vector<T>(long0, b0 / sqrt(select(long0, l0, T(1))), f0);
   const Vec3<T> p1 = b1 - e0 * dot(e0, b1);
   const Vec3<T> g1 = f1 - e0 * dot(e0, f1);
-  // Where the subtraction cancels most of a vector, what is left of it is rounding noise.
+  // Where the subtraction cancels most of a vector, the rest is rounding noise.
   const T b = dot(p1, p1), g = dot(g1, g1);
   const auto b_usable = (l1 > smallest) & (b > T(0.25f) * l1);
   const auto g_usable = g > T(0.25f);
@@ -104,18 +105,18 @@ Mat3<T> orthonormal_frame(const Vec3<T>& b0, const Vec3<T>& b1, const T& smalles
 }  // namespace detail
 
 /// Singular value decomposition by one-sided Jacobi rotations (Hestenes 1958): V makes the columns of B = M V
-/// perpendicular, their lengths are the singular values, their directions U (Golub & Van Loan,
+/// perpendicular; their lengths are the singular values, and their directions are U (Golub & Van Loan,
 /// section 8.6.3). It works on M itself, never on M^T M, so small singular values keep an error of a few ulps
 /// of the largest.
 ///
-/// T is float, double or a pack (not a dual number: rotations that are left out have no derivative). Any
-/// finite M: singular, zero, reflected, from 1e-38 to 1e38 in float. Where M is not finite, neither is the
-/// result.
+/// T is float, double or a pack (not a dual number: skipped rotations have no derivative). M may be any
+/// finite matrix: singular, zero, reflected, from 1e-38 to 1e38 in float. Where M is not finite, neither is
+/// the result.
 template <class T>
 Svd<T> svd(const Mat3<T>& m) {
-  constexpr int max_sweeps = 8;  // 1 to 6 do; a rotation that is not needed is exactly the identity
+  constexpr int max_sweeps = 8;  // 1 to 6 suffice; a rotation that is not needed is exactly the identity
   constexpr T epsilon = std::numeric_limits<T>::epsilon();
-  constexpr T smallest = epsilon * epsilon * epsilon * epsilon;  // of squares, beside a largest entry of 1
+  constexpr T smallest = epsilon * epsilon * epsilon * epsilon;  // of squared lengths; the largest entry is 1
 
   T largest = T(0);
   for (const Vec3<T>& c : m.column) largest = max(largest, max(abs(c.x), max(abs(c.y), abs(c.z))));
@@ -134,7 +135,8 @@ Svd<T> svd(const Mat3<T>& m) {
   detail::sort_descending(b.column[0], b.column[2], v.column[0], v.column[2]);
   detail::sort_descending(b.column[1], b.column[2], v.column[1], v.column[2]);
 
-  // The rotations' rounding has piled up in v; one orthonormalization, and B afresh from it, takes that out.
+  // v has accumulated the rotations' rounding errors. Orthonormalizing it once and recomputing B removes
+  // them.
   v = detail::orthonormal_frame(v.column[0], v.column[1], smallest, v.column[0], v.column[1]);
   b = a * v;
   const Mat3<T> u = detail::orthonormal_frame(b.column[0], b.column[1], smallest, v.column[0], v.column[1]);

@@ -4,7 +4,7 @@
 
 namespace souple {
 
-/// Places a mesh or a collider: x -> rotation (scale x) + translation.
+/// Placement of a mesh or a collider: x -> rotation (scale x) + translation.
 struct Transform {
   Vec3d translation{};
   Quatd rotation{};

@@ -11,7 +11,7 @@ struct Vec3 {
 
   constexpr Vec3() = default;
   constexpr Vec3(T x_, T y_, T z_) : x(x_), y(y_), z(z_) {}
-  /// Converts the scalar type, e.g. Vec3d to Vec3f (rounds).
+  /// Converts the scalar type; Vec3d to Vec3f rounds.
   template <class U>
   constexpr explicit Vec3(const Vec3<U>& v) : x(T(v.x)), y(T(v.y)), z(T(v.z)) {}
 

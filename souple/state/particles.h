@@ -7,7 +7,7 @@
 
 namespace souple {
 
-/// Sixteen bytes that a SIMD register loads whole: three components and a fourth lane.
+/// Three components and a fourth lane: 16 bytes, which a SIMD register loads whole.
 struct alignas(16) Vec4f {
   float x{}, y{}, z{}, w{};
 
@@ -17,26 +17,27 @@ struct alignas(16) Vec4f {
 
 /// All particles of a world, as plain arrays of equal length; an object owns a contiguous range.
 ///
-/// Two ways to advance them share these arrays (docs/architecture.md: small steps eat float digits):
-/// - plain form: during a substep `position` holds the predicted p and `start` the x it left;
-///   v = (p - start) / h;
-/// - displacement form: `position` holds x and stays, `offset` holds q = (what x cannot represent) + d, and
-///   `start` the offset at the substep's beginning; v = (q - start) / h; then x += q rounds and `offset`
-///   keeps the remainder.
+/// Two forms of time integration share these arrays (docs/architecture.md: small steps lose float digits):
+/// - Plain form: during a substep, `position` is the predicted p and `start` is x, the position before
+///   prediction; v = (p - start) / h.
+/// - Displacement form: during a substep, `position` is x and does not change. `offset` is q, the sum of x's
+///   rounding remainder and the displacement d. `start` is `offset` at the substep's start; v = (q - start) / h.
+///   Then x += q is rounded, and `offset` keeps the remainder.
 struct Particles {
-  std::vector<Vec4f> position;  ///< x, y, z [m], w = inverse mass [1/kg], 0 = moved by targets only
-  std::vector<Vec4f> offset;    ///< displacement form: q [m]; zero in the plain form
-  std::vector<Vec4f> start;     ///< what `position` (plain) or `offset` (displacement) was before prediction
-  std::vector<Vec4f> velocity;  ///< m/s
-  std::vector<float> mass;      ///< kg, kept for pinned particles too
-  std::vector<float> radius;    ///< half thickness for contacts [m]
-  std::vector<float> contact_margin;  ///< how far contacts of surfaces pushed it of late [m]
+  std::vector<Vec4f> position;  ///< x, y, z [m]; w: inverse mass [1/kg], 0: moved by targets only
+  std::vector<Vec4f> offset;    ///< displacement form: q; plain form: 0 [m]
+  std::vector<Vec4f> start;     ///< `position` (plain) or `offset` (displacement form) before prediction [m]
+  std::vector<Vec4f> velocity;  ///< [m/s]
+  std::vector<float> mass;      ///< [kg], of pinned particles too
+  std::vector<float> radius;    ///< half the thickness in contacts [m]
+  /// By how much its surface contacts begin earlier, after recent strong corrections by such contacts [m].
+  std::vector<float> contact_margin;
 
   std::size_t size() const { return position.size(); }
 
   void resize(std::size_t count);
   void shrink_to_fit();
-  /// Makes particle `to` the same as particle `from`.
+  /// Copies all data of particle `from` to particle `to`.
   void copy(std::size_t from, std::size_t to);
   /// Removes particles [begin, end).
   void erase(std::size_t begin, std::size_t end);

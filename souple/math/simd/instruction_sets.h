@@ -8,15 +8,19 @@
 
 #include <cstdint>
 
-// What differs between instruction sets: how wide a register is, its square root, and how four-float records
-// are gathered into registers and transposed. Everything else is compiler vectors (pack.h).
+// Operations that differ between instruction sets: the register width, square roots, and the gathering and
+// transposing of four-float records. All other operations are compiler vectors (pack.h).
 //
-// A tag names the set in every template that is compiled for it, so that the linker never takes one set's
-// code for another's. Records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill
-// a register, so that four registers loaded from i, i + 1, i + 2, i + 3 transpose to components in the order
-// of i. min, max: a < b ? a : b and a > b ? a : b. difference_but_last: a - b, the fourth float of every
-// record that of a. broadcast_last: the fourth float of every record in all of its four. any: a lane of the mask
-// is set.
+// Every template compiled for an instruction set has its tag as a parameter, so that the linker never takes
+// the code of one set for that of another.
+//
+// load_records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill a register. So
+// four
+//   registers loaded from i, i + 1, i + 2, i + 3 transpose to components in the order of i.
+// min, max: a < b ? a : b and a > b ? a : b.
+// difference_but_last: a - b, but the fourth float of every record is that of a.
+// broadcast_last: copies the fourth float of every record to all four.
+// any: whether a lane of the mask is set.
 
 namespace souple::simd {
 

@@ -7,15 +7,14 @@
 
 namespace souple::simd {
 
-/// As many floats as a register of the instruction set holds: the scalar T of constraint code. Every
-/// operation rounds as that of float does, lane by lane, so a pack's lanes are the bits that float would
-/// give.
+/// As many floats as a register of the instruction set has lanes, for use as the scalar T of constraint code.
+/// Every operation rounds each lane as float does, so lanes have the same bits as floats.
 template <class Isa>
 struct Pack {
   using Vector = typename Isa::Vector;
   static constexpr int lanes = Isa::lanes;
 
-  /// A comparison, lane by lane: for `select`.
+  /// Result of a comparison, lane by lane, for `select`.
   struct Mask {
     typename Isa::Mask lanes;
     friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
@@ -24,7 +23,7 @@ struct Pack {
 
   Vector v;
 
-  // Not set, and not zero for {} either: arrays of packs that are filled later cost nothing.
+  // Leaves the lanes uninitialized, also for {}: arrays of packs that are filled later cost nothing.
   Pack() {}  // NOLINT(modernize-use-equals-default)
   /// The same number in every lane. Implicit, so that plain numbers mix with packs as they do with floats.
   Pack(float a) : v(Isa::broadcast(a)) {}  // NOLINT(google-explicit-constructor)
@@ -50,7 +49,7 @@ struct Pack {
 
   friend bool any_lane(Mask mask) { return Isa::any(mask.lanes); }
   friend Pack select(Mask mask, Pack a, Pack b) { return Pack(mask.lanes ? a.v : b.v); }
-  // The operand that std::min and std::max give when neither is smaller.
+  // Where neither operand is smaller, the operand that std::min and std::max return.
   friend Pack min(Pack a, Pack b) { return Pack(Isa::min(b.v, a.v)); }
   friend Pack max(Pack a, Pack b) { return Pack(Isa::max(b.v, a.v)); }
   friend Pack abs(Pack a) { return Pack((Vector)((typename Isa::Mask)a.v & 0x7fffffff)); }
@@ -58,8 +57,8 @@ struct Pack {
   friend Pack atan2(Pack y, Pack x) { return arctangent(y, x); }
 };
 
-/// Four registers of records (see instruction_sets.h) to their four components, and back: a 4 x 4 transpose
-/// of every 16 bytes.
+/// Converts four registers of records (see instruction_sets.h) to their four components, and back: a 4 x 4
+/// transpose of every 16 bytes.
 template <class Isa>
 [[gnu::always_inline]] inline void transpose(typename Isa::Vector (&r)[4]) {
   const auto t0 = Isa::unpack_low(r[0], r[1]), t1 = Isa::unpack_high(r[0], r[1]);
