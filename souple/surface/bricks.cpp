@@ -25,7 +25,7 @@ std::uint64_t Bricks::key_of(const Coordinates& at) {
   return (part(at[2]) << bits | part(at[1])) << bits | part(at[0]);
 }
 
-// Open addressing: the key's slot, or the free one where it would be.
+// Open addressing: the slot of the key, or the free slot for it.
 std::size_t Bricks::slot_of(std::uint64_t key) const {
   const std::size_t last = slots_.size() - 1;
   std::size_t slot = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> 20) & last;

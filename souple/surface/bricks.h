@@ -8,28 +8,29 @@
 
 namespace souple {
 
-/// Which bricks of an endless grid are there: in order of z, then y, then x, and found by their coordinates.
+/// A sparse set of bricks of an infinite grid, in order of z, then y, then x, with lookup by coordinates.
 class Bricks {
  public:
   static constexpr std::uint32_t none = 0xffffffff;
-  /// Coordinates lie in [-limit, limit).
+  /// Coordinates are in [-limit, limit).
   static constexpr std::int32_t limit = 1 << 20;
 
   using Coordinates = std::array<std::int32_t, 3>;
 
   void clear();
-  /// Adds a brick where it is not there yet, and marks it if it is to be.
+  /// Adds a brick unless it exists, and marks it if `marked`.
   void add(const Coordinates& at, bool marked);
-  /// Brings all into order: call once after adding.
+  /// Sorts the bricks: call it once after all add().
   void sort();
 
   std::size_t size() const { return keys_.size(); }
   Coordinates at(std::size_t brick) const;
   bool marked(std::size_t brick) const { return marked_[brick] != 0; }
+  /// The brick's index, or none.
   std::uint32_t find(const Coordinates& at) const;
 
  private:
-  // Of a table with open addressing: nothing takes its order, it only finds.
+  // Slot of a hash table with open addressing. It serves lookup only; results do not depend on its order.
   struct Slot {
     std::uint64_t key;
     std::uint32_t brick;

@@ -42,9 +42,9 @@ void check(const SurfaceOptions& o) {
   require(o.smoothing >= 0 && o.smoothing <= 1, "smoothing: expected 0 to 1");
 }
 
-constexpr int samples = 16;  // across a lattice cell, four by four
+constexpr int samples = 16;  // four by four across a lattice cell
 
-/// The field at points, each somewhere along a vertical.
+/// The field at points, one on each of `samples` vertical lines.
 struct Samples {
   float at[3][samples], value[samples], gradient[3][samples], shift[3][samples], crowd[samples];
   kernels::FieldPoints points() {
@@ -56,8 +56,8 @@ struct Samples {
   }
 };
 
-/// A lattice without jitter, its topmost layer at z = 0, so wide and deep that nothing else is felt above its
-/// middle.
+/// A lattice without jitter, with its topmost layer at z = 0, so wide and deep that its other boundaries have
+/// no effect above its middle.
 std::vector<Vec4f> lattice_pool(const SurfaceOptions& options) {
   const float widest = std::max(1.5f * options.kernel_radius, options.isotropic_radius);
   const int half = static_cast<int>(std::ceil(widest + options.neighbor_radius)) + 1;
@@ -69,7 +69,7 @@ std::vector<Vec4f> lattice_pool(const SurfaceOptions& options) {
   return points;
 }
 
-/// The kernels of such a pool, and their field.
+/// The kernels of a lattice_pool, and their field.
 class Pool {
  public:
   explicit Pool(const SurfaceOptions& options) : kernels_(options) {
@@ -94,12 +94,13 @@ class Pool {
   std::vector<std::uint32_t> all_;
 };
 
-/// The value that the field has where the surface of a pool belongs: half a spacing above the topmost layer
-/// of a lattice, that is, where vertices come to lie once they have gone back by the shift of the centers,
+/// The level of the field at the surface of a pool, which is half a spacing above the topmost layer of a
+/// lattice. Vertices are there after they are moved back by the shift of the centers:
 ///
 ///   level = mean of field(z_s),   z_s - shift(z_s) = d / 2,   s over a cell of the lattice
 ///
-/// So a pool has the right height, and a body's volume is right as far as its surface is flat. By halving.
+/// So a pool has the right height, and the volume of a body of fluid is right where its surface is flat.
+/// Found by bisection.
 float pool_level(const SurfaceOptions& options) {
   const float d = options.spacing;
   const Pool pool(options);
@@ -127,7 +128,8 @@ SurfaceOptions completed(SurfaceOptions options) {
   if (options.cell == 0) options.cell = options.spacing / 2;
   if (options.level == 0) {
     options.level = pool_level(options);
-    require(options.level > 0.02f, "kernels are too small: the surface of a pool lies beyond them");
+    require(options.level > 0.02f,
+            "kernels are too small: the surface of a pool is beyond them; take a larger kernel_radius");
   }
   return options;
 }
@@ -141,7 +143,7 @@ const SurfaceMesh& FluidSurface::build(std::span<const Vec3f> positions, Threads
   const Wakefulness awake(threads);
   Clock::time_point clock = Clock::now();
   const float radius = options_.neighbor_radius * options_.spacing;
-  // Within this, cells and bricks can be counted.
+  // Within this distance, the coordinates of cells and bricks are in range.
   const float limit = std::min(radius, 4 * options_.cell) * 0x1p18f;
   positions_.clear();
   for (const Vec3f& x : positions)

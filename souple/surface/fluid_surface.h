@@ -9,37 +9,40 @@
 
 namespace souple {
 
-/// What building a surface took. [ms]
+/// Times of the stages of FluidSurface::build [ms].
 struct SurfaceTimes {
   double sort = 0, neighbors = 0, kernels = 0, field = 0, mesh = 0, smoothing = 0;
   double all() const { return sort + neighbors + kernels + field + mesh + smoothing; }
 };
 
-/// The surface of a fluid's particles as a closed mesh without seams, after
+/// The surface of a fluid's particles as a closed mesh without seams. Source:
 ///
 ///   Yu and Turk 2013, "Reconstructing surfaces of particle-based fluids using anisotropic kernels"
 ///
-/// The field is a sum of kernels, one a particle, each stretched as its neighbors lie (particle_kernels.h);
-/// it is evaluated near the surface only (surface_field.h), and the mesh is cut out of it (marching_cubes.h).
+/// The field is a sum of kernels, one per particle, each stretched by the distribution of its neighbors
+/// (particle_kernels.h). It is evaluated near the surface only (surface_field.h). Marching cubes extracts the
+/// mesh (marching_cubes.h).
 ///
-/// Where we deviate: the paper moves kernels' centers towards the mean of their neighbors, which calms the
-/// surface, and draws it in by half a spacing and more: a ball of 20 spacings would lose a fifth of its
-/// volume. Here each vertex goes back the way that the centers around it went, averaged with their weights in
-/// the field. Nor are centers of particles with few neighbors moved as far: two would become one.
+/// Deviations: the paper moves the centers of kernels towards the mean of their neighbors. This smooths the
+/// surface but moves it inwards by half a spacing or more: a ball of 20 spacings would lose a fifth of its
+/// volume. Here each vertex is moved back by the mean shift of the centers around it, weighted by their
+/// kernels in the field. Centers of particles with few neighbors are moved less: two of them would become
+/// one.
 ///
 /// The same mesh, bit by bit, for any number of threads and with all instruction sets.
 class FluidSurface {
  public:
-  /// Throws Error, naming the option, where one makes no sense.
+  /// Throws Error where an option is out of its range; the message names it.
   explicit FluidSurface(const SurfaceOptions& options);
 
-  /// The mesh of these particles [m], valid until the next call. Positions that are not finite, or further
-  /// than 250,000 neighbor radii from the origin, are left out. Allocates nothing when warm.
+  /// The mesh of these particles [m], valid until the next call. Positions are left out where they are not
+  /// finite, or further from the origin than 2^18 times the smaller of the neighbor radius and four cells.
+  /// Allocates nothing when warm.
   const SurfaceMesh& build(std::span<const Vec3f> positions, Threads& threads);
 
   const SurfaceMesh& mesh() const { return mesh_; }
   const SurfaceTimes& times() const { return times_; }
-  /// With what was found where 0 was given.
+  /// The options, with computed values in place of 0.
   const SurfaceOptions& options() const { return options_; }
 
  private:

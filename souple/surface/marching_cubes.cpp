@@ -13,10 +13,10 @@ namespace {
 
 using kernels::brick_side;
 
-// --- the table
+// --- the table of cases
 
 struct CubeEdge {
-  std::size_t axis, node;  // it begins at
+  std::size_t axis, node;  // its direction and its first node
 };
 
 constexpr CubeEdge cube_edge(std::size_t edge) {
@@ -34,7 +34,7 @@ constexpr std::size_t edge_between(std::size_t a, std::size_t b) {
   return found;
 }
 
-/// Bits of the faces an edge lies in: 2 axis + side.
+/// Bits of the two faces that contain an edge: bit 2 axis + side.
 constexpr unsigned faces_of(std::size_t e) {
   const CubeEdge edge = cube_edge(e);
   unsigned faces = 0;
@@ -51,8 +51,10 @@ constexpr std::array<std::size_t, 4> face_nodes(std::size_t axis, std::size_t si
   return {base, base | v, base | u | v, base | u};
 }
 
-/// Where around a face the boundary comes to the inside, a line begins that ends where it leaves again. Seen
-/// from the face's other side all turn about, so lines of a cube follow one another, and close.
+/// Lines of the surface on the cube's faces: from edge k to edge next[k]. Around a face, counter-clockwise
+/// from outside, a line begins where the boundary enters the inside, and ends where it leaves it. The two
+/// faces at an edge go along it in opposite directions, so a line that ends there on one face continues on
+/// the other. The lines of a cube are therefore closed.
 constexpr std::array<std::uint8_t, 12> lines_of(unsigned inside) {
   constexpr std::uint8_t nothing = 12;
   std::array<std::uint8_t, 12> next{};
@@ -70,8 +72,8 @@ constexpr std::array<std::uint8_t, 12> lines_of(unsigned inside) {
   return next;
 }
 
-/// Cuts the polygon corner[first] ... corner[last] into triangles, one of which has the side first - last.
-/// Returns whether it can be done without a diagonal that lies in a face.
+/// Divides the polygon corner[first] ... corner[last] into triangles, one of which has the side first - last.
+/// Returns whether this is possible without a diagonal within a face.
 constexpr bool cut_polygon(const std::array<std::uint8_t, 12>& corner, std::size_t first, std::size_t last,
                            CubeCase& result) {
   if (last - first < 2) return true;
@@ -120,7 +122,7 @@ constexpr std::uint64_t nodes_where(int axis, int at) {
   return nodes;
 }
 
-/// Bit n: what bit n + one along the axis is, in the brick or in the next one.
+/// Shifts nodes by one along an axis: bit n is the bit of the next node, in the brick or in the `next` brick.
 template <int axis>
 std::uint64_t shifted(std::uint64_t nodes, std::uint64_t next) {
   constexpr int step = 1 << 2 * axis;
@@ -128,7 +130,7 @@ std::uint64_t shifted(std::uint64_t nodes, std::uint64_t next) {
   return (nodes >> step & ~last) | (next << 3 * step & last);
 }
 
-/// By corner of a cell: which of a brick's cells have that corner inside.
+/// Per corner of a cell: the cells of a brick with that corner inside.
 std::array<std::uint64_t, 8> corners_inside(const std::array<std::uint64_t, 8>& bricks) {
   std::array<std::uint64_t, 8> x{}, y{}, z{};
   for (std::size_t b = 0; b < 8; b += 2) x[b] = bricks[b], x[b + 1] = shifted<0>(bricks[b], bricks[b + 1]);
@@ -160,17 +162,17 @@ std::array<std::uint64_t, 8> insides(const SurfaceField& field, const std::array
   return result;
 }
 
-/// Where the edges of a brick that are cut meet the surface.
+/// The points where the edges of a brick cross the surface.
 struct CutEdges {
   static constexpr std::size_t capacity = std::size_t{3} * kernels::brick_nodes;
 
   std::size_t count = 0;
-  float start[3][capacity], fraction[capacity];  // [m]; how far along the edge, in cells
-  float low[capacity], high[capacity];           // which lies between these
+  float start[3][capacity], fraction[capacity];  // first node [m]; position along the edge, in cells
+  float low[capacity], high[capacity];           // bounds of the fraction
   std::size_t axis[capacity];
   bool starts_inside[capacity];
   float cell;
-  // At the fraction that was looked at last.
+  // At the fraction of the last newton_step.
   float at[3][capacity], value[capacity], gradient[3][capacity], shift[3][capacity], crowd[capacity];
 
   CutEdges(const SurfaceField& field, std::uint32_t brick, const std::array<std::uint32_t, 8>& corners,
@@ -182,7 +184,7 @@ struct CutEdges {
   }
 };
 
-/// To begin with, where the field would have the level were it straight along the edge.
+/// Starts where a field that is linear along the edge has the level.
 CutEdges::CutEdges(const SurfaceField& field, std::uint32_t brick,
                    const std::array<std::uint32_t, 8>& corners, const std::array<std::uint64_t, 3>& edges)
     : cell(field.cell()) {
@@ -205,7 +207,7 @@ CutEdges::CutEdges(const SurfaceField& field, std::uint32_t brick,
   }
 }
 
-/// A step of Newton's method, by the field's gradient, as far as the surface can lie.
+/// One step of Newton's method with the field's gradient, within the bounds of the fraction.
 void CutEdges::newton_step(const SurfaceField& field, std::uint32_t brick) {
   const std::size_t whole = (count + 15) / 16 * 16;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -227,7 +229,8 @@ void CutEdges::newton_step(const SurfaceField& field, std::uint32_t brick) {
   }
 }
 
-/// Never so near a node that triangles lose their area; then back by the way of the centers.
+/// The vertex: at least a fiftieth of a cell from both nodes, so that triangles keep an area, then moved back
+/// by the shift of the centers.
 Vec3f CutEdges::position(std::size_t k) const {
   constexpr float least = 0.02f;
   Vec3f x{start[0][k], start[1][k], start[2][k]};
@@ -303,7 +306,7 @@ std::uint32_t MarchingCubes::vertex(std::uint32_t brick, std::uint32_t node, std
   return number + static_cast<std::uint32_t>(std::popcount(cut.edges[axis] & before));
 }
 
-// Two newton_steps bring them within a hundredth of a cell of the level.
+// Two steps of Newton's method bring vertices within a hundredth of a cell of the level.
 void MarchingCubes::write_vertices(const SurfaceField& field, std::uint32_t brick, SurfaceMesh& mesh) {
   constexpr int newton_steps = 2;
   const Cut& cut = cuts_[brick];
@@ -326,7 +329,7 @@ void MarchingCubes::write_triangles(const SurfaceField& field, std::uint32_t bri
   for_bits(mixed_cells(nodes), [&](int bit) {
     const auto cell = static_cast<std::uint32_t>(bit);
     const CubeCase& found = cases[case_of(nodes, bit)];
-    // The vertex on an edge of the cell: in this brick, or in one at its far sides.
+    // The vertex on an edge of the cell, in this brick or in one of its upper neighbors.
     const auto corner_of = [&](std::uint8_t e) {
       const CubeEdge edge = cube_edge(e);
       std::uint32_t node = 0, of = 0;

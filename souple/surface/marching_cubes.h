@@ -10,41 +10,42 @@
 
 namespace souple {
 
-/// What a cube of eight nodes adds to a surface, by which of them are inside: node k lies at (k & 1,
-/// k >> 1 & 1, k >> 2 & 1). Edge 4 a + b runs along axis a; b's lowest bit is where it lies along the axis
-/// after a (z before x again), the other where along the one after that.
+/// Triangles of one cube of eight nodes, for one pattern of inside nodes. Node k is at (k & 1, k >> 1 & 1, k
+/// >> 2 & 1). Edge 4 a + b is along axis a. The lowest bit of b is its coordinate along the axis after a (x
+/// follows z), the other bit that along the axis after this one.
 struct CubeCase {
   std::uint8_t triangle_count = 0;
   std::array<std::array<std::uint8_t, 3>, 12> triangles{};  ///< edges, counter-clockwise from outside
 };
-/// Marching cubes (Lorensen and Cline 1987). Where inside and outside meet crosswise on a face of the cube,
-/// the nodes inside are parted: cubes on both sides of the face cut it alike, so the surface is closed. No
-/// side of two triangles lies within a face, so none is shared by more than two: the surface is manifold.
+/// Marching cubes (Lorensen and Cline 1987). On a face whose inside nodes are diagonally opposite, the
+/// surface separates them. Cubes on both sides of the face do the same, so the surface is closed. No edge
+/// between two triangles of a cube is within a face, so no edge has more than two triangles: the surface is
+/// manifold.
 const std::array<CubeCase, 256>& cube_cases();
 
-/// A surface whose corners are shared.
+/// An indexed triangle mesh.
 struct SurfaceMesh {
   std::vector<Vec3f> positions;     ///< m
-  std::vector<Vec3f> normals;       ///< of length 1, outwards
+  std::vector<Vec3f> normals;       ///< unit, outward
   std::vector<Triangle> triangles;  ///< counter-clockwise from outside
 };
 
-/// Cuts the surface out of a field. Vertices lie on the grid's edges, in the order of bricks, then of axes
-/// and nodes; then each goes back the way that its kernels' centers went from their particles.
+/// Extracts the surface of a field. Vertices are on the grid's edges, in the order of bricks, then axes, then
+/// nodes. Each is then moved back by the mean shift of its kernels' centers from their particles.
 class MarchingCubes {
  public:
   /// Allocates nothing when warm.
   void extract(const SurfaceField& field, SurfaceMesh& mesh, Threads& threads);
-  /// Of each vertex: how crowded the particles around it are, in [0, 1].
+  /// Per vertex: ParticleKernel::crowd of the particles around it, averaged, in [0, 1].
   std::span<const float> crowd() const { return crowd_; }
 
  private:
-  /// Edges that begin at nodes of a brick and are cut, by axis.
+  /// Edges that begin at nodes of a brick and cross the surface, by axis: bit n for the edge at node n.
   struct Cut {
     std::array<std::uint64_t, 3> edges;
     std::uint32_t first_vertex, first_triangle;
   };
-  using Corner = std::array<std::uint32_t, 8>;  // the brick and those at its far sides: x, y, xy, z, ...
+  using Corner = std::array<std::uint32_t, 8>;  // the brick and its upper neighbors: x, y, xy, z, ...
 
   void find_cuts(const SurfaceField& field, Threads& threads);
   void number();

@@ -6,7 +6,7 @@
 
 namespace souple {
 
-// In a closed mesh each edge is a side of two triangles, once in each direction.
+// In a closed mesh each edge belongs to two triangles, once in each direction.
 void MeshSmoothing::find_neighbors(const SurfaceMesh& mesh) {
   first_.assign(mesh.positions.size() + 1, 0);
   neighbor_.resize(3 * mesh.triangles.size());
@@ -14,7 +14,7 @@ void MeshSmoothing::find_neighbors(const SurfaceMesh& mesh) {
     for (const std::uint32_t v : t) ++first_[v];
   std::uint32_t sum = 0;
   for (std::uint32_t& first : first_) sum += std::exchange(first, sum);
-  // Each ends where the next began, then all move on by one.
+  // After the fill, first_[v] is the end of vertex v, which is the begin of the next: shift all by one.
   for (const Triangle& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) neighbor_[first_[t[k]]++] = t[(k + 1) % 3];
   for (std::size_t v = mesh.positions.size(); v > 0; --v) first_[v] = first_[v - 1];

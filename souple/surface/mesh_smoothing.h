@@ -7,16 +7,16 @@
 
 namespace souple {
 
-/// Laplacian smoothing of a closed mesh: each pass moves a vertex towards the mean of those it shares an edge
-/// with,
+/// Laplacian smoothing of a closed mesh: each pass moves a vertex towards the mean of its neighbors along
+/// edges,
 ///
 ///   x += factor weight (mean - x)
 ///
-/// Weights of zero keep drops from shrinking to nothing (Löschner et al. 2023, "Weighted Laplacian smoothing
-/// for surface reconstruction of particle-based fluids").
+/// Weights of 0 keep drops from shrinking to nothing (Löschner et al. 2023, "Weighted Laplacian smoothing for
+/// surface reconstruction of particle-based fluids").
 class MeshSmoothing {
  public:
-  /// `weights`: one a vertex, in [0, 1]. Normals are made anew. Allocates nothing when warm.
+  /// `weights`: one per vertex, in [0, 1]. Recomputes the normals. Allocates nothing when warm.
   void smooth(SurfaceMesh& mesh, std::span<const float> weights, int passes, float factor, Threads& threads);
 
  private:

@@ -18,7 +18,7 @@ namespace {
 constexpr int side = NarrowBand::side;
 constexpr std::size_t points = NarrowBand::brick_points;
 
-/// A triangle in a ball around its center, and which of the grid's points may be near to it. In cells.
+/// A triangle in its bounding ball, and the range of grid points that may be near it. Lengths in cells.
 struct Ball {
   std::array<Vec3d, 3> corners;
   Vec3d center;
@@ -26,21 +26,21 @@ struct Ball {
   std::array<std::int32_t, 3> first{}, last{};
 };
 
-/// One brick at a time; lengths in cells.
+/// Fills one brick at a time. Lengths are in cells.
 ///
-/// Of most triangles a point need not know the distance: centers c lie on triangles, so no surface is further
-/// than the nearest of them, and what lies in a ball of radius r around c is no nearer than |p - c| - r. Both
-/// are looked up for many points at a time, from the brick's first point, with a little to spare for what
-/// floats round.
+/// A point p needs the exact distance to few triangles only. Centers c are on their triangles, so the surface
+/// is no further than the nearest center. A triangle in a ball of radius r around c is no nearer than |p - c|
+/// - r. Both bounds are computed for many points at a time, relative to the brick's first point, with a
+/// margin for float rounding.
 ///
-/// A point further from the surface than its neighbor is from it lies on the same side. So points fall into
-/// groups, and of each group one is asked how often the surface goes around it. (Asking the nearest normal
-/// instead, as Baerentzen and Aanaes 2005 do, needs no such look at the whole mesh; but where the mesh is
-/// turned inside out, as tips of splashes are, all that is nearest to such a place gets the wrong side: 52 of
-/// 51,942 points of the splash in the tests.)
+/// A point that is further from the surface than from its neighbor is on the same side as the neighbor. So
+/// points form groups, and one winding number gives the side of a whole group. (Rejected: the sign by the
+/// nearest normal, as in Baerentzen and Aanaes 2005. It needs no traversal of the whole mesh. But where the
+/// mesh is turned inside out, as at tips of splashes, all points nearest to that part get the wrong side: 52
+/// of 51,942 points of the splash in the tests.)
 class BrickSearch {
  public:
-  /// `band` says what a cell is, and what points beyond `width` hold.
+  /// `band`: gives the cell size, and the distance that points beyond `width` cells get.
   BrickSearch(std::span<const Ball> balls, const MeshTree& tree, const NarrowBand& band, int width)
       : balls_(balls), tree_(tree), cell_(double(band.cell)), width_(width), beyond_(band.width) {}
 
@@ -62,16 +62,16 @@ class BrickSearch {
  private:
   static constexpr std::size_t plane = std::size_t{side} * side;
   static constexpr float spare = 1e-3f;
-  static constexpr double rounding_factor =
-      1.000001;  // what lies on the surface, a whole cell away, has either side
+  // A point on the surface, a whole cell away, may be on either side.
+  static constexpr double rounding_factor = 1.000001;
   static constexpr std::array<std::size_t, 3> strides = {plane, side, 1};
 
-  /// A ball as seen from a brick: which of its points, plane by plane of x, may be near.
+  /// A ball relative to a brick: the brick's points that may be near it, plane by plane of x.
   struct Seen {
     float x, radius;
     int first_x, last_x;
     std::size_t begin, end;            // in each plane
-    std::array<float, plane> squares;  // of the distance within the plane
+    std::array<float, plane> squares;  // squared distances within the plane
   };
   Seen seen(std::uint32_t t, const std::array<std::int32_t, 3>& first) const {
     const Ball& ball = balls_[t];
@@ -150,7 +150,7 @@ class BrickSearch {
       }
     }
   }
-  /// Adds a neighbor to the group of those that wait, if it is on the same side.
+  /// Adds a neighbor to the group's open points if it is on the same side; returns their number.
   std::size_t join(std::size_t at, std::size_t neighbor, std::size_t waiting) {
     if (known_[neighbor] || !(std::max(best_[at], best_[neighbor]) > rounding_factor)) return waiting;
     known_[neighbor] = true;
@@ -167,10 +167,10 @@ class BrickSearch {
 
   std::span<const Ball> balls_;
   const MeshTree& tree_;
-  double cell_, width_;  // m, cells
+  double cell_, width_;  // [m]; in cells
   float beyond_;
   std::array<float, points> bound_;
-  std::array<double, points> best_;  // squared at first
+  std::array<double, points> best_;  // distance in cells, first squared
   std::array<bool, points> known_;
   std::array<std::uint16_t, points> group_;
 };
@@ -187,7 +187,7 @@ void check(std::span<const Vec3f> positions, float cell, int width) {
     if (!is_finite(x) || far > furthest * double(cell))
       throw Error(
           fmt::format("narrow_band: vertex {} is not finite, or too far from the origin for cells of {} m; "
-                      "take larger ones",
+                      "take larger cells",
                       i, cell));
   }
 }
@@ -211,12 +211,12 @@ std::vector<Ball> balls_of(std::span<const Vec3d> positions, std::span<const Tri
   return balls;
 }
 
-/// Calls f(brick) for the bricks that a ball's points lie in.
+/// Calls f(brick) for the bricks that contain points of a ball.
 template <class F>
 void for_bricks(const Ball& ball, const F& f) {
   Bricks::Coordinates first{}, last{}, at{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    first[axis] = ball.first[axis] >> 3;  // rounds down, below 0 too
+    first[axis] = ball.first[axis] >> 3;  // rounds down, also below 0
     last[axis] = ball.last[axis] >> 3;
   }
   for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
@@ -224,7 +224,8 @@ void for_bricks(const Ball& ball, const F& f) {
       for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) f(at);
 }
 
-/// Which triangles are near each brick, ascending: those of b are triangle[first[b]] to first[b + 1].
+/// The triangles near each brick, ascending: those of brick b are triangle[first[b]] to triangle[first[b +
+/// 1]].
 struct Lists {
   Bricks bricks;
   std::vector<std::size_t> first;
@@ -244,7 +245,7 @@ Lists lists_of(std::span<const Ball> balls) {
   std::size_t sum = 0;
   for (std::size_t& of_brick : first) sum += std::exchange(of_brick, sum);
   lists.triangle.resize(sum);
-  // Each ends where the next began, then all move on by one.
+  // After the fill, first[b] is the end of brick b, which is the begin of the next: shift all by one.
   for (std::size_t t = 0; t < balls.size(); ++t)
     for_bricks(balls[t], [&](const Bricks::Coordinates& at) {
       lists.triangle[first[lists.bricks.find(at)]++] = static_cast<std::uint32_t>(t);
@@ -254,7 +255,7 @@ Lists lists_of(std::span<const Ball> balls) {
   return lists;
 }
 
-/// `width` cells and never less: readers count.
+/// `width` cells [m], never rounded below: readers count the cells in it.
 float width_of(float cell, int width) {
   const double exact = double(cell) * width;
   const auto rounded = static_cast<float>(exact);

@@ -13,10 +13,10 @@ using kernels::ParticleKernel;
 
 namespace {
 
-// V W(0) h^3 / V: poly6 integrates to 1.
+// W(0) h^3 of poly6, which integrates to 1.
 constexpr float poly6_center = 315.0f / (64.0f * static_cast<float>(pi));
-constexpr float max_axis = 1.5f;  // of that inside: wisps do not reach further
-// Boxes are a bit larger than what they hold, for what rounding does.
+constexpr float max_axis = 1.5f;  // relative to an axis inside the fluid: limits the kernels of wisps
+// Boxes are slightly larger than the support, against rounding.
 constexpr float box_growth = 1.001f;
 
 /// Sum w z^2 / sum w over a cubic lattice of spacing 1, w = 1 - (r / radius)^3.
@@ -54,7 +54,7 @@ ParticleKernels::ParticleKernels(const SurfaceOptions& options)
 
 void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, Threads& threads) {
   if (functions_ == nullptr) functions_ = &kernels::find_surface_kernels(instruction_set());
-  constexpr float far = 1e15f;  // of the record that pads lists: w comes out as 0
+  constexpr float far = 1e15f;  // position of the record that pads lists: its weight w is 0
   const std::size_t n = order.size();
   records_.resize(n + 1);
   kernels_.resize(n);
@@ -82,11 +82,12 @@ void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, T
   });
 }
 
-// The way back is to bring no noise with it: it is the mean of the shifts s of those around that went alike,
+// The shift that moves vertices back is smoothed, so that it adds no noise. It is the mean over neighbors
+// with similar shifts s,
 //
 //   sum_j w_ij s_j / sum_j w_ij,   w_ij = max(0, 1 - |s_i - s_j|^2 / (0.4 r)^2)
 //
-// Those beyond an edge went another way.
+// Neighbors beyond an edge of the fluid have different shifts and small weights.
 void ParticleKernels::smooth_shift(std::uint32_t sorted_index, std::span<const std::uint32_t> list) {
   const float alike = 0.4f * options_.neighbor_radius * options_.spacing;
   const float inverse = 1 / (alike * alike);
@@ -108,8 +109,8 @@ void ParticleKernels::smooth_shift(std::uint32_t sorted_index, std::span<const s
 //
 //   delta_i = sum_j w_ij (x_j - x_i) / sum_j w_ij,   center_i = x_i + lambda delta_i
 //
-// lambda grows with the number of neighbors up to `few_neighbors`: drops of two or three particles would
-// fall together into one.
+// lambda grows with the number of neighbors up to `few_neighbors`: otherwise drops of two or three particles
+// would collapse into one.
 void ParticleKernels::find_at(std::uint32_t sorted_index, std::span<const std::uint32_t> list,
                               std::size_t count) {
   const Vec4f& at = records_[sorted_index];
@@ -134,8 +135,7 @@ void ParticleKernels::find_at(std::uint32_t sorted_index, std::span<const std::u
     reach = set_ball(kernel, options_.isotropic_radius * options_.spacing);
   else if (few)
     reach = set_ball(kernel, options_.drop_radius * options_.spacing);
-  else if (aside < 0.03f * 0.03f &&
-           is_surrounded(count))  // deep inside: its ellipsoid is all but a ball, and nobody sees it
+  else if (aside < 0.03f * 0.03f && is_surrounded(count))  // deep inside: nearly a ball, and invisible
     reach = set_ball(kernel, options_.kernel_radius * options_.spacing);
   else
     reach = set_ellipsoid(kernel, m);
@@ -161,7 +161,7 @@ Vec3f ParticleKernels::set_ball(ParticleKernel& kernel, float radius) const {
 //   C = sum w d d^T / sum w - delta delta^T = R S R^T,   s_k = max(S_k, S_1 / k_r) / S_inside
 //   G = R diag(1 / (h s_k)) R^T
 //
-// S_inside is S of a lattice: 1 / k_s of the paper, such that kernels inside are balls of support h.
+// S_inside is S of a lattice, 1 / k_s of the paper: kernels inside the fluid are balls of support h.
 Vec3f ParticleKernels::set_ellipsoid(ParticleKernel& kernel, const Moments& m) const {
   const float w = 1 / (m.weight * variance_);
   const float x = m.first[0] / m.weight, y = m.first[1] / m.weight, z = m.first[2] / m.weight;

@@ -10,14 +10,14 @@
 
 namespace souple {
 
-/// Along the axes; empty where lo > hi.
+/// Axis-aligned bounds of kernels; empty where lo > hi.
 struct KernelBox {
   float lo[3], hi[3];  ///< m
 
   static KernelBox none();
   bool empty() const { return !(lo[0] <= hi[0]); }
   bool overlaps(const KernelBox& b) const {
-    // Without branches: most boxes that are asked miss, on any of six sides.
+    // Without branches: most boxes miss, on any of six sides.
     const bool x = (lo[0] <= b.hi[0]) & (b.lo[0] <= hi[0]), y = (lo[1] <= b.hi[1]) & (b.lo[1] <= hi[1]),
                z = (lo[2] <= b.hi[2]) & (b.lo[2] <= hi[2]);
     return x & y & z;
@@ -25,21 +25,21 @@ struct KernelBox {
   void add(const KernelBox& other);
 };
 
-/// The kernel of each particle of a fluid, by place of its CellOrder.
+/// The kernel of each particle of a fluid, by its index in a CellOrder (sorted index).
 class ParticleKernels {
  public:
   explicit ParticleKernels(const SurfaceOptions& options);
 
-  /// Replaces what was there. Allocates nothing when warm.
+  /// Replaces all kernels. Allocates nothing when warm.
   void find(const CellOrder& order, const Neighbors& neighbors, Threads& threads);
 
   std::span<const kernels::ParticleKernel> kernels() const { return kernels_; }
-  /// What each kernel reaches.
+  /// Per kernel: bounds of its support.
   std::span<const KernelBox> boxes() const { return boxes_; }
-  /// Whether the surface may be within its reach: its neighbors lie on one side, or are few.
+  /// Per kernel: 1 where the surface may be within its support, since its neighbors are on one side or few.
   std::span<const std::uint8_t> at_surface() const { return at_surface_; }
-  /// Whether so many neighbors lie all around, and not in a sheet or thread: three quarters of those inside
-  /// a fluid.
+  /// Whether a particle with this many neighbors has them all around, not in a sheet or thread: at least
+  /// three quarters of those inside a fluid.
   bool is_surrounded(std::size_t neighbors) const { return neighbors >= surrounded_count_; }
 
  private:
@@ -50,11 +50,11 @@ class ParticleKernels {
 
   SurfaceOptions options_;
   const kernels::SurfaceKernels* functions_ = nullptr;
-  float variance_;  // of the neighbors of a particle inside the fluid, along an axis [m^2]
+  float variance_;  // along an axis, of the neighbors of a particle inside the fluid [m^2]
   std::size_t surrounded_count_;
   std::vector<Vec4f> records_;
   std::vector<kernels::ParticleKernel> kernels_;
-  std::vector<Vec3f> shift_;  // of a center from its particle
+  std::vector<Vec3f> shift_;  // per kernel: from the particle to the center [m]
   std::vector<KernelBox> boxes_;
   std::vector<std::uint8_t> at_surface_;
 };

@@ -8,12 +8,12 @@ namespace souple {
 
 namespace {
 
-// Two thirds of the neighbors that the mesh looks at: as smooth a pool for two thirds of the time.
+// Two thirds of the mesh's neighbors: a pool is as smooth, in two thirds of the time.
 constexpr float neighbor_radius = 2.5f;
-constexpr int few_neighbors = 7;  // as many of those within 2.5 d as the mesh's 12 are within 3 d
-// f: with it pools, on a lattice and shaken by 0.15 d, end 0.5 d above their topmost layer.
+constexpr int few_neighbors = 7;  // within 2.5 d, the same part of all as the mesh's 12 within 3 d
+// f: pools on a lattice, also with a jitter of 0.15 d, then end 0.5 d above their topmost layer.
 constexpr float part_of_kernel = 0.53f;
-// Of a ball with the volume of a particle, in spacings: (3 / 4 pi)^(1/3).
+// Radius of a ball with the volume of a particle, in spacings: (3 / 4 pi)^(1/3).
 constexpr float drop_radius = 0.62035f;
 
 SurfaceOptions options_of(float spacing) {
@@ -33,7 +33,7 @@ SplatShapes::SplatShapes(float spacing) : options_(options_of(spacing)), particl
 void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
   const Wakefulness awake(threads);
   const float radius = options_.neighbor_radius * options_.spacing;
-  const float limit = radius * 0x1p18f;  // within which cells can be counted
+  const float limit = radius * 0x1p18f;  // within it, the coordinates of cells are in range
   positions_.clear();
   particle_.clear();
   for (std::uint32_t i = 0; i < positions.size(); ++i) {

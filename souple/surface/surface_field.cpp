@@ -10,9 +10,9 @@ using kernels::brick_side;
 
 namespace {
 
-constexpr std::size_t block_size = 32;  // bricks that share one list of kernels
+constexpr std::size_t block_size = 32;  // bricks in one Gathered
 
-/// The nodes of a brick that lie next to the one in a direction (dx, dy, dz), each -1, 0 or 1.
+/// The nodes of a brick that are next to its neighbor in direction (dx, dy, dz), each -1, 0 or 1.
 constexpr std::uint64_t facing(int dx, int dy, int dz) {
   const auto lies = [](int d, int n) { return d == 0 || n == (d > 0 ? brick_side - 1 : 0); };
   std::uint64_t nodes = 0;
@@ -43,8 +43,9 @@ bool SurfaceField::BrickRange::holds(const Bricks::Coordinates& at) const {
   return result;
 }
 
-// A brick is evaluated where a particle at the surface reaches. Others that a kernel reaches are taken to be
-// all inside, until one next to them says otherwise.
+// A brick is evaluated where the kernel of a particle at the surface reaches it, or where a neighboring brick
+// is missing. Other bricks that a kernel reaches count as all inside, until an evaluated neighbor has an
+// outside node next to them.
 void SurfaceField::build(const CellOrder& order, float cell_size, const ParticleKernels& particles,
                          Threads& threads) {
   if (functions_ == nullptr) functions_ = &kernels::find_surface_kernels(instruction_set());
@@ -99,8 +100,8 @@ void SurfaceField::find_boxes(const CellOrder& order, const ParticleKernels& par
 
 SurfaceField::BrickRange SurfaceField::range_of(const KernelBox& box) const {
   const double inverse = 1 / (brick_side * static_cast<double>(cell_));
-  // A brick is there where a kernel reaches beyond its first nodes: then also those before it are, whose last
-  // cells end at these nodes.
+  // A brick exists where a kernel reaches beyond its first nodes. Then the bricks before it exist too, whose
+  // last cells end at these nodes.
   BrickRange range;
   for (std::size_t a = 0; a < 3; ++a) {
     range.first[a] = static_cast<std::int32_t>(std::floor(static_cast<double>(box.lo[a]) * inverse));
@@ -138,7 +139,7 @@ void SurfaceField::choose_first() {
 }
 
 void SurfaceField::evaluate(const CellOrder& order, const ParticleKernels& particles, Threads& threads) {
-  // Blocks end where this round does.
+  // The last block may be partly filled: a later round continues it.
   for (std::size_t k = evaluated_count_; k < list_.size(); ++k)
     list_index_[list_[k]] = static_cast<std::uint32_t>(k);
   const std::size_t first_block = evaluated_count_ / block_size;
@@ -172,7 +173,7 @@ void SurfaceField::evaluate_block(const CellOrder& order, const ParticleKernels&
   }
 }
 
-// In the order of cells, then places.
+// In the order of cells, then of sorted indices.
 void SurfaceField::gather(const CellOrder& order, const ParticleKernels& particles, std::uint32_t brick,
                           std::vector<std::uint32_t>& found) const {
   KernelBox box;
@@ -209,7 +210,7 @@ void SurfaceField::gather(const CellOrder& order, const ParticleKernels& particl
   }
 }
 
-// A brick that was taken to be inside, beside a node that is outside.
+// Adds bricks that counted as inside and are next to an outside node.
 void SurfaceField::choose_next() {
   const std::size_t end = list_.size();
   for (std::size_t k = evaluated_count_; k < end; ++k) {

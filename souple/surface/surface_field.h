@@ -12,32 +12,33 @@
 
 namespace souple {
 
-/// A fluid's field at the nodes of a grid, in bricks of 4 x 4 x 4: numbers only where the surface may be.
-/// Elsewhere a brick is known to be all inside, or is not there and all outside. The grid's nodes are the
-/// multiples of `cell`, wherever the fluid is, so that the mesh of what rests does not flicker.
+/// A fluid's field at the nodes of a grid, in bricks of 4 x 4 x 4. Only bricks where the surface may be are
+/// evaluated. Of the others, those in the set are all inside, and those not in it all outside. The grid's
+/// nodes are the multiples of `cell`, independent of the fluid's position, so that the mesh of a fluid at
+/// rest does not flicker.
 class SurfaceField {
  public:
-  /// `cell` of the grid [m]; a node is inside where the field is above `level`.
+  /// `cell`: spacing of the grid [m]. A node is inside where the field is above `level`.
   SurfaceField(float cell, float level) : cell_(cell), level_(level) {}
 
-  /// Replaces what was there; `cell_size` is that of the order [m]. Allocates nothing when warm.
+  /// Replaces the field. `cell_size`: of the cells of `order` [m]. Allocates nothing when warm.
   void build(const CellOrder& order, float cell_size, const ParticleKernels& particles, Threads& threads);
 
   float cell() const { return cell_; }
   float level() const { return level_; }
   const Bricks& bricks() const { return bricks_; }
-  /// Bit i + 4 j + 16 k: that node is inside. `none` has no nodes inside.
+  /// Bit i + 4 j + 16 k: whether node (i, j, k) is inside. Brick `none` has no nodes inside.
   std::uint64_t inside(std::uint32_t brick) const { return brick == Bricks::none ? 0 : inside_[brick]; }
-  /// 0 where a brick was not evaluated and is outside; twice the level inside.
+  /// The field at a node. In bricks that are not evaluated: twice the level inside, 0 outside.
   float value(std::uint32_t brick, std::uint32_t node) const {
     return brick == Bricks::none ? 0 : values_[std::size_t{brick} * kernels::brick_nodes + node];
   }
-  /// The kernels that reach an evaluated brick, or the cells that begin in it.
+  /// Sorted indices of the kernels whose support overlaps an evaluated brick and the cells that begin in it.
   std::span<const std::uint32_t> kernels_near(std::uint32_t brick) const;
-  /// Where node (0, 0, 0) lies [m].
+  /// Position of a brick's node (0, 0, 0) [m].
   std::array<float, 3> origin(std::size_t brick) const;
 
-  /// By place of the order.
+  /// By sorted index.
   const kernels::ParticleKernel* particle_kernels() const { return particle_kernels_; }
   const kernels::SurfaceKernels& functions() const { return *functions_; }
 
@@ -46,7 +47,7 @@ class SurfaceField {
     Bricks::Coordinates first, last;
     bool holds(const Bricks::Coordinates& at) const;
   };
-  /// Of consecutive bricks that are evaluated: which kernels reach each.
+  /// Kernels of consecutive evaluated bricks: those of brick k are kernel[first[k]] to kernel[first[k + 1]].
   struct Gathered {
     std::vector<std::uint32_t> kernel, first;
   };
@@ -65,16 +66,17 @@ class SurfaceField {
   float cell_, level_;
   const kernels::SurfaceKernels* functions_ = nullptr;
   const kernels::ParticleKernel* particle_kernels_ = nullptr;
-  std::vector<KernelBox> cell_boxes_, surface_boxes_;  // by cell of the order: of all, of some
-  std::array<double, 3> furthest_{};                   // that a kernel reaches from its particle [m]
-  double cell_size_ = 0;                               // of the order
+  std::vector<KernelBox> cell_boxes_,
+      surface_boxes_;                 // per cell: bounds of all kernels, and of those at_surface
+  std::array<double, 3> furthest_{};  // that a kernel's support extends beyond its cell, per axis [m]
+  double cell_size_ = 0;              // of the order's cells [m]
   Bricks bricks_;
   std::vector<State> state_;
   std::vector<std::uint64_t> inside_;
   std::vector<float> values_;
-  std::vector<std::uint32_t> list_;        // bricks evaluated so far, in the order of their evaluation
-  std::vector<std::uint32_t> list_index_;  // of each evaluated brick in the list
-  std::size_t evaluated_count_ = 0;        // bricks in which the field was computed
+  std::vector<std::uint32_t> list_;        // bricks to evaluate, in that order
+  std::vector<std::uint32_t> list_index_;  // per evaluated brick: its index in list_
+  std::size_t evaluated_count_ = 0;        // bricks of list_ that are done
   std::vector<Gathered> gathered_;
 };
 

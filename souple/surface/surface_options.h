@@ -2,32 +2,33 @@
 
 namespace souple {
 
-/// How the field is made whose level is a fluid's surface.
+/// Kernels of the field whose level set is the surface of a fluid.
 enum class SurfaceMethod {
-  anisotropic,  ///< kernels stretched along the surface (Yu and Turk 2013): flat where the fluid is
-  isotropic     ///< the same ball for every particle (Müller et al. 2003): bumpy, to compare with
+  anisotropic,  ///< stretched along the surface (Yu and Turk 2013): flat where the fluid is flat
+  isotropic     ///< the same ball for every particle (Müller et al. 2003): bumpy, for comparison
 };
 
-/// Lengths but `spacing` and `cell` are in spacings.
+/// Options of FluidSurface. All lengths except `spacing` and `cell` are in units of `spacing`.
 struct SurfaceOptions {
   SurfaceMethod method = SurfaceMethod::anisotropic;
-  float spacing = 0;  ///< d, distance of particles at rest, two of their radii [m]; to be set
-  float cell = 0;     ///< of the grid the surface is cut out of [m]; 0: d / 2, a particle's radius
-  /// Within which a particle's surroundings are looked at: r_i of the paper.
+  float spacing = 0;  ///< d, distance of particles at rest, twice their radius [m]; required
+  float cell = 0;     ///< spacing of the grid for marching cubes [m]; 0: d / 2, a particle's radius
+  /// Radius of a particle's neighborhood: r_i of the paper.
   float neighbor_radius = 3;
-  /// How far a center goes to the mean of its neighbors, lambda in [0, 1]. The surface gives the way back.
+  /// How far a center moves to the mean of its neighbors: lambda, in [0, 1]. Vertices are moved back by the
+  /// shift.
   float center_smoothing = 0.9f;
-  /// Support of the kernel of a particle inside the fluid.
+  /// Support radius of the kernel of a particle inside the fluid.
   float kernel_radius = 3.25f;
-  float isotropic_radius = 2;  ///< the same of isotropic ones
-  float max_axis_ratio = 4;    ///< of a kernel's axes, k_r
-  /// With no more than so many neighbors a particle is a drop: a ball of support `drop_radius`.
+  float isotropic_radius = 2;  ///< support radius of isotropic kernels
+  float max_axis_ratio = 4;    ///< greatest ratio of a kernel's axes: k_r of the paper
+  /// A particle with at most this many neighbors is a drop: a ball with support radius `drop_radius`.
   int few_neighbors = 12;
   float drop_radius = 0.8f;
-  /// The field is 1 inside; the surface is where it is this. 0: found such that the mesh of a pool lies half
+  /// Value of the field at the surface; it is about 1 inside. 0: computed so that the mesh of a pool is half
   /// a spacing above its topmost particles.
   float level = 0;
-  /// Passes of Laplacian smoothing over the mesh, and how far a vertex goes in each, in [0, 1].
+  /// Passes of Laplacian smoothing of the mesh, and how far each pass moves a vertex, in [0, 1].
   int smoothing_passes = 0;
   float smoothing = 0.5f;
 };

@@ -3,8 +3,8 @@
 #include "souple/fluid/kernels/compile_density.h"
 #include "souple/surface/kernels/surface_kernels.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Included only by translation units compiled for one instruction set. Every template has the set's tag as a
+// parameter.
 
 namespace souple::kernels {
 
@@ -29,11 +29,11 @@ Moments surface_moments(const Vec4f* records, const Vec4f& at, const std::uint32
   const FourLanes a = add_lanes(weight.four(), x.four(), y.four(), z.four());
   const FourLanes b = add_lanes(xx.four(), xy.four(), xz.four(), yy.four());
   const FourLanes c = add_lanes(yz.four(), zz.four(), FourLanes{}, FourLanes{});
-  // Of itself w = 1, d = 0.
+  // The particle itself: w = 1, d = 0.
   return {a[0] + 1, {a[1], a[2], a[3]}, b[0], b[1], b[2], b[3], c[0], c[1]};
 }
 
-/// G (x - center) at nodes i + 4 j of a brick's lowest layer, and what one layer up adds to it.
+/// G (x - center) at nodes i + 4 j of a brick's lowest layer, and its increment from layer to layer.
 template <class Isa>
 struct BrickMap {
   using T = simd::Pack<Isa>;
@@ -70,7 +70,7 @@ void surface_brick(const ParticleKernel* kernels, const std::uint32_t* list, std
     const ParticleKernel& p = kernels[list[n]];
     const BrickMap<Isa> map(p, origin, cell);
     for (int k = 0; k < brick_side; ++k) {
-      // A layer out of reach would have 0 added.
+      // A layer outside the kernel's support would get 0.
       const float height = origin[2] + static_cast<float>(k) * cell - p.center[2];
       if (height > p.reach_up || height < -p.reach_up) continue;
       const auto up = static_cast<float>(k);
@@ -115,7 +115,7 @@ void surface_points(const ParticleKernel* kernels, const std::uint32_t* list, st
       shift_z += added * T(p.shift[2]);
       crowd += added * T(p.crowd);
     }
-    // Where there is no kernel there is no shift: 0 / 1e-30.
+    // Without any kernel the shift is 0 / 1e-30 = 0.
     const T all = max(value, T(1e-30f));
     value.store(points.value + first);
     (gx * T(-6.0f)).store(points.gradient[0] + first);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-// What compile_surface.h does, one lane after the other.
+// The functions of compile_surface.h, one lane after another.
 
 namespace souple::kernels {
 

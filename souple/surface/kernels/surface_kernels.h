@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-// The loops of a fluid's surface over particles, compiled once for each instruction set. Lanes are neighbors
-// (sums go to sixteen partial sums, as in density_kernels.h), nodes or points; kernels are added one after
-// the other. So results are the same bits however wide the registers are.
+// Loops over particles for a fluid's surface, compiled once for each instruction set. Lanes are neighbors
+// (with sixteen partial sums, as in density_kernels.h), nodes or points. Kernels are added one after another.
+// So results are the same bits for any register width.
 
 namespace souple::kernels {
 
@@ -20,50 +20,50 @@ struct Moments {
   float xx, xy, xz, yy, yz, zz;  ///< sum w d d^T
 };
 
-/// What a particle adds to the field: weight (1 - |G (x - center)|^2)^3 where that is positive (poly6 of
-/// Müller et al. 2003, bent by G as in Yu and Turk 2013, equation 8).
+/// A particle's term of the field: weight (1 - |G (x - center)|^2)^3 where the parenthesis is positive (poly6
+/// of Müller et al. 2003, deformed by G as in Yu and Turk 2013, equation 8).
 struct alignas(64) ParticleKernel {
   float center[3];               ///< m
   float weight;                  ///< V W(0), no unit
   float xx, xy, xz, yy, yz, zz;  ///< G, symmetric [1/m]
   float shift[3];                ///< from the particle to the center [m]
-  float crowd;                   ///< how many neighbors, in [0, 1]: see SurfaceOptions::few_neighbors
-  float reach_up;                ///< along z [m]
+  float crowd;                   ///< number of neighbors / (2 few_neighbors), at most 1 (SurfaceOptions)
+  float reach_up;                ///< extent of the support from the center along z [m]
   float unused;
 };
 
-/// Nodes of a brick along each axis, and all of them.
+/// Nodes of a brick: along each axis, and in all.
 inline constexpr int brick_side = 4, brick_nodes = brick_side * brick_side * brick_side;
 
-/// Points component by component, in whole sixteens.
+/// Points component by component; their number is a multiple of 16.
 struct FieldPoints {
   const float* at[3];  ///< m
   float* value;        ///< the field
   float* gradient[3];  ///< 1/m
-  // Of the kernels, weighted with what each adds to the field.
+  // Means over the kernels, weighted by their terms of the field.
   float* shift[3];  ///< m
   float* crowd;
 };
 
 struct SurfaceKernels {
-  /// `records`: x, y, z and anything; `list` padded to whole sixteens as Neighbors does.
+  /// `records`: x, y, z and an unused float. `list`: padded to a multiple of 16 as Neighbors does.
   Moments (*moments)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                      float inverse_radius);
   /// The field at the nodes origin + cell (i, j, k), written to values[i + 4 j + 16 k].
   void (*brick)(const ParticleKernel* kernels, const std::uint32_t* list, std::size_t count,
                 const float* origin, float cell, float* values);
-  /// The field at `count` points, a whole number of sixteens.
+  /// The field of `count` kernels at `point_count` points, a multiple of 16.
   void (*points)(const ParticleKernel* kernels, const std::uint32_t* list, std::size_t count,
                  const FieldPoints& points, std::size_t point_count);
 };
 
-/// One lane after the other, to compare with.
+/// Tag of scalar code, one lane after another: for processors without SIMD kernels, and for comparison.
 struct PlainLanes;
 
 template <class Isa>
 const SurfaceKernels& surface_kernels();
 
-/// Those of an instruction set; scalar code where there are none. Results are the same.
+/// The kernels of an instruction set; scalar code where it has none. Results are the same bits.
 const SurfaceKernels& find_surface_kernels(InstructionSet set);
 
 }  // namespace souple::kernels
