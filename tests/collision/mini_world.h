@@ -11,20 +11,20 @@
 
 namespace souple::test {
 
-/// The loop with nothing in it but contacts, in both forms.
+/// A simulation loop with contacts only, in both forms of time integration.
 struct MiniWorld {
   explicit MiniWorld(Form form_) : form(form_) {}
 
   void add(const Vec3d& x, float radius_, float mass = 1, const Vec3f& v = {}) {
     const Vec3f rounded(x);
     position.push_back({rounded.x, rounded.y, rounded.z, mass > 0 ? 1 / mass : 0.0f});
-    // What a float cannot hold of the position: the displacement form keeps it.
+    // The rounding remainder of the position, which the displacement form keeps.
     const Vec3f rest = form == Form::displacement ? Vec3f(x - Vec3d(rounded)) : Vec3f{};
     offset.push_back({rest.x, rest.y, rest.z, 0});
     velocity.push_back({v.x, v.y, v.z, 0});
     radius.push_back(radius_);
   }
-  /// Particles added since the last object become one.
+  /// Makes an object of the particles added since the last one.
   ContactObject& end_object(const ContactMaterial& material, const std::string& name = "object") {
     ContactObject object;
     object.begin = objects.empty() ? 0 : objects.back().end;

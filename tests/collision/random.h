@@ -6,7 +6,7 @@
 
 namespace souple::test {
 
-/// A small generator of our own (xorshift64*): the same numbers on every platform.
+/// A small random number generator (xorshift64*): the same numbers on every platform.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 2685821657736338717u + 1) {}

@@ -38,7 +38,7 @@ inline TriangleMesh revolved(const std::vector<std::array<double, 2>>& profile, 
   return mesh;
 }
 
-/// A drinking glass that stands at the origin: its inside is a cylinder of that radius and height.
+/// A drinking glass on the origin, whose cavity is a cylinder of the given radius and height.
 inline TriangleMesh glass(double radius, double height, double wall, int segments) {
   const double outer = radius + wall;
   return revolved({{0, -wall}, {outer, -wall}, {outer, height}, {radius, height}, {radius, 0}, {0, 0}},

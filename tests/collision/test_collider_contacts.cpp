@@ -13,7 +13,7 @@ using test::MiniWorld;
 constexpr double g = 9.81;
 const Form forms[] = {Form::displacement, Form::plain};
 
-// A particle that touches a plane tilted by `angle` about z, at a place far along the plane or not.
+// A particle in contact with a plane tilted by `angle` about z, near the origin or far along the plane.
 MiniWorld incline(Form form, double angle, float friction, const Vec3d& origin) {
   MiniWorld world(form);
   world.add(origin + Vec3d{-std::sin(angle), std::cos(angle), 0} * 0.05, 0.05f);
@@ -75,7 +75,7 @@ double bounce_height(Form form, float restitution, int iterations, double offset
   return highest / (1 + offset);
 }
 
-// Heights differ by less than what is fallen in a substep, so that contact begins anywhere within one.
+// Heights differ by less than the fall of a substep, so that contacts begin anywhere within one.
 TEST(ColliderContacts, BounceHeightIsTheSquareOfRestitution) {
   for (const Form form : forms) {
     for (const double offset : {0.0, 0.0007, 0.0013, 0.0021, 0.0029, 0.0035}) {
@@ -101,7 +101,7 @@ TEST(ColliderContacts, ABouncingBallComesToRestAndStaysThere) {
       ASSERT_NEAR(world.at(0).y, 0.05, 1e-6);
       ASSERT_LT(std::fabs(world.velocity[0].y), 1e-4f);
     }
-    // It lies there with its weight: m g h per substep.
+    // At rest, the impulse per substep is m g h.
     std::vector<ContactPush> events;
     world.on_colliders.events(world.view(), events);
     ASSERT_EQ(events.size(), 1u);
@@ -125,7 +125,7 @@ TEST(ColliderContacts, ImpactFrictionFollowsTheNormalImpulse) {
   }
 }
 
-// A plate that moves carries what lies on it; a turntable turns it.
+// A moving plate carries a particle on it; a turntable rotates it.
 TEST(ColliderContacts, AMovingColliderCarriesParticles) {
   for (const Form form : forms) {
     for (const int iterations : {1, 4}) {
@@ -153,7 +153,7 @@ TEST(ColliderContacts, AMovingColliderCarriesParticles) {
   }
 }
 
-// A loop that starts again puts the collider elsewhere at once: no particle is hit by that as by a bat.
+// A restarting loop moves the collider at once: this must not give particles a velocity.
 TEST(ColliderContacts, ALoopThatJumpsBackDoesNotKick) {
   MiniWorld world(Form::displacement);
   world.gravity = {};
@@ -178,7 +178,7 @@ TEST(ColliderContacts, FrictionlessTableSlidesAwayUnderneath) {
   EXPECT_NEAR(world.at(0).x, 0, 1e-6);
 }
 
-// 100 m/s, one substep of 1/60 s: 1.67 m at once.
+// 100 m/s and one substep of 1/60 s: 1.67 m per substep.
 TEST(ColliderContacts, FastParticlesDoNotPassThinBoxesAndSmallSpheres) {
   const Shape targets[] = {Box{{}, {1, 1, 0.005f}}, Sphere{{}, 0.05f}, Capsule{{}, 0.05f, 0.2f},
                            Cylinder{{}, 0.05f, 0.2f}};
@@ -237,7 +237,7 @@ TEST(ColliderContacts, OneKilometreFromTheOriginIsTheSame) {
   EXPECT_LT(length(end[0] - end[1]), 1e-4);
 }
 
-// Started deep inside: out at the given speed, and without a kick.
+// A particle that starts deep inside leaves at the given speed, without gaining velocity.
 TEST(ColliderContacts, AnOldOverlapLeavesSlowlyAndKeepsNoSpeed) {
   MiniWorld world(Form::displacement);
   world.add({0, -0.2, 0}, 0.05f);

@@ -61,7 +61,7 @@ TEST(ColliderMotion, ACallbackIsAskedAndMayThrow) {
     if (t > 5) throw std::runtime_error("too late");
     return Transform{{0, t, 0}, {0, 0, 0, 2}, 3};
   });
-  EXPECT_EQ(rise.at(2).point({1, 0, 0}), (Vec3d{1, 2, 0}));  // rigid, whatever the callback's scale
+  EXPECT_EQ(rise.at(2).point({1, 0, 0}), (Vec3d{1, 2, 0}));  // rigid: the callback's scale is ignored
   EXPECT_THROW(rise.at(6), std::runtime_error);
 }
 

@@ -26,7 +26,8 @@ double energy(const MiniWorld& world) {
   return sum;
 }
 
-// Newton's law: momentum stays, the relative speed is reversed times e, energy falls by 1/2 mu (1 - e^2) v^2.
+// Newton's law: momentum is conserved, the relative velocity becomes -e times its old value, and the energy
+// falls by 1/2 mu (1 - e^2) v^2.
 TEST(ParticleContacts, HeadOnCollisionKeepsMomentumAndTheEnergyLaw) {
   for (const Form form : forms) {
     for (const float e : {0.0f, 0.5f, 1.0f}) {
@@ -48,7 +49,8 @@ TEST(ParticleContacts, HeadOnCollisionKeepsMomentumAndTheEnergyLaw) {
   }
 }
 
-// Frictionless and elastic, off center: the line of centers at the touch decides, sin(angle) = b / (2 r).
+// Frictionless, elastic and off center: the impulse is along the line of centers at contact, sin(angle) = b /
+// (2 r).
 TEST(ParticleContacts, ObliqueFastCollisionLeavesAlongTheLineOfCenters) {
   MiniWorld world(Form::displacement);
   world.gravity = {};
@@ -86,7 +88,8 @@ double deepest_overlap(const MiniWorld& world, double floor) {
   return deepest;
 }
 
-// 10 substeps of one iteration. The heap comes to rest within what gravity adds in two substeps, and stays.
+// 10 substeps of one iteration. The heap comes to rest, up to the speed that gravity adds in two substeps,
+// and stays.
 TEST(ParticleContacts, APileOfGrainsSettlesAndDoesNotMelt) {
   for (const Form form : forms) {
     MiniWorld world(form);
@@ -161,7 +164,7 @@ TEST(ParticleContacts, AnUnsupportedClusterKeepsItsMomentum) {
   EXPECT_LT(length(momentum(world) - before), 1e-5 * scale);
 }
 
-// One grain on a fixed one, leaning: friction holds it for as long as tan(angle) <= mu.
+// One grain on a fixed one, off center: friction holds it while tan(angle) <= mu.
 TEST(ParticleContacts, FrictionHoldsAGrainOnAnother) {
   for (const Form form : forms) {
     for (const float mu : {0.45f, 0.35f}) {
@@ -207,8 +210,8 @@ TEST(ParticleContacts, TheSameRunGivesTheSameBits) {
   }
 }
 
-// The broad phase against all pairs: different radii, far cells, fast and slow, and objects that do or do not
-// meet.
+// The broad phase against all pairs: different radii, distant cells, fast and slow particles, and objects
+// that collide or not.
 TEST(ParticleContacts, TheGridFindsEveryTouchingPair) {
   MiniWorld world(Form::displacement);
   world.gravity = {};
@@ -222,8 +225,9 @@ TEST(ParticleContacts, TheGridFindsEveryTouchingPair) {
   }
   world.objects[0].mask = 2 | 4;
   world.objects[1].mask = 1 | 4;
-  world.objects[2].mask = 1;  // 1 wants 2, 2 does not want 1: they do not meet
-  // Every pair nearer than 1.1 times its reach must become a contact of the first substep, once.
+  world.objects[2].mask = 1;  // object 1 has 2 in its mask, object 2 does not have 1: they do not collide
+  // Every pair nearer than 1.1 times the sum of its radii must become exactly one contact of the first
+  // substep.
   std::size_t expected = 0;
   for (std::size_t i = 0; i < world.position.size(); ++i) {
     for (std::size_t j = i + 1; j < world.position.size(); ++j) {

@@ -8,7 +8,7 @@ namespace {
 
 using test::Random;
 
-// A ray walks in steps that cannot pass the surface; where it arrives is where the ray cast must say.
+// A reference ray takes steps that cannot pass the surface. The ray cast must hit at its end.
 double walk(const Shape& shape, const Vec3d& o, const Vec3d& d, double far) {
   double s = 0;
   while (s < far) {

@@ -15,7 +15,7 @@ const Shape shapes[] = {Plane{{1, 2, -2}, 0.6f}, Sphere{{0.1f, -0.2f, 0.3f}, 0.7
                         Box{{0.2f, 0.1f, 0}, {0.5f, 0.9f, 0.05f}}, Capsule{{-0.1f, 0, 0.2f}, 0.3f, 0.6f},
                         Cylinder{{0, 0.2f, 0.1f}, 0.6f, 0.3f}};
 
-// What each shape is, said apart from distances.
+// Whether a point is inside a shape, independently of distances.
 bool contains(const Plane& s, const Vec3d& p) {
   return dot(Vec3d(s.normal), p) < double(s.offset);
 }
@@ -39,8 +39,8 @@ bool contains(const Shape& shape, const Vec3d& p) {
   return std::visit([&](const auto& s) { return contains(s, p); }, shape);
 }
 
-// The distance to the surface by bisection along many rays: no ray finds the surface nearer than the
-// distance, and the one along the normal finds it there.
+// The distance to the surface by bisection along many rays: no ray hits the surface nearer than the distance,
+// and the ray along the normal hits it at the distance.
 TEST(Shapes, DistanceIsThatOfTheNearestSurfacePoint) {
   for (const Shape& shape : shapes) {
     Random random(7);
@@ -76,7 +76,7 @@ TEST(Shapes, NormalIsTheGradientOfTheDistance) {
         forward[axis] = (surface_distance(shape, p + step).distance - s.distance) / e;
         backward[axis] = (s.distance - surface_distance(shape, p - step).distance) / e;
       }
-      if (length(forward - backward) > 1e-2) continue;  // a ridge inside a box, say
+      if (length(forward - backward) > 1e-2) continue;  // a ridge, for example inside a box
       ++smooth;
       ASSERT_LT(length((forward + backward) * 0.5 - s.normal), 1e-6) << shape_name(shape);
     }
@@ -84,7 +84,7 @@ TEST(Shapes, NormalIsTheGradientOfTheDistance) {
   }
 }
 
-// Centers, axes, edges, corners and far away: a unit normal that leads to the surface.
+// At centers, axes, edges, corners and distant points: a unit normal that leads to the surface.
 TEST(Shapes, SpecialPointsHaveAUnitNormal) {
   for (const Shape& shape : shapes) {
     const Vec3d c = std::holds_alternative<Plane>(shape) ? Vec3d{} : bounding_ball(shape).center;

@@ -1,4 +1,4 @@
-// A grid of distances stands for a mesh: right distances, the right side, and words when that cannot be.
+// Signed distance fields: right distances, the right side, and messages for meshes without an inside.
 #include "revolved.h"
 #include "souple/collision/mesh_tree.h"
 #include "souple/collision/queries.h"
@@ -40,7 +40,7 @@ struct Errors {
   double largest = 0;
   int wrong_sides = 0;
 };
-/// At points of a cube whose exact distance is at most `band`.
+/// Largest error at points of a cube whose exact distance is at most `band`.
 template <class Exact>
 Errors errors(const SignedDistanceField& field, double reach, double band, const Exact& exact) {
   Random random(3);
@@ -56,8 +56,8 @@ Errors errors(const SignedDistanceField& field, double reach, double band, const
   return result;
 }
 
-// Interpolation between points a spacing h apart errs by h^2 / 8 times the sum of second derivatives, which
-// of the distance to a sphere is 2 / r; the mesh itself lies inside by its edge^2 / (8 R) or so.
+// Interpolation with spacing h has an error of h^2 / 8 times the sum of second derivatives, which is 2 / r
+// for the distance to a sphere. The mesh itself is inside the sphere by about edge^2 / (8 R).
 TEST(SignedDistanceField, OfASphereIsRightToTheSquareOfTheSpacing) {
   const TriangleMesh mesh = sphere(4, 1);
   double coarse = 0;
@@ -79,7 +79,7 @@ TEST(SignedDistanceField, OfATorusKnowsItsHole) {
   const SignedDistanceField field(torus(1, 0.3, 120, 48), h);
   const Errors found = errors(field, 1.6, 4 * h, [](const Vec3d& p) { return to_torus(p, 1, 0.3); });
   EXPECT_LT(found.largest, h * h / 8 * 3 / 0.14 + 2e-3);
-  EXPECT_NEAR(field.at({0, 0, 0}).distance, 0.7, 0.25);  // as far from all around
+  EXPECT_NEAR(field.at({0, 0, 0}).distance, 0.7, 0.25);  // equally far from all of the surface
 
   EXPECT_LT(field.at({1, 0, 0}).distance, -0.25);
 }
@@ -169,7 +169,7 @@ TEST(SignedDistanceField, IsTheSameForAMeshWoundInward) {
   }
 }
 
-// Large balls touch from far away, where the grid has few points or none.
+// Large balls have contacts while their center is far away, where the grid has few points or none.
 TEST(SignedDistanceField, FarFromTheSurfaceIsRightToAFewPerCent) {
   const double h = 0.04;
   const SignedDistanceField ball(sphere(4, 0.5), h), solid(box({1, 0.6, 0.4}), h);

@@ -26,7 +26,7 @@ std::vector<std::uint32_t> overlapping(const std::vector<Bounds>& boxes, const B
   return result;
 }
 
-// Boxes from points to the whole cube are asked for; each answer is that of looking at all.
+// Queries from points to the whole cube find the boxes that a test of all boxes finds.
 TEST(SpatialHash, FindsWhatOverlapsABoxOfAnySize) {
   const auto threads = make_threads(Threading::pool, 2);
   const std::vector<Bounds> boxes = random_boxes(3000, 1, 0.5, 1);
@@ -65,7 +65,7 @@ TEST(SpatialHash, EachPairHasOneWhoFindsIt) {
   EXPECT_EQ(found, expected);
 }
 
-// What one huge box costs is one entry in few cells, and no other is entered more often for it.
+// One huge box costs entries in few cells, and does not add entries of other boxes.
 TEST(SpatialHash, AHugeBoxCostsNothing) {
   const auto threads = make_threads(Threading::serial, 1);
   std::vector<Bounds> boxes;

@@ -5,8 +5,8 @@
 namespace souple {
 namespace {
 
-// What a float cannot hold of a double. g++ 12 gives 0 here when it vectorizes straight-line code, which the
-// build turns off; positions then lose the remainder that the displacement form keeps.
+// The rounding remainder of a double as a float. g++ 12 gives 0 here when it vectorizes straight-line code,
+// which the build turns off: positions would lose the remainder that the displacement form keeps.
 Vec3f remainder_of(const Vec3d& x) {
   return Vec3f(x - Vec3d(Vec3f(x)));
 }

@@ -42,7 +42,7 @@ Mat3d compose(Random& random, const Vec3d& sigma) {
 
 constexpr std::uint64_t family_count = 16;
 
-// A matrix of one of the families that decompositions are known to stumble on, with entries of about 1.
+// A matrix of one of the families that are known to be difficult for decompositions, with entries of about 1.
 Mat3d matrix_of(std::uint64_t family, Random& random) {
   const Vec3d a = random.vector(), b = random.vector();
   const double s = random.uniform(-2, 2), t = random.uniform(-2, 2);
@@ -101,13 +101,13 @@ Vec3d eigen_singular_values(const Mat3d& m) {
   return {sigma(0), sigma(1), sigma(2)};
 }
 
-/// The largest errors met, in the machine epsilon of T, those of M's size relative to |M|.
+/// Largest errors, in units of T's machine epsilon; errors with the unit of M are relative to |M|.
 template <class T>
 struct Errors {
   double rotations = 0, product = 0, order = 0, singular_values = 0, polar_rotation = 0, polar_product = 0,
          symmetry = 0, nearest = 0;
 
-  // `m` is a matrix of T's; sigma are its singular values, by Eigen in double.
+  // `m`: a matrix of numbers of type T. `sigma`: its singular values, by Eigen in double.
   void look_at(const Mat3<T>& matrix, const Vec3d& sigma) {
     const double epsilon = static_cast<double>(std::numeric_limits<T>::epsilon());
     const auto keep = [epsilon](double& largest, double error) {
@@ -125,7 +125,7 @@ struct Errors {
     const double sign = determinant(m) < 0 ? -1 : 1;
     keep(singular_values,
          length(Vec3d{s.x, s.y, std::fabs(s.z)} - expected) +
-             // where det M is not mere rounding, its sign shows
+             // where det M is above rounding, its sign must appear
              (expected.z > 100 * epsilon && expected.y > 1e-3 && s.z * sign < 0 ? 1.0 : 0.0));
 
     const PolarDecomposition<T> p = polar_decomposition(matrix);
@@ -193,7 +193,7 @@ TYPED_TEST(EverySvd, ZeroAndIdentityGiveTheIdentity) {
 TYPED_TEST(EverySvd, WorksAtBothEndsOfTheExponent) {
   using T = TypeParam;
   const Mat3<T> turn(rotation_matrix(Quatd::from_axis_angle(normalized(Vec3d{1, 2, 3}), 1.0)));
-  // A hundred steps above the smallest denormal, entries have two digits: so has the rotation.
+  // A hundred steps above the smallest denormal, entries have two digits, and so has the rotation.
   const Mat3<T> tiny = turn * (std::numeric_limits<T>::denorm_min() * T(100));
   EXPECT_LT(frobenius_squared(nearest_rotation(tiny) - turn), T(1e-3));
   const Mat3<T> huge = turn * std::numeric_limits<T>::max();

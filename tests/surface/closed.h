@@ -12,9 +12,9 @@
 
 namespace souple::test {
 
-/// What a closed surface of one piece with handles has: vertices - edges + triangles = 2 - 2 handles.
+/// Topology of a mesh. For a closed surface of one piece, vertices - edges + triangles = 2 - 2 handles.
 struct Topology {
-  std::size_t wrong_edges = 0;    ///< not in two triangles, once in each direction
+  std::size_t wrong_edges = 0;    ///< edges that are not in two triangles, once in each direction
   std::size_t wrong_corners = 0;  ///< vertices whose triangles are not one fan around them
   long euler = 0;
   bool is_closed_manifold() const { return wrong_edges == 0 && wrong_corners == 0; }

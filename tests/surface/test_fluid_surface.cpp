@@ -31,7 +31,7 @@ SurfaceMesh surface_of(std::span<const Vec3f> points, const SurfaceOptions& opti
   return surface.build(points, *pool);
 }
 
-/// A lattice, every particle up to `jitter` spacings away from its place, along each axis.
+/// A lattice with every particle displaced by up to `jitter` spacings along each axis.
 std::vector<Vec3f> block(int nx, int ny, int nz, double jitter) {
   test::Random random(9);
   std::vector<Vec3f> points;
@@ -59,8 +59,8 @@ INSTANTIATE_TEST_SUITE_P(All, Surface, testing::Values(SurfaceMethod::anisotropi
                            return method.param == SurfaceMethod::anisotropic ? "Anisotropic" : "Isotropic";
                          });
 
-// The bound of the issue: a ball of at least 20 spacings keeps its volume within 3 %, at three resolutions of
-// the grid; and is a ball: closed, of one piece, without handles.
+// Requirement: a ball of at least 20 spacings keeps its volume within 3 %, at three resolutions of the grid.
+// Its surface is closed, of one piece, without handles.
 TEST_P(Surface, OfABallIsASphereOfItsVolume) {
   for (const double jitter : {0.0, 0.15}) {
     const std::vector<Vec3f> points = ball(10, jitter);
@@ -95,7 +95,7 @@ TEST_P(Surface, OfATorusHasOneHandle) {
 struct Flatness {
   double mean = 0, deviation = 0;  // from half a spacing above the top layer, in spacings
 };
-/// Of the middle of a block's top.
+/// Heights of the middle of a block's top.
 Flatness flatness(const SurfaceMesh& mesh, int nx, int nz) {
   const float lo = 8 * d, hi = static_cast<float>(nx - 8) * d, half = 0.5f * static_cast<float>(nz) * d;
   std::vector<double> heights;
@@ -108,7 +108,7 @@ Flatness flatness(const SurfaceMesh& mesh, int nx, int nz) {
   return result;
 }
 
-// The bound of the issue: a tenth of the particles' radius d / 2. And it lies where it belongs.
+// Requirement: deviations up to a tenth of the particles' radius d / 2. The mean height must be right, too.
 TEST_P(Surface, OfAPoolIsFlat) {
   for (const double jitter : {0.0, 0.03}) {
     for (const float cell : {0.5f, 0.25f}) {
@@ -121,7 +121,7 @@ TEST_P(Surface, OfAPoolIsFlat) {
   }
 }
 
-// Particles that lie up to a fifteenth of a spacing off: stretched kernels calm them, balls do less.
+// Particles displaced by up to a fifteenth of a spacing: anisotropic kernels smooth them, balls do so less.
 TEST(FluidSurface, IsFlatterWithAnisotropicKernels) {
   const std::vector<Vec3f> points = block(30, 30, 10, 0.066);
   const Flatness stretched = flatness(surface_of(points, options_of(SurfaceMethod::anisotropic)), 30, 10);
@@ -131,7 +131,7 @@ TEST(FluidSurface, IsFlatterWithAnisotropicKernels) {
   EXPECT_NEAR(stretched.mean, 0, 0.05);
 }
 
-// Water that came to rest between walls, in a world: its own surface is not quite flat.
+// Water at rest between walls, simulated by a world: its own surface is not quite flat.
 TEST(FluidSurface, OfAPoolAtRestIsFlat) {
   constexpr double w = 12 * double{d};
   World world({.substeps = 10});
@@ -155,7 +155,7 @@ TEST(FluidSurface, OfAPoolAtRestIsFlat) {
   EXPECT_LT(stretched, 0.6f * unevenness(SurfaceMethod::isotropic));
 }
 
-// A sheet of one layer is where kernels have to be stretched: no holes, and about its volume.
+// A sheet of one layer needs stretched kernels: no holes, and about its volume.
 TEST(FluidSurface, OfASheetHasNoHoles) {
   for (const double jitter : {0.0, 0.15}) {
     const std::vector<Vec3f> points = block(24, 24, 1, jitter);
@@ -209,7 +209,7 @@ TEST_P(Surface, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(hash_of(surface_of(points, options, 8)), expected);
 }
 
-// A grid of its own would flicker as the fluid's outermost particle moves.
+// A grid that begins at the fluid's outermost particle would flicker as it moves.
 TEST(FluidSurface, DoesNotDependOnParticlesFarAway) {
   std::vector<Vec3f> points = ball(5, 0.1);
   const SurfaceMesh alone = surface_of(points, options_of(SurfaceMethod::anisotropic));
@@ -254,7 +254,7 @@ TEST_P(Surface, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations() - before, 0);
 }
 
-// Laplacian smoothing takes noise away, keeps the mesh as it hangs together, and hardly shrinks it.
+// Laplacian smoothing removes noise, keeps the mesh's topology, and hardly shrinks it.
 TEST(FluidSurface, IsSmoothedWhereThatIsAskedFor) {
   const std::vector<Vec3f> points = block(30, 30, 10, 0.2);
   SurfaceOptions options = options_of(SurfaceMethod::isotropic);

@@ -11,13 +11,13 @@ namespace {
 
 using Side = std::pair<unsigned, unsigned>;
 
-/// The two nodes of an edge of the cube, as CubeCase says.
+/// The two nodes of an edge of the cube, in the numbering of CubeCase.
 std::pair<unsigned, unsigned> nodes_of(unsigned edge) {
   const unsigned axis = edge / 4, start = (edge & 1) << (axis + 1) % 3 | (edge >> 1 & 1) << (axis + 2) % 3;
   return {start, start | 1u << axis};
 }
 
-/// Sides of a case's triangles that are no diagonal of its polygons: lines on the faces of the cube.
+/// Outer sides of a case's polygons, without diagonals: lines on the faces of the cube.
 std::set<Side> outline(const CubeCase& found) {
   std::set<Side> sides;
   for (std::size_t t = 0; t < found.triangle_count; ++t) {
@@ -61,8 +61,8 @@ TEST(MarchingCubes, CutsEachEdgeWhereSidesDifferOnceInEveryCase) {
   }
 }
 
-// Two cubes beside each other that agree on the four nodes between them draw the same lines there, in
-// opposite directions.
+// Two neighboring cubes with the same four shared nodes have the same lines on their face, in opposite
+// directions.
 TEST(MarchingCubes, NeighborsDrawTheSameLinesOnTheirFace) {
   const auto on_face = [](unsigned inside, unsigned axis, unsigned side) {
     std::set<Side> lines;
@@ -72,7 +72,7 @@ TEST(MarchingCubes, NeighborsDrawTheSameLinesOnTheirFace) {
       const bool here = (a >> axis & 1) == side && (b >> axis & 1) == side && (c >> axis & 1) == side &&
                         (d >> axis & 1) == side;
       if (!here) continue;
-      // Numbered as on the cube before: 4 axis + bits without this axis.
+      // Numbered as in the other cube: 4 axis + bits without this axis.
       const auto number = [&](unsigned p, unsigned q) {
         return (p & ~(1u << axis)) * 8 + (q & ~(1u << axis));
       };
@@ -96,7 +96,7 @@ TEST(MarchingCubes, NeighborsDrawTheSameLinesOnTheirFace) {
   }
 }
 
-// A diagonal within a face might be drawn by both cubes beside it: a side of four triangles.
+// A diagonal within a face could occur in both of its cubes, as a side of four triangles.
 TEST(MarchingCubes, NoDiagonalLiesInAFace) {
   for (unsigned inside = 0; inside < 256; ++inside) {
     const CubeCase& found = cube_cases()[inside];

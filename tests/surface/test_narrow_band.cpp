@@ -34,7 +34,7 @@ NarrowBand band_of(const Mesh& mesh, float cell, int width = 3, int threads = 2)
   return narrow_band(mesh.positions, mesh.triangles, cell, width, *workers);
 }
 
-/// Calls f(place [m], distance, whether in the band) for all points of all bricks.
+/// Calls f(position [m], distance, whether in the band) for all points of all bricks.
 template <class F>
 void for_points(const NarrowBand& band, const F& f) {
   for (const NarrowBand::Brick& brick : band.bricks) {
@@ -47,7 +47,7 @@ void for_points(const NarrowBand& band, const F& f) {
   }
 }
 
-/// Points in the band, and those inside, by their place in cells.
+/// Points in the band, and whether they are inside, by their position in cells.
 std::map<std::array<long, 3>, double> values_of(const NarrowBand& band) {
   std::map<std::array<long, 3>, double> values;
   for_points(band, [&](const Vec3d& x, double distance, bool in_band) {
@@ -57,7 +57,7 @@ std::map<std::array<long, 3>, double> values_of(const NarrowBand& band) {
   return values;
 }
 
-/// How far the middles of an inscribed mesh's triangles lie below its sphere.
+/// Distance of the middles of an inscribed mesh's triangles from its sphere.
 double chord_error(const TriangleMesh& mesh, double radius) {
   double least = radius;
   for (const Triangle& t : mesh.triangles) {
@@ -87,7 +87,7 @@ TEST(NarrowBand, HoldsTheDistanceToASphereOnBothSides) {
       EXPECT_EQ(distance, double(band.width));
     }
   });
-  // As many as the two shells have room for.
+  // About as many as the volume of the two shells has.
   const auto shell = [&](double a, double b) {
     return 4 * M_PI / 3 * (b * b * b - a * a * a) / (cell * cell * cell);
   };
@@ -95,8 +95,8 @@ TEST(NarrowBand, HoldsTheDistanceToASphereOnBothSides) {
   EXPECT_NEAR(double(outside), shell(radius, radius + 3 * cell), 0.02 * shell(radius, radius + 3 * cell));
 }
 
-// Around a box all three kinds of normals decide: faces, edges and corners. Points on the surface count as
-// outside. Triangles are much larger than cells.
+// Around a box, faces, edges and corners are nearest in turn. Points on the surface count as outside.
+// Triangles are much larger than cells.
 TEST(NarrowBand, HoldsTheExactDistanceToABox) {
   const Vec3d half(0.5, 0.25, 0.75);
   Mesh mesh;
@@ -116,8 +116,8 @@ TEST(NarrowBand, HoldsTheExactDistanceToABox) {
   EXPECT_GT(count, 5000u);
 }
 
-// Where three normals of a corner point and the nearest triangle alone would say the wrong side: the thin
-// corner of a wedge, whose faces meet at 11 degrees.
+// At the thin corner of a wedge, whose faces are at 11 degrees, the nearest triangle's normal alone would
+// give the wrong side.
 TEST(NarrowBand, KnowsTheSidesAtASharpEdge) {
   Mesh mesh;
   const std::vector<Vec3f> x = {{0, 0, 0}, {1, 0.1f, 0}, {1, -0.1f, 0},
@@ -145,7 +145,7 @@ TEST(NarrowBand, KeepsACavity) {
   });
 }
 
-// Bands of two balls that lie closer than they are wide: each point has the nearer one's distance.
+// Bands of two balls that are closer than the bands are wide: each point has the distance to the nearer ball.
 TEST(NarrowBand, HoldsTwoBallsCloseToEachOther) {
   const Vec3d left(-0.3, 0, 0), right(0.3, 0.02, 0);
   Mesh mesh;
@@ -158,12 +158,12 @@ TEST(NarrowBand, HoldsTwoBallsCloseToEachOther) {
   });
 }
 
-// Points that are one, triangles that are a line or a point: the sphere as if they were not there.
+// Duplicate points, and triangles that are a line or a point: the same sphere as without them.
 TEST(NarrowBand, TrianglesWithoutAreaDoNoHarm) {
   const TriangleMesh ball = sphere(3, 0.5);
   Mesh plain, with;
   plain.add(ball);
-  // Each triangle with corners of its own, and its first edge widened by two triangles without area.
+  // Each triangle has its own corners; two triangles without area are added at its first edge.
   for (const Triangle& t : ball.triangles) {
     const auto first = static_cast<std::uint32_t>(with.positions.size());
     for (const std::uint32_t v : t) with.positions.emplace_back(ball.positions[v]);
@@ -178,7 +178,7 @@ TEST(NarrowBand, TrianglesWithoutAreaDoNoHarm) {
   for (const auto& [at, value] : expected) ASSERT_TRUE(std::isfinite(value));
 }
 
-// Three corners on a line: the triangle's edges are the others' too.
+// A triangle with three corners on a line shares its edges with its neighbors.
 TEST(NarrowBand, ATriangleThatIsALineDoesNoHarm) {
   Mesh plain, with;
   plain.add(box({0.5, 0.5, 0.5}));
@@ -215,7 +215,7 @@ SurfaceMesh splash(float spacing) {
   return surface.build(particles, *threads);
 }
 
-// An independent judge: how often the surface goes around a point.
+// An independent reference: the winding number of the surface at a point.
 TEST(NarrowBand, SignsOfASplashAreThoseOfTheWindingNumber) {
   const float spacing = 0.02f;
   const SurfaceMesh mesh = splash(spacing);
@@ -237,7 +237,7 @@ TEST(NarrowBand, SignsOfASplashAreThoseOfTheWindingNumber) {
   EXPECT_GT(inside, count / 10);
 }
 
-// OpenVDB and others want no less than three cells of a level set.
+// OpenVDB and other readers expect level sets at least three cells wide.
 TEST(NarrowBand, IsNeverNarrowerThanItsCells) {
   Mesh mesh;
   mesh.add(sphere(1, 0.05));

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float d = 0.02f;  // m
 
-/// Layers at y = 0, -d, -2 d and so on; every particle up to `jitter` spacings away from its place.
+/// Layers at y = 0, -d, -2 d and so on; every particle is displaced by up to `jitter` spacings.
 std::vector<Vec3f> pool(int side, int layers, double jitter) {
   test::Random random(3);
   std::vector<Vec3f> points;
@@ -37,12 +37,12 @@ bool is_seen(const Mat3f& axes) {
   return determinant(axes) != 0;
 }
 
-/// Half the height of an ellipsoid along a direction, |A^T n|. [m]
+/// Half the extent of an ellipsoid along a direction, |A^T n| [m].
 float reach(const Mat3f& axes, const Vec3f& n) {
   return length(transpose(axes) * n);
 }
 
-/// Of the highest point of all ellipsoids over (x, z), by |A^-1 (p - c)| = 1. [m]
+/// Height of the highest point of all ellipsoids over (x, z), by |A^-1 (p - c)| = 1 [m].
 float top_over(const SplatShapes& shapes, float x, float z) {
   float top = -1;
   for (std::size_t i = 0; i < shapes.centers().size(); ++i) {
@@ -70,7 +70,7 @@ TEST(SplatShapes, EndHalfASpacingAboveAPool) {
       }
     const double mean = sum / (samples * samples);
     EXPECT_NEAR(mean, 0.5, 0.1) << jitter;
-    // Balls of 0.75 d, which end as high, deviate by 0.10 and 0.12.
+    // Balls of radius 0.75 d, with the same mean height, deviate by 0.10 and 0.12.
     EXPECT_LT(std::sqrt(squares / (samples * samples) - mean * mean), 0.04) << jitter;
   }
 }

@@ -18,7 +18,7 @@ using kernels::SurfaceKernels;
 constexpr InstructionSet all_sets[] = {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
                                        InstructionSet::avx512, InstructionSet::neon};
 
-/// What this processor can run.
+/// Instruction sets that this processor supports.
 std::vector<InstructionSet> sets() {
   std::vector<InstructionSet> result;
   for (const InstructionSet set : all_sets)
@@ -49,7 +49,7 @@ ParticleKernel some_kernel(test::Random& random) {
   return kernel;
 }
 
-/// In doubles, from the formula.
+/// Reference in double, by the formula.
 double value_at(const ParticleKernel& k, const Vec3d& x) {
   const Vec3d s{x.x - double{k.center[0]}, x.y - double{k.center[1]}, x.z - double{k.center[2]}};
   const Vec3d u{double{k.xx} * s.x + double{k.xy} * s.y + double{k.xz} * s.z,

@@ -14,7 +14,7 @@ struct Case {
   Corners<T> corners;
 };
 
-/// Segments and triangles as they come and as they hurt.
+/// Segments and triangles: typical ones and difficult ones.
 class Cases {
  public:
   static constexpr int kinds = 12;
@@ -85,7 +85,7 @@ class Cases {
     for (Vec3d* corner : {&corners_.a, &corners_.b, &corners_.c}) *corner = *corner * 0.1 + where;
     aim(inside() + random_.point(-1, 1) * 0.1, 2);
   }
-  /// So that the segment passes `target` at 1 / times.
+  /// Sets the direction so that the segment passes `target` at t = 1 / times.
   void aim(const Vec3d& target, double times) { direction_ = (target - origin_) * times; }
   void scale(double factor) {
     for (Vec3d* v : {&corners_.a, &corners_.b, &corners_.c, &origin_, &direction_}) *v *= factor;

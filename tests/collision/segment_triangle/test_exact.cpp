@@ -11,7 +11,7 @@
 namespace souple::test {
 namespace {
 
-/// As many roundings as an answer has to bear.
+/// Number of roundings that an answer must tolerate.
 constexpr double roundings = 16;
 
 template <class Test>
@@ -26,7 +26,7 @@ std::string text(const Vec3<T>& v) {
   return out.str();
 }
 
-/// What is wrong with an answer; empty: nothing.
+/// The error in an answer; empty if it is right.
 template <class T>
 std::string complaint(const Crossing<T>& found, const Truth& truth, const Segment<T>& segment) {
   if (crosses(found) != (truth.answer == Answer::crosses))
@@ -80,7 +80,7 @@ Tally check_cases(int count, std::uint64_t seed) {
   return tally;
 }
 
-/// Most of what is not made to be ambiguous is not, and every kind has its clear cases.
+/// Most cases that are not constructed to be ambiguous are clear, and every kind has clear cases.
 template <class Test, class T>
 void expect_agreement(int count, std::uint64_t seed) {
   const Tally tally = check_cases<Test, T>(count, seed);
@@ -117,8 +117,8 @@ TYPED_TEST(SegmentTriangle, ExactInDoubleSlow) {
   expect_agreement<TypeParam, double>(10'000'000, 4);
 }
 
-/// Those that take only products and sums of small whole numbers before they decide; the watertight one does
-/// where it divides by a power of two.
+/// Tests that decide by products and sums of small whole numbers only. The watertight test does where it
+/// divides by a power of two.
 template <class Test>
 class SegmentTriangleOnWholeNumbers : public testing::Test {};
 using ExactTest = testing::Types<SignedVolumes, MoellerTrumbore, Watertight>;
@@ -128,7 +128,7 @@ int sign(double a) {
   return a < 0 ? -1 : (a > 0 ? 1 : 0);
 }
 
-/// Corners on a grid: edges, corners and ends are hit exactly, and belong to the triangle and the segment.
+/// Corners on a grid: edges, corners and ends are hit exactly, and are part of the triangle and the segment.
 TYPED_TEST(SegmentTriangleOnWholeNumbers, EdgesCornersAndEndsBelongToIt) {
   Random random(5);
   const auto whole = [&] { return static_cast<float>(std::floor(random.uniform(-4, 5))); };

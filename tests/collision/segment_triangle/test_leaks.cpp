@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-// A closed mesh lets no ray out, aimed at its edges and corners or not.
+// No ray from inside leaves a closed mesh without a crossing, also when aimed at its edges and corners.
 
 namespace souple::test {
 namespace {
@@ -21,7 +21,7 @@ struct Surface {
   }
 };
 
-/// Turned so that no axis is special, stretched and moved; corners are rounded once.
+/// A mesh rotated so that no axis is special, stretched and moved; corners are rounded once.
 template <class T>
 Surface<T> placed(const TriangleMesh& mesh, const Vec3d& stretch, const Vec3d& where) {
   Surface<T> surface;
@@ -49,8 +49,8 @@ bool leaks(const Surface<T>& surface, const Segment<T>& ray) {
   });
 }
 
-/// Rays from a few points within to every corner, to points of every edge and to random ones. How many get
-/// out.
+/// Number of rays that leave without a crossing: from a few points inside to every corner, to points of every
+/// edge and to random points.
 template <class Test, class T>
 int count_leaks(const Surface<T>& surface, const std::vector<Vec3<T>>& within, int& rays) {
   Random random(21);
@@ -72,7 +72,7 @@ int count_leaks(const Surface<T>& surface, const std::vector<Vec3<T>>& within, i
   return out;
 }
 
-/// All the meshes.
+/// Number of leaks of all meshes.
 template <class Test, class T>
 int count_all_leaks(int& rays) {
   int out = 0;
@@ -98,7 +98,7 @@ TEST(SegmentTriangleLeaks, WatertightLetsNoRayOutOfAClosedMesh) {
   EXPECT_GT(rays, 20'000);
 }
 
-/// Otherwise the rays are too easy.
+/// Other tests must leak, or the rays are too easy.
 TEST(SegmentTriangleLeaks, TheRaysFindTheHolesOfTheOtherTests) {
   int rays = 0;
   EXPECT_GT((count_all_leaks<PlaneProjection, float>(rays)), 0);
@@ -106,8 +106,8 @@ TEST(SegmentTriangleLeaks, TheRaysFindTheHolesOfTheOtherTests) {
   EXPECT_GT((count_all_leaks<MoellerTrumbore, float>(rays)), 0);
 }
 
-/// A sliver around the ray, so thin that all three areas round to zero: exactly they are 2 u^2, u^2 and u^2
-/// with u = 2^-23. In a mesh of such slivers it is the only one that holds the ray.
+/// A sliver around the ray, so thin that all three areas round to zero; their exact values are 2 u^2, u^2 and
+/// u^2 with u = 2^-23. In a mesh of such slivers it is the only triangle that contains the ray.
 TEST(SegmentTriangleLeaks, WatertightSeesWhatRoundsToNothing) {
   const float u = std::numeric_limits<float>::epsilon();
   const Corners<float> sliver{{1 + u, 1, 5}, {-1, u - 1, 5}, {-1 - 2 * u, -1 - u, 5}};
@@ -136,7 +136,7 @@ TEST(SegmentTriangleLeaks, WatertightSeesWhatRoundsToNothing) {
   for (std::size_t i = 0; i < columns.count; ++i) EXPECT_EQ(t[i], i % 3 == 0 ? 0.5f : 0.3f) << i;
 }
 
-/// From outside to a point within: it goes in, and it goes out.
+/// A ray from outside through a point inside enters and leaves.
 TEST(SegmentTriangleLeaks, WhatEntersLeaves) {
   const Surface<float> ball = placed<float>(sphere(3, 1), {1, 1, 1}, {3, -2, 5});
   const Vec3f middle{3, -2, 5};

@@ -11,7 +11,7 @@
 namespace souple::test {
 namespace {
 
-constexpr std::size_t count = 1003;  // some are left over after whole registers
+constexpr std::size_t count = 1003;  // not a multiple of any register width
 
 /// Corners of one triangle of each kind in turn, in columns.
 struct Triangles {
@@ -85,7 +85,8 @@ TYPED_TEST(SegmentTrianglePacks, GiveTheBitsOfTheScalarCode) {
   }
 }
 
-/// Where products cancel, packs compute again what one lane needs: all lanes keep their own bits.
+/// Where the products of one lane cancel, packs compute the error terms of all lanes: all lanes keep their
+/// own bits.
 TYPED_TEST(SegmentTrianglePacks, GiveTheSameBitsOnEdges) {
   Triangles triangles(12);
   Found found;

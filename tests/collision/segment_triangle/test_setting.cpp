@@ -5,7 +5,7 @@
 #include <array>
 #include <set>
 
-// Settings::segment_test decides how a world's rays meet its surfaces.
+// Settings::segment_test selects the ray test of a world's ray casts against meshes.
 
 namespace souple::test {
 namespace {
@@ -20,7 +20,7 @@ struct Ball {
     settings.segment_test = test;
     world.set_settings(settings);
   }
-  /// Of rays from within to every corner and to the middle of every edge, those that find nothing.
+  /// Number of rays without a hit, of those from inside to every corner and to the middle of every edge.
   int leaks() const {
     const auto x = world.positions(id);
     const Vec3f from{0.1f, 0.2f, -0.3f};

@@ -7,21 +7,21 @@
 #include <cmath>
 #include <limits>
 
-// What the answer of a segment-triangle test has to be.
+// Reference answers for segment-triangle tests, by exact arithmetic where needed.
 
 namespace souple::test {
 
 enum class Answer { crosses, misses, ambiguous };
 
-/// Unambiguous is an answer that stays the same when each volume changes by `Slack::volume` and the height by
-/// `Slack::height`: what `roundings` roundings of the products of three lengths do that the test multiplies.
+/// An answer is unambiguous if it does not change when each volume changes by `Slack::volume` and the height
+/// by `Slack::height`: the effect of `roundings` roundings of the products of three lengths in the test.
 struct Truth {
   Answer answer = Answer::ambiguous;
   double t = 0;
   Vec3d weight{};
   double side = 0;
-  double t_error = 0, weight_error = 0;  ///< what the slack does to them
-  bool was_doubtful = false;             ///< GMP had to say
+  double t_error = 0, weight_error = 0;  ///< errors of t and the weights from the slack
+  bool was_doubtful = false;             ///< decided by GMP
 };
 
 /// Numbers of any type, as in segment_triangle.h.
@@ -40,11 +40,11 @@ struct Volumes {
 };
 
 struct Slack {
-  long double volume, height;                ///< what the corners' moving changes
-  long double filter_volume, filter_height;  ///< what the filter's rounding does
+  long double volume, height;                ///< changes by moving the corners
+  long double filter_volume, filter_height;  ///< errors of the filter's rounding
 };
 
-/// -1, 1, or 0 for within the slack; `doubtful` where the filter cannot say.
+/// -1, 1, or 0 within the slack; sets `doubtful` where the filter cannot decide.
 inline int sign_beyond(long double value, long double slack, long double rounding, bool& doubtful) {
   if (std::fabs(std::fabs(value) - slack) <= rounding) doubtful = true;
   return std::fabs(value) <= slack ? 0 : (value > 0 ? 1 : -1);
@@ -82,10 +82,10 @@ long double largest(const Vec3<T>& v) {
   return static_cast<long double>(std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}));
 }
 
-/// Which lengths a test multiplies: with d the direction's, S the distance to the farthest corner and L the
-/// longest edge, d S L where it works on edges, d S S where it works on corners alone. A test that goes by
-/// the plane loses L^2 / |n| more: its normal is not quite perpendicular to the edges of a sliver, whose far
-/// end it then lifts off the plane by many times the sliver's width.
+/// The lengths that a test multiplies: d S L for tests that use edges, d S S for tests that use corners
+/// alone. d is the direction's length, S the distance to the farthest corner and L the longest edge. Tests
+/// that use the plane lose L^2 / |n| more: their normal is not quite perpendicular to the edges of a sliver,
+/// and at its far end the plane is off by many times the sliver's width.
 struct Lengths {
   bool corners_alone = false, by_plane = false;
 };
@@ -105,13 +105,13 @@ Slack slack_of(const Segment<T>& segment, const Corners<T>& corners, const Lengt
   const long double thin = lengths.by_plane ? std::max(1.0L, L * L / n) : 1;
   const long double unit = static_cast<long double>(std::numeric_limits<T>::epsilon()) / 2;
   const long double filter = std::numeric_limits<long double>::epsilon() * 64;
-  // A product that is too small to have all its digits is off by this.
+  // The error of a product that underflows.
   const long double least = 8 * static_cast<long double>(std::numeric_limits<T>::denorm_min());
   return {roundings * thin * (unit * d * S * edge + least * (1 + d)),
           roundings * thin * (unit * S * L * L + least * (1 + S)), filter * d * S * S, filter * S * S * S};
 }
 
-/// `always_exact`: GMP says, doubtful or not.
+/// `always_exact`: decides by GMP, doubtful or not.
 template <class T>
 Truth truth_of(const Segment<T>& segment, const Corners<T>& corners, const Slack& slack,
                bool always_exact = false) {
