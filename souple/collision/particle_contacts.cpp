@@ -113,7 +113,7 @@ void ParticleContacts::begin_step(const ParticleView& particles, std::span<const
   materials_ = &materials;
   step_ = step;
   sweeps_.begin_step();
-  forget_contacts();
+  clear_contacts();
   save_friction();
   find_members(particles, velocity);
   const auto speed = [&](std::size_t m) { return velocity[members_[m].particle].xyz(); };
@@ -200,7 +200,7 @@ std::vector<CachedFriction> ParticleContacts::friction_cache() const {
 
 void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache) {
   pairs_.clear();
-  forget_contacts();
+  clear_contacts();
   friction_cache_.clear();
   for (const CachedFriction& one : cache)
     if (is_finite(one.tangential_displacement)) friction_cache_.push_back(one);
@@ -294,7 +294,7 @@ void ParticleContacts::append_pairs_of(std::uint32_t member) {
             [](const Pair& a, const Pair& b) { return a.j < b.j; });
 }
 
-void ParticleContacts::forget_contacts() {
+void ParticleContacts::clear_contacts() {
   contacts_.clear();
   color_begin_.assign(1, 0);
 }
@@ -302,13 +302,13 @@ void ParticleContacts::forget_contacts() {
 void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
   last_h_ = substep.h;
   if (!(largest_diameter_ > 0)) {
-    forget_contacts();
+    clear_contacts();
     return;
   }
-  const auto gone = [&](std::size_t m) {
+  const auto displacement = [&](std::size_t m) {
     return particles.relative(members_[m].particle, corner_) - broad_phase_position_[m];
   };
-  if (2 * largest_from_mean(gone, threads) > margin_) {
+  if (2 * largest_from_mean(displacement, threads) > margin_) {
     const auto moved = [&](std::size_t m) { return particles.moved(members_[m].particle); };
     find_pairs(particles, 2.2f * largest_from_mean(moved, threads));
   }
@@ -373,10 +373,10 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const Vec3f motion = particles.moved(i) - particles.moved(j);
   const Vec3f to = particles.difference(i, j);
   const Vec3f from = to - motion;
-  const float apart_before = length(from);
+  const float start_distance = length(from);
   Contact contact{i, j, pair, radius_sum, materials_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
-  if (apart_before > 0) contact.normal = from * (1 / apart_before);
-  const float overlap = apart_before - radius_sum;
+  if (start_distance > 0) contact.normal = from * (1 / start_distance);
+  const float overlap = start_distance - radius_sum;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed * h);
     // Where the centers passed each other, separate them along the old normal.
@@ -530,7 +530,7 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
   friction_cache_.resize(kept);
   members_.clear();
   broad_phase_position_.clear();
-  forget_contacts();
+  clear_contacts();
   largest_diameter_ = 0;
 }
 

@@ -165,7 +165,7 @@ class ParticleContacts final : public Projector {
   bool may_touch(std::uint32_t pair, const ParticleView& particles) const;
   void color_contacts(const ParticleView& particles);
   Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
-  void forget_contacts();
+  void clear_contacts();
   Range contacts_of(int color) const;
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;

@@ -34,11 +34,11 @@ TriangleMesh closed_surface(const TriangleMesh& mesh) {
   TriangleMesh solid;
   solid.positions = gather<Vec3d>(repaired.weld, mesh.positions);
   solid.triangles = repaired.triangles;
-  const MeshReport mended = inspect(solid, 0);
-  if (!mended.is_closed) {
+  const MeshReport report = inspect(solid, 0);
+  if (!report.is_closed) {
     const char* name = "signed distance field (an obstacle may be open)";
     require_closed(inspect(mesh), name);
-    require_closed(mended, name);
+    require_closed(report, name);
   }
   return solid;
 }

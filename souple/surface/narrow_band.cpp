@@ -61,24 +61,24 @@ class BrickSearch {
 
  private:
   static constexpr std::size_t plane = std::size_t{side} * side;
-  static constexpr float spare = 1e-3f;
+  static constexpr float rounding_margin = 1e-3f;
   // A point on the surface, a whole cell away, may be on either side.
   static constexpr double rounding_factor = 1.000001;
   static constexpr std::array<std::size_t, 3> strides = {plane, side, 1};
 
   /// A ball relative to a brick: the brick's points that may be near it, plane by plane of x.
-  struct Seen {
+  struct LocalBall {
     float x, radius;
     int first_x, last_x;
     std::size_t begin, end;            // in each plane
     std::array<float, plane> squares;  // squared distances within the plane
   };
-  Seen seen(std::uint32_t t, const std::array<std::int32_t, 3>& first) const {
+  LocalBall local_ball(std::uint32_t t, const std::array<std::int32_t, 3>& first) const {
     const Ball& ball = balls_[t];
     const auto from = [&](std::size_t axis) { return std::max(ball.first[axis] - first[axis], 0); };
     const auto to = [&](std::size_t axis) { return std::min(ball.last[axis] - first[axis], side - 1); };
     const Vec3f c(ball.center - Vec3d(first[0], first[1], first[2]));
-    Seen result;
+    LocalBall result;
     result.x = c.x;
     result.radius = static_cast<float>(ball.radius * 1.00001);
     result.first_x = from(0);
@@ -96,7 +96,7 @@ class BrickSearch {
   void bound(std::span<const std::uint32_t> near, const std::array<std::int32_t, 3>& first) {
     bound_.fill(1e30f);
     for (const std::uint32_t t : near) {
-      const Seen ball = seen(t, first);
+      const LocalBall ball = local_ball(t, first);
       for (int x = ball.first_x; x <= ball.last_x; ++x) {
         const float dx = float(x) - ball.x, square = dx * dx;
         float* of_plane = &bound_[static_cast<std::size_t>(x) * plane];
@@ -109,11 +109,11 @@ class BrickSearch {
   }
 
   void measure(std::uint32_t t, const std::array<std::int32_t, 3>& first) {
-    const Seen ball = seen(t, first);
+    const LocalBall ball = local_ball(t, first);
     std::array<std::int32_t, plane> may;
     for (int x = ball.first_x; x <= ball.last_x; ++x) {
       const std::size_t in_plane = static_cast<std::size_t>(x) * plane;
-      const float dx = float(x) - ball.x, square = dx * dx, more = ball.radius + spare;
+      const float dx = float(x) - ball.x, square = dx * dx, more = ball.radius + rounding_margin;
       const float* of_plane = &bound_[in_plane];
       for (std::size_t i = ball.begin; i < ball.end; ++i) {
         const float max_distance = of_plane[i] + more;

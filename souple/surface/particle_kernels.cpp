@@ -130,22 +130,22 @@ void ParticleKernels::find_at(std::uint32_t sorted_index, std::span<const std::u
   shift_[sorted_index] = shift;
   kernel.shift[0] = shift.x, kernel.shift[1] = shift.y, kernel.shift[2] = shift.z;
   kernel.crowd = std::min(1.0f, 0.5f * crowd);
-  Vec3f reach;
+  Vec3f extent;
   if (isotropic)
-    reach = set_ball(kernel, options_.isotropic_radius * options_.spacing);
+    extent = set_ball(kernel, options_.isotropic_radius * options_.spacing);
   else if (few)
-    reach = set_ball(kernel, options_.drop_radius * options_.spacing);
+    extent = set_ball(kernel, options_.drop_radius * options_.spacing);
   else if (aside < 0.03f * 0.03f && is_surrounded(count))  // deep inside: nearly a ball, and invisible
-    reach = set_ball(kernel, options_.kernel_radius * options_.spacing);
+    extent = set_ball(kernel, options_.kernel_radius * options_.spacing);
   else
-    reach = set_ellipsoid(kernel, m);
-  reach *= box_growth;
-  kernel.reach_up = reach.z;
+    extent = set_ellipsoid(kernel, m);
+  extent *= box_growth;
+  kernel.extent_z = extent.z;
   kernel.unused = 0;
   KernelBox& box = boxes_[sorted_index];
   for (int a = 0; a < 3; ++a) {
-    box.lo[a] = kernel.center[a] - reach[a];
-    box.hi[a] = kernel.center[a] + reach[a];
+    box.lo[a] = kernel.center[a] - extent[a];
+    box.hi[a] = kernel.center[a] + extent[a];
   }
 }
 
@@ -176,11 +176,11 @@ Vec3f ParticleKernels::set_ellipsoid(ParticleKernel& kernel, const Moments& m) c
     axis[k] = h * std::min(std::max(parts.sigma[k], least), max_axis);
     inverse[k] = 1 / axis[k];
   }
-  float g[3][3] = {}, reach_squared[3] = {};
+  float g[3][3] = {}, extent_squared[3] = {};
   for (int k = 0; k < 3; ++k) {
     const Vec3f& r = parts.v.column[k];
     for (int a = 0; a < 3; ++a) {
-      reach_squared[a] += (r[a] * axis[k]) * (r[a] * axis[k]);
+      extent_squared[a] += (r[a] * axis[k]) * (r[a] * axis[k]);
       for (int b = a; b < 3; ++b) g[a][b] += (inverse[k] * r[a]) * r[b];
     }
   }
@@ -188,7 +188,7 @@ Vec3f ParticleKernels::set_ellipsoid(ParticleKernel& kernel, const Moments& m) c
   kernel.weight = poly6_center * ((d * inverse[0]) * (d * inverse[1]) * (d * inverse[2]));
   kernel.xx = g[0][0], kernel.xy = g[0][1], kernel.xz = g[0][2];
   kernel.yy = g[1][1], kernel.yz = g[1][2], kernel.zz = g[2][2];
-  return {std::sqrt(reach_squared[0]), std::sqrt(reach_squared[1]), std::sqrt(reach_squared[2])};
+  return {std::sqrt(extent_squared[0]), std::sqrt(extent_squared[1]), std::sqrt(extent_squared[2])};
 }
 
 }  // namespace souple

@@ -50,10 +50,10 @@ TEST(Shapes, DistanceIsThatOfTheNearestSurfacePoint) {
       const bool inside = contains(shape, p);
       ASSERT_EQ(inside, s.distance < 0) << shape_name(shape);
       ASSERT_NEAR(length(s.normal), 1, 1e-12);
-      const double reach = abs(s.distance);
+      const double distance = abs(s.distance);
       for (int ray = 0; ray < 200; ++ray) {
         const Vec3d d = normalized(random.point(-1, 1));
-        ASSERT_EQ(contains(shape, p + d * (reach * (1 - 1e-9))), inside) << shape_name(shape);
+        ASSERT_EQ(contains(shape, p + d * (distance * (1 - 1e-9))), inside) << shape_name(shape);
       }
       ASSERT_EQ(contains(shape, p - s.normal * (s.distance + 1e-9)), true) << shape_name(shape);
       ASSERT_EQ(contains(shape, p - s.normal * (s.distance - 1e-9)), false) << shape_name(shape);

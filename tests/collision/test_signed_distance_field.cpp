@@ -42,11 +42,11 @@ struct Errors {
 };
 /// Largest error at points of a cube whose exact distance is at most `band`.
 template <class Exact>
-Errors errors(const SignedDistanceField& field, double reach, double band, const Exact& exact) {
+Errors errors(const SignedDistanceField& field, double half_size, double band, const Exact& exact) {
   Random random(3);
   Errors result;
   for (int k = 0; k < 20000; ++k) {
-    const Vec3d p = random.point(-reach, reach);
+    const Vec3d p = random.point(-half_size, half_size);
     const double d = exact(p);
     if (std::abs(d) > band) continue;
     const double error = std::abs(field.at(p).distance - d);

@@ -38,7 +38,7 @@ bool is_seen(const Mat3f& axes) {
 }
 
 /// Half the extent of an ellipsoid along a direction, |A^T n| [m].
-float reach(const Mat3f& axes, const Vec3f& n) {
+float half_extent(const Mat3f& axes, const Vec3f& n) {
   return length(transpose(axes) * n);
 }
 
@@ -80,13 +80,14 @@ TEST(SplatShapes, LieFlatInTheSurfaceAndDoNotReachBeyondEdges) {
   const SplatShapes shapes = shapes_of(points);
   const auto at = [](int i, int j, int k) { return std::size_t((i * 8 + j) * 24 + k); };
   const Mat3f& top = shapes.axes()[at(12, 0, 12)];
-  EXPECT_GT(reach(top, {1, 0, 0}), 2 * reach(top, {0, 1, 0}));
-  EXPECT_NEAR(reach(top, {1, 0, 0}), reach(top, {0, 0, 1}), 0.01f * d);
+  EXPECT_GT(half_extent(top, {1, 0, 0}), 2 * half_extent(top, {0, 1, 0}));
+  EXPECT_NEAR(half_extent(top, {1, 0, 0}), half_extent(top, {0, 0, 1}), 0.01f * d);
   const Mat3f& side = shapes.axes()[at(0, 4, 12)];
-  EXPECT_GT(reach(side, {0, 1, 0}), 2 * reach(side, {1, 0, 0}));
+  EXPECT_GT(half_extent(side, {0, 1, 0}), 2 * half_extent(side, {1, 0, 0}));
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_LT(length(shapes.centers()[i] - points[i]), 0.5f * d);
-    const Vec3f reached{reach(shapes.axes()[i], {1, 0, 0}), reach(shapes.axes()[i], {0, 1, 0}), 0};
+    const Vec3f reached{half_extent(shapes.axes()[i], {1, 0, 0}), half_extent(shapes.axes()[i], {0, 1, 0}),
+                        0};
     EXPECT_GT(shapes.centers()[i].x - reached.x, -0.8f * d);
     EXPECT_LT(shapes.centers()[i].y + reached.y, 0.8f * d);
   }
@@ -98,7 +99,7 @@ TEST(SplatShapes, OfSheetsAreAllSeen) {
     const std::vector<Vec3f> sheet = pool(20, 1, jitter);
     const SplatShapes shapes = shapes_of(sheet);
     for (const Mat3f& axes : shapes.axes()) EXPECT_TRUE(is_seen(axes));
-    const float half = reach(shapes.axes()[std::size_t(10 * 20 + 10)], {0, 1, 0});
+    const float half = half_extent(shapes.axes()[std::size_t(10 * 20 + 10)], {0, 1, 0});
     EXPECT_GT(half, 0.3f * d);
     EXPECT_LT(half, 0.7f * d);
   }
@@ -111,7 +112,7 @@ TEST(SplatShapes, OfSingleParticlesAreBallsOfTheirVolume) {
     EXPECT_LT(length(shapes.centers()[i] - drops[i]), 1e-6f);
     const Mat3f& axes = shapes.axes()[i];
     EXPECT_NEAR(double{determinant(axes)} * 4 / 3 * pi, double{d * d * d}, 1e-3 * double{d * d * d});
-    EXPECT_NEAR(reach(axes, {1, 0, 0}), reach(axes, normalized(Vec3f{1, 1, 1})), 1e-6f);
+    EXPECT_NEAR(half_extent(axes, {1, 0, 0}), half_extent(axes, normalized(Vec3f{1, 1, 1})), 1e-6f);
   }
 }
 

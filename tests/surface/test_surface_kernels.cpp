@@ -45,7 +45,7 @@ ParticleKernel some_kernel(test::Random& random) {
   kernel.xy = number(random, -0.2, 0.2), kernel.xz = number(random, -0.2, 0.2),
   kernel.yz = number(random, -0.2, 0.2);
   kernel.crowd = number(random, 0, 1);
-  kernel.reach_up = 4;
+  kernel.extent_z = 4;
   return kernel;
 }
 

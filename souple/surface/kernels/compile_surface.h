@@ -72,7 +72,7 @@ void surface_brick(const ParticleKernel* kernels, const std::uint32_t* list, std
     for (int k = 0; k < brick_side; ++k) {
       // A layer outside the kernel's support would get 0.
       const float height = origin[2] + static_cast<float>(k) * cell - p.center[2];
-      if (height > p.reach_up || height < -p.reach_up) continue;
+      if (height > p.extent_z || height < -p.extent_z) continue;
       const auto up = static_cast<float>(k);
       const T du(up * map.up[0]), dv(up * map.up[1]), dw(up * map.up[2]);
       for (int r = 0; r < registers; ++r) {

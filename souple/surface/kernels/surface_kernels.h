@@ -28,7 +28,7 @@ struct alignas(64) ParticleKernel {
   float xx, xy, xz, yy, yz, zz;  ///< G, symmetric [1/m]
   float shift[3];                ///< from the particle to the center [m]
   float crowd;                   ///< number of neighbors / (2 few_neighbors), at most 1 (SurfaceOptions)
-  float reach_up;                ///< extent of the support from the center along z [m]
+  float extent_z;                ///< extent of the support from the center along z [m]
   float unused;
 };
 

@@ -67,7 +67,7 @@ Answer answer_of(const Volumes<S>& v, double max_t, const Slack& slack, bool& do
   if (side != 0 && ahead == -side) return Answer::misses;
   bool within = true;
   if (std::isfinite(max_t)) {
-    // Beyond the end where |height| > reach |sum|, whatever the signs.
+    // Beyond the end where |height| > max_t |sum|, for any signs.
     const S left = S(abs(v.height)) - S(max_t) * S(abs(v.sum));
     const int beyond = sign_beyond(left, slack.height + 3 * max_t * slack.volume,
                                    slack.filter_height + 3 * max_t * slack.filter_volume, doubtful);
