@@ -8,8 +8,9 @@
 namespace souple {
 
 /// Coulomb's law for sums over a substep. `sticking` is the tangential correction that would stop all
-/// sliding. It stands up to mu_s times the normal correction. Beyond that the contact slides, and the
-/// correction is cut to mu_k times the normal correction. All arguments have the same unit, m or m/s.
+/// sliding. It is returned unchanged up to mu_s times the normal correction. Beyond that limit the contact
+/// slides, and the result is cut to mu_k times the normal correction. Both corrections have one unit, m or
+/// m/s.
 template <class T>
 Vec3<T> within_friction(const Vec3<T>& sticking, T static_friction, T kinetic_friction, T normal) {
   const T size = length(sticking);

@@ -465,8 +465,8 @@ ContactReport ParticleContacts::report() const {
   return report_of(contacts_);
 }
 
-// The displacement starts again at 0 for a pair that slides, at the limit of its kinetic friction, and for a
-// pair that is apart by 2 % of its radii's sum or more.
+// The displacement starts again at 0 in two cases: the pair slides, at the limit of its kinetic friction, or
+// its gap is at least 2 % of the sum of its radii.
 void ParticleContacts::update_tangential_displacement(const Contact& contact, const ParticleView& particles,
                                                       const Vec3f& sliding) {
   Vec3f n;
