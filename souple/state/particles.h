@@ -21,8 +21,8 @@ struct alignas(16) Vec4f {
 /// - Plain form: during a substep, `position` is the predicted p and `start` is x, the position before
 ///   prediction; v = (p - start) / h.
 /// - Displacement form: during a substep, `position` is x and does not change. `offset` is q, the sum of x's
-///   rounding remainder and the displacement d. `start` is `offset` at the substep's start; v = (q - start) / h.
-///   Then x += q is rounded, and `offset` keeps the remainder.
+///   rounding remainder and the displacement d. `start` is `offset` at the substep's start;
+///   v = (q - start) / h. Then x += q is rounded, and `offset` keeps the remainder.
 struct Particles {
   std::vector<Vec4f> position;  ///< x, y, z [m]; w: inverse mass [1/kg], 0: moved by targets only
   std::vector<Vec4f> offset;    ///< displacement form: q; plain form: 0 [m]
