@@ -49,9 +49,9 @@ void resize_with_spare(std::vector<Item>& items, std::size_t size, double spare 
 ///   hash(i, j, k) = (i p1 xor j p2 xor k p3) mod n,  p1 = 73856093, p2 = 19349663, p3 = 83492791
 ///
 /// Deviations:
-/// - There are several grids; the cell size of each is four times that of the next finer one. A box is entered
-///   in the finest grid whose cells are as large as itself, so in 8 cells at most: a huge triangle among small
-///   ones costs no more than they do. Two boxes are compared in the grid of the larger one.
+/// - There are several grids; the cell size of each is four times that of the next finer one. A box is in the
+///   finest grid whose cells are as large as itself, so in 8 cells at most: a huge triangle among small ones
+///   costs no more than they do. Two boxes are compared in the grid of the larger one.
 /// - The hash is that of a block of 4 x 4 x 4 cells; cells are in order within it. So neighbors in space are
 ///   neighbors in memory, and no two cells that a box overlaps share a bucket.
 /// - Buckets are filled by counting sort, first by parts of the table, then within each part. There are no
