@@ -228,7 +228,7 @@ COUNTS = [
     ("docs/rendering.md", r"best, and at most (\d+) pictures a second",
      lambda: find("app/render.cpp", r"frame_rate / (\d+) -")),
 
-    ("docs/segment-triangle.md", r"(\w+) tests answer behind", lambda: len(SEGMENT_TESTS)),
+    ("docs/segment-triangle.md", r"(\w+) tests implement the", lambda: len(SEGMENT_TESTS)),
     ("docs/segment-triangle.md", r"only one of the (\w+) that let", lambda: len(SEGMENT_TESTS)),
     ("docs/segment-triangle.md", r"no leak of any of the (\w+) in", lambda: len(SEGMENT_TESTS)),
     ("docs/segment-triangle.md", r"parameter and weights: ([\d,]+) cases",
@@ -236,7 +236,7 @@ COUNTS = [
     ("docs/segment-triangle.md", r"in double, (\w+) million of each",
      lambda: find(EXACT_TESTS, r"float>\(([\d']+), 3\)") / 1e6),
     ("docs/segment-triangle.md", r"every (\d+)th case", lambda: find(EXACT_TESTS, r"i % (\d+) == 0")),
-    ("docs/segment-triangle.md", r"rates\. (\d+) triangles, all",
+    ("docs/segment-triangle.md", r"tests (\d+) triangles, all",
      lambda: constant("app/bench_segments.h", "default_segments_size")),
 
     ("docs/solvers.md", r"linear forms; (\d+) rows of constraints", lambda: constant("souple/solver/dense.h", "most_rows")),
