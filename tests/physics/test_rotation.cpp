@@ -69,7 +69,7 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
           curves.add(at, t, spin);
           if (kind == Body::links) curves.add("theory: " + std::to_string(substeps) + " substeps", t, law);
         }
-        validate_below(name, at + ": error of the law", worst, 0.02);
+        validate_below(name, at + ": relative error of angular velocity", worst, 0.02);
         const std::string line = at + ": distance of the center of mass from its line [m]";
         if (form == Form::displacement) validate_below(name, line, astray, 1e-3);
         if (form == Form::plain) state(name, line, astray);
