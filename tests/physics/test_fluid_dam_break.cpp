@@ -181,7 +181,7 @@ TEST_P(FluidDamBreakOf, MartinAndMoyceSlow) {
     add(heights, series, dam.height());
     validate_below(front, series + ": largest deviation", deviation(dam.front(), measured.front, release),
                    0.1);
-    validate_below(front, series + ": the same, simulation begun at 0",
+    validate_below(front, series + ": largest deviation, simulation started at 0",
                    deviation(dam.front(), measured.front, 0), 0.15);
     validate_below(front, series + ": mean density error, largest of all steps", dam.error(), 0.01);
     validate_below(height, series + ": largest deviation up to tau = 1.8",
@@ -196,7 +196,7 @@ TEST_P(FluidDamBreakOf, MartinAndMoyceSlow) {
   const std::string series = "24 wide, walls that slip";
   add(fronts, series, dam.front(), release);
   add(heights, series, dam.height());
-  validate_below(front, series + ": energy lost by tau = 3.45, of all", 1 - dam.energy() / energy, 0.07);
+  validate_below(front, series + ": fraction of energy lost by tau = 3.45", 1 - dam.energy() / energy, 0.07);
   state(front, series + ": largest deviation", deviation(dam.front(), measured.front, release));
   state(height, series + ": largest deviation", deviation(dam.height(), measured.height, 0));
 }

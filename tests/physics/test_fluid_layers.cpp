@@ -43,8 +43,9 @@ TEST(FluidLayers, ALighterFluidRisesInTheWideKernel) {
   EXPECT_GT(usual, 0.25);
   EXPECT_GT(wide, usual + 0.05);
   state("ten layers of 850 kg/m^3 under ten of 1000, after 3 s",
-        "center of the lighter, in heights, wide_wendland", wide);
-  state("ten layers of 850 kg/m^3 under ten of 1000, after 3 s", "the same, wendland", usual);
+        "center of the lighter fluid, in heights, wide_wendland", wide);
+  state("ten layers of 850 kg/m^3 under ten of 1000, after 3 s",
+        "center of the lighter fluid, in heights, wendland", usual);
 }
 
 }  // namespace

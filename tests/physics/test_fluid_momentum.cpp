@@ -50,7 +50,7 @@ TEST(FluidMomentum, IsKeptWithClothInTheWater) {
   // It has been pushed: most of what it had is the water's now.
   EXPECT_GT(length(world.momentum(cloth) - of_cloth), 0.3 * length(of_cloth));
   validate_below("fluid without gravity and walls",
-                 "cloth in it: change of linear momentum in 1 s / sum m |v|",
+                 "cloth in the fluid: change of linear momentum in 1 s / sum m |v|",
                  length(momentum() - before) / sum, 1e-4);
 }
 

@@ -47,9 +47,9 @@ TEST_P(FluidScene, KeepsDensitySlow) {
   }
   const std::string name = "density error in the shipped scenes", of = GetParam().stem().string() + ": ";
   validate_below(name, of + "mean", mean, 0.01);
-  state(name, of + "mean of the worst frame", worst_frame);
+  state(name, of + "mean in the worst frame", worst_frame);
   state(name, of + "largest, of one particle", largest);
-  state(name, of + "longest step, wanted below 0.33", step);
+  state(name, of + "longest step, should be below 0.33", step);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, FluidScene, ::testing::ValuesIn(scenes_with_fluids()),

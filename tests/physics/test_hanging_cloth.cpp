@@ -63,8 +63,8 @@ void check(int n, int substeps, double end, double ever) {
   for (const Form form : {Form::displacement, Form::plain}) {
     const std::string at = std::string("small steps, ") + form_name(form);
     const Strain strain = hang(n, {.substeps = substeps, .form = form}, curves, at);
-    validate_below(name, at + ": largest strain in the end", strain.end, end);
-    validate_below(name, at + ": largest strain ever", strain.ever, ever);
+    validate_below(name, at + ": final largest strain", strain.end, end);
+    validate_below(name, at + ": largest strain of all frames", strain.ever, ever);
   }
 }
 

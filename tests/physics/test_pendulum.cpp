@@ -100,7 +100,8 @@ TEST(Pendulum, AmplitudeLossHalvesWithTheStep) {
     const std::string at = std::to_string(substeps) + " substeps";
     state(name, at + ": lost in the first period [degrees]", lost * 180 / pi);
     curves.add("measured", 1000.0 / 60 / substeps, lost * 180 / pi);
-    if (before > 0) validate_relative(name, at + ": loss compared to half as many", before / lost, 2, 0.1);
+    if (before > 0)
+      validate_relative(name, at + ": loss at half as many substeps / loss", before / lost, 2, 0.1);
     before = lost;
   }
   const double coarsest = 1000.0 / 60 / 10;
@@ -126,8 +127,8 @@ TEST(Pendulum, SwingsFarFromTheOrigin) {
     curves.add("theory: elliptic integral", frame * T / 120, 1000 * elliptic_angle(0.01, 1, frame * T / 120));
     if (frame % 4 == 0) curves.add("simulated", frame * T / 120, 1000 * std::asin(x));
   }
-  validate_relative(name, "farthest on the other side [m]", lowest, -std::sin(0.01), 0.02);
-  validate_relative(name, "back after one period [m]", highest, std::sin(0.01), 0.02);
+  validate_relative(name, "largest displacement on the opposite side [m]", lowest, -std::sin(0.01), 0.02);
+  validate_relative(name, "position after one period [m]", highest, std::sin(0.01), 0.02);
 }
 
 }  // namespace

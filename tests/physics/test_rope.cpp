@@ -81,7 +81,8 @@ TEST(Chain, StretchesByTheSquareOfTheStep) {
     state(name, at + ": elongation / (N^2 g h^2 / L)", elongation / number);
     curves.add("measured", number, elongation);
     if (before > 0)
-      validate_relative(name, at + ": elongation compared to half as many", before / elongation, 4, 0.15);
+      validate_relative(name, at + ": elongation at half as many substeps / elongation", before / elongation,
+                        4, 0.15);
     before = elongation;
   }
   curves.add("theory: a line through the finest", {0, coarsest}, {0, before / number * coarsest});

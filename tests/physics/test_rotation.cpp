@@ -69,8 +69,8 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
           curves.add(at, t, spin);
           if (kind == Body::links) curves.add("theory: " + std::to_string(substeps) + " substeps", t, law);
         }
-        validate_below(name, at + ": error of the law", worst, 0.02);
-        const std::string line = at + ": center of mass off its line [m]";
+        validate_below(name, at + ": relative error of angular velocity", worst, 0.02);
+        const std::string line = at + ": distance of the center of mass from its line [m]";
         if (form == Form::displacement) validate_below(name, line, astray, 1e-3);
         if (form == Form::plain) state(name, line, astray);
       }
@@ -121,7 +121,7 @@ TEST(ElasticBody, NeverGainsEnergyAndLosesLessInSmallerSteps) {
           state(name, at + ": lost in 0.25 s", lost);
           // A quarter of the step: the loss has to vanish with it.
           if (before < 2) {
-            validate_below(name, at + ": loss over that of four times the step", lost / before, 0.6);
+            validate_below(name, at + ": loss / loss at four times the step", lost / before, 0.6);
           }
           before = lost;
           if (mode == Mode::small_steps && form == Form::displacement)
