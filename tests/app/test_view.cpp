@@ -1,6 +1,7 @@
 #include "souple/io/recorder.h"
 #include "tests/app/offscreen_viewer.h"
 #include "tests/expect_error.h"
+#include "tests/paths.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -637,7 +638,7 @@ TEST(ViewPicture, OfTheManual) {
   const std::filesystem::path file = wish != nullptr ? wish : folder.path() / "viewer.png";
   // Small while time passes, and while a corner is pulled aside; then in full.
   const WindowSize size{1120, 720, 1};
-  OffscreenViewer view(SOUPLE_SOURCE_DIR "/scenes/curtain.json", {size.width, size.height, 0.1f});
+  OffscreenViewer view(source_path("scenes/curtain.json"), {size.width, size.height, 0.1f});
   view.pictures(125);
   const ImVec2 at = view.seen(view.viewer().session().subject().bodies[0].positions[39 * 46]);
   view.move(at.x + 12, at.y - 12);

@@ -2,6 +2,7 @@
 #include "app/view/keys.h"
 #include "app/view/simulation.h"
 #include "tests/expect_error.h"
+#include "tests/paths.h"
 
 #include <fstream>
 #include <iterator>
@@ -33,7 +34,7 @@ constexpr const char* exploding = R"({
 })";
 
 SceneDescription scene(const char* text) {
-  return parse_scene(text, SOUPLE_SOURCE_DIR "/scenes", "test.json");
+  return parse_scene(text, source_path("scenes"), "test.json");
 }
 
 Vec3f at(const Simulation& simulation, const char* object, std::size_t vertex) {
@@ -65,7 +66,7 @@ TEST(ViewerClock, SaysHowMuchSlowerItIsThanRealTime) {
 }
 
 TEST(ViewerKeys, StandInTheManualAndInTheHelp) {
-  std::ifstream file(SOUPLE_SOURCE_DIR "/docs/viewer.md");
+  std::ifstream file(source_path("docs/viewer.md"));
   const std::string page(std::istreambuf_iterator<char>(file), {});
   std::string wanted = "| key | what it does |\n|---|---|\n";
   for (const Key& key : keys)
@@ -194,7 +195,7 @@ TEST(ViewerSimulation, PinsHoldAndLetGo) {
   EXPECT_EQ(at(simulation, "cloth", 19), held);
   EXPECT_GT(length(at(simulation, "cloth", 0) - freed), 0.05);
   // They stand in the scene file, and come back with it.
-  Simulation again(parse_scene(simulation.scene_text(), SOUPLE_SOURCE_DIR, "copy.json"), "again");
+  Simulation again(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "again");
   EXPECT_EQ(again.world().pinned(again.world().find_object("cloth")), (std::vector<std::uint32_t>{4, 19}));
   simulation.reset();
   EXPECT_EQ(simulation.world().pinned(simulation.world().find_object("cloth")),
@@ -207,7 +208,7 @@ TEST(ViewerSimulation, OneVertexOfABoxOfPinsLetsGo) {
   ASSERT_EQ(simulation.world().pinned(rope), (std::vector<std::uint32_t>{0, 1}));
   for (int i = 0; i < 3; ++i) simulation.step_frame();
   simulation.toggle_pin(rope, 0);
-  Simulation again(parse_scene(simulation.scene_text(), SOUPLE_SOURCE_DIR, "copy.json"), "again");
+  Simulation again(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "again");
   EXPECT_EQ(again.world().pinned(again.world().find_object("rope")), (std::vector<std::uint32_t>{1}));
 }
 
@@ -220,7 +221,7 @@ TEST(ViewerSimulation, TheCopiedSceneIsWhatRuns) {
   material.young_modulus = 3e6f;
   simulation.set_material(2, material);
   simulation.reset();  // pins and settings of a world that was built with them
-  Simulation copy(parse_scene(simulation.scene_text(), SOUPLE_SOURCE_DIR, "copy.json"), "copy");
+  Simulation copy(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "copy");
   for (int i = 0; i < 10; ++i) simulation.step_frame(), copy.step_frame();
   EXPECT_EQ(simulation.world().hash(), copy.world().hash());
 }
@@ -244,7 +245,7 @@ TEST(ViewerSimulation, ABrokenSceneSaysSo) {
 }
 
 TEST(ViewerSimulation, EveryShippedSceneRunsAndCopies) {
-  for (const auto& entry : std::filesystem::directory_iterator(SOUPLE_SOURCE_DIR "/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("scenes"))) {
     if (entry.path().extension() != ".json") continue;
     SCOPED_TRACE(entry.path().string());
     Simulation simulation(entry.path());
@@ -252,7 +253,7 @@ TEST(ViewerSimulation, EveryShippedSceneRunsAndCopies) {
     EXPECT_TRUE(simulation.report().ok());
     EXPECT_FALSE(simulation.trouble());
     EXPECT_EQ(simulation.frame(), 1u);
-    EXPECT_NO_THROW(parse_scene(simulation.scene_text(), SOUPLE_SOURCE_DIR "/scenes", "copy.json"));
+    EXPECT_NO_THROW(parse_scene(simulation.scene_text(), source_path("scenes"), "copy.json"));
   }
 }
 

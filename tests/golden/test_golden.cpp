@@ -1,6 +1,7 @@
 #include "golden_file.h"
 #include "souple/error.h"
 #include "souple/scene/scene.h"
+#include "tests/paths.h"
 #include "trace.h"
 
 #include <algorithm>
@@ -33,7 +34,7 @@ constexpr int all_frames = 300;
 constexpr int hashed_frames[] = {1, 30, all_frames};
 constexpr const char* how_to_update = "; script/golden --update rewrites it";
 
-const fs::path source_folder = SOUPLE_SOURCE_DIR;
+const fs::path source_folder = source_path();
 const fs::path golden_path = source_folder / "tests" / "golden.json";
 const fs::path trace_folder = source_folder / "tests" / "golden" / "trace";
 

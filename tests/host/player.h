@@ -2,6 +2,7 @@
 
 #include "souple/host/session.h"
 #include "tests/host/soups.h"
+#include "tests/paths.h"
 
 #include <cstring>
 #include <limits>
@@ -17,7 +18,7 @@ namespace souple::host {
 
 inline constexpr double dt = 1.0 / 60;
 inline constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-inline const std::string scenes = std::string(SOUPLE_SOURCE_DIR) + "/scenes/";
+inline const std::string scenes = source_path("scenes/");
 
 /// A host that plays: its clock goes by twice the frame's length, as Radium's.
 struct Player {

@@ -1,5 +1,6 @@
 #include "souple/scene/scene.h"
 #include "souple/souple.h"
+#include "tests/paths.h"
 
 #include <cmath>
 #include <filesystem>
@@ -31,7 +32,7 @@ std::size_t outside(const World& world, ObjectId water, ObjectId balloon) {
 
 // The shipped scene: the seams hold all of the water for 0.8 s, and none of it half a second later.
 TEST(FluidBalloon, HoldsWaterUntilItsSeamsOpenSlow) {
-  const std::filesystem::path file = std::string(SOUPLE_SOURCE_DIR) + "/scenes/water_balloon.json";
+  const std::filesystem::path file = source_path("scenes/water_balloon.json");
   World world = build_world(load_scene(file));
   const ObjectId water = world.find_object("water"), balloon = world.find_object("balloon");
   const std::size_t particles = world.positions(water).size();

@@ -1,5 +1,6 @@
 #include "souple/scene/scene.h"
 #include "souple/souple.h"
+#include "tests/paths.h"
 #include "validation.h"
 
 #include <algorithm>
@@ -21,8 +22,7 @@ bool has_fluid(const SceneDescription& scene) {
 
 std::vector<std::filesystem::path> scenes_with_fluids() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(SOUPLE_SOURCE_DIR) / "scenes"))
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("scenes")))
     if (entry.path().extension() == ".json" && has_fluid(load_scene(entry.path())))
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "plugins/radium/physics_system.h"
+#include "tests/paths.h"
 
 #include <Core/Geometry/TriangleMesh.hpp>
 #include <Core/Types.hpp>
@@ -15,7 +16,7 @@
 
 namespace souple::radium {
 
-inline const std::string scenes = std::string(SOUPLE_SOURCE_DIR) + "/scenes/";
+inline const std::string scenes = source_path("scenes/");
 /// The engine's own constant step, as the float that it is [s].
 constexpr float frame_time = 1.0f / 60;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/scene/scene.h"
+#include "tests/paths.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -14,7 +15,7 @@
 namespace souple::scene_test {
 
 inline std::filesystem::path scenes_folder() {
-  return std::filesystem::path(SOUPLE_SOURCE_DIR) / "scenes";
+  return source_path("scenes");
 }
 
 inline std::string read_file(const std::filesystem::path& path) {

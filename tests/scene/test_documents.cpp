@@ -1,6 +1,7 @@
 // Reader, schema and manual say the same. All three come from one table; these tests look at them from
 // outside.
 #include "scene_test.h"
+#include "tests/paths.h"
 
 #include <functional>
 #include <map>
@@ -14,7 +15,7 @@ namespace {
 using nlohmann::json;
 
 std::filesystem::path documents() {
-  return std::filesystem::path(SOUPLE_SOURCE_DIR) / "docs";
+  return source_path("docs");
 }
 
 TEST(Documents, AreUpToDate) {

@@ -4,6 +4,7 @@
 #include "souple/world/world.h"
 #include "tests/collision/crossings.h"
 #include "tests/expect_error.h"
+#include "tests/paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -228,7 +229,7 @@ TEST(Layers, WhatIsSewnTogetherIsNotPulled) {
 
 // The shipped scene, by a checker of its own.
 TEST(Layers, ATorsoInAShirtAndACoatStaysDressedSlow) {
-  World world = build_world(load_scene(SOUPLE_SOURCE_DIR "/scenes/layers.json"));
+  World world = build_world(load_scene(source_path("scenes/layers.json")));
   EXPECT_GT(crossings(world), 300u);
   for (int frame = 0; frame < 100; ++frame) {
     world.step(frame_time);
