@@ -26,7 +26,7 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 
 // --- where bodies are ----------------------------------------------------------------------------
 
-void FluidBodies::place(const Skin& skin, State& state, const ParticleView& particles,
+void FluidBodies::place(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
                         std::span<const float> mass) const {
   const std::size_t count = skin.particles.size();
   state.start.resize(count);
@@ -73,8 +73,8 @@ void FluidBodies::place(const Skin& skin, State& state, const ParticleView& part
 
 void FluidBodies::begin_substep(const ParticleView& particles, std::span<const float> mass,
                                 std::span<const Vec4f> positions, float reach, Threads& threads) {
-  states_.resize(skins_.size());
-  for (std::size_t s = 0; s < skins_.size(); ++s) place(skins_[s], states_[s], particles, mass);
+  states_.resize(meshes_.size());
+  for (std::size_t s = 0; s < meshes_.size(); ++s) place(meshes_[s], states_[s], particles, mass);
   if (!lists_hold(positions)) list(positions, reach, threads);
 }
 
@@ -87,7 +87,7 @@ bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
     const Vec3f way = positions[i].xyz() - listed_[i].xyz();
     farthest = std::max(farthest, dot(way, way));
   }
-  for (std::size_t s = 0; s < skins_.size(); ++s)
+  for (std::size_t s = 0; s < meshes_.size(); ++s)
     for (std::size_t v = 0; v < states_[s].now.size(); ++v) {
       const Vec3f way = states_[s].now[v] - listed_vertices_[s][v];
       farthest_vertex = std::max(farthest_vertex, dot(way, way));
@@ -98,13 +98,13 @@ bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
 void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& threads) {
   listed_.assign(positions.begin(), positions.end());
   listed_room_ = room_share * reach;
-  listed_vertices_.resize(skins_.size());
+  listed_vertices_.resize(meshes_.size());
   found_.clear();
   order_.build(positions, reach, threads);
-  for (std::uint32_t s = 0; s < skins_.size(); ++s) {
+  for (std::uint32_t s = 0; s < meshes_.size(); ++s) {
     listed_vertices_[s] = states_[s].now;
-    for (std::uint32_t t = 0; t < skins_[s].triangles.size(); ++t)
-      list_triangle(s, t, positions, reach + listed_room_ + skins_[s].half_thickness);
+    for (std::uint32_t t = 0; t < meshes_[s].triangles.size(); ++t)
+      list_triangle(s, t, positions, reach + listed_room_ + meshes_[s].half_thickness);
   }
   first_.assign(positions.size() + 1, 0);
   for (const Candidate& candidate : found_) ++first_[candidate.particle + 1];
@@ -116,10 +116,10 @@ void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& t
 }
 
 // Cells of the triangle's box, grown by the reach; then its bounding ball.
-void FluidBodies::list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions,
+void FluidBodies::list_triangle(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
                                 float reach) {
-  const Triangle& t = skins_[skin].triangles[triangle];
-  const std::vector<Vec3f>& at = states_[skin].now;
+  const Triangle& t = meshes_[mesh].triangles[triangle];
+  const std::vector<Vec3f>& at = states_[mesh].now;
   const Vec3f middle = (at[t[0]] + at[t[1]] + at[t[2]]) * (1.0f / 3);
   float radius = 0;
   std::int32_t lo[3], hi[3];
@@ -135,7 +135,7 @@ void FluidBodies::list_triangle(std::uint32_t skin, std::uint32_t triangle, std:
     for (std::uint32_t k = begin; k < end; ++k) {
       const std::uint32_t i = order_.order()[k];
       const Vec3f way = positions[i].xyz() - middle;
-      if (dot(way, way) < clear) found_.push_back({i, skin, triangle});
+      if (dot(way, way) < clear) found_.push_back({i, mesh, triangle});
     }
   });
 }
@@ -147,8 +147,8 @@ void FluidBodies::list_triangle(std::uint32_t skin, std::uint32_t triangle, std:
 void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
                        std::vector<NearPlane>& planes) const {
   for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
-    const std::uint32_t s = candidates_[c].skin;
-    const Skin& skin = skins_[s];
+    const std::uint32_t s = candidates_[c].mesh;
+    const BoundaryMesh& mesh = meshes_[s];
     const State& state = states_[s];
     struct {
       float distance = 0, facing = 0;
@@ -156,7 +156,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
       Vec3f weights{}, way{}, normal{};
     } best;
     best.distance = reach + skin.half_thickness;
-    for (; c < first_[i + 1] && candidates_[c].skin == s; ++c) {
+    for (; c < first_[i + 1] && candidates_[c].mesh == s; ++c) {
       const Triangle& t = skin.triangles[candidates_[c].triangle];
       const TrianglePoint nearest = closest_on_triangle(Vec3d(x), Vec3d(state.now[t[0]]),
                                                         Vec3d(state.now[t[1]]), Vec3d(state.now[t[2]]));
@@ -179,7 +179,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
               way,
               normal * (1 / size)};
     }
-    if (best.triangle == NearPlane::nobody || meets_[fluid * skins_.size() + s] == 0) continue;
+    if (best.triangle == NearPlane::nobody || meets_[fluid * meshes_.size() + s] == 0) continue;
     const Triangle& t = skin.triangles[best.triangle];
     Vec3f outward = best.normal;
     if (!skin.closed) {
@@ -193,7 +193,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
     NearPlane plane;
     plane.normal = on_it ? outward : best.way * (side / distance);
     plane.motion = corner_mix(t, best.weights, state.now) - corner_mix(t, best.weights, state.start);
-    plane.skin = s;
+    plane.mesh = s;
     plane.triangle = best.triangle;
     plane.weights = best.weights;
     follow(plane);
@@ -204,12 +204,12 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
 }
 
 void FluidBodies::follow(NearPlane& plane) const {
-  if (plane.skin == NearPlane::nobody) return;
-  plane.offset = dot(plane.normal, point(plane, states_[plane.skin].now)) + skins_[plane.skin].half_thickness;
+  if (plane.mesh == NearPlane::nobody) return;
+  plane.offset = dot(plane.normal, point(plane, states_[plane.mesh].now)) + meshes_[plane.mesh].half_thickness;
 }
 
 Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const {
-  return corner_mix(skins_[plane.skin].triangles[plane.triangle], plane.weights, vertices);
+  return corner_mix(meshes_[plane.mesh].triangles[plane.triangle], plane.weights, vertices);
 }
 
 // --- how bodies give way -------------------------------------------------------------------------
@@ -219,22 +219,22 @@ void FluidBodies::weigh(const Surroundings& surroundings, std::span<const Vec4f>
     std::fill(state.slopes.begin(), state.slopes.end(), 0.0f);
     state.slope_sum = 0;
   }
-  coarse.begin_movers(skins_.size());
-  for (std::size_t s = 0; s < skins_.size(); ++s)
+  coarse.begin_movers(meshes_.size());
+  for (std::size_t s = 0; s < meshes_.size(); ++s)
     if (states_[s].inverse_mass > 0) coarse.set_mover(s, states_[s].inverse_mass, states_[s].inverse_inertia);
   for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
-      if (plane.skin == NearPlane::nobody) continue;
-      State& state = states_[plane.skin];
+      if (plane.mesh == NearPlane::nobody) continue;
+      State& state = states_[plane.mesh];
       if (!state.moves) continue;
       const float slope = length(plane.slope);
       if (state.inverse_mass > 0) {
         state.slope_sum += slope;
-        coarse.add_touch(plane.skin, k, x[k], Vec3d(plane.slope),
+        coarse.add_touch(plane.mesh, k, x[k], Vec3d(plane.slope),
                          cross(Vec3d(point(plane, state.now)) - state.center, Vec3d(plane.slope)));
         continue;
       }
-      const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+      const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
       for (int c = 0; c < 3; ++c) state.slopes[t[static_cast<std::size_t>(c)]] += plane.weights[c] * slope;
     }
   }
@@ -242,14 +242,14 @@ void FluidBodies::weigh(const Surroundings& surroundings, std::span<const Vec4f>
 
 void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums) const {
   for (const NearPlane& plane : planes) {
-    if (plane.skin == NearPlane::nobody) continue;
-    const State& state = states_[plane.skin];
+    if (plane.mesh == NearPlane::nobody) continue;
+    const State& state = states_[plane.mesh];
     const float slope = length(plane.slope);
     if (state.inverse_mass > 0) {
       sums.response += slope * state.slope_sum * static_cast<float>(state.inverse_mass);
       continue;
     }
-    const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+    const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t v = t[static_cast<std::size_t>(c)];
       const float gives = slope * plane.weights[c] * state.gives[v] * state.slopes[v];
@@ -260,26 +260,26 @@ void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums)
 }
 
 void FluidBodies::yield(const Surroundings& surroundings, std::span<const float> change) {
-  pushes_.assign(skins_.size(), {});
+  pushes_.assign(meshes_.size(), {});
   for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
       if (!moves(plane)) continue;
-      State& state = states_[plane.skin];
+      State& state = states_[plane.mesh];
       const Vec3f push = plane.slope * -change[k];
       if (state.inverse_mass > 0) {
         const Vec3d arm = Vec3d(point(plane, state.now)) - state.center;
-        pushes_[plane.skin].force += Vec3d(push);
-        pushes_[plane.skin].torque += cross(arm, Vec3d(push));
+        pushes_[plane.mesh].force += Vec3d(push);
+        pushes_[plane.mesh].torque += cross(arm, Vec3d(push));
         continue;
       }
-      const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+      const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
       for (int c = 0; c < 3; ++c) {
         const std::uint32_t v = t[static_cast<std::size_t>(c)];
         state.now[v] += push * (plane.weights[c] * state.gives[v]);
       }
     }
   }
-  for (std::size_t s = 0; s < skins_.size(); ++s) {
+  for (std::size_t s = 0; s < meshes_.size(); ++s) {
     State& state = states_[s];
     if (!(state.inverse_mass > 0)) continue;
     const Vec3f moved(pushes_[s].force * state.inverse_mass),
@@ -327,7 +327,7 @@ void FluidBodies::keep_apart(const NearPlane& plane, std::uint32_t i, const Vec3
     way -= souple::place(particles, carriers.particle[c]) * static_cast<double>(share);
     w += share * share * particles.inverse_mass(carriers.particle[c]);
   }
-  const float C = dot(n, Vec3f(way)) - skins_[plane.skin].half_thickness - radius;
+  const float C = dot(n, Vec3f(way)) - meshes_[plane.mesh].half_thickness - radius;
   if (C >= 0 || !(w > 0)) return;
   const Vec3f push = n * (-C / w);
   particles.correct(i, push * particles.inverse_mass(i));

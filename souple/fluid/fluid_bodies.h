@@ -21,7 +21,7 @@ enum class Yielding {
 
 /// The surface of a body as a fluid feels it: triangles over vertices, each of which hangs on up to four of
 /// the world's particles.
-struct Skin {
+struct BoundaryMesh {
   std::uint32_t begin = 0, end = 0;  ///< all particles of the body
   std::vector<std::array<std::uint32_t, 4>> particles{};
   std::vector<std::array<float, 4>> weights{};  ///< of each vertex; they sum to 1
@@ -40,10 +40,10 @@ struct Skin {
 /// would be thrown about by pressures that were meant for one that does not move.
 class FluidBodies {
  public:
-  /// meets[fluid * skins + s]: whether a fluid feels a skin.
-  void set_skins(std::vector<Skin> skins) { skins_ = std::move(skins); }
-  std::span<const Skin> skins() const { return skins_; }
-  std::size_t skin_count() const { return skins_.size(); }
+  /// meets[fluid * meshes + s]: whether a fluid feels a skin.
+  void set_meshes(std::vector<BoundaryMesh> meshes) { meshes_ = std::move(meshes); }
+  std::span<const BoundaryMesh> meshes() const { return meshes_; }
+  std::size_t mesh_count() const { return meshes_.size(); }
 
   void begin_step(std::span<const std::uint8_t> meets, const Vec3d& origin) {
     meets_ = meets, origin_ = origin;
@@ -77,12 +77,12 @@ class FluidBodies {
 
   /// Whether a plane is of a body that something can move.
   bool moves(const NearPlane& plane) const {
-    return plane.skin != NearPlane::nobody && states_[plane.skin].moves;
+    return plane.mesh != NearPlane::nobody && states_[plane.mesh].moves;
   }
   /// f(particle of the world, share) for those that carry the point a plane touches; shares sum to 1.
   template <class Function>
   void for_carriers(const NearPlane& plane, const Function& f) const {
-    const Skin& skin = skins_[plane.skin];
+    const BoundaryMesh& mesh = meshes_[plane.mesh];
     const Triangle& t = skin.triangles[plane.triangle];
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t p = 0; p < 4; ++p) {
@@ -93,7 +93,7 @@ class FluidBodies {
   }
 
  private:
-  /// Of a skin in this substep.
+  /// Of a mesh in this substep.
   struct State {
     std::vector<Vec3f> start, now;  // of vertices, from the origin [m]
     std::vector<float> gives;       // of a vertex: how much a unit of push moves it [1/kg]
@@ -110,11 +110,11 @@ class FluidBodies {
     Vec3d force{}, torque{};
   };
 
-  void place(const Skin& skin, State& state, const ParticleView& particles,
+  void place(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
              std::span<const float> mass) const;
   bool lists_hold(std::span<const Vec4f> positions) const;
   void list(std::span<const Vec4f> positions, float reach, Threads& threads);
-  void list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions,
+  void list_triangle(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
                      float reach);
   Vec3f point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const;
 
@@ -126,7 +126,7 @@ class FluidBodies {
   };
   Carriers carriers_of(const NearPlane& plane) const;
 
-  std::vector<Skin> skins_;
+  std::vector<BoundaryMesh> meshes_;
   std::vector<State> states_;
   std::vector<Push> pushes_;
   std::span<const std::uint8_t> meets_;
@@ -134,7 +134,7 @@ class FluidBodies {
   CellOrder order_;
   /// A particle and a triangle that it may be near.
   struct Candidate {
-    std::uint32_t particle, skin, triangle;
+    std::uint32_t particle, mesh, triangle;
   };
   std::vector<Candidate> found_, candidates_;  // as found; by particle, then as found
   std::vector<std::uint32_t> first_;           // of each particle

@@ -20,8 +20,8 @@ struct NearPlane {
   float hold = 0;    ///< its part in how all of them hold a flow along them, as WallFriction says
   Vec3f rubbed{};    ///< the body, in this substep: impulse [kg m/s]
   std::uint32_t collider = nobody;
-  // Of a body: which skin, its triangle, and the weights of that one's corners in the nearest point.
-  std::uint32_t skin = nobody, triangle = 0;
+  // Of a body: which mesh, its triangle, and the weights of that one's corners in the nearest point.
+  std::uint32_t mesh = nobody, triangle = 0;
   Vec3f weights{};
 };
 

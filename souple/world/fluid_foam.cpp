@@ -63,9 +63,9 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
 void FluidFoam::find_bodies(const WorldState& world, const Source& source, float gap, Threads& threads) {
   bodies_.clear();
   const Particles& particles = world.particles;
-  for (std::size_t s = 0; s < source.skins.size(); ++s) {
+  for (std::size_t s = 0; s < source.meshes.size(); ++s) {
     if (source.feels[s] == 0) continue;
-    const Skin& skin = source.skins[s];
+    const BoundaryMesh& mesh = source.meshes[s];
     start_.resize(skin.particles.size());
     end_.resize(skin.particles.size());
     for_places(skin.particles.size(), threads, [&](std::size_t v) {
@@ -170,8 +170,8 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
     for (std::size_t n = 0; n < of_each.size(); ++n) result[n % count] |= of_each[n];
   };
   some(tables_.meets, world.tables.colliders.size(), source.meets);
-  some(tables_.feels, tables_.skinned.size(), source.feels);
-  source.skins = bodies_.skins();
+  some(tables_.feels, tables_.with_boundary.size(), source.feels);
+  source.meshes = bodies_.meshes();
   source.origin = origin_;
   foam_.step(world, view(), source, time, dt);
 }

@@ -87,7 +87,7 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   find_wall_friction(substep.h, threads);
   const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
   account_.note_viscosity(viscous.iterations);
-  if (bodies_.skin_count() > 0)
+  if (bodies_.mesh_count() > 0)
     body_friction_.apply(view, surroundings_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
   if (!small_bodies_.none())
@@ -98,7 +98,7 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
     const float angle = tables_.materials[0].contact_angle * static_cast<float>(pi) / 180;
     surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h,
                            threads);
-    if (bodies_.skin_count() > 0) pull_bodies(world);
+    if (bodies_.mesh_count() > 0) pull_bodies(world);
   }
   if (const float epsilon = most(&FluidMaterial::vorticity); epsilon > 0)
     vorticity_.apply(view, epsilon, substep.h, threads);

@@ -42,14 +42,14 @@ TriangleMesh halved(const TriangleMesh& mesh) {
 
 // What pushes a triangle pushes the tets its corners lie in: with large triangles, as of a box of twelve,
 // these corners would bear all. They are cut until none is longer than three spacings.
-Skin embedded_skin(const Object& object, float spacing) {
+BoundaryMesh embedded_boundary(const Object& object, float spacing) {
   TriangleMesh mesh;
   mesh.positions = object.mesh.positions;
   mesh.triangles = object.mesh.triangles;
   while (longest_edge(mesh) > 3 * static_cast<double>(spacing) && 4 * mesh.triangles.size() <= most_triangles)
     mesh = halved(mesh);
   const Embedding embedding = embed(mesh.positions, object.tets);
-  Skin skin;
+  BoundaryMesh boundary;
   skin.triangles = mesh.triangles;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     auto& particles = skin.particles.emplace_back();
@@ -59,17 +59,17 @@ Skin embedded_skin(const Object& object, float spacing) {
       weights[k] = static_cast<float>(embedding.weights[v][k]);
     }
   }
-  return skin;
+  return boundary;
 }
 
-Skin particle_skin(const Object& object) {
-  Skin skin;
+BoundaryMesh particle_boundary(const Object& object) {
+  BoundaryMesh boundary;
   skin.triangles = object.surface;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     skin.particles.push_back({i, i, i, i});
     skin.weights.push_back({1, 0, 0, 0});
   }
-  return skin;
+  return boundary;
 }
 
 /// Points inside a ball about a spacing apart; its center where it is smaller.
@@ -137,16 +137,16 @@ void append_small_bodies(const Object& object, float spacing, std::span<const fl
   if (object.kind == ObjectKind::rope) append_rope(object, spacing, radius, mass, number, bodies);
 }
 
-std::optional<Skin> fluid_skin(const Object& object, float spacing) {
+std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing) {
   if (object.kind == ObjectKind::fluid || (!object.embedding && object.surface.empty())) return std::nullopt;
-  Skin skin = object.embedding ? embedded_skin(object, spacing) : particle_skin(object);
+  BoundaryMesh boundary = object.embedding ? embedded_boundary(object, spacing) : particle_boundary(object);
   const bool solid = object.kind == ObjectKind::soft_body;
   skin.begin = object.begin;
   skin.end = object.end;
   skin.half_thickness = contact_radius(object.material);
   skin.closed = solid;
   skin.yielding = solid ? Yielding::rigidly : Yielding::locally;
-  return skin;
+  return boundary;
 }
 
 }  // namespace souple

@@ -12,7 +12,7 @@ namespace souple {
 
 /// How fluids of a spacing [m] feel an object; nothing for what is no wall to them: other fluids, ropes,
 /// grains.
-std::optional<Skin> fluid_skin(const Object& object, float spacing);
+std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing);
 /// Appends the pieces of a rope or of grains; `mass` of the world's particles [kg], `number`:
 /// SmallBody::object.
 void append_small_bodies(const Object& object, float spacing, std::span<const float> mass,

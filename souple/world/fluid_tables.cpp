@@ -9,17 +9,17 @@
 namespace souple {
 
 void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, SmallBodies& small_bodies) {
-  skinned.clear();
+  with_boundary.clear();
   small.clear();
-  std::vector<Skin> skins;
+  std::vector<BoundaryMesh> boundaries;
   std::vector<SmallBody> pieces;
   float spacing = 0;
   for (const auto& object : world.objects)
     if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
   for (std::uint32_t o = 0; spacing > 0 && o < world.objects.size(); ++o) {
-    if (std::optional<Skin> skin = fluid_skin(*world.objects[o], spacing)) {
-      skins.push_back(std::move(*skin));
-      skinned.push_back(o);
+    if (std::optional<BoundaryMesh> boundary = boundary_mesh_of(*world.objects[o], spacing)) {
+      boundaries.push_back(std::move(*boundary));
+      with_boundary.push_back(o);
       continue;
     }
     const std::size_t before = pieces.size();
@@ -27,7 +27,7 @@ void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, Smal
                         static_cast<std::uint32_t>(small.size()), pieces);
     if (pieces.size() > before) small.push_back(o);
   }
-  bodies.set_skins(std::move(skins));
+  bodies.set_meshes(std::move(boundaries));
   small_bodies.set_bodies(std::move(pieces));
 }
 
@@ -48,7 +48,7 @@ void FluidTables::find_particles(const WorldState& world) {
       particle.push_back(i);
       fluid.push_back(static_cast<std::uint16_t>(materials.size()));
     }
-    for (const std::uint32_t body : skinned)
+    for (const std::uint32_t body : with_boundary)
       feels.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
     for (const std::uint32_t body : small)
       feels_small.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);

@@ -19,12 +19,12 @@ struct FluidTables {
   std::vector<FluidMaterial> materials;
   std::vector<float> viscosities;  ///< Pa s
   // Objects.
-  std::vector<std::uint32_t> skinned;  ///< that are bodies to fluids
+  std::vector<std::uint32_t> with_boundary;  ///< that are bodies to fluids
   std::vector<std::uint32_t> small;    ///< that are made of small bodies
-  // Of each fluid and then each collider, skinned object, small object: whether they meet.
+  // Of each fluid and then each collider, with_boundary object, small object: whether they meet.
   std::vector<std::uint8_t> meets, feels, feels_small;
 
-  /// Which objects are skinned or small, and how fluids feel them: after objects came, went or changed.
+  /// Which objects are with_boundary or small, and how fluids feel them: after objects came, went or changed.
   void find_bodies(const WorldState& world, FluidBodies& bodies, SmallBodies& small_bodies);
   /// All the others: before each step.
   void find_particles(const WorldState& world);

@@ -34,16 +34,16 @@ struct Boundary {
     return sums;
   }
   void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
-    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x, coarse);
+    if (bodies.mesh_count() > 0) bodies.weigh(surroundings, x, coarse);
   }
   void respond(std::size_t place, BoundarySums& sums) const {
-    if (bodies.skin_count() > 0) bodies.respond(surroundings.of(place), sums);
+    if (bodies.mesh_count() > 0) bodies.respond(surroundings.of(place), sums);
   }
   void push(std::size_t place, float change) const {
     for (NearPlane& plane : surroundings.of(place)) plane.pushed += plane.slope * change;
   }
   void pushed(std::span<const float> change) const {
-    if (bodies.skin_count() > 0) bodies.yield(surroundings, change);
+    if (bodies.mesh_count() > 0) bodies.yield(surroundings, change);
   }
 };
 
@@ -52,7 +52,7 @@ Vec3f out_of_walls(const Vec3f& x, std::span<const NearPlane> planes, float radi
   Vec3f way{};
   for (const NearPlane& plane : planes) {
     const float distance = dot(plane.normal, x + way) - plane.offset;
-    if (plane.skin == NearPlane::nobody && distance < radius) way += plane.normal * (radius - distance);
+    if (plane.mesh == NearPlane::nobody && distance < radius) way += plane.normal * (radius - distance);
   }
   return way;
 }
@@ -128,7 +128,7 @@ void Fluids::look_around(Threads& threads) {
       [&](std::size_t k, std::vector<NearPlane>& planes) {
         const std::uint32_t i = order[k];
         walls_.find(i, tables_.fluid[i], x[k].xyz(), reach, planes);
-        if (bodies_.skin_count() > 0) bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], reach, planes);
+        if (bodies_.mesh_count() > 0) bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], reach, planes);
       },
       threads);
 }
@@ -140,7 +140,7 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   place(world, substep.h, threads);
   const Smoothing& smoothing = solver_->smoothing();
   const ParticleView particles = world.view();
-  if (bodies_.skin_count() > 0)
+  if (bodies_.mesh_count() > 0)
     bodies_.begin_substep(particles, world.particles.mass, placed_, Surroundings::reach(smoothing), threads);
   look_around(threads);
   if (!small_bodies_.none())
@@ -167,7 +167,7 @@ void Fluids::move(const ParticleView& particles, Threads& threads) {
       if (!given.empty()) particles.correct(i, given[k] * -solver_->positions()[k].w);
     }
   });
-  if (bodies_.skin_count() == 0) return;
+  if (bodies_.mesh_count() == 0) return;
   bodies_.apply(surroundings_, particles);
   keep_out_of_bodies(particles);
 }
@@ -178,7 +178,7 @@ void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
     if (led_.is_led(order[k])) continue;
     const Vec3f x = solver_->positions()[k].xyz();
     for (const NearPlane& plane : surroundings_.of(k))
-      if (plane.skin != NearPlane::nobody)
+      if (plane.mesh != NearPlane::nobody)
         bodies_.keep_apart(plane, tables_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
   }
 }
