@@ -14,7 +14,7 @@ void push_carriers(const FluidBodies& bodies, const NearPlane& plane, const Vec3
 }
 
 // hold becomes k [kg].
-void BodyFriction::find_grip(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies,
+void BodyFriction::find_grip(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
                              float h, Threads& threads) {
   for_places(fluid.size(), threads, [&](std::size_t k) {
     const float viscous = h * fluid.smoothing.volume() * fluid.v[k].w;
@@ -35,11 +35,11 @@ void BodyFriction::find_grip(const FluidView& fluid, Surroundings& surroundings,
   for_rubbing([&](const NearPlane& plane, std::uint32_t p, float share) { grip_[p] += share * plane.hold; });
 }
 
-void BodyFriction::apply(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies,
+void BodyFriction::apply(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
                          float h, std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass,
                          Threads& threads) {
   grip_.resize(velocity.size());
-  find_grip(fluid, surroundings, bodies, h, threads);
+  find_grip(fluid, local_boundary, bodies, h, threads);
   for_places(fluid.size(), threads, [&](std::size_t k) {
     const Vec3f before = fluid.v[k].xyz();
     Vec3f gained{};

@@ -22,11 +22,11 @@ class BodyFriction {
  public:
   /// Over h seconds; NearPlane::hold is known. `velocity` [m/s] and `inverse_mass` (w, [1/kg]) of the world's
   /// particles.
-  void apply(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies, float h,
+  void apply(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies, float h,
              std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass, Threads& threads);
 
  private:
-  void find_grip(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies, float h,
+  void find_grip(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies, float h,
                  Threads& threads);
 
   std::vector<float> grip_;  // K_p of the world's particles [kg]

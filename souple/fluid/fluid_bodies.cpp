@@ -214,7 +214,7 @@ Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& verti
 
 // --- how bodies give way -------------------------------------------------------------------------
 
-void FluidBodies::weigh(const Surroundings& surroundings, std::span<const Vec4f> x, CoarsePressure& coarse) {
+void FluidBodies::weigh(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse) {
   for (State& state : states_) {
     std::fill(state.slopes.begin(), state.slopes.end(), 0.0f);
     state.slope_sum = 0;
@@ -259,7 +259,7 @@ void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums)
   }
 }
 
-void FluidBodies::yield(const Surroundings& surroundings, std::span<const float> change) {
+void FluidBodies::yield(const LocalBoundary& local_boundary, std::span<const float> change) {
   pushes_.assign(meshes_.size(), {});
   for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
@@ -289,7 +289,7 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
   }
 }
 
-void FluidBodies::apply(const Surroundings& surroundings, const ParticleView& particles) const {
+void FluidBodies::apply(const LocalBoundary& local_boundary, const ParticleView& particles) const {
   for (const std::uint32_t k : surroundings.near()) {
     for (const NearPlane& plane : surroundings.of(k)) {
       if (!moves(plane)) continue;

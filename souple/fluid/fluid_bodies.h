@@ -2,7 +2,7 @@
 
 #include "souple/fluid/cell_order.h"
 #include "souple/fluid/coarse_pressure.h"
-#include "souple/fluid/surroundings.h"
+#include "souple/fluid/local_boundary.h"
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/solver/projector.h"
 
@@ -61,13 +61,13 @@ class FluidBodies {
   /// A plane goes where its body has gone.
   void follow(NearPlane& plane) const;
   /// When all planes' slopes are known: how far bodies give way.
-  void weigh(const Surroundings& surroundings, std::span<const Vec4f> x, CoarsePressure& coarse);
+  void weigh(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse);
   /// What giving way adds to w |grad C|^2 of a particle: the sum of its row.
   void respond(std::span<const NearPlane> planes, BoundarySums& sums) const;
   /// Bodies give way to a push of the planes by slope times `change` [kg m].
-  void yield(const Surroundings& surroundings, std::span<const float> change);
+  void yield(const LocalBoundary& local_boundary, std::span<const float> change);
   /// What all planes have pushed goes to the world's particles.
-  void apply(const Surroundings& surroundings, const ParticleView& particles) const;
+  void apply(const LocalBoundary& local_boundary, const ParticleView& particles) const;
 
   /// A particle i of a fluid, at x when planes were last looked at, that is nearer to a plane's body than
   /// `radius` leaves it, and the body what it weighs less: pressure, which acts at a distance, does not stop

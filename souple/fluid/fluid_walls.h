@@ -2,7 +2,7 @@
 
 #include "souple/collision/collider.h"
 #include "souple/collision/rigid_pose.h"
-#include "souple/fluid/surroundings.h"
+#include "souple/fluid/local_boundary.h"
 
 #include <span>
 #include <vector>

@@ -43,7 +43,7 @@ void SmallBodies::place(const ParticleView& particles) {
 
 // What lies within R, and how much of the kernel it fills.
 void SmallBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<const std::uint32_t> order,
-                            const Surroundings& surroundings, const Smoothing& smoothing) {
+                            const LocalBoundary& local_boundary, const Smoothing& smoothing) {
   State& state = states_[b];
   std::vector<Near>& near = blocks_[b / block_size].near;
   state.begin = static_cast<std::uint32_t>(near.size());
@@ -78,13 +78,13 @@ void SmallBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<c
 
 // What other things fill around a thing is no air: it counts as the fluid would that they displace.
 void SmallBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
-                       const Surroundings& surroundings, const Smoothing& smoothing,
+                       const LocalBoundary& local_boundary, const Smoothing& smoothing,
                        const ParticleView& particles, Threads& threads) {
   place(particles);
   const float reach = reach_spacings * smoothing.spacing();
   const float all = kernel_integral * reach * reach * reach;
   order_.build(x, reach, threads);
-  for_bodies(threads, [&](std::size_t b) { find_near(b, x, order, surroundings, smoothing); });
+  for_bodies(threads, [&](std::size_t b) { find_near(b, x, order, local_boundary, smoothing); });
   inverse_volume_ = 1 / smoothing.volume();
   room_.assign(x.size(), 0);
   shares_.assign(x.size(), 0);

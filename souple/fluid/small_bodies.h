@@ -2,7 +2,7 @@
 
 #include "souple/fluid/cell_order.h"
 #include "souple/fluid/fluid_view.h"
-#include "souple/fluid/surroundings.h"
+#include "souple/fluid/local_boundary.h"
 #include "souple/solver/projector.h"
 
 #include <algorithm>
@@ -57,7 +57,7 @@ class SmallBodies {
     meets_ = meets, objects_ = objects, fluid_ = fluid, origin_ = origin;
   }
   /// Where they are in the fluid: `x` by place, `order` of each place the particle's number.
-  void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order, const Surroundings& surroundings,
+  void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order, const LocalBoundary& local_boundary,
             const Smoothing& smoothing, const ParticleView& particles, Threads& threads);
   /// What they take of the room around a place: belongs to V sum W.
   float taken(std::size_t place) const { return std::min(shares_[place], most_taken); }
@@ -98,7 +98,7 @@ class SmallBodies {
   void for_bodies(Threads& threads, const Function& f);
   void place(const ParticleView& particles);
   void find_near(std::size_t body, std::span<const Vec4f> x, std::span<const std::uint32_t> order,
-                 const Surroundings& surroundings, const Smoothing& smoothing);
+                 const LocalBoundary& local_boundary, const Smoothing& smoothing);
   void find_drag(std::size_t body, const FluidView& fluid, std::span<const std::uint32_t> order,
                  std::span<const float> viscosity, float h, std::span<const Vec4f> velocity);
 

@@ -14,7 +14,7 @@ void FluidAccount::begin_step(std::size_t particles) {
 
 //   p_i = -lambda_i / (V h^2),   sqrt(p / rho) with rho = m / V
 // Sums are of chunks, combined in order: the same for any number of threads.
-FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const Surroundings& surroundings,
+FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const LocalBoundary& local_boundary,
                                          std::size_t colliders, float h, Threads& threads) {
   constexpr std::size_t chunk_size = 2048;
   const std::size_t places = solver.size(), chunks = (places + chunk_size - 1) / chunk_size;
@@ -47,9 +47,9 @@ FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const Surr
 }
 
 // A push by slope lambda in a substep is an impulse of slope lambda / h on the particle.
-void FluidAccount::note_pressures(const DensitySolver& solver, const Surroundings& surroundings,
+void FluidAccount::note_pressures(const DensitySolver& solver, const LocalBoundary& local_boundary,
                                   std::size_t colliders, float h, int substeps, Threads& threads) {
-  const Noted all = sum_up(solver, surroundings, colliders, h, threads);
+  const Noted all = sum_up(solver, local_boundary, colliders, h, threads);
   const double H = h, spacing = solver.smoothing().spacing();
   force_.resize(colliders);
   for (std::size_t n = 0; n < pushed_.size(); ++n)

@@ -20,7 +20,7 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
   for_places(x.size(), threads, [&](std::size_t k) {
     Vec3f motion{};
     float sum = 0, led = 0, left = 1;
-    for (NearPlane& plane : surroundings_.of(k)) {
+    for (NearPlane& plane : local_boundary_.of(k)) {
       plane.hold = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
       sum += plane.hold;
       left *= 1 - plane.hold;
@@ -31,7 +31,7 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
     const Vec3f speed = led > 0 ? motion * (1 / (led * h)) : Vec3f{};
     const float all = (1 - left) * tables_.materials[tables_.fluid[order[k]]].friction;
     const float share = sum > 0 ? all / sum : 0;
-    for (NearPlane& plane : surroundings_.of(k)) plane.hold *= share;
+    for (NearPlane& plane : local_boundary_.of(k)) plane.hold *= share;
     wall_friction_[k] = {speed.x, speed.y, speed.z, led == sum ? all : led * share};
   });
 }
@@ -57,7 +57,7 @@ void Fluids::find_near_walls(Threads& threads) {
   const auto x = solver_->positions();
   near_walls_.resize(x.size());
   for_places(x.size(), threads, [&](std::size_t k) {
-    const Nearest nearest = nearest_of(surroundings_.of(k), x[k].xyz());
+    const Nearest nearest = nearest_of(local_boundary_.of(k), x[k].xyz());
     near_walls_[k] = nearest.plane ? NearWall{nearest.plane->normal, nearest.distance} : NearWall{};
   });
 }
@@ -67,7 +67,7 @@ void Fluids::pull_bodies(WorldState& world) {
   const auto x = solver_->positions();
   const auto pulls = surface_tension_.wall_pulls();
   for (std::size_t k = 0; k < x.size(); ++k) {
-    const Nearest nearest = nearest_of(surroundings_.of(k), x[k].xyz());
+    const Nearest nearest = nearest_of(local_boundary_.of(k), x[k].xyz());
     if (nearest.plane && bodies_.moves(*nearest.plane))
       push_carriers(bodies_, *nearest.plane, nearest.plane->normal * pulls[k], world.particles.velocity,
                     world.particles.position);
@@ -88,7 +88,7 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
   account_.note_viscosity(viscous.iterations);
   if (bodies_.mesh_count() > 0)
-    body_friction_.apply(view, surroundings_, bodies_, substep.h, world.particles.velocity,
+    body_friction_.apply(view, local_boundary_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
   if (!small_bodies_.none())
     small_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h, world.particles.velocity,

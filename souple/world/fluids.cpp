@@ -15,7 +15,7 @@ constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps pa
 
 /// What the density solver asks.
 struct Boundary {
-  Surroundings& surroundings;
+  LocalBoundary& local_boundary;
   FluidBodies& bodies;
   const SmallBodies& small_bodies;
   const Smoothing& smoothing;
@@ -34,7 +34,7 @@ struct Boundary {
     return sums;
   }
   void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
-    if (bodies.mesh_count() > 0) bodies.weigh(surroundings, x, coarse);
+    if (bodies.mesh_count() > 0) bodies.weigh(local_boundary, x, coarse);
   }
   void respond(std::size_t place, BoundarySums& sums) const {
     if (bodies.mesh_count() > 0) bodies.respond(surroundings.of(place), sums);
@@ -43,7 +43,7 @@ struct Boundary {
     for (NearPlane& plane : surroundings.of(place)) plane.pushed += plane.slope * change;
   }
   void pushed(std::span<const float> change) const {
-    if (bodies.mesh_count() > 0) bodies.yield(surroundings, change);
+    if (bodies.mesh_count() > 0) bodies.yield(local_boundary, change);
   }
 };
 
@@ -120,10 +120,10 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
 }
 
 void Fluids::look_around(Threads& threads) {
-  const float reach = Surroundings::reach(solver_->smoothing());
+  const float reach = LocalBoundary::reach(solver_->smoothing());
   const auto order = solver_->order();
   const auto x = solver_->positions();
-  surroundings_.look(
+  local_boundary_.look(
       x.size(),
       [&](std::size_t k, std::vector<NearPlane>& planes) {
         const std::uint32_t i = order[k];
@@ -141,14 +141,14 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   const Smoothing& smoothing = solver_->smoothing();
   const ParticleView particles = world.view();
   if (bodies_.mesh_count() > 0)
-    bodies_.begin_substep(particles, world.particles.mass, placed_, Surroundings::reach(smoothing), threads);
+    bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::reach(smoothing), threads);
   look_around(threads);
   if (!small_bodies_.none())
-    small_bodies_.find(solver_->positions(), solver_->order(), surroundings_, smoothing, particles, threads);
-  Boundary boundary{surroundings_, bodies_, small_bodies_, smoothing};
+    small_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles, threads);
+  Boundary boundary{local_boundary_, bodies_, small_bodies_, smoothing};
   solver_->solve(boundary, threads, substep.h);
   move(particles, threads);
-  account_.note_pressures(*solver_, surroundings_, world.tables.colliders.size(), substep.h, substep.count,
+  account_.note_pressures(*solver_, local_boundary_, world.tables.colliders.size(), substep.h, substep.count,
                           threads);
 }
 
@@ -163,21 +163,21 @@ void Fluids::move(const ParticleView& particles, Threads& threads) {
       if (led_.is_led(order[k])) continue;
       const std::uint32_t i = tables_.particle[order[k]];
       const Vec3f at = solver_->positions()[k].xyz();
-      particles.correct(i, moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
+      particles.correct(i, moved[k] + out_of_walls(at, local_boundary_.of(k), nearest_to_walls * spacing_));
       if (!given.empty()) particles.correct(i, given[k] * -solver_->positions()[k].w);
     }
   });
   if (bodies_.mesh_count() == 0) return;
-  bodies_.apply(surroundings_, particles);
+  bodies_.apply(local_boundary_, particles);
   keep_out_of_bodies(particles);
 }
 
 void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
   const auto order = solver_->order();
-  for (const std::uint32_t k : surroundings_.near()) {
+  for (const std::uint32_t k : local_boundary_.near()) {
     if (led_.is_led(order[k])) continue;
     const Vec3f x = solver_->positions()[k].xyz();
-    for (const NearPlane& plane : surroundings_.of(k))
+    for (const NearPlane& plane : local_boundary_.of(k))
       if (plane.mesh != NearPlane::nobody)
         bodies_.keep_apart(plane, tables_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
   }

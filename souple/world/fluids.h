@@ -60,7 +60,7 @@ class Fluids {
   std::unique_ptr<DensitySolver> solver_;
   float spacing_ = 0;  // of solver_
   DensitySolver::Options options_{};
-  Surroundings surroundings_;
+  LocalBoundary local_boundary_;
   FluidWalls walls_;
   FluidBodies bodies_;
   SmallBodies small_bodies_;

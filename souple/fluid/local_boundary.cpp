@@ -1,4 +1,4 @@
-#include "souple/fluid/surroundings.h"
+#include "souple/fluid/local_boundary.h"
 
 namespace souple {
 

@@ -26,7 +26,7 @@ struct NearPlane {
 };
 
 /// What is near each particle of a fluid besides fluid, found once a substep.
-class Surroundings {
+class LocalBoundary {
  public:
   /// Planes as far as this from a particle count. [m]
   static float reach(const Smoothing& smoothing) { return 1.5f * smoothing.spacing(); }
@@ -64,7 +64,7 @@ class Surroundings {
     return {block.planes.data() + block.first[k], block.first[k + 1] - block.first[k]};
   }
   std::span<NearPlane> of(std::size_t place) {
-    const auto planes = static_cast<const Surroundings&>(*this).of(place);
+    const auto planes = static_cast<const LocalBoundary&>(*this).of(place);
     return {const_cast<NearPlane*>(planes.data()), planes.size()};  // NOLINT: of this object, which is not
   }
 
