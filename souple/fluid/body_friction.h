@@ -20,7 +20,7 @@ namespace souple {
 /// as it will.
 class BodyFriction {
  public:
-  /// Over h seconds; NearPlane::hold is known. `velocity` [m/s] and `inverse_mass` (w, [1/kg]) of the world's
+  /// Over h seconds; BoundaryPlane::hold is known. `velocity` [m/s] and `inverse_mass` (w, [1/kg]) of the world's
   /// particles.
   void apply(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies, float h,
              std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass, Threads& threads);
@@ -33,7 +33,7 @@ class BodyFriction {
 };
 
 /// An impulse [kg m/s] at the point a plane touches goes to those that carry it.
-void push_carriers(const FluidBodies& bodies, const NearPlane& plane, const Vec3f& impulse,
+void push_carriers(const FluidBodies& bodies, const BoundaryPlane& plane, const Vec3f& impulse,
                    std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass);
 
 }  // namespace souple

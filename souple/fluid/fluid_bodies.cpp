@@ -145,14 +145,14 @@ void FluidBodies::list_triangle(std::uint32_t mesh, std::uint32_t triangle, std:
 // Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
 // whether it is inside: the others' planes may have it on the wrong side.
 void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
-                       std::vector<NearPlane>& planes) const {
+                       std::vector<BoundaryPlane>& planes) const {
   for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
     const std::uint32_t s = candidates_[c].mesh;
     const BoundaryMesh& mesh = meshes_[s];
     const State& state = states_[s];
     struct {
       float distance = 0, facing = 0;
-      std::uint32_t triangle = NearPlane::nobody;
+      std::uint32_t triangle = BoundaryPlane::none;
       Vec3f weights{}, way{}, normal{};
     } best;
     best.distance = reach + skin.half_thickness;
@@ -170,7 +170,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
       const float size = length(normal);
       if (!(size > 0)) continue;
       const float facing = std::fabs(dot(normal, way)) / size;
-      if (distance > best.distance - same && best.triangle != NearPlane::nobody && facing <= best.facing)
+      if (distance > best.distance - same && best.triangle != BoundaryPlane::none && facing <= best.facing)
         continue;
       best = {std::min(distance, best.distance),
               facing,
@@ -179,7 +179,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
               way,
               normal * (1 / size)};
     }
-    if (best.triangle == NearPlane::nobody || meets_[fluid * meshes_.size() + s] == 0) continue;
+    if (best.triangle == BoundaryPlane::none || meets_[fluid * meshes_.size() + s] == 0) continue;
     const Triangle& t = skin.triangles[best.triangle];
     Vec3f outward = best.normal;
     if (!skin.closed) {
@@ -190,7 +190,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
     const float side = dot(outward, best.way) < 0 ? -1.0f : 1.0f;
     const float distance = length(best.way);
     const bool on_it = !(distance > 1e-3f * reach);
-    NearPlane plane;
+    BoundaryPlane plane;
     plane.normal = on_it ? outward : best.way * (side / distance);
     plane.motion = corner_mix(t, best.weights, state.now) - corner_mix(t, best.weights, state.start);
     plane.mesh = s;
@@ -203,12 +203,12 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
   }
 }
 
-void FluidBodies::follow(NearPlane& plane) const {
-  if (plane.mesh == NearPlane::nobody) return;
+void FluidBodies::follow(BoundaryPlane& plane) const {
+  if (plane.mesh == BoundaryPlane::none) return;
   plane.offset = dot(plane.normal, point(plane, states_[plane.mesh].now)) + meshes_[plane.mesh].half_thickness;
 }
 
-Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const {
+Vec3f FluidBodies::point(const BoundaryPlane& plane, const std::vector<Vec3f>& vertices) const {
   return corner_mix(meshes_[plane.mesh].triangles[plane.triangle], plane.weights, vertices);
 }
 
@@ -223,8 +223,8 @@ void FluidBodies::weigh(const LocalBoundary& local_boundary, std::span<const Vec
   for (std::size_t s = 0; s < meshes_.size(); ++s)
     if (states_[s].inverse_mass > 0) coarse.set_mover(s, states_[s].inverse_mass, states_[s].inverse_inertia);
   for (const std::uint32_t k : surroundings.near()) {
-    for (const NearPlane& plane : surroundings.of(k)) {
-      if (plane.mesh == NearPlane::nobody) continue;
+    for (const BoundaryPlane& plane : surroundings.of(k)) {
+      if (plane.mesh == BoundaryPlane::none) continue;
       State& state = states_[plane.mesh];
       if (!state.moves) continue;
       const float slope = length(plane.slope);
@@ -240,9 +240,9 @@ void FluidBodies::weigh(const LocalBoundary& local_boundary, std::span<const Vec
   }
 }
 
-void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums) const {
-  for (const NearPlane& plane : planes) {
-    if (plane.mesh == NearPlane::nobody) continue;
+void FluidBodies::respond(std::span<const BoundaryPlane> planes, BoundarySums& sums) const {
+  for (const BoundaryPlane& plane : planes) {
+    if (plane.mesh == BoundaryPlane::none) continue;
     const State& state = states_[plane.mesh];
     const float slope = length(plane.slope);
     if (state.inverse_mass > 0) {
@@ -262,7 +262,7 @@ void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums)
 void FluidBodies::yield(const LocalBoundary& local_boundary, std::span<const float> change) {
   pushes_.assign(meshes_.size(), {});
   for (const std::uint32_t k : surroundings.near()) {
-    for (const NearPlane& plane : surroundings.of(k)) {
+    for (const BoundaryPlane& plane : surroundings.of(k)) {
       if (!moves(plane)) continue;
       State& state = states_[plane.mesh];
       const Vec3f push = plane.slope * -change[k];
@@ -291,16 +291,16 @@ void FluidBodies::yield(const LocalBoundary& local_boundary, std::span<const flo
 
 void FluidBodies::apply(const LocalBoundary& local_boundary, const ParticleView& particles) const {
   for (const std::uint32_t k : surroundings.near()) {
-    for (const NearPlane& plane : surroundings.of(k)) {
+    for (const BoundaryPlane& plane : surroundings.of(k)) {
       if (!moves(plane)) continue;
       for_carriers(plane, [&](std::uint32_t i, float share) {
-        particles.correct(i, plane.pushed * (-share * particles.inverse_mass(i)));
+        particles.correct(i, plane.push_sum * (-share * particles.inverse_mass(i)));
       });
     }
   }
 }
 
-FluidBodies::Carriers FluidBodies::carriers_of(const NearPlane& plane) const {
+FluidBodies::Carriers FluidBodies::carriers_of(const BoundaryPlane& plane) const {
   Carriers carriers;
   for_carriers(plane, [&](std::uint32_t i, float share) {
     const auto begin = carriers.particle.begin();
@@ -315,7 +315,7 @@ FluidBodies::Carriers FluidBodies::carriers_of(const NearPlane& plane) const {
 
 //   C = n . (x_i - sum_c share_c x_c) - half_thickness - radius >= 0
 //   s = -C / (w_i + sum_c share_c^2 w_c),   dx_i = w_i s n,   dx_c = -share_c w_c s n
-void FluidBodies::keep_apart(const NearPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
+void FluidBodies::keep_apart(const BoundaryPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
                              const ParticleView& particles) const {
   const Vec3f& n = plane.normal;
   if (dot(n, x) - plane.offset > 2 * radius) return;

@@ -56,14 +56,14 @@ class FluidBodies {
   /// Appends what is nearer than `reach` to particle i of a fluid: one plane of each skin. It is at x and was
   /// at `start` when the substep began. Several threads may call it at a time.
   void find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
-            std::vector<NearPlane>& planes) const;
+            std::vector<BoundaryPlane>& planes) const;
 
   /// A plane goes where its body has gone.
-  void follow(NearPlane& plane) const;
+  void follow(BoundaryPlane& plane) const;
   /// When all planes' slopes are known: how far bodies give way.
   void weigh(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse);
   /// What giving way adds to w |grad C|^2 of a particle: the sum of its row.
-  void respond(std::span<const NearPlane> planes, BoundarySums& sums) const;
+  void respond(std::span<const BoundaryPlane> planes, BoundarySums& sums) const;
   /// Bodies give way to a push of the planes by slope times `change` [kg m].
   void yield(const LocalBoundary& local_boundary, std::span<const float> change);
   /// What all planes have pushed goes to the world's particles.
@@ -72,16 +72,16 @@ class FluidBodies {
   /// A particle i of a fluid, at x when planes were last looked at, that is nearer to a plane's body than
   /// `radius` leaves it, and the body what it weighs less: pressure, which acts at a distance, does not stop
   /// what comes fast. Momentum is conserved. Call it after `apply`.
-  void keep_apart(const NearPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
+  void keep_apart(const BoundaryPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
                   const ParticleView& particles) const;
 
   /// Whether a plane is of a body that something can move.
-  bool moves(const NearPlane& plane) const {
-    return plane.mesh != NearPlane::nobody && states_[plane.mesh].moves;
+  bool moves(const BoundaryPlane& plane) const {
+    return plane.mesh != BoundaryPlane::none && states_[plane.mesh].moves;
   }
   /// f(particle of the world, share) for those that carry the point a plane touches; shares sum to 1.
   template <class Function>
-  void for_carriers(const NearPlane& plane, const Function& f) const {
+  void for_carriers(const BoundaryPlane& plane, const Function& f) const {
     const BoundaryMesh& mesh = meshes_[plane.mesh];
     const Triangle& t = skin.triangles[plane.triangle];
     for (std::size_t c = 0; c < 3; ++c) {
@@ -116,7 +116,7 @@ class FluidBodies {
   void list(std::span<const Vec4f> positions, float reach, Threads& threads);
   void list_triangle(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
                      float reach);
-  Vec3f point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const;
+  Vec3f point(const BoundaryPlane& plane, const std::vector<Vec3f>& vertices) const;
 
   /// Particles of the world that carry the point a plane touches, each once; shares sum to 1.
   struct Carriers {
@@ -124,7 +124,7 @@ class FluidBodies {
     std::array<std::uint32_t, 12> particle{};
     std::array<float, 12> share{};
   };
-  Carriers carriers_of(const NearPlane& plane) const;
+  Carriers carriers_of(const BoundaryPlane& plane) const;
 
   std::vector<BoundaryMesh> meshes_;
   std::vector<State> states_;

@@ -39,7 +39,7 @@ void FluidWalls::begin_substep(double time, double h) {
 }
 
 double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,
-                        std::vector<NearPlane>& planes) const {
+                        std::vector<BoundaryPlane>& planes) const {
   if (!meets(wall, fluid)) return std::numeric_limits<double>::infinity();
   const double clear = at_least(wall, Vec3d(x));
   if (clear > double{reach}) return clear;
@@ -113,7 +113,7 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
 }
 
 void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach,
-                      std::vector<NearPlane>& planes) {
+                      std::vector<BoundaryPlane>& planes) {
   Looked& looked = looked_[i];
   if (!(length(x - looked.at) + reach < looked.clear)) {
     double clear = std::numeric_limits<double>::infinity();

@@ -9,19 +9,19 @@
 namespace souple {
 
 /// A surface near a particle of a fluid, as the plane it is there: distance = normal . x - offset.
-struct NearPlane {
-  static constexpr std::uint32_t nobody = ~0u;
+struct BoundaryPlane {
+  static constexpr std::uint32_t none = ~0u;
 
   Vec3f normal{};    ///< unit, towards the fluid
   float offset = 0;  ///< m
   Vec3f motion{};    ///< of the surface in this substep [m]
   Vec3f slope{};     ///< its part in that of the sum, of the last look [1/m]
-  Vec3f pushed{};    ///< the particle, in this substep: sum of slope times lambda [kg m]
-  float hold = 0;    ///< its part in how all of them hold a flow along them, as WallFriction says
-  Vec3f rubbed{};    ///< the body, in this substep: impulse [kg m/s]
-  std::uint32_t collider = nobody;
+  Vec3f push_sum{};    ///< the particle, in this substep: sum of slope times lambda [kg m]
+  float friction = 0;    ///< its part in how all of them hold a flow along them, as WallFriction says
+  Vec3f friction_impulse{};    ///< the body, in this substep: impulse [kg m/s]
+  std::uint32_t collider = none;
   // Of a body: which mesh, its triangle, and the weights of that one's corners in the nearest point.
-  std::uint32_t mesh = nobody, triangle = 0;
+  std::uint32_t mesh = none, triangle = 0;
   Vec3f weights{};
 };
 
@@ -58,20 +58,20 @@ class LocalBoundary {
   /// The places that have planes, ascending.
   std::span<const std::uint32_t> near() const { return near_; }
 
-  std::span<const NearPlane> of(std::size_t place) const {
+  std::span<const BoundaryPlane> of(std::size_t place) const {
     const Block& block = blocks_[place / block_size];
     const std::size_t k = place % block_size;
     return {block.planes.data() + block.first[k], block.first[k + 1] - block.first[k]};
   }
-  std::span<NearPlane> of(std::size_t place) {
+  std::span<BoundaryPlane> of(std::size_t place) {
     const auto planes = static_cast<const LocalBoundary&>(*this).of(place);
-    return {const_cast<NearPlane*>(planes.data()), planes.size()};  // NOLINT: of this object, which is not
+    return {const_cast<BoundaryPlane*>(planes.data()), planes.size()};  // NOLINT: of this object, which is not
   }
 
  private:
   static constexpr std::size_t block_size = 256;
   struct Block {
-    std::vector<NearPlane> planes;
+    std::vector<BoundaryPlane> planes;
     std::vector<std::uint32_t> near;
     std::array<std::uint32_t, block_size + 1> first{};
   };
@@ -84,6 +84,6 @@ class LocalBoundary {
 ///   value = 1 - prod_k (1 - value_k),   slope = sum_k n_k slope_k prod_{j != k} (1 - value_j)
 ///
 /// What one of them hides the others do not add.
-BoundarySums look_at(std::span<NearPlane> planes, const Vec3f& x, const Smoothing& smoothing);
+BoundarySums look_at(std::span<BoundaryPlane> planes, const Vec3f& x, const Smoothing& smoothing);
 
 }  // namespace souple

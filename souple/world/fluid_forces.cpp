@@ -20,18 +20,18 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
   for_places(x.size(), threads, [&](std::size_t k) {
     Vec3f motion{};
     float sum = 0, led = 0, left = 1;
-    for (NearPlane& plane : local_boundary_.of(k)) {
-      plane.hold = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
-      sum += plane.hold;
-      left *= 1 - plane.hold;
+    for (BoundaryPlane& plane : local_boundary_.of(k)) {
+      plane.friction = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
+      sum += plane.friction;
+      left *= 1 - plane.friction;
       if (bodies_.moves(plane)) continue;
-      motion += plane.motion * plane.hold;
-      led += plane.hold;
+      motion += plane.motion * plane.friction;
+      led += plane.friction;
     }
     const Vec3f speed = led > 0 ? motion * (1 / (led * h)) : Vec3f{};
     const float all = (1 - left) * tables_.materials[tables_.fluid[order[k]]].friction;
     const float share = sum > 0 ? all / sum : 0;
-    for (NearPlane& plane : local_boundary_.of(k)) plane.hold *= share;
+    for (BoundaryPlane& plane : local_boundary_.of(k)) plane.friction *= share;
     wall_friction_[k] = {speed.x, speed.y, speed.z, led == sum ? all : led * share};
   });
 }
@@ -39,13 +39,13 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
 namespace {
 
 struct Nearest {
-  const NearPlane* plane = nullptr;
+  const BoundaryPlane* plane = nullptr;
   float distance = std::numeric_limits<float>::max();  // m
 };
 
-Nearest nearest_of(std::span<const NearPlane> planes, const Vec3f& x) {
+Nearest nearest_of(std::span<const BoundaryPlane> planes, const Vec3f& x) {
   Nearest nearest;
-  for (const NearPlane& plane : planes)
+  for (const BoundaryPlane& plane : planes)
     if (const float distance = dot(plane.normal, x) - plane.offset; distance < nearest.distance)
       nearest = {&plane, distance};
   return nearest;

@@ -27,8 +27,8 @@ struct Boundary {
     for_places(near.size(), threads, [&](std::size_t k) { f(near[k]); });
   }
   BoundarySums look(std::size_t place, const Vec3f& x) const {
-    const std::span<NearPlane> planes = surroundings.of(place);
-    for (NearPlane& plane : planes) bodies.follow(plane);
+    const std::span<BoundaryPlane> planes = surroundings.of(place);
+    for (BoundaryPlane& plane : planes) bodies.follow(plane);
     BoundarySums sums = look_at(planes, x, smoothing);
     if (!small_bodies.none()) sums.value += small_bodies.taken(place);
     return sums;
@@ -40,7 +40,7 @@ struct Boundary {
     if (bodies.mesh_count() > 0) bodies.respond(surroundings.of(place), sums);
   }
   void push(std::size_t place, float change) const {
-    for (NearPlane& plane : surroundings.of(place)) plane.pushed += plane.slope * change;
+    for (BoundaryPlane& plane : surroundings.of(place)) plane.push_sum += plane.slope * change;
   }
   void pushed(std::span<const float> change) const {
     if (bodies.mesh_count() > 0) bodies.yield(local_boundary, change);
@@ -48,11 +48,11 @@ struct Boundary {
 };
 
 /// What is missing to `radius` before the walls near x. [m]
-Vec3f out_of_walls(const Vec3f& x, std::span<const NearPlane> planes, float radius) {
+Vec3f out_of_walls(const Vec3f& x, std::span<const BoundaryPlane> planes, float radius) {
   Vec3f way{};
-  for (const NearPlane& plane : planes) {
+  for (const BoundaryPlane& plane : planes) {
     const float distance = dot(plane.normal, x + way) - plane.offset;
-    if (plane.mesh == NearPlane::nobody && distance < radius) way += plane.normal * (radius - distance);
+    if (plane.mesh == BoundaryPlane::none && distance < radius) way += plane.normal * (radius - distance);
   }
   return way;
 }
@@ -125,7 +125,7 @@ void Fluids::look_around(Threads& threads) {
   const auto x = solver_->positions();
   local_boundary_.look(
       x.size(),
-      [&](std::size_t k, std::vector<NearPlane>& planes) {
+      [&](std::size_t k, std::vector<BoundaryPlane>& planes) {
         const std::uint32_t i = order[k];
         walls_.find(i, tables_.fluid[i], x[k].xyz(), reach, planes);
         if (bodies_.mesh_count() > 0) bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], reach, planes);
@@ -177,8 +177,8 @@ void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
   for (const std::uint32_t k : local_boundary_.near()) {
     if (led_.is_led(order[k])) continue;
     const Vec3f x = solver_->positions()[k].xyz();
-    for (const NearPlane& plane : local_boundary_.of(k))
-      if (plane.mesh != NearPlane::nobody)
+    for (const BoundaryPlane& plane : local_boundary_.of(k))
+      if (plane.mesh != BoundaryPlane::none)
         bodies_.keep_apart(plane, tables_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
   }
 }
