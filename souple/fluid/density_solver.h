@@ -17,7 +17,7 @@ struct BoundarySums {
   float response = 0, local_response = 0;
 };
 
-/// What surrounds a fluid and does not move, but for look(place, x): see DensitySolver::solve.
+/// What surrounds a fluid and does not move, but for sample(place, x): see DensitySolver::solve.
 struct FixedBoundary {
   template <class Function>
   void for_near(std::size_t places, Threads& threads, const Function& f) const {
@@ -25,10 +25,10 @@ struct FixedBoundary {
       for (std::size_t k = begin; k < end; ++k) f(k);
     });
   }
-  void looked(std::span<const Vec4f>, CoarsePressure&) const {}
+  void after_sampling(std::span<const Vec4f>, CoarsePressure&) const {}
   void respond(std::size_t, BoundarySums&) const {}
-  void push(std::size_t, float) const {}
-  void pushed(std::span<const float>) const {}
+  void add_push(std::size_t, float) const {}
+  void after_pushes(std::span<const float>) const {}
 };
 
 /// Keeps a fluid from being compressed (Macklin & Müller 2013, "Position based fluids"): for each particle
@@ -86,13 +86,13 @@ class DensitySolver {
   /// What surrounds the fluid is asked, place by place and on all threads,
   ///
   ///   boundary.for_near(places, threads, f)      calls f(place) for those that it is near to; for these
-  ///   boundary.look(place, x) -> BoundarySums    where the particle is now
+  ///   boundary.sample(place, x) -> BoundarySums    where the particle is now
   ///   boundary.respond(place, sums)              of bodies that give way
-  ///   boundary.push(place, change)               then: it was pushed by the slope times this change of
+  ///   boundary.add_push(place, change)               then: it was pushed by the slope times this change of
   ///                                              lambda
   ///
-  /// and once, after all looks, boundary.looked(positions, coarse level), and after all pushes,
-  /// boundary.pushed(changes of lambda). h > 0 [s] is the substep's length: only a fluid that gives way, or
+  /// and once, after all looks, boundary.after_sampling(positions, coarse level), and after all pushes,
+  /// boundary.after_pushes(changes of lambda). h > 0 [s] is the substep's length: only a fluid that gives way, or
   /// has artificial pressure, asks for it.
   template <class Boundary>
   void solve(Boundary& boundary, Threads& threads, float h = 1) {
@@ -129,16 +129,16 @@ class DensitySolver {
   void find_neighbors(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
   void find_sums(Boundary& boundary, Threads& threads) {
-    boundary.for_near(size(), threads, [&](std::size_t k) { boundary_[k] = boundary.look(k, x_[k].xyz()); });
-    boundary.looked(positions(), coarse_);
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary_[k] = boundary.sample(k, x_[k].xyz()); });
+    boundary.after_sampling(positions(), coarse_);
     boundary.for_near(size(), threads, [&](std::size_t k) { boundary.respond(k, boundary_[k]); });
     find_fluid_sums(threads);
   }
   template <class Boundary>
   void push(Boundary& boundary, Threads& threads) {
     push_fluid(threads);
-    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.push(k, change_[k]); });
-    boundary.pushed(std::span<const float>(change_));
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.add_push(k, change_[k]); });
+    boundary.after_pushes(std::span<const float>(change_));
   }
   void find_fluid_sums(Threads& threads);
   void begin_with_smooth_part(Threads& threads);

@@ -9,7 +9,7 @@ namespace souple {
 void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> meets,
                             const Vec3d& origin, std::size_t particles, double time) {
   colliders_ = colliders, meets_ = meets, origin_ = origin;
-  looked_.assign(particles, {});
+  clearances_.assign(particles, {});
   still_.clear();
   moving_.clear();
   for (std::uint32_t c = 0; c < colliders.size(); ++c) {
@@ -83,8 +83,8 @@ Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& 
 // Both ends of the way in a ball that is free of walls: so is the way.
 Vec3f FluidWalls::keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x,
                            float radius) const {
-  const Looked& looked = looked_[i];
-  const bool clear = max(length(x - looked.at), length(start - looked.at)) + radius < looked.clear;
+  const Clearance& clearance = clearances_[i];
+  const bool clear = max(length(x - clearance.at), length(start - clearance.at)) + radius < clearance.clear;
   return keep_out(fluid, start, x, radius, clear);
 }
 
@@ -114,11 +114,11 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
 
 void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach,
                       std::vector<BoundaryPlane>& planes) {
-  Looked& looked = looked_[i];
-  if (!(length(x - looked.at) + reach < looked.clear)) {
+  Clearance& clearance = clearances_[i];
+  if (!(length(x - clearance.at) + reach < clearance.clear)) {
     double clear = std::numeric_limits<double>::infinity();
     for (const Wall& wall : still_) clear = min(clear, meet(wall, fluid, x, reach, planes));
-    looked = {x, static_cast<float>(min(clear, 1e30))};
+    clearance = {x, static_cast<float>(min(clear, 1e30))};
   }
   for (const Wall& wall : moving_) meet(wall, fluid, x, reach, planes);
 }

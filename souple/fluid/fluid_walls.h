@@ -10,7 +10,7 @@
 namespace souple {
 
 /// The colliders near a fluid's particles, as planes. Distances are computed in double, in the collider's own
-/// frame; a particle far from all that stand still is not looked at again before it may have come near one.
+/// frame; a particle far from all that stand still is not clearance at again before it may have come near one.
 class FluidWalls {
  public:
   /// `origin` [m] is that of the fluid's positions. `meets[fluid * colliders + c]`: whether a fluid feels a
@@ -41,8 +41,8 @@ class FluidWalls {
     Vec3d normal{};
     double offset = 0;  // m
   };
-  /// Where a particle was looked at, and how far all walls that stand still were then.
-  struct Looked {
+  /// Where a particle was clearance at, and how far all walls that stand still were then.
+  struct Clearance {
     Vec3f at{};
     float clear = -1;
   };
@@ -65,7 +65,7 @@ class FluidWalls {
   std::span<const std::uint8_t> meets_;
   Vec3d origin_{};
   std::vector<Wall> still_, moving_;
-  std::vector<Looked> looked_;
+  std::vector<Clearance> clearances_;
 };
 
 }  // namespace souple

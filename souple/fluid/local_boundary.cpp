@@ -2,7 +2,7 @@
 
 namespace souple {
 
-BoundarySums look_at(std::span<BoundaryPlane> planes, const Vec3f& x, const Smoothing& smoothing) {
+BoundarySums sample_planes(std::span<BoundaryPlane> planes, const Vec3f& x, const Smoothing& smoothing) {
   BoundarySums sums;
   float left = 1;
   for (std::size_t k = 0; k < planes.size(); ++k) {

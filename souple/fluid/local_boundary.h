@@ -29,11 +29,11 @@ struct BoundaryPlane {
 class LocalBoundary {
  public:
   /// Planes as far as this from a particle count. [m]
-  static float reach(const Smoothing& smoothing) { return 1.5f * smoothing.spacing(); }
+  static float search_radius(const Smoothing& smoothing) { return 1.5f * smoothing.spacing(); }
 
   /// find(place, planes) appends the planes near a place; called for all, on all threads.
   template <class Find>
-  void look(std::size_t places, const Find& find, Threads& threads) {
+  void gather(std::size_t places, const Find& find, Threads& threads) {
     const std::size_t blocks = (places + block_size - 1) / block_size;
     if (blocks_.size() < blocks) blocks_.resize(blocks);
     threads.for_each(blocks, 1, [&](std::size_t first, std::size_t last) {
@@ -84,6 +84,6 @@ class LocalBoundary {
 ///   value = 1 - prod_k (1 - value_k),   slope = sum_k n_k slope_k prod_{j != k} (1 - value_j)
 ///
 /// What one of them hides the others do not add.
-BoundarySums look_at(std::span<BoundaryPlane> planes, const Vec3f& x, const Smoothing& smoothing);
+BoundarySums sample_planes(std::span<BoundaryPlane> planes, const Vec3f& x, const Smoothing& smoothing);
 
 }  // namespace souple

@@ -162,7 +162,7 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
   for_places(order.size(), *world.threads, [&](std::size_t k) {
     source.particle[k] = tables_.particle[order[k]];
     source.share[k] = tables_.materials[tables_.fluid[order[k]]].foam;
-    source.wall_slopes[k] = look_at(local_boundary_.of(k), x[k].xyz(), solver_->smoothing()).slope;
+    source.wall_slopes[k] = sample_planes(local_boundary_.of(k), x[k].xyz(), solver_->smoothing()).slope;
   });
   const auto some = [](const std::vector<std::uint8_t>& of_each, std::size_t count,
                        std::vector<std::uint8_t>& result) {

@@ -26,23 +26,23 @@ struct Boundary {
     const std::span<const std::uint32_t> near = surroundings.near();
     for_places(near.size(), threads, [&](std::size_t k) { f(near[k]); });
   }
-  BoundarySums look(std::size_t place, const Vec3f& x) const {
+  BoundarySums sample(std::size_t place, const Vec3f& x) const {
     const std::span<BoundaryPlane> planes = surroundings.of(place);
     for (BoundaryPlane& plane : planes) bodies.follow(plane);
-    BoundarySums sums = look_at(planes, x, smoothing);
+    BoundarySums sums = sample_planes(planes, x, smoothing);
     if (!small_bodies.none()) sums.value += small_bodies.taken(place);
     return sums;
   }
-  void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
+  void after_sampling(std::span<const Vec4f> x, CoarsePressure& coarse) const {
     if (bodies.mesh_count() > 0) bodies.weigh(local_boundary, x, coarse);
   }
   void respond(std::size_t place, BoundarySums& sums) const {
     if (bodies.mesh_count() > 0) bodies.respond(surroundings.of(place), sums);
   }
-  void push(std::size_t place, float change) const {
+  void add_push(std::size_t place, float change) const {
     for (BoundaryPlane& plane : surroundings.of(place)) plane.push_sum += plane.slope * change;
   }
-  void pushed(std::span<const float> change) const {
+  void after_pushes(std::span<const float> change) const {
     if (bodies.mesh_count() > 0) bodies.yield(local_boundary, change);
   }
 };
@@ -119,11 +119,11 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
   solver_->place(placed_, threads);
 }
 
-void Fluids::look_around(Threads& threads) {
-  const float reach = LocalBoundary::reach(solver_->smoothing());
+void Fluids::sample_boundary(Threads& threads) {
+  const float reach = LocalBoundary::search_radius(solver_->smoothing());
   const auto order = solver_->order();
   const auto x = solver_->positions();
-  local_boundary_.look(
+  local_boundary_.gather(
       x.size(),
       [&](std::size_t k, std::vector<BoundaryPlane>& planes) {
         const std::uint32_t i = order[k];
@@ -141,8 +141,8 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   const Smoothing& smoothing = solver_->smoothing();
   const ParticleView particles = world.view();
   if (bodies_.mesh_count() > 0)
-    bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::reach(smoothing), threads);
-  look_around(threads);
+    bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::search_radius(smoothing), threads);
+  sample_boundary(threads);
   if (!small_bodies_.none())
     small_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles, threads);
   Boundary boundary{local_boundary_, bodies_, small_bodies_, smoothing};

@@ -47,7 +47,7 @@ class Fluids {
  private:
   void choose_solver(const WorldState& world);
   void place(WorldState& world, float h, Threads& threads);
-  void look_around(Threads& threads);
+  void sample_boundary(Threads& threads);
   void move(const ParticleView& particles, Threads& threads);
   void keep_out_of_bodies(const ParticleView& particles) const;
   void find_wall_friction(float h, Threads& threads);

@@ -47,7 +47,7 @@ struct Pool {
   struct Walls : FixedBoundary {
     explicit Walls(const Pool& p) : pool(p) {}
     const Pool& pool;
-    BoundarySums look(std::size_t, const Vec3f& x) const { return pool.walls(x); }
+    BoundarySums sample(std::size_t, const Vec3f& x) const { return pool.walls(x); }
   };
   void substep(float h) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -129,7 +129,7 @@ TEST(DensitySolver, AColumnRests) {
 }
 
 struct Nothing : FixedBoundary {
-  BoundarySums look(std::size_t, const Vec3f&) const { return {}; }
+  BoundarySums sample(std::size_t, const Vec3f&) const { return {}; }
 };
 
 // Two particles at rest in a pair: nothing compresses them, and artificial pressure alone parts them.

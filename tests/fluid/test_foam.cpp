@@ -142,7 +142,7 @@ struct DamBreak {
   struct Box : FixedBoundary {
     explicit Box(const Smoothing& s) : smoothing(s) {}
     const Smoothing& smoothing;
-    BoundarySums look(std::size_t, const Vec3f& at) const {
+    BoundarySums sample(std::size_t, const Vec3f& at) const {
       const float distance[] = {at.x, width * d - at.x, at.y, at.z, nz * d - at.z};
       const Vec3f normal[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
       BoundarySums sums;
@@ -185,7 +185,7 @@ struct DamBreak {
   void frame(const FoamParameters& parameters) {
     for (int s = 0; s < 6; ++s) substep(dt / 6);
     const Box box{solver.smoothing()};
-    for (std::size_t k = 0; k < positions.size(); ++k) slopes[k] = box.look(k, x[k].xyz()).slope;
+    for (std::size_t k = 0; k < positions.size(); ++k) slopes[k] = box.sample(k, x[k].xyz()).slope;
     const FluidView view{x, v, solver.neighbors(), solver.smoothing()};
     const auto keep_all_in = [](auto, std::span<Vec3f> at, std::span<Vec3f> speed) {
       for (std::size_t k = 0; k < at.size(); ++k) keep_in(at[k], speed[k]);

@@ -48,7 +48,7 @@ struct Drop {
   struct Floor : FixedBoundary {
     explicit Floor(const Drop& which) : drop(which) {}
     const Drop& drop;
-    BoundarySums look(std::size_t, const Vec3f& at) const {
+    BoundarySums sample(std::size_t, const Vec3f& at) const {
       if (drop.walls.empty()) return {};
       const Smoothing::Wall wall = drop.solver.smoothing().wall(at.y);
       return {wall.value, {0, wall.slope, 0}};
