@@ -14,44 +14,44 @@ void push_carriers(const FluidBodies& bodies, const BoundaryPlane& plane, const 
 }
 
 // hold becomes k [kg].
-void BodyFriction::find_grip(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
+void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
                              float h, Threads& threads) {
   for_places(fluid.size(), threads, [&](std::size_t k) {
     const float viscous = h * fluid.smoothing.volume() * fluid.v[k].w;
     float all = 0;
     for (BoundaryPlane& plane : surroundings.of(k)) {
-      plane.friction = bodies.moves(plane) ? viscous * wall_friction(fluid.smoothing, plane.friction) : 0;
+      plane.friction = bodies.is_movable(plane) ? viscous * wall_friction(fluid.smoothing, plane.friction) : 0;
       all += plane.friction;
     }
     for (BoundaryPlane& plane : surroundings.of(k)) plane.friction /= 1 + all * fluid.x[k].w;
   });
-  const auto for_rubbing = [&](const auto& f) {
+  const auto for_movable_planes = [&](const auto& f) {
     for (std::size_t k = 0; k < fluid.size(); ++k)
       for (const BoundaryPlane& plane : surroundings.of(k))
         if (plane.friction > 0)
           bodies.for_carriers(plane, [&](std::uint32_t p, float share) { f(plane, p, share); });
   };
-  for_rubbing([&](const BoundaryPlane&, std::uint32_t p, float) { grip_[p] = 0; });
-  for_rubbing([&](const BoundaryPlane& plane, std::uint32_t p, float share) { grip_[p] += share * plane.friction; });
+  for_movable_planes([&](const BoundaryPlane&, std::uint32_t p, float) { coupling_[p] = 0; });
+  for_movable_planes([&](const BoundaryPlane& plane, std::uint32_t p, float share) { coupling_[p] += share * plane.friction; });
 }
 
 void BodyFriction::apply(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
                          float h, std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass,
                          Threads& threads) {
-  grip_.resize(velocity.size());
-  find_grip(fluid, local_boundary, bodies, h, threads);
+  coupling_.resize(velocity.size());
+  find_coupling(fluid, local_boundary, bodies, h, threads);
   for_places(fluid.size(), threads, [&](std::size_t k) {
     const Vec3f before = fluid.v[k].xyz();
     Vec3f gained{};
     for (BoundaryPlane& plane : surroundings.of(k)) {
       if (!(plane.friction > 0)) continue;
       Vec3f speed{};
-      float gives = 0;
+      float bound = 0;
       bodies.for_carriers(plane, [&](std::uint32_t p, float share) {
         speed += velocity[p].xyz() * share;
-        gives = std::max(gives, grip_[p] * inverse_mass[p].w);
+        bound = std::max(bound, coupling_[p] * inverse_mass[p].w);
       });
-      const Vec3f impulse = (speed - before) * (plane.friction / (1 + gives));
+      const Vec3f impulse = (speed - before) * (plane.friction / (1 + bound));
       plane.friction_impulse = -impulse;
       gained += impulse;
     }

@@ -26,10 +26,10 @@ class BodyFriction {
              std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass, Threads& threads);
 
  private:
-  void find_grip(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies, float h,
+  void find_coupling(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies, float h,
                  Threads& threads);
 
-  std::vector<float> grip_;  // K_p of the world's particles [kg]
+  std::vector<float> coupling_;  // K_p of the world's particles [kg]
 };
 
 /// An impulse [kg m/s] at the point a plane touches goes to those that carry it.

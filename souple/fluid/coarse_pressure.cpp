@@ -65,7 +65,7 @@ void CoarsePressure::set_mover(std::size_t mover, double inverse_mass, const Mat
   movers_[mover].inverse_inertia = inverse_inertia;
 }
 
-void CoarsePressure::add_touch(std::size_t mover, std::uint32_t place, const Vec4f& position,
+void CoarsePressure::add_contact(std::size_t mover, std::uint32_t place, const Vec4f& position,
                                const Vec3d& slope, const Vec3d& moment) {
   Mover& body = movers_[mover];
   const std::size_t cell = cell_of_[place];
@@ -83,7 +83,7 @@ void CoarsePressure::add_touch(std::size_t mover, std::uint32_t place, const Vec
 }
 
 // J^T W J y
-void CoarsePressure::give_way(const std::vector<double>& y, std::vector<double>& result) const {
+void CoarsePressure::add_bodies(const std::vector<double>& y, std::vector<double>& result) const {
   for (std::size_t m = 0; m < mover_count_; ++m) {
     const Mover& body = movers_[m];
     Vec3d force{}, torque{};
@@ -173,7 +173,7 @@ void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& re
   }
   gather(cell_sums_, result);
   for (std::size_t n = 0; n < y.size(); ++n) result[n] += diagonal_[n] * y[n];
-  give_way(y, result);
+  add_bodies(y, result);
 }
 
 void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,

@@ -52,7 +52,7 @@ class CoarsePressure {
   void begin_movers(std::size_t count);
   void set_mover(std::size_t mover, double inverse_mass, const Mat3d& inverse_inertia);
   /// A particle is pushed by a mover along `slope` g, whose moment about its center is `moment`.
-  void add_touch(std::size_t mover, std::uint32_t place, const Vec4f& position, const Vec3d& slope,
+  void add_contact(std::size_t mover, std::uint32_t place, const Vec4f& position, const Vec3d& slope,
                  const Vec3d& moment);
   int iterations() const { return iterations_; }  ///< of the last solve
   std::size_t node_count() const { return y_.size(); }
@@ -71,7 +71,7 @@ class CoarsePressure {
   };
 
   void find_nodes();
-  void give_way(const std::vector<double>& y, std::vector<double>& result) const;
+  void add_bodies(const std::vector<double>& y, std::vector<double>& result) const;
   std::array<float, 8> weights(std::size_t cell, const Vec4f& position) const;
   void gather(std::span<const Eight> of_cells, std::vector<double>& of_nodes) const;
   void apply(const std::vector<double>& y, std::vector<double>& result);

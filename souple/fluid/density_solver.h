@@ -26,7 +26,7 @@ struct FixedBoundary {
     });
   }
   void after_sampling(std::span<const Vec4f>, CoarsePressure&) const {}
-  void respond(std::size_t, BoundarySums&) const {}
+  void add_response(std::size_t, BoundarySums&) const {}
   void add_push(std::size_t, float) const {}
   void after_pushes(std::span<const float>) const {}
 };
@@ -87,7 +87,7 @@ class DensitySolver {
   ///
   ///   boundary.for_near(places, threads, f)      calls f(place) for those that it is near to; for these
   ///   boundary.sample(place, x) -> BoundarySums    where the particle is now
-  ///   boundary.respond(place, sums)              of bodies that give way
+  ///   boundary.add_response(place, sums)              of bodies that give way
   ///   boundary.add_push(place, change)               then: it was pushed by the slope times this change of
   ///                                              lambda
   ///
@@ -131,7 +131,7 @@ class DensitySolver {
   void find_sums(Boundary& boundary, Threads& threads) {
     boundary.for_near(size(), threads, [&](std::size_t k) { boundary_[k] = boundary.sample(k, x_[k].xyz()); });
     boundary.after_sampling(positions(), coarse_);
-    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.respond(k, boundary_[k]); });
+    boundary.for_near(size(), threads, [&](std::size_t k) { boundary.add_response(k, boundary_[k]); });
     find_fluid_sums(threads);
   }
   template <class Boundary>

@@ -31,7 +31,7 @@ void FluidBodies::place(const BoundaryMesh& mesh, State& state, const ParticleVi
   const std::size_t count = skin.particles.size();
   state.start.resize(count);
   state.now.resize(count);
-  state.gives.assign(count, 0);
+  state.vertex_inverse_mass.assign(count, 0);
   state.slopes.resize(count);
   for (std::size_t v = 0; v < count; ++v) {
     Vec3d before{}, after{};
@@ -41,14 +41,14 @@ void FluidBodies::place(const BoundaryMesh& mesh, State& state, const ParticleVi
       if (weight == 0) continue;
       before += (start_place(particles, i) - origin_) * weight;
       after += (souple::place(particles, i) - origin_) * weight;
-      state.gives[v] += skin.weights[v][k] * skin.weights[v][k] * particles.inverse_mass(i);
+      state.vertex_inverse_mass[v] += skin.weights[v][k] * skin.weights[v][k] * particles.inverse_mass(i);
     }
     state.start[v] = Vec3f(before);
     state.now[v] = Vec3f(after);
   }
-  state.moves = std::any_of(state.gives.begin(), state.gives.end(), [](float g) { return g > 0; });
+  state.movable = std::any_of(state.vertex_inverse_mass.begin(), state.vertex_inverse_mass.end(), [](float g) { return g > 0; });
   state.inverse_mass = 0;
-  if (!state.moves || skin.yielding == Yielding::locally) return;
+  if (!state.movable || skin.compliance == BodyCompliance::per_vertex) return;
   Vec3d center{};
   double all = 0;
   for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
@@ -214,7 +214,7 @@ Vec3f FluidBodies::point(const BoundaryPlane& plane, const std::vector<Vec3f>& v
 
 // --- how bodies give way -------------------------------------------------------------------------
 
-void FluidBodies::weigh(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse) {
+void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse) {
   for (State& state : states_) {
     std::fill(state.slopes.begin(), state.slopes.end(), 0.0f);
     state.slope_sum = 0;
@@ -226,11 +226,11 @@ void FluidBodies::weigh(const LocalBoundary& local_boundary, std::span<const Vec
     for (const BoundaryPlane& plane : surroundings.of(k)) {
       if (plane.mesh == BoundaryPlane::none) continue;
       State& state = states_[plane.mesh];
-      if (!state.moves) continue;
+      if (!state.movable) continue;
       const float slope = length(plane.slope);
       if (state.inverse_mass > 0) {
         state.slope_sum += slope;
-        coarse.add_touch(plane.mesh, k, x[k], Vec3d(plane.slope),
+        coarse.add_contact(plane.mesh, k, x[k], Vec3d(plane.slope),
                          cross(Vec3d(point(plane, state.now)) - state.center, Vec3d(plane.slope)));
         continue;
       }
@@ -240,7 +240,7 @@ void FluidBodies::weigh(const LocalBoundary& local_boundary, std::span<const Vec
   }
 }
 
-void FluidBodies::respond(std::span<const BoundaryPlane> planes, BoundarySums& sums) const {
+void FluidBodies::add_response(std::span<const BoundaryPlane> planes, BoundarySums& sums) const {
   for (const BoundaryPlane& plane : planes) {
     if (plane.mesh == BoundaryPlane::none) continue;
     const State& state = states_[plane.mesh];
@@ -252,18 +252,18 @@ void FluidBodies::respond(std::span<const BoundaryPlane> planes, BoundarySums& s
     const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t v = t[static_cast<std::size_t>(c)];
-      const float gives = slope * plane.weights[c] * state.gives[v] * state.slopes[v];
-      sums.response += gives;
-      sums.local_response += gives;
+      const float response = slope * plane.weights[c] * state.vertex_inverse_mass[v] * state.slopes[v];
+      sums.response += response;
+      sums.local_response += response;
     }
   }
 }
 
-void FluidBodies::yield(const LocalBoundary& local_boundary, std::span<const float> change) {
+void FluidBodies::displace(const LocalBoundary& local_boundary, std::span<const float> change) {
   pushes_.assign(meshes_.size(), {});
   for (const std::uint32_t k : surroundings.near()) {
     for (const BoundaryPlane& plane : surroundings.of(k)) {
-      if (!moves(plane)) continue;
+      if (!is_movable(plane)) continue;
       State& state = states_[plane.mesh];
       const Vec3f push = plane.slope * -change[k];
       if (state.inverse_mass > 0) {
@@ -275,7 +275,7 @@ void FluidBodies::yield(const LocalBoundary& local_boundary, std::span<const flo
       const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
       for (int c = 0; c < 3; ++c) {
         const std::uint32_t v = t[static_cast<std::size_t>(c)];
-        state.now[v] += push * (plane.weights[c] * state.gives[v]);
+        state.now[v] += push * (plane.weights[c] * state.vertex_inverse_mass[v]);
       }
     }
   }
@@ -292,7 +292,7 @@ void FluidBodies::yield(const LocalBoundary& local_boundary, std::span<const flo
 void FluidBodies::apply(const LocalBoundary& local_boundary, const ParticleView& particles) const {
   for (const std::uint32_t k : surroundings.near()) {
     for (const BoundaryPlane& plane : surroundings.of(k)) {
-      if (!moves(plane)) continue;
+      if (!is_movable(plane)) continue;
       for_carriers(plane, [&](std::uint32_t i, float share) {
         particles.correct(i, plane.push_sum * (-share * particles.inverse_mass(i)));
       });

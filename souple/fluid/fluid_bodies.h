@@ -14,8 +14,8 @@
 namespace souple {
 
 /// How a body gives way while a fluid's pressure is being solved for.
-enum class Yielding {
-  locally,  ///< every vertex by itself, as cloth does
+enum class BodyCompliance {
+  per_vertex,  ///< every vertex by itself, as cloth does
   rigidly   ///< as a whole: pressure deforms it only afterwards
 };
 
@@ -28,7 +28,7 @@ struct BoundaryMesh {
   std::vector<Triangle> triangles{};            ///< over vertices, counter-clockwise from outside
   float half_thickness = 0;                     ///< m
   bool closed = false;                          ///< it has an inside, where no fluid belongs
-  Yielding yielding = Yielding::locally;
+  BodyCompliance compliance = BodyCompliance::per_vertex;
 };
 
 /// Bodies in fluids. A particle near a body's surface feels it as a wall at the nearest point; what pushes
@@ -61,11 +61,11 @@ class FluidBodies {
   /// A plane goes where its body has gone.
   void follow(BoundaryPlane& plane) const;
   /// When all planes' slopes are known: how far bodies give way.
-  void weigh(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse);
+  void find_response(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse);
   /// What giving way adds to w |grad C|^2 of a particle: the sum of its row.
-  void respond(std::span<const BoundaryPlane> planes, BoundarySums& sums) const;
+  void add_response(std::span<const BoundaryPlane> planes, BoundarySums& sums) const;
   /// Bodies give way to a push of the planes by slope times `change` [kg m].
-  void yield(const LocalBoundary& local_boundary, std::span<const float> change);
+  void displace(const LocalBoundary& local_boundary, std::span<const float> change);
   /// What all planes have pushed goes to the world's particles.
   void apply(const LocalBoundary& local_boundary, const ParticleView& particles) const;
 
@@ -76,8 +76,8 @@ class FluidBodies {
                   const ParticleView& particles) const;
 
   /// Whether a plane is of a body that something can move.
-  bool moves(const BoundaryPlane& plane) const {
-    return plane.mesh != BoundaryPlane::none && states_[plane.mesh].moves;
+  bool is_movable(const BoundaryPlane& plane) const {
+    return plane.mesh != BoundaryPlane::none && states_[plane.mesh].movable;
   }
   /// f(particle of the world, share) for those that carry the point a plane touches; shares sum to 1.
   template <class Function>
@@ -96,10 +96,10 @@ class FluidBodies {
   /// Of a mesh in this substep.
   struct State {
     std::vector<Vec3f> start, now;  // of vertices, from the origin [m]
-    std::vector<float> gives;       // of a vertex: how much a unit of push moves it [1/kg]
-    std::vector<float> slopes;      // yielding locally: sum of |slope| that pushes it [1/m]
-    float slope_sum = 0;            // yielding rigidly: of all [1/m]
-    bool moves = false;
+    std::vector<float> vertex_inverse_mass;       // of a vertex: how much a unit of push moves it [1/kg]
+    std::vector<float> slopes;      // compliance locally: sum of |slope| that pushes it [1/m]
+    float slope_sum = 0;            // compliance rigidly: of all [1/m]
+    bool movable = false;
     double inverse_mass = 0;  // of the whole
     Mat3d inverse_inertia{};
     Vec3d center{};  // of mass, from the origin [m]

@@ -31,13 +31,13 @@ Vec3f ImplicitViscosity::force(const System& system, std::span<const Vec4f> valu
 }
 
 // What walls take of its velocity, as a mass [kg].
-float ImplicitViscosity::rub(const System& system, std::size_t k) const {
+float ImplicitViscosity::wall_drag(const System& system, std::size_t k) const {
   if (system.walls.empty()) return 0;
   const Smoothing& smoothing = system.fluid.smoothing;
   return system.h * smoothing.volume() * system.fluid.v[k].w * wall_friction(smoothing, system.walls[k].w);
 }
 
-// r = b - A v,  A v = m v - forces' impulse + rub v,  b = m v* + rub v_wall; p = r / m.
+// r = b - A v,  A v = m v - forces' impulse + wall_drag v,  b = m v* + wall_drag v_wall; p = r / m.
 void ImplicitViscosity::begin(const System& system) {
   const FluidView& fluid = system.fluid;
   const std::size_t n = fluid.size();
@@ -47,7 +47,7 @@ void ImplicitViscosity::begin(const System& system) {
   chunks_.resize((n + chunk - 1) / chunk);
   fluid.for_lists(system.threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     Vec3f r = force(system, fluid.v, k, list);
-    if (!system.walls.empty()) r += (system.walls[k].xyz() - fluid.v[k].xyz()) * rub(system, k);
+    if (!system.walls.empty()) r += (system.walls[k].xyz() - fluid.v[k].xyz()) * wall_drag(system, k);
     residual_[k] = r;
   });
   for_places(n, system.threads, [&](std::size_t k) {
@@ -62,7 +62,7 @@ void ImplicitViscosity::apply_matrix(const System& system) {
   const FluidView& fluid = system.fluid;
   fluid.for_lists(system.threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     const Vec3f p = direction_[k].xyz();
-    product_[k] = p * (1 / fluid.x[k].w + rub(system, k)) - force(system, direction_, k, list);
+    product_[k] = p * (1 / fluid.x[k].w + wall_drag(system, k)) - force(system, direction_, k, list);
   });
 }
 

@@ -43,7 +43,7 @@ class ImplicitViscosity {
   };
   Vec3f force(const System& system, std::span<const Vec4f> values, std::uint32_t place,
               std::span<const std::uint32_t> list) const;
-  float rub(const System& system, std::size_t place) const;
+  float wall_drag(const System& system, std::size_t place) const;
   void begin(const System& system);
   void apply_matrix(const System& system);
   template <class Term>

@@ -157,19 +157,19 @@ void SmallBodies::drag(const FluidView& fluid, std::span<const std::uint32_t> or
                        std::span<const float> viscosity, float h, std::span<Vec4f> velocity,
                        std::span<const Vec4f> inverse_mass, Threads& threads) {
   for_bodies(threads, [&](std::size_t b) { find_drag(b, fluid, order, viscosity, h, velocity); });
-  grip_.assign(velocity.size(), 0);
-  fluid_grip_.assign(fluid.size(), 0);
+  coupling_.assign(velocity.size(), 0);
+  fluid_coupling_.assign(fluid.size(), 0);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const float k = states_[b].across;
-    for (const Near& n : near(b)) fluid_grip_[n.place] += n.share * k;
-    for (std::size_t c = 0; c < 2; ++c) grip_[bodies_[b].particles[c]] += bodies_[b].weights[c] * k;
+    for (const Near& n : near(b)) fluid_coupling_[n.place] += n.share * k;
+    for (std::size_t c = 0; c < 2; ++c) coupling_[bodies_[b].particles[c]] += bodies_[b].weights[c] * k;
   }
   for_bodies(threads, [&](std::size_t b) {
-    float gives = 0, fluid_gives = 0;
-    for (const std::uint32_t p : bodies_[b].particles) gives = std::max(gives, grip_[p] * inverse_mass[p].w);
+    float bound = 0, fluid_bound = 0;
+    for (const std::uint32_t p : bodies_[b].particles) bound = std::max(bound, coupling_[p] * inverse_mass[p].w);
     for (const Near& n : near(b))
-      fluid_gives = std::max(fluid_gives, fluid_grip_[n.place] * fluid.x[n.place].w);
-    states_[b].pull = states_[b].pull * (1 / (1 + gives + fluid_gives));
+      fluid_bound = std::max(fluid_bound, fluid_coupling_[n.place] * fluid.x[n.place].w);
+    states_[b].pull = states_[b].pull * (1 / (1 + bound + fluid_bound));
   });
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Vec3f& pull = states_[b].pull;

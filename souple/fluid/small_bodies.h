@@ -114,8 +114,8 @@ class SmallBodies {
   std::vector<float> room_;    // by place: what things fill around it, wet or not
   std::vector<float> shares_;  // by place: sum_b phi V_b / V s_ib
   std::vector<Vec3f> given_;   // by place
-  std::vector<float> grip_;    // of the world's particles, and of places [kg]
-  std::vector<float> fluid_grip_;
+  std::vector<float> coupling_;    // of the world's particles, and of places [kg]
+  std::vector<float> fluid_coupling_;
 };
 
 }  // namespace souple

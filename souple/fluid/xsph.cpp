@@ -21,8 +21,8 @@ void Xsph::apply(const FluidView& fluid, WallFriction walls, float h, Threads& t
                                               list.size(), smoothing.factors());
     next_[k] = v.xyz() + exchange * (h * fluid.x[k].w * V * V * 6 / m2);
     if (walls.empty()) return;
-    const float rub = h * fluid.x[k].w * V * v.w * wall_friction(smoothing, walls[k].w);
-    next_[k] = (next_[k] + walls[k].xyz() * rub) * (1 / (1 + rub));
+    const float wall_drag = h * fluid.x[k].w * V * v.w * wall_friction(smoothing, walls[k].w);
+    next_[k] = (next_[k] + walls[k].xyz() * wall_drag) * (1 / (1 + wall_drag));
   });
   for_places(fluid.size(), threads, [&](std::size_t k) { fluid.v[k].set_xyz(next_[k]); });
 }

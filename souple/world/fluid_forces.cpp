@@ -24,7 +24,7 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
       plane.friction = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
       sum += plane.friction;
       left *= 1 - plane.friction;
-      if (bodies_.moves(plane)) continue;
+      if (bodies_.is_movable(plane)) continue;
       motion += plane.motion * plane.friction;
       led += plane.friction;
     }
@@ -68,7 +68,7 @@ void Fluids::pull_bodies(WorldState& world) {
   const auto pulls = surface_tension_.wall_pulls();
   for (std::size_t k = 0; k < x.size(); ++k) {
     const Nearest nearest = nearest_of(local_boundary_.of(k), x[k].xyz());
-    if (nearest.plane && bodies_.moves(*nearest.plane))
+    if (nearest.plane && bodies_.is_movable(*nearest.plane))
       push_carriers(bodies_, *nearest.plane, nearest.plane->normal * pulls[k], world.particles.velocity,
                     world.particles.position);
   }

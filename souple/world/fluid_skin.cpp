@@ -145,7 +145,7 @@ std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing
   skin.end = object.end;
   skin.half_thickness = contact_radius(object.material);
   skin.closed = solid;
-  skin.yielding = solid ? Yielding::rigidly : Yielding::locally;
+  skin.compliance = solid ? BodyCompliance::rigid : BodyCompliance::per_vertex;
   return boundary;
 }
 

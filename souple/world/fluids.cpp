@@ -34,16 +34,16 @@ struct Boundary {
     return sums;
   }
   void after_sampling(std::span<const Vec4f> x, CoarsePressure& coarse) const {
-    if (bodies.mesh_count() > 0) bodies.weigh(local_boundary, x, coarse);
+    if (bodies.mesh_count() > 0) bodies.find_response(local_boundary, x, coarse);
   }
-  void respond(std::size_t place, BoundarySums& sums) const {
-    if (bodies.mesh_count() > 0) bodies.respond(surroundings.of(place), sums);
+  void add_response(std::size_t place, BoundarySums& sums) const {
+    if (bodies.mesh_count() > 0) bodies.add_response(surroundings.of(place), sums);
   }
   void add_push(std::size_t place, float change) const {
     for (BoundaryPlane& plane : surroundings.of(place)) plane.push_sum += plane.slope * change;
   }
   void after_pushes(std::span<const float> change) const {
-    if (bodies.mesh_count() > 0) bodies.yield(local_boundary, change);
+    if (bodies.mesh_count() > 0) bodies.displace(local_boundary, change);
   }
 };
 
