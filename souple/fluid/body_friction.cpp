@@ -16,7 +16,7 @@ void push_carriers(const FluidBodies& bodies, const BoundaryPlane& plane, const 
 // hold becomes k [kg].
 void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
                              float h, Threads& threads) {
-  for_places(fluid.size(), threads, [&](std::size_t k) {
+  for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const float viscous = h * fluid.smoothing.volume() * fluid.v[k].w;
     float all = 0;
     for (BoundaryPlane& plane : surroundings.of(k)) {
@@ -40,7 +40,7 @@ void BodyFriction::apply(const FluidView& fluid, LocalBoundary& local_boundary, 
                          Threads& threads) {
   coupling_.resize(velocity.size());
   find_coupling(fluid, local_boundary, bodies, h, threads);
-  for_places(fluid.size(), threads, [&](std::size_t k) {
+  for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const Vec3f before = fluid.v[k].xyz();
     Vec3f gained{};
     for (BoundaryPlane& plane : surroundings.of(k)) {

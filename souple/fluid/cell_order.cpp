@@ -115,7 +115,7 @@ void CellOrder::sort(std::span<const Vec4f> positions, std::array<std::vector<It
     sorted = 1 - sorted;
     shift += digit;
   }
-  place(positions, items[sorted], threads);
+  store_order(positions, items[sorted], threads);
   find_cells(items[sorted], threads);
 }
 
@@ -132,8 +132,8 @@ void CellOrder::sort_pass(const std::vector<Item>& from, std::vector<Item>& to, 
   std::uint32_t sum = 0;
   for (std::size_t d = 0; d < digits; ++d) {
     for (std::size_t c = 0; c < chunks; ++c) {
-      std::uint32_t& place = histogram_[c * digits + d];
-      sum += std::exchange(place, sum);
+      std::uint32_t& slot = histogram_[c * digits + d];
+      sum += std::exchange(slot, sum);
     }
   }
   for_chunks(n, threads, [&](std::size_t c, std::size_t begin, std::size_t end) {
@@ -143,7 +143,7 @@ void CellOrder::sort_pass(const std::vector<Item>& from, std::vector<Item>& to, 
 }
 
 template <class Item>
-void CellOrder::place(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads) {
+void CellOrder::store_order(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads) {
   constexpr std::size_t room = 16;
   const std::size_t n = sorted.size();
   order_.resize(n);

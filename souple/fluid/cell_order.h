@@ -95,7 +95,7 @@ class CellOrder {
   template <class Item>
   void sort_pass(const std::vector<Item>& from, std::vector<Item>& to, int shift, int bits, Threads& threads);
   template <class Item>
-  void place(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads);
+  void store_order(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads);
   template <class Item>
   void find_cells(const std::vector<Item>& sorted, Threads& threads);
 

@@ -65,10 +65,10 @@ void CoarsePressure::set_mover(std::size_t mover, double inverse_mass, const Mat
   movers_[mover].inverse_inertia = inverse_inertia;
 }
 
-void CoarsePressure::add_contact(std::size_t mover, std::uint32_t place, const Vec4f& position,
+void CoarsePressure::add_contact(std::size_t mover, std::uint32_t index, const Vec4f& position,
                                const Vec3d& slope, const Vec3d& moment) {
   Mover& body = movers_[mover];
-  const std::size_t cell = cell_of_[place];
+  const std::size_t cell = cell_of_[index];
   const std::array<float, 8> n = weights(cell, position);
   for (std::size_t e = 0; e < 8; ++e) {
     std::uint32_t& slot = body.slot_of_node[corners_[cell][e]];
@@ -189,11 +189,11 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
       Eight b{}, diagonal{};
       double w = 0;
       for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
-        const std::uint32_t place = order_.order()[k];
-        const Sample& sample = samples[place];
-        const std::array<float, 8> n = weights(c, positions[place]);
+        const std::uint32_t index = order_.order()[k];
+        const Sample& sample = samples[index];
+        const std::array<float, 8> n = weights(c, positions[index]);
         const float pushed = sample.c > -surface ? sample.c : 0;
-        w += static_cast<double>(positions[place].w);
+        w += static_cast<double>(positions[index].w);
         for (std::size_t e = 0; e < 8; ++e) {
           b[e] -= static_cast<double>(n[e] * pushed);
           diagonal[e] += static_cast<double>(n[e] * sample.diagonal);
@@ -257,11 +257,11 @@ void CoarsePressure::interpolate(std::span<const Vec4f> positions, std::span<con
   threads.for_each(order_.cell_count(), 16, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c) {
       for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
-        const std::uint32_t place = order_.order()[k];
-        const std::array<float, 8> n = weights(c, positions[place]);
+        const std::uint32_t index = order_.order()[k];
+        const std::array<float, 8> n = weights(c, positions[index]);
         float sum = 0;
         for (std::size_t e = 0; e < 8; ++e) sum += n[e] * static_cast<float>(y_[corners_[c][e]]);
-        lambda[place] = samples[place].c > -surface ? sum : 0;
+        lambda[index] = samples[index].c > -surface ? sum : 0;
       }
     }
   });

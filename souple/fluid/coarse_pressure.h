@@ -38,21 +38,21 @@ class CoarsePressure {
 
   /// The next solve begins with nothing.
   void forget() { last_keys_.clear(); }
-  /// Lays the grid for a step. `positions` by place; H = cell_size > 0 [m].
+  /// Lays the grid for a step. `positions` by index; H = cell_size > 0 [m].
   void begin_step(std::span<const Vec4f> positions, float cell_size, Threads& threads);
   /// Solves for y by conjugate gradients with diagonal preconditioning, from 0.9 times the last y, until the
   /// residual is a fiftieth of b; `positions` (w: inverse mass [1/kg]) and `samples` by place. In one order
   /// of sums, whatever the threads.
   void solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
              Threads& threads);
-  /// lambda_i of each place; 0 at a free surface. [kg m^2 / ... as C over w |grad C|^2]
+  /// lambda_i of each index; 0 at a free surface. [kg m^2 / ... as C over w |grad C|^2]
   void interpolate(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
                    std::span<float> lambda, Threads& threads) const;
   /// Bodies that give way, after begin_step and before each solve.
   void begin_movers(std::size_t count);
   void set_mover(std::size_t mover, double inverse_mass, const Mat3d& inverse_inertia);
   /// A particle is pushed by a mover along `slope` g, whose moment about its center is `moment`.
-  void add_contact(std::size_t mover, std::uint32_t place, const Vec4f& position, const Vec3d& slope,
+  void add_contact(std::size_t mover, std::uint32_t index, const Vec4f& position, const Vec3d& slope,
                  const Vec3d& moment);
   int iterations() const { return iterations_; }  ///< of the last solve
   std::size_t node_count() const { return y_.size(); }
@@ -83,7 +83,7 @@ class CoarsePressure {
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> begin_, terms_;  // of each node: 8 cell + corner, ascending
   std::vector<std::uint32_t> next_;           // of each node: where its next term goes
-  std::vector<std::uint32_t> cell_of_;        // of each place
+  std::vector<std::uint32_t> cell_of_;        // of each index
   std::vector<Mover> movers_;
   std::size_t mover_count_ = 0;
   std::vector<double> stiffness_;  // of each cell: sum w / H^2

@@ -50,7 +50,7 @@ void DensitySolver::for_lists(Threads& threads, const Function& f) const {
   });
 }
 
-void DensitySolver::place(std::span<const Vec4f> positions, Threads& threads) {
+void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& threads) {
   if (!lists_hold(positions)) find_neighbors(positions, threads);
   const auto order = order_.order();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
@@ -103,7 +103,7 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
   const float V = smoothing_.volume(), d = smoothing_.spacing();
   const float least = 1e-3f / (d * d);  // of a particle alone
   const float soft = softness();
-  for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
+  for_lists(threads, [&](const kernels::NeighborLists& lists) {
     std::array<kernels::DensitySums, together> found;
     kernels_->sums_of(x_.data(), lists, smoothing_.factors(), found.data());
     for (std::uint32_t k = lists.begin; k < lists.end; ++k) {
@@ -157,7 +157,7 @@ void DensitySolver::relax(Threads& threads) {
 }
 
 void DensitySolver::push_fluid(Threads& threads) {
-  for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
+  for_lists(threads, [&](const kernels::NeighborLists& lists) {
     std::array<Vec3f, together> found;
     if (repulsion_.strength == 0)
       kernels_->push_of(q_.data(), lists, smoothing_.factors(), found.data());

@@ -17,11 +17,11 @@ struct BoundarySums {
   float response = 0, local_response = 0;
 };
 
-/// What surrounds a fluid and does not move, but for sample(place, x): see DensitySolver::solve.
+/// What surrounds a fluid and does not move, but for sample(index, x): see DensitySolver::solve.
 struct FixedBoundary {
   template <class Function>
-  void for_near(std::size_t places, Threads& threads, const Function& f) const {
-    threads.for_each(places, 256, [&](std::size_t begin, std::size_t end) {
+  void for_near(std::size_t count, Threads& threads, const Function& f) const {
+    threads.for_each(count, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) f(k);
     });
   }
@@ -81,14 +81,14 @@ class DensitySolver {
   /// Takes the particles to where they are predicted to be: x, y, z [m] and inverse mass w > 0 [1/kg]. Sorts
   /// them and finds neighbors anew when some have moved too far, against all others, since that was done
   /// last.
-  void place(std::span<const Vec4f> positions, Threads& threads);
+  void set_positions(std::span<const Vec4f> positions, Threads& threads);
 
-  /// What surrounds the fluid is asked, place by place and on all threads,
+  /// What surrounds the fluid is asked, index by index and on all threads,
   ///
-  ///   boundary.for_near(places, threads, f)      calls f(place) for those that it is near to; for these
-  ///   boundary.sample(place, x) -> BoundarySums    where the particle is now
-  ///   boundary.add_response(place, sums)              of bodies that give way
-  ///   boundary.add_push(place, change)               then: it was pushed by the slope times this change of
+  ///   boundary.for_near(count, threads, f)      calls f(index) for those that it is near to; for these
+  ///   boundary.sample(index, x) -> BoundarySums    where the particle is now
+  ///   boundary.add_response(index, sums)              of bodies that give way
+  ///   boundary.add_push(index, change)               then: it was pushed by the slope times this change of
   ///                                              lambda
   ///
   /// and once, after all looks, boundary.after_sampling(positions, coarse level), and after all pushes,
@@ -112,13 +112,13 @@ class DensitySolver {
   }
 
   std::size_t size() const { return order_.size(); }
-  std::span<const std::uint32_t> order() const { return order_.order(); }  ///< of each place, the particle
+  std::span<const std::uint32_t> order() const { return order_.order(); }  ///< of each index, the particle
   std::span<const Vec4f> positions() const { return {x_.data(), size()}; }
   std::span<const Vec4f> padded_positions() const { return x_; }  ///< and one more, far away
   std::span<const Vec3f> moved() const { return moved_; }         ///< by `solve` [m]
   std::span<const float> lambda() const { return lambda_; }
   /// C of the last look, before the last push.
-  float density_error(std::size_t place) const { return samples_[place].c; }
+  float density_error(std::size_t index) const { return samples_[index].c; }
   const Neighbors& neighbors() const { return neighbors_; }
   double mean_error() const;              ///< of max(0, C), of the last look
   int passes() const { return passes_; }  ///< of the last solve
@@ -160,7 +160,7 @@ class DensitySolver {
   Neighbors neighbors_;
   CoarsePressure coarse_;
   std::vector<Vec4f> listed_;  // positions when neighbors were found, by particle
-  // By place: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away.
+  // By index: x, y, z and w; x, y, z and what is pushed, V dlambda. One more, far away.
   std::vector<Vec4f> x_, q_;
   std::vector<BoundarySums> boundary_;
   std::vector<float> denominator_;  // w |grad_i C|^2 + ...

@@ -26,7 +26,7 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 
 // --- where bodies are ----------------------------------------------------------------------------
 
-void FluidBodies::place(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
+void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
                         std::span<const float> mass) const {
   const std::size_t count = skin.particles.size();
   state.start.resize(count);
@@ -74,7 +74,7 @@ void FluidBodies::place(const BoundaryMesh& mesh, State& state, const ParticleVi
 void FluidBodies::begin_substep(const ParticleView& particles, std::span<const float> mass,
                                 std::span<const Vec4f> positions, float reach, Threads& threads) {
   states_.resize(meshes_.size());
-  for (std::size_t s = 0; s < meshes_.size(); ++s) place(meshes_[s], states_[s], particles, mass);
+  for (std::size_t s = 0; s < meshes_.size(); ++s) update_state(meshes_[s], states_[s], particles, mass);
   if (!lists_hold(positions)) list(positions, reach, threads);
 }
 

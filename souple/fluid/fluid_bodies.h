@@ -110,7 +110,7 @@ class FluidBodies {
     Vec3d force{}, torque{};
   };
 
-  void place(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
+  void update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
              std::span<const float> mass) const;
   bool lists_hold(std::span<const Vec4f> positions) const;
   void list(std::span<const Vec4f> positions, float reach, Threads& threads);

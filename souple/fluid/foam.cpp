@@ -136,7 +136,7 @@ void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads&
   const float dt = step.dt, kept = std::exp(-parameters.drag * dt);
   FoamState& s = state_;
   start_.assign(s.position.begin(), s.position.end());
-  for_places(size(), threads, [&](std::size_t k) {
+  for_each_index(size(), threads, [&](std::size_t k) {
     const Around here = around(step.fluid, s.position[k]);
     Vec3f& v = s.velocity[k];
     const Vec3f before = v;
@@ -187,7 +187,7 @@ void Foam::find_normals(const FoamStep& step, Threads& threads) {
   });
 }
 
-// The sum over a crest's surface behind a place of 1 - n_i . n_j.
+// The sum over a crest's surface behind a index of 1 - n_i . n_j.
 float Foam::bend(const FluidView& fluid, std::uint32_t i, std::span<const std::uint32_t> list) const {
   const Vec3f n = normals_[i];
   const float inverse_h = 1 / fluid.smoothing.support();
@@ -244,15 +244,15 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
   const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * room / total : 0; };
   start_.clear();
   for (const Maker& maker : makers_) {
-    const std::uint64_t end = maker.first + static_cast<std::uint64_t>(made_[maker.place]);
+    const std::uint64_t end = maker.first + static_cast<std::uint64_t>(made_[maker.index]);
     begin(step, maker, static_cast<std::uint32_t>(kept_before(end) - kept_before(maker.first)),
-          key_of(maker.place) + 1, parameters);
+          key_of(maker.index) + 1, parameters);
   }
 }
 
 void Foam::begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
                  const FoamParameters& parameters) {
-  const Vec3f x = step.fluid.x[maker.place].xyz(), v = step.fluid.v[maker.place].xyz();
+  const Vec3f x = step.fluid.x[maker.index].xyz(), v = step.fluid.v[maker.index].xyz();
   const Across across(normalized(v));
   const float radius = 0.5f * step.fluid.smoothing.spacing();
   Chance chance(key);
@@ -270,7 +270,7 @@ void Foam::begin(const FoamStep& step, const Maker& maker, std::uint32_t count, 
 
 void Foam::find_kinds(const FluidView& fluid, const FoamParameters& parameters, std::size_t first,
                       Threads& threads) {
-  for_places(size() - first, threads, [&](std::size_t k) {
+  for_each_index(size() - first, threads, [&](std::size_t k) {
     state_.kind[first + k] = kind_of(around(fluid, state_.position[first + k]), parameters);
   });
 }

@@ -25,10 +25,10 @@ struct FoamState {
 /// A step of a fluid, as foam sees it.
 struct FoamStep {
   const FluidView& fluid;
-  std::span<const std::uint32_t> particle;  ///< of each place: a number for chance to go by
-  std::span<const Vec3f> wall_slopes{};  ///< by place, or empty: BoundarySums::slope, which keeps walls from
+  std::span<const std::uint32_t> particle;  ///< of each index: a number for chance to go by
+  std::span<const Vec3f> wall_slopes{};  ///< by index, or empty: BoundarySums::slope, which keeps walls from
                                          ///< looking like a surface [1/m]
-  std::span<const float> share{};        ///< by place, or empty: how much of the rates it makes
+  std::span<const float> share{};        ///< by index, or empty: how much of the rates it makes
   Vec3f gravity{};                       ///< m/s^2
   float dt = 0;                          ///< s
   std::uint64_t seed = 0;                ///< of chance: another one in every step
@@ -104,7 +104,7 @@ class Foam {
   };
   /// A fluid particle that makes some, and what of all it makes.
   struct Maker {
-    std::uint32_t place;
+    std::uint32_t index;
     std::uint64_t first;
     float share;
   };
@@ -115,8 +115,8 @@ class Foam {
   void move(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
   void dissolve();
   void find_normals(const FoamStep& step, Threads& threads);
-  float bend(const FluidView& fluid, std::uint32_t place, std::span<const std::uint32_t> list) const;
-  Potential potential(const FoamStep& step, std::uint32_t place, std::span<const std::uint32_t> list,
+  float bend(const FluidView& fluid, std::uint32_t index, std::span<const std::uint32_t> list) const;
+  Potential potential(const FoamStep& step, std::uint32_t index, std::span<const std::uint32_t> list,
                       const FoamParameters& parameters) const;
   void make(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
   void begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
@@ -131,7 +131,7 @@ class Foam {
   std::vector<Vec3f> start_;  // of what moves now, or is new: where it begins
   CellOrder order_;           // of the fluid
   float cell_size_ = 0;
-  std::vector<Vec3f> normals_;  // of the fluid's surface, by place; zero within
+  std::vector<Vec3f> normals_;  // of the fluid's surface, by index; zero within
   std::vector<float> made_, share_;
   std::vector<Maker> makers_;
   Report report_;

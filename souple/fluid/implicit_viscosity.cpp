@@ -50,7 +50,7 @@ void ImplicitViscosity::begin(const System& system) {
     if (!system.walls.empty()) r += (system.walls[k].xyz() - fluid.v[k].xyz()) * wall_drag(system, k);
     residual_[k] = r;
   });
-  for_places(n, system.threads, [&](std::size_t k) {
+  for_each_index(n, system.threads, [&](std::size_t k) {
     direction_[k].set_xyz(residual_[k] * fluid.x[k].w);
     direction_[k].w = fluid.v[k].w;
   });
@@ -98,13 +98,13 @@ ImplicitViscosity::Report ImplicitViscosity::apply(const FluidView& fluid, WallF
     const double curvature =
         sum(system, [&](std::size_t k) { return dot(Vec3d(direction_[k].xyz()), Vec3d(product_[k])); });
     const auto alpha = static_cast<float>(rz / curvature);
-    for_places(fluid.size(), threads, [&](std::size_t k) {
+    for_each_index(fluid.size(), threads, [&](std::size_t k) {
       fluid.v[k].set_xyz(fluid.v[k].xyz() + direction_[k].xyz() * alpha);
       residual_[k] -= product_[k] * alpha;
     });
     const double next = sum(system, weighted);
     const auto beta = static_cast<float>(next / rz);
-    for_places(fluid.size(), threads, [&](std::size_t k) {
+    for_each_index(fluid.size(), threads, [&](std::size_t k) {
       direction_[k].set_xyz(residual_[k] * fluid.x[k].w + direction_[k].xyz() * beta);
     });
     rz = next;

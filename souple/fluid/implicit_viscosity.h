@@ -41,9 +41,9 @@ class ImplicitViscosity {
     float h;
     Threads& threads;
   };
-  Vec3f force(const System& system, std::span<const Vec4f> values, std::uint32_t place,
+  Vec3f force(const System& system, std::span<const Vec4f> values, std::uint32_t index,
               std::span<const std::uint32_t> list) const;
-  float wall_drag(const System& system, std::size_t place) const;
+  float wall_drag(const System& system, std::size_t index) const;
   void begin(const System& system);
   void apply_matrix(const System& system);
   template <class Term>

@@ -31,10 +31,10 @@ class LocalBoundary {
   /// Planes as far as this from a particle count. [m]
   static float search_radius(const Smoothing& smoothing) { return 1.5f * smoothing.spacing(); }
 
-  /// find(place, planes) appends the planes near a place; called for all, on all threads.
+  /// find(index, planes) appends the planes near a index; called for all, on all threads.
   template <class Find>
-  void gather(std::size_t places, const Find& find, Threads& threads) {
-    const std::size_t blocks = (places + block_size - 1) / block_size;
+  void gather(std::size_t count, const Find& find, Threads& threads) {
+    const std::size_t blocks = (count + block_size - 1) / block_size;
     if (blocks_.size() < blocks) blocks_.resize(blocks);
     threads.for_each(blocks, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t b = first; b < last; ++b) {
@@ -43,9 +43,9 @@ class LocalBoundary {
         block.near.clear();
         for (std::size_t k = 0; k < block_size; ++k) {
           block.first[k] = static_cast<std::uint32_t>(block.planes.size());
-          const std::size_t place = b * block_size + k;
-          if (place < places) find(place, block.planes);
-          if (block.planes.size() > block.first[k]) block.near.push_back(static_cast<std::uint32_t>(place));
+          const std::size_t index = b * block_size + k;
+          if (index < count) find(index, block.planes);
+          if (block.planes.size() > block.first[k]) block.near.push_back(static_cast<std::uint32_t>(index));
         }
         block.first[block_size] = static_cast<std::uint32_t>(block.planes.size());
       }
@@ -55,16 +55,16 @@ class LocalBoundary {
       near_.insert(near_.end(), blocks_[b].near.begin(), blocks_[b].near.end());
   }
 
-  /// The places that have planes, ascending.
+  /// The count that have planes, ascending.
   std::span<const std::uint32_t> near() const { return near_; }
 
-  std::span<const BoundaryPlane> of(std::size_t place) const {
-    const Block& block = blocks_[place / block_size];
-    const std::size_t k = place % block_size;
+  std::span<const BoundaryPlane> of(std::size_t index) const {
+    const Block& block = blocks_[index / block_size];
+    const std::size_t k = index % block_size;
     return {block.planes.data() + block.first[k], block.first[k + 1] - block.first[k]};
   }
-  std::span<BoundaryPlane> of(std::size_t place) {
-    const auto planes = static_cast<const LocalBoundary&>(*this).of(place);
+  std::span<BoundaryPlane> of(std::size_t index) {
+    const auto planes = static_cast<const LocalBoundary&>(*this).of(index);
     return {const_cast<BoundaryPlane*>(planes.data()), planes.size()};  // NOLINT: of this object, which is not
   }
 

@@ -11,7 +11,7 @@ namespace souple {
 
 namespace {
 
-using kernels::PlaceRange;
+using kernels::IndexRange;
 
 /// The nine rows around a row, and in each the cells from x - 1 to x + 1 as x goes up.
 class Windows {
@@ -29,8 +29,8 @@ class Windows {
       }
     }
   }
-  /// Moves on to x, which must not fall; returns how many ranges of places there are.
-  std::size_t move_to(std::int32_t x, PlaceRange* ranges) {
+  /// Moves on to x, which must not fall; returns how many ranges of particles_per_block there are.
+  std::size_t move_to(std::int32_t x, IndexRange* ranges) {
     std::size_t found = 0;
     for (std::size_t w = 0; w < count_; ++w) {
       Window& window = windows_[w];
@@ -72,15 +72,15 @@ void Neighbors::find(const CellOrder& order, float radius, Threads& threads) {
   });
 }
 
-// Whole cells, about 1024 places a block.
+// Whole cells, about 1024 particles_per_block a block.
 void Neighbors::cut(const CellOrder& order) {
-  constexpr std::uint32_t places = 1024;
+  constexpr std::uint32_t particles_per_block = 1024;
   first_cell_.clear();
   std::uint32_t next = 0;
   for (std::uint32_t c = 0; c < order.cell_count(); ++c) {
     if (order.cells()[c].begin < next) continue;
     first_cell_.push_back(c);
-    next = order.cells()[c].begin + places;
+    next = order.cells()[c].begin + particles_per_block;
   }
   block_count_ = first_cell_.size();
   first_cell_.push_back(static_cast<std::uint32_t>(order.cell_count()));
@@ -106,7 +106,7 @@ void Neighbors::find_in(const CellOrder& order, std::size_t number, float radius
            rows.begin() - 1;
   };
   Windows windows(order);
-  PlaceRange ranges[9];
+  IndexRange ranges[9];
   auto row = static_cast<std::size_t>(row_of(first_cell));
   windows.enter(row);
   for (std::uint32_t c = first_cell; c < last_cell; ++c) {

@@ -10,7 +10,7 @@
 
 namespace souple {
 
-/// Who is within a radius of whom: for each place of a CellOrder the places of the others, in the order of
+/// Who is within a radius of whom: for each index of a CellOrder the places of the others, in the order of
 /// rows of cells and then ascending; nobody is a neighbor of itself. Lists lie one behind the other, in
 /// blocks of places that threads make by themselves. The same lists for any number of threads and with all
 /// instruction sets.
@@ -19,24 +19,24 @@ class Neighbors {
   /// Lists are padded to whole sixteens, so that loops over registers need no end of their own.
   static constexpr std::uint32_t padding = 16;
 
-  /// Consecutive places and their lists. An entry is a place times four: where its record of four floats
-  /// begins. What pads a list is the place size(), of a record that is far away from all.
+  /// Consecutive places and their lists. An entry is a index times four: where its record of four floats
+  /// begins. What pads a list is the index size(), of a record that is far away from all.
   struct Block {
     std::uint32_t begin = 0, end = 0;    ///< places
     std::vector<std::uint32_t> entry{};  ///< lists, one behind the other; room for a register beyond
-    std::vector<std::uint32_t> first{};  ///< of place begin + k: entry[first[k]] up to entry[first[k + 1]]
+    std::vector<std::uint32_t> first{};  ///< of index begin + k: entry[first[k]] up to entry[first[k + 1]]
     std::vector<std::uint32_t> count{};  ///< of these, how many are neighbors
 
-    std::span<const std::uint32_t> of(std::uint32_t place) const {
-      const std::uint32_t k = place - begin;
+    std::span<const std::uint32_t> of(std::uint32_t index) const {
+      const std::uint32_t k = index - begin;
       return {entry.data() + first[k], count[k]};
     }
-    std::span<const std::uint32_t> padded(std::uint32_t place) const {
-      const std::uint32_t k = place - begin;
+    std::span<const std::uint32_t> padded(std::uint32_t index) const {
+      const std::uint32_t k = index - begin;
       return {entry.data() + first[k], first[k + 1] - first[k]};
     }
     /// Padded, of the places [from, to) of this block.
-    kernels::ListsOfPlaces lists(std::uint32_t from, std::uint32_t to) const {
+    kernels::NeighborLists lists(std::uint32_t from, std::uint32_t to) const {
       return {entry.data(), first.data() + (from - begin), from, to};
     }
   };

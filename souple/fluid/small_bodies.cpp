@@ -25,7 +25,7 @@ void SmallBodies::for_bodies(Threads& threads, const Function& f) {
   });
 }
 
-void SmallBodies::place(const ParticleView& particles) {
+void SmallBodies::update_states(const ParticleView& particles) {
   states_.resize(bodies_.size());
   blocks_.resize((bodies_.size() + block_size - 1) / block_size);
   for (Block& block : blocks_) block.near.clear();
@@ -80,7 +80,7 @@ void SmallBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<c
 void SmallBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
                        const LocalBoundary& local_boundary, const Smoothing& smoothing,
                        const ParticleView& particles, Threads& threads) {
-  place(particles);
+  update_states(particles);
   const float reach = reach_spacings * smoothing.spacing();
   const float all = kernel_integral * reach * reach * reach;
   order_.build(x, reach, threads);
@@ -90,15 +90,15 @@ void SmallBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> 
   shares_.assign(x.size(), 0);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const float part = bodies_[b].volume * states_[b].near_sum / all;
-    for (const Near& n : near(b)) room_[n.place] += part * n.share;
+    for (const Near& n : near(b)) room_[n.index] += part * n.share;
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     State& state = states_[b];
     float fluid_part = 0;
-    for (const Near& n : near(b)) fluid_part += n.share / (1 - std::min(room_[n.place], most_taken));
+    for (const Near& n : near(b)) fluid_part += n.share / (1 - std::min(room_[n.index], most_taken));
     state.wet = std::min(1.0f, smoothing.volume() * state.sum * fluid_part / (whole * all));
     const float part = state.wet * bodies_[b].volume * inverse_volume_;
-    for (const Near& n : near(b)) shares_[n.place] += part * n.share;
+    for (const Near& n : near(b)) shares_[n.index] += part * n.share;
   }
 }
 
@@ -108,13 +108,13 @@ std::span<const Vec3f> SmallBodies::press(std::span<const Vec4f> x, std::span<co
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const SmallBody& body = bodies_[b];
     float mass = 0;
-    for (const Near& n : near(b)) mass += n.share / x[n.place].w;
+    for (const Near& n : near(b)) mass += n.share / x[n.index].w;
     float part = states_[b].wet * body.volume * inverse_volume_;
     if (part * mass > most_times * body.mass) part = most_times * body.mass / mass;
     Vec3f push{};
     for (const Near& n : near(b)) {
-      const Vec3f given = moved[n.place] * (part * n.share / ((1 + shares_[n.place]) * x[n.place].w));
-      given_[n.place] += given;
+      const Vec3f given = moved[n.index] * (part * n.share / ((1 + shares_[n.index]) * x[n.index].w));
+      given_[n.index] += given;
       push += given;
     }
     for (std::size_t c = 0; c < 2; ++c) {
@@ -133,9 +133,9 @@ void SmallBodies::find_drag(std::size_t b, const FluidView& fluid, std::span<con
   Vec3f u{};
   float mass = 0, mu = 0;
   for (const Near& n : near(b)) {
-    u += fluid.v[n.place].xyz() * n.share;
-    mass += n.share / fluid.x[n.place].w;
-    mu += n.share * viscosity[fluid_[order[n.place]]];
+    u += fluid.v[n.index].xyz() * n.share;
+    mass += n.share / fluid.x[n.index].w;
+    mu += n.share * viscosity[fluid_[order[n.index]]];
   }
   for (std::size_t c = 0; c < 2; ++c) u -= velocity[body.particles[c]].xyz() * body.weights[c];
   const float rho = mass / fluid.smoothing.volume(), r = body.radius, l = body.length;
@@ -161,14 +161,14 @@ void SmallBodies::drag(const FluidView& fluid, std::span<const std::uint32_t> or
   fluid_coupling_.assign(fluid.size(), 0);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const float k = states_[b].across;
-    for (const Near& n : near(b)) fluid_coupling_[n.place] += n.share * k;
+    for (const Near& n : near(b)) fluid_coupling_[n.index] += n.share * k;
     for (std::size_t c = 0; c < 2; ++c) coupling_[bodies_[b].particles[c]] += bodies_[b].weights[c] * k;
   }
   for_bodies(threads, [&](std::size_t b) {
     float bound = 0, fluid_bound = 0;
     for (const std::uint32_t p : bodies_[b].particles) bound = std::max(bound, coupling_[p] * inverse_mass[p].w);
     for (const Near& n : near(b))
-      fluid_bound = std::max(fluid_bound, fluid_coupling_[n.place] * fluid.x[n.place].w);
+      fluid_bound = std::max(fluid_bound, fluid_coupling_[n.index] * fluid.x[n.index].w);
     states_[b].pull = states_[b].pull * (1 / (1 + bound + fluid_bound));
   });
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -178,7 +178,7 @@ void SmallBodies::drag(const FluidView& fluid, std::span<const std::uint32_t> or
       velocity[p].set_xyz(velocity[p].xyz() + pull * (bodies_[b].weights[c] * inverse_mass[p].w));
     }
     for (const Near& n : near(b))
-      fluid.v[n.place].set_xyz(fluid.v[n.place].xyz() - pull * (n.share * fluid.x[n.place].w));
+      fluid.v[n.index].set_xyz(fluid.v[n.index].xyz() - pull * (n.share * fluid.x[n.index].w));
   }
 }
 

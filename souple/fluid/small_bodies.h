@@ -25,7 +25,7 @@ struct SmallBody {
   std::uint32_t object = 0;                  ///< which of those that fluids may feel
 };
 
-/// Small things in fluids. They are no walls: no particle of a fluid could be in the right place before a
+/// Small things in fluids. They are no walls: no particle of a fluid could be in the right index before a
 /// surface that is smaller than itself. Instead they feel what the fluid around them feels. Archimedes'
 /// argument: the pressure pushes a thing as it would push the fluid that were there in its place. So from the
 /// push m_i dx_i that pressure gave each particle i near it in this substep, a thing of volume V_b takes
@@ -56,11 +56,11 @@ class SmallBodies {
                   std::span<const std::uint16_t> fluid, const Vec3d& origin) {
     meets_ = meets, objects_ = objects, fluid_ = fluid, origin_ = origin;
   }
-  /// Where they are in the fluid: `x` by place, `order` of each place the particle's number.
+  /// Where they are in the fluid: `x` by index, `order` of each index the particle's number.
   void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order, const LocalBoundary& local_boundary,
             const Smoothing& smoothing, const ParticleView& particles, Threads& threads);
-  /// What they take of the room around a place: belongs to V sum W.
-  float taken(std::size_t place) const { return std::min(shares_[place], most_taken); }
+  /// What they take of the room around a index: belongs to V sum W.
+  float taken(std::size_t index) const { return std::min(shares_[index], most_taken); }
   /// After pressures moved the fluid's places: what these have given, times the substep [kg m]. Moves the
   /// world's particles.
   std::span<const Vec3f> press(std::span<const Vec4f> x, std::span<const Vec3f> moved,
@@ -72,7 +72,7 @@ class SmallBodies {
 
  private:
   struct Near {
-    std::uint32_t place;
+    std::uint32_t index;
     float share;  // s_ib
   };
   /// Of a body in this substep.
@@ -96,7 +96,7 @@ class SmallBodies {
   }
   template <class Function>
   void for_bodies(Threads& threads, const Function& f);
-  void place(const ParticleView& particles);
+  void update_states(const ParticleView& particles);
   void find_near(std::size_t body, std::span<const Vec4f> x, std::span<const std::uint32_t> order,
                  const LocalBoundary& local_boundary, const Smoothing& smoothing);
   void find_drag(std::size_t body, const FluidView& fluid, std::span<const std::uint32_t> order,
@@ -111,9 +111,9 @@ class SmallBodies {
   Vec3d origin_{};
   CellOrder order_;
   float inverse_volume_ = 0;   // 1/V [1/m^3]
-  std::vector<float> room_;    // by place: what things fill around it, wet or not
-  std::vector<float> shares_;  // by place: sum_b phi V_b / V s_ib
-  std::vector<Vec3f> given_;   // by place
+  std::vector<float> room_;    // by index: what things fill around it, wet or not
+  std::vector<float> shares_;  // by index: sum_b phi V_b / V s_ib
+  std::vector<Vec3f> given_;   // by index
   std::vector<float> coupling_;    // of the world's particles, and of places [kg]
   std::vector<float> fluid_coupling_;
 };

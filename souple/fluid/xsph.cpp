@@ -24,7 +24,7 @@ void Xsph::apply(const FluidView& fluid, WallFriction walls, float h, Threads& t
     const float wall_drag = h * fluid.x[k].w * V * v.w * wall_friction(smoothing, walls[k].w);
     next_[k] = (next_[k] + walls[k].xyz() * wall_drag) * (1 / (1 + wall_drag));
   });
-  for_places(fluid.size(), threads, [&](std::size_t k) { fluid.v[k].set_xyz(next_[k]); });
+  for_each_index(fluid.size(), threads, [&](std::size_t k) { fluid.v[k].set_xyz(next_[k]); });
 }
 
 }  // namespace souple

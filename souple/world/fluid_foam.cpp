@@ -68,7 +68,7 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
     const BoundaryMesh& mesh = source.meshes[s];
     start_.resize(skin.particles.size());
     end_.resize(skin.particles.size());
-    for_places(skin.particles.size(), threads, [&](std::size_t v) {
+    for_each_index(skin.particles.size(), threads, [&](std::size_t v) {
       Vec3d before{}, after{};
       for (std::size_t k = 0; k < 4; ++k) {
         const std::uint32_t i = skin.particles[v][k];
@@ -92,7 +92,7 @@ void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::
                          float dt, Threads& threads) {
   wanted_.assign(x.begin(), x.end());
   const auto out_of_walls = [&] {
-    for_places(x.size(), threads, [&](std::size_t k) {
+    for_each_index(x.size(), threads, [&](std::size_t k) {
       if (is_finite(x[k])) x[k] = walls_.keep_out(0, start[k], x[k], gap);
     });
   };
@@ -101,7 +101,7 @@ void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::
     bodies_.keep_out(start, x, threads);
     out_of_walls();
   }
-  for_places(x.size(), threads, [&](std::size_t k) {
+  for_each_index(x.size(), threads, [&](std::size_t k) {
     const Vec3f push = x[k] - wanted_[k];
     const float size = length(push);
     if (!(size > 0)) return;
@@ -159,7 +159,7 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
   source.particle.resize(order.size());
   source.share.resize(order.size());
   source.wall_slopes.resize(order.size());
-  for_places(order.size(), *world.threads, [&](std::size_t k) {
+  for_each_index(order.size(), *world.threads, [&](std::size_t k) {
     source.particle[k] = tables_.particle[order[k]];
     source.share[k] = tables_.materials[tables_.fluid[order[k]]].foam;
     source.wall_slopes[k] = sample_planes(local_boundary_.of(k), x[k].xyz(), solver_->smoothing()).slope;

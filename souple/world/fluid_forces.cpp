@@ -17,7 +17,7 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
   const auto x = solver_->positions();
   const auto order = solver_->order();
   wall_friction_.resize(x.size());
-  for_places(x.size(), threads, [&](std::size_t k) {
+  for_each_index(x.size(), threads, [&](std::size_t k) {
     Vec3f motion{};
     float sum = 0, led = 0, left = 1;
     for (BoundaryPlane& plane : local_boundary_.of(k)) {
@@ -56,7 +56,7 @@ Nearest nearest_of(std::span<const BoundaryPlane> planes, const Vec3f& x) {
 void Fluids::find_near_walls(Threads& threads) {
   const auto x = solver_->positions();
   near_walls_.resize(x.size());
-  for_places(x.size(), threads, [&](std::size_t k) {
+  for_each_index(x.size(), threads, [&](std::size_t k) {
     const Nearest nearest = nearest_of(local_boundary_.of(k), x[k].xyz());
     near_walls_[k] = nearest.plane ? NearWall{nearest.plane->normal, nearest.distance} : NearWall{};
   });
@@ -104,7 +104,7 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
     vorticity_.apply(view, epsilon, substep.h, threads);
   if (const float coefficient = most(&FluidMaterial::air_drag); coefficient > 0) {
     covered_.resize(view.size());
-    for_places(view.size(), threads, [&](std::size_t k) { covered_[k] = 1 + solver_->density_error(k); });
+    for_each_index(view.size(), threads, [&](std::size_t k) { covered_[k] = 1 + solver_->density_error(k); });
     const AirDrag air{wind_at(world.settings, world.time), world.settings.wind.air_density, coefficient};
     apply_air_drag(view, covered_, air, substep.h, threads);
   }
@@ -118,7 +118,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   velocity_.resize(order.size() + 1);
   velocity_.back() = {};
   const float exchange = spacing_ * spacing_ * solver_->smoothing().wall(spacing_ / 2).value;
-  for_places(order.size(), threads, [&](std::size_t k) {
+  for_each_index(order.size(), threads, [&](std::size_t k) {
     const FluidMaterial& material = tables_.materials[tables_.fluid[order[k]]];
     velocity_[k] = velocity[tables_.particle[order[k]]];
     if (led_.is_led(order[k])) velocity_[k].set_xyz(led_.velocity(order[k]));
@@ -129,7 +129,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   for (std::size_t k = 0; k < order.size(); ++k)
     fastest = std::max(fastest, static_cast<double>(length_squared(velocity_[k].xyz())));
   account_.note_speed(std::sqrt(fastest), static_cast<double>(substep.h), static_cast<double>(spacing_));
-  for_places(order.size(), threads, [&](std::size_t k) {
+  for_each_index(order.size(), threads, [&](std::size_t k) {
     const std::uint32_t i = order[k];
     velocity[tables_.particle[i]].set_xyz(led_.is_led(i) ? led_.velocity(i) : velocity_[k].xyz());
   });

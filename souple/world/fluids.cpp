@@ -21,26 +21,26 @@ struct Boundary {
   const Smoothing& smoothing;
 
   template <class Function>
-  void for_near(std::size_t places, Threads& threads, const Function& f) const {
-    if (!small_bodies.none()) return for_places(places, threads, f);
+  void for_near(std::size_t count, Threads& threads, const Function& f) const {
+    if (!small_bodies.none()) return for_each_index(count, threads, f);
     const std::span<const std::uint32_t> near = surroundings.near();
-    for_places(near.size(), threads, [&](std::size_t k) { f(near[k]); });
+    for_each_index(near.size(), threads, [&](std::size_t k) { f(near[k]); });
   }
-  BoundarySums sample(std::size_t place, const Vec3f& x) const {
-    const std::span<BoundaryPlane> planes = surroundings.of(place);
+  BoundarySums sample(std::size_t index, const Vec3f& x) const {
+    const std::span<BoundaryPlane> planes = surroundings.of(index);
     for (BoundaryPlane& plane : planes) bodies.follow(plane);
     BoundarySums sums = sample_planes(planes, x, smoothing);
-    if (!small_bodies.none()) sums.value += small_bodies.taken(place);
+    if (!small_bodies.none()) sums.value += small_bodies.taken(index);
     return sums;
   }
   void after_sampling(std::span<const Vec4f> x, CoarsePressure& coarse) const {
     if (bodies.mesh_count() > 0) bodies.find_response(local_boundary, x, coarse);
   }
-  void add_response(std::size_t place, BoundarySums& sums) const {
-    if (bodies.mesh_count() > 0) bodies.add_response(surroundings.of(place), sums);
+  void add_response(std::size_t index, BoundarySums& sums) const {
+    if (bodies.mesh_count() > 0) bodies.add_response(surroundings.of(index), sums);
   }
-  void add_push(std::size_t place, float change) const {
-    for (BoundaryPlane& plane : surroundings.of(place)) plane.push_sum += plane.slope * change;
+  void add_push(std::size_t index, float change) const {
+    for (BoundaryPlane& plane : surroundings.of(index)) plane.push_sum += plane.slope * change;
   }
   void after_pushes(std::span<const float> change) const {
     if (bodies.mesh_count() > 0) bodies.displace(local_boundary, change);
@@ -116,7 +116,7 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
       placed_[k] = {kept.x, kept.y, kept.z, x.w};
     }
   });
-  solver_->place(placed_, threads);
+  solver_->set_positions(placed_, threads);
 }
 
 void Fluids::sample_boundary(Threads& threads) {

@@ -54,7 +54,7 @@ struct Pool {
       velocity[i].y -= gravity * h;
       positions[i].set_xyz(positions[i].xyz() + velocity[i] * h);
     }
-    solver.place(positions, *threads);
+    solver.set_positions(positions, *threads);
     Walls boundary{*this};
     solver.solve(boundary, *threads, h);
     for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -138,7 +138,7 @@ TEST(DensitySolver, ArtificialPressureKeepsParticlesFromMeeting) {
   const auto way = [&](float pressure, float apart, float h) {
     DensitySolver solver(d, {.artificial_pressure = pressure});
     const float w = 1 / (density * d * d * d);
-    solver.place(std::vector<Vec4f>{{0, 0, 0, w}, {apart, 0, 0, w}}, *threads);
+    solver.set_positions(std::vector<Vec4f>{{0, 0, 0, w}, {apart, 0, 0, w}}, *threads);
     Nothing nothing;
     solver.solve(nothing, *threads, h);
     EXPECT_EQ(solver.moved()[0], solver.moved()[1] * -1.0f);
@@ -169,7 +169,7 @@ TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {
     pool.positions[i].set_xyz(pool.positions[i].xyz() * 0.9f);
     if (i % 3 == 0) pool.positions[i].w *= 2;  // lighter ones among the others
   }
-  pool.solver.place(pool.positions, *pool.threads);
+  pool.solver.set_positions(pool.positions, *pool.threads);
   Nothing nothing;
   pool.solver.solve(nothing, *pool.threads);
   Vec3d sum{};

@@ -170,7 +170,7 @@ struct DamBreak {
       keep_in(at, velocity[i]);
       positions[i].set_xyz(at);
     }
-    solver.place(positions, *threads);
+    solver.set_positions(positions, *threads);
     Box box{solver.smoothing()};
     solver.solve(box, *threads);
     for (std::size_t k = 0; k < positions.size(); ++k) {

@@ -90,7 +90,7 @@ TEST(Neighbors, WithAllInstructionSets) {
   const auto near = [&](const kernels::NeighborKernels& k, std::uint32_t i) {
     // Ranges of every length around a register's.
     std::vector<std::uint32_t> list(600);
-    const kernels::PlaceRange ranges[] = {{3, 3}, {5, 6}, {10, 27}, {40, 56}, {100, 133}, {490, 500}};
+    const kernels::IndexRange ranges[] = {{3, 3}, {5, 6}, {10, 27}, {40, 56}, {100, 133}, {490, 500}};
     list.resize(k.near_point(columns, i, ranges, 6, 0.3f, list.data()));
     return list;
   };

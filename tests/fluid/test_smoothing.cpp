@@ -110,7 +110,7 @@ TEST(DensityKernels, GiveTheSameBits) {
       const auto& packed = kernels::find_density_kernels(set, shape);
       // Places 0 to 2 with what the list begins with.
       const std::uint32_t first[] = {0, 64, 64, 304};
-      const kernels::ListsOfPlaces lists{list.data(), first, 0, 3};
+      const kernels::NeighborLists lists{list.data(), first, 0, 3};
       std::array<kernels::DensitySums, 3> sums_a{}, sums_b{};
       std::array<Vec3f, 3> push_a{}, push_b{}, repel_a{}, repel_b{};
       const kernels::Repulsion repulsion{-0.3f, 2};

@@ -59,7 +59,7 @@ struct Drop {
   void substep() {
     for (std::size_t i = 0; i < positions.size(); ++i)
       positions[i].set_xyz(positions[i].xyz() + velocity[i] * h);
-    solver.place(positions, *threads);
+    solver.set_positions(positions, *threads);
     Floor floor{*this};
     solver.solve(floor, *threads);
     for (std::size_t k = 0; k < positions.size(); ++k) {

@@ -18,15 +18,15 @@ constexpr float d = 0.01f, density = 1000;
 struct Periodic {
   static constexpr int n = 16, shell = 8, all = n + 2 * shell;
   FluidArrays fluid;
-  std::vector<std::uint32_t> copy_of;  // by place
+  std::vector<std::uint32_t> copy_of;  // by sorted_index
 
   explicit Periodic(float mu, float jitter, SmoothingShape shape = SmoothingShape::wendland)
       : fluid(positions(jitter), d, density, mu, 2, shape) {
-    std::vector<std::uint32_t> place(fluid.size());
-    for (std::uint32_t k = 0; k < fluid.size(); ++k) place[fluid.order.order()[k]] = k;
+    std::vector<std::uint32_t> sorted_index(fluid.size());
+    for (std::uint32_t k = 0; k < fluid.size(); ++k) sorted_index[fluid.order.order()[k]] = k;
     const auto inner = [](std::uint32_t i) { return (i + n - shell) % n + shell; };
     for (const std::uint32_t i : fluid.order.order())
-      copy_of.push_back(place[inner(i % all) + all * (inner(i / all % all) + all * inner(i / all / all))]);
+      copy_of.push_back(sorted_index[inner(i % all) + all * (inner(i / all % all) + all * inner(i / all / all))]);
   }
   static std::vector<Vec4f> positions(float jitter) {
     const std::vector<Vec4f> box = test::block_of(n, n, n, d, jitter);

@@ -59,7 +59,7 @@ SOUPLE_INLINE inline FourLanes add_lanes(FourLanes a, FourLanes b, FourLanes c, 
   return shuffled<0, 1, 4, 5>(ab, cd) + shuffled<2, 3, 6, 7>(ab, cd);
 }
 
-/// The x, y, z and w of `lanes` records whose places times four stand at `list`.
+/// The x, y, z and w of `lanes` records whose entries times four stand at `list`.
 template <class Set>
 struct Gathered {
   typename Set::Vector x, y, z, w;
@@ -162,7 +162,7 @@ Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* l
 }
 
 template <class Set, class Shape>
-void density_sums_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+void density_sums_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                      DensitySums* result) {
   const SmoothingFactors factors = given;
   const std::uint32_t *entry = lists.entry, *first = lists.first;
@@ -172,7 +172,7 @@ void density_sums_of(const Vec4f* records, const ListsOfPlaces& lists, const Smo
 }
 
 template <class Set, class Shape>
-void density_push_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+void density_push_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                      Vec3f* result) {
   const SmoothingFactors factors = given;
   const std::uint32_t *entry = lists.entry, *first = lists.first;
@@ -182,7 +182,7 @@ void density_push_of(const Vec4f* records, const ListsOfPlaces& lists, const Smo
 }
 
 template <class Set, class Shape>
-void density_repel_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+void density_repel_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                       const Repulsion& repulsion, Vec3f* result) {
   const SmoothingFactors factors = given;
   const SomeRepulsion<Set> repel{repulsion};
@@ -199,9 +199,9 @@ Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at,
   Sixteen<Set> vx, vy, vz;
   for (std::size_t k = 0; k < count; k += 16) {
     for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const std::uint32_t* places = list + k + static_cast<std::size_t>(r * Set::lanes);
-      const Near<Set> near(Gathered<Set>(&records->x, places), at, factors);
-      const Gathered<Set> other(&values->x, places);
+      const std::uint32_t* entries = list + k + static_cast<std::size_t>(r * Set::lanes);
+      const Near<Set> near(Gathered<Set>(&records->x, entries), at, factors);
+      const Gathered<Set> other(&values->x, entries);
       const T weight = T(factors.value_factor) * Shape::value(near.q);
       vx.add(r, weight * (T(other.x) - T(value.x)));
       vy.add(r, weight * (T(other.y) - T(value.y)));

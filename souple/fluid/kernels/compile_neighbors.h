@@ -75,7 +75,7 @@ struct Hits {
 };
 
 template <class Set>
-std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const PlaceRange* ranges,
+std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const IndexRange* ranges,
                          std::size_t range_count, float radius_squared, std::uint32_t* found) {
   using Vector = typename Set::Vector;
   const float *x = points.component[0], *y = points.component[1], *z = points.component[2];

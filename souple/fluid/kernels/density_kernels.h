@@ -33,7 +33,7 @@ struct Repulsion {
 };
 
 /// The lists of consecutive places: of place begin + k, entry[first[k]] up to entry[first[k + 1]].
-struct ListsOfPlaces {
+struct NeighborLists {
   const std::uint32_t *entry, *first;
   std::uint32_t begin, end;
 };
@@ -42,12 +42,12 @@ struct ListsOfPlaces {
 /// away that its terms are zero.
 struct DensityKernels {
   /// `sums` and `push` of place begin + k go to result[k]: without a call for each.
-  void (*sums_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+  void (*sums_of)(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
                   DensitySums* result);
-  void (*push_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+  void (*push_of)(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
                   Vec3f* result);
   /// The same with a repulsion of each pair.
-  void (*repel_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+  void (*repel_of)(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
                    const Repulsion& repulsion, Vec3f* result);
   /// `records`: x, y, z and the inverse mass w.
   DensitySums (*sums)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,

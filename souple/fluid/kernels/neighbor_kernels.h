@@ -8,7 +8,7 @@
 namespace souple::kernels {
 
 /// Places [begin, end).
-struct PlaceRange {
+struct IndexRange {
   std::uint32_t begin, end;
 };
 
@@ -21,7 +21,7 @@ struct NeighborKernels {
   /// Which points of the ranges are closer to point i than the square root of `radius_squared`, itself left
   /// out: their places times four (where their record of four floats begins), written to `found` in order.
   /// Returns how many; room for 16 more than all is needed.
-  std::uint32_t (*near_point)(const PointColumns& points, std::uint32_t i, const PlaceRange* ranges,
+  std::uint32_t (*near_point)(const PointColumns& points, std::uint32_t i, const IndexRange* ranges,
                               std::size_t range_count, float radius_squared, std::uint32_t* found);
 };
 
