@@ -2,7 +2,7 @@
 
 #include "souple/fluid/kernels/find_kernels.h"
 #include "souple/fluid/kernels/shapes.h"
-#include "souple/fluid/share_out.h"
+#include "souple/fluid/parallel_for.h"
 
 #include <algorithm>
 #include <array>
@@ -39,14 +39,14 @@ DensitySolver::DensitySolver(float spacing, const Options& options)
       margin_(margin_spacings * spacing) {}
 
 /// f(lists of consecutive places), for all, at most so many at a time.
-constexpr std::uint32_t together = 128;
+constexpr std::uint32_t lists_per_call = 128;
 
 template <class Function>
 void DensitySolver::for_lists(Threads& threads, const Function& f) const {
   const auto blocks = neighbors_.blocks();
-  share_out(blocks.size(), threads, [&](std::size_t b) {
-    for (std::uint32_t from = blocks[b].begin; from < blocks[b].end; from += together)
-      f(blocks[b].lists(from, std::min(from + together, blocks[b].end)));
+  parallel_for(blocks.size(), threads, [&](std::size_t b) {
+    for (std::uint32_t from = blocks[b].begin; from < blocks[b].end; from += lists_per_call)
+      f(blocks[b].lists(from, std::min(from + lists_per_call, blocks[b].end)));
   });
 }
 
@@ -104,7 +104,7 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
   const float least = 1e-3f / (d * d);  // of a particle alone
   const float soft = softness();
   for_lists(threads, [&](const kernels::NeighborLists& lists) {
-    std::array<kernels::DensitySums, together> found;
+    std::array<kernels::DensitySums, lists_per_call> found;
     kernels_->sums_of(x_.data(), lists, smoothing_.factors(), found.data());
     for (std::uint32_t k = lists.begin; k < lists.end; ++k) {
       const kernels::DensitySums& sums = found[k - lists.begin];
@@ -158,7 +158,7 @@ void DensitySolver::relax(Threads& threads) {
 
 void DensitySolver::push_fluid(Threads& threads) {
   for_lists(threads, [&](const kernels::NeighborLists& lists) {
-    std::array<Vec3f, together> found;
+    std::array<Vec3f, lists_per_call> found;
     if (repulsion_.strength == 0)
       kernels_->push_of(q_.data(), lists, smoothing_.factors(), found.data());
     else

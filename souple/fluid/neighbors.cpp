@@ -66,14 +66,14 @@ class Windows {
 
 void Neighbors::find(const CellOrder& order, float radius, Threads& threads) {
   if (kernels_ == nullptr) kernels_ = &kernels::find_neighbor_kernels(instruction_set());
-  cut(order);
+  make_blocks(order);
   threads.for_each(block_count_, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) find_in(order, b, radius);
   });
 }
 
 // Whole cells, about 1024 particles_per_block a block.
-void Neighbors::cut(const CellOrder& order) {
+void Neighbors::make_blocks(const CellOrder& order) {
   constexpr std::uint32_t particles_per_block = 1024;
   first_cell_.clear();
   std::uint32_t next = 0;

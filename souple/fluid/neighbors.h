@@ -52,7 +52,7 @@ class Neighbors {
   std::size_t bytes() const;
 
  private:
-  void cut(const CellOrder& order);
+  void make_blocks(const CellOrder& order);
   void find_in(const CellOrder& order, std::size_t block, float radius) const;
 
   const kernels::NeighborKernels* kernels_ = nullptr;

@@ -13,7 +13,7 @@ namespace souple {
 /// in order, as Threads::for_each would give them to it, and then what others have left: parts that take
 /// equally long are rare, and a processor may be away. What f writes must not depend on who calls it.
 template <class Function>
-void share_out(std::size_t n, Threads& threads, const Function& f) {
+void parallel_for(std::size_t n, Threads& threads, const Function& f) {
   constexpr std::size_t most_parts = 64;
   struct alignas(64) Part {
     std::atomic<std::size_t> next{0};
