@@ -90,8 +90,8 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   if (bodies_.mesh_count() > 0)
     body_friction_.apply(view, local_boundary_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
-  if (!small_bodies_.none())
-    small_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h, world.particles.velocity,
+  if (!sub_resolution_bodies_.none())
+    sub_resolution_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h, world.particles.velocity,
                        world.particles.position, threads);
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);

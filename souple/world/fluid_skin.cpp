@@ -89,7 +89,7 @@ std::vector<Vec3f> points_in_ball(float radius, float spacing) {
 
 // The points of a large one have together its section, by which it drags.
 void append_grains(const Object& object, float spacing, float radius, std::span<const float> mass,
-                   std::uint32_t number, std::vector<SmallBody>& bodies) {
+                   std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   const std::vector<Vec3f> points = points_in_ball(radius, spacing);
   const float part = 1 / static_cast<float>(points.size());
   const float volume = 4 * static_cast<float>(pi) / 3 * radius * radius * radius;
@@ -106,7 +106,7 @@ void append_grains(const Object& object, float spacing, float radius, std::span<
 
 // Pieces no longer than the spacing, each in the middle of its part of a segment.
 void append_rope(const Object& object, float spacing, float radius, std::span<const float> mass,
-                 std::uint32_t number, std::vector<SmallBody>& bodies) {
+                 std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   constexpr double most_pieces = 64;  // of a segment
   double all = 0, weight = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i) weight += static_cast<double>(mass[i]);
@@ -130,8 +130,8 @@ void append_rope(const Object& object, float spacing, float radius, std::span<co
 
 }  // namespace
 
-void append_small_bodies(const Object& object, float spacing, std::span<const float> mass,
-                         std::uint32_t number, std::vector<SmallBody>& bodies) {
+void append_sub_resolution_bodies(const Object& object, float spacing, std::span<const float> mass,
+                         std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   const float radius = contact_radius(object.material);
   if (object.kind == ObjectKind::grains) append_grains(object, spacing, radius, mass, number, bodies);
   if (object.kind == ObjectKind::rope) append_rope(object, spacing, radius, mass, number, bodies);

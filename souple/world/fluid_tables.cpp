@@ -8,11 +8,11 @@
 
 namespace souple {
 
-void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, SmallBodies& small_bodies) {
+void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, SubResolutionBodies& sub_resolution_bodies) {
   with_boundary.clear();
   small.clear();
   std::vector<BoundaryMesh> boundaries;
-  std::vector<SmallBody> pieces;
+  std::vector<SubResolutionBody> pieces;
   float spacing = 0;
   for (const auto& object : world.objects)
     if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
@@ -23,12 +23,12 @@ void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, Smal
       continue;
     }
     const std::size_t before = pieces.size();
-    append_small_bodies(*world.objects[o], spacing, world.particles.mass,
+    append_sub_resolution_bodies(*world.objects[o], spacing, world.particles.mass,
                         static_cast<std::uint32_t>(small.size()), pieces);
     if (pieces.size() > before) small.push_back(o);
   }
   bodies.set_meshes(std::move(boundaries));
-  small_bodies.set_bodies(std::move(pieces));
+  sub_resolution_bodies.set_bodies(std::move(pieces));
 }
 
 void FluidTables::find_particles(const WorldState& world) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/fluid/fluid_bodies.h"
-#include "souple/fluid/small_bodies.h"
+#include "souple/fluid/sub_resolution_bodies.h"
 #include "souple/world/materials.h"
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct FluidTables {
   std::vector<std::uint8_t> meets, feels, feels_small;
 
   /// Which objects are with_boundary or small, and how fluids feel them: after objects came, went or changed.
-  void find_bodies(const WorldState& world, FluidBodies& bodies, SmallBodies& small_bodies);
+  void find_bodies(const WorldState& world, FluidBodies& bodies, SubResolutionBodies& sub_resolution_bodies);
   /// All the others: before each step.
   void find_particles(const WorldState& world);
 };

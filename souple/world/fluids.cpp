@@ -17,12 +17,12 @@ constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps pa
 struct Boundary {
   LocalBoundary& local_boundary;
   FluidBodies& bodies;
-  const SmallBodies& small_bodies;
+  const SubResolutionBodies& sub_resolution_bodies;
   const Smoothing& smoothing;
 
   template <class Function>
   void for_near(std::size_t count, Threads& threads, const Function& f) const {
-    if (!small_bodies.none()) return for_each_index(count, threads, f);
+    if (!sub_resolution_bodies.none()) return for_each_index(count, threads, f);
     const std::span<const std::uint32_t> near = surroundings.near();
     for_each_index(near.size(), threads, [&](std::size_t k) { f(near[k]); });
   }
@@ -30,7 +30,7 @@ struct Boundary {
     const std::span<BoundaryPlane> planes = surroundings.of(index);
     for (BoundaryPlane& plane : planes) bodies.follow(plane);
     BoundarySums sums = sample_planes(planes, x, smoothing);
-    if (!small_bodies.none()) sums.value += small_bodies.taken(index);
+    if (!sub_resolution_bodies.none()) sums.value += sub_resolution_bodies.taken(index);
     return sums;
   }
   void after_sampling(std::span<const Vec4f> x, CoarsePressure& coarse) const {
@@ -71,7 +71,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   const Vec3d first = world.exact_position(tables_.particle[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
   bodies_.begin_step(tables_.feels, origin_);
-  small_bodies_.begin_step(tables_.feels_small, tables_.small.size(), tables_.fluid, origin_);
+  sub_resolution_bodies_.begin_step(tables_.feels_small, tables_.small.size(), tables_.fluid, origin_);
   world.guarded("a collider's motion", [&] {
     walls_.begin_step(world.tables.colliders, tables_.meets, origin_, tables_.particle.size(), world.time);
   });
@@ -143,9 +143,9 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   if (bodies_.mesh_count() > 0)
     bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::search_radius(smoothing), threads);
   sample_boundary(threads);
-  if (!small_bodies_.none())
-    small_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles, threads);
-  Boundary boundary{local_boundary_, bodies_, small_bodies_, smoothing};
+  if (!sub_resolution_bodies_.none())
+    sub_resolution_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles, threads);
+  Boundary boundary{local_boundary_, bodies_, sub_resolution_bodies_, smoothing};
   solver_->solve(boundary, threads, substep.h);
   move(particles, threads);
   account_.note_pressures(*solver_, local_boundary_, world.tables.colliders.size(), substep.h, substep.count,
@@ -156,8 +156,8 @@ void Fluids::press(WorldState& world, const Substep& substep) {
 void Fluids::move(const ParticleView& particles, Threads& threads) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();
-  const auto given = small_bodies_.none() ? std::span<const Vec3f>{}
-                                          : small_bodies_.press(solver_->positions(), moved, particles);
+  const auto given = sub_resolution_bodies_.none() ? std::span<const Vec3f>{}
+                                          : sub_resolution_bodies_.press(solver_->positions(), moved, particles);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (led_.is_led(order[k])) continue;

@@ -3,7 +3,7 @@
 #include "souple/fluid/body_friction.h"
 #include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
-#include "souple/fluid/small_bodies.h"
+#include "souple/fluid/sub_resolution_bodies.h"
 #include "souple/fluid/surface_tension.h"
 #include "souple/fluid/viscosity.h"
 #include "souple/fluid/vorticity.h"
@@ -25,7 +25,7 @@ struct WorldState;
 class Fluids {
  public:
   /// After objects came, went or changed.
-  void build(const WorldState& world) { tables_.find_bodies(world, bodies_, small_bodies_); }
+  void build(const WorldState& world) { tables_.find_bodies(world, bodies_, sub_resolution_bodies_); }
   /// Finds out which particles there are. Nothing of the last step is used again.
   void begin_step(WorldState& world, double dt);
   bool none() const { return tables_.particle.empty(); }
@@ -63,7 +63,7 @@ class Fluids {
   LocalBoundary local_boundary_;
   FluidWalls walls_;
   FluidBodies bodies_;
-  SmallBodies small_bodies_;
+  SubResolutionBodies sub_resolution_bodies_;
   LedParticles led_;
   Vec3d origin_{};             // of the fluids' positions [m]
   std::vector<Vec4f> placed_;  // x, y, z from the origin and inverse mass

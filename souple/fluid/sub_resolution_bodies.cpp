@@ -1,4 +1,4 @@
-#include "souple/fluid/small_bodies.h"
+#include "souple/fluid/sub_resolution_bodies.h"
 
 #include "souple/collision/place.h"
 
@@ -12,25 +12,25 @@ namespace {
 constexpr float reach_spacings = 2.5f;                              // R
 constexpr float kernel_integral = 8 * static_cast<float>(pi) / 15;  // of w over R^3
 constexpr float whole = 0.95f;   // of what a thing deep in the fluid counts at least, on a lattice
-constexpr float most_times = 4;  // the fluid's push
+constexpr float max_push_ratio = 4;  // the fluid's push
 constexpr float ball_drag = 0.47f, across_drag = 1.2f, along_drag = 0.03f;
 
 }  // namespace
 
 template <class Function>
-void SmallBodies::for_bodies(Threads& threads, const Function& f) {
+void SubResolutionBodies::for_bodies(Threads& threads, const Function& f) {
   threads.for_each(blocks_.size(), 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k)
       for (std::size_t b = k * block_size; b < std::min(bodies_.size(), (k + 1) * block_size); ++b) f(b);
   });
 }
 
-void SmallBodies::update_states(const ParticleView& particles) {
+void SubResolutionBodies::update_states(const ParticleView& particles) {
   states_.resize(bodies_.size());
   blocks_.resize((bodies_.size() + block_size - 1) / block_size);
   for (Block& block : blocks_) block.near.clear();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const SmallBody& body = bodies_[b];
+    const SubResolutionBody& body = bodies_[b];
     const Vec3d first = souple::place(particles, body.particles[0]) - origin_;
     const Vec3d second = souple::place(particles, body.particles[1]) - origin_;
     const Vec3f way(second - first);
@@ -42,7 +42,7 @@ void SmallBodies::update_states(const ParticleView& particles) {
 }
 
 // What lies within R, and how much of the kernel it fills.
-void SmallBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<const std::uint32_t> order,
+void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<const std::uint32_t> order,
                             const LocalBoundary& local_boundary, const Smoothing& smoothing) {
   State& state = states_[b];
   std::vector<Near>& near = blocks_[b / block_size].near;
@@ -77,7 +77,7 @@ void SmallBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<c
 }
 
 // What other things fill around a thing is no air: it counts as the fluid would that they displace.
-void SmallBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
+void SubResolutionBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
                        const LocalBoundary& local_boundary, const Smoothing& smoothing,
                        const ParticleView& particles, Threads& threads) {
   update_states(particles);
@@ -86,34 +86,34 @@ void SmallBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> 
   order_.build(x, reach, threads);
   for_bodies(threads, [&](std::size_t b) { find_near(b, x, order, local_boundary, smoothing); });
   inverse_volume_ = 1 / smoothing.volume();
-  room_.assign(x.size(), 0);
-  shares_.assign(x.size(), 0);
+  filled_.assign(x.size(), 0);
+  displaced_.assign(x.size(), 0);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const float part = bodies_[b].volume * states_[b].near_sum / all;
-    for (const Near& n : near(b)) room_[n.index] += part * n.share;
+    for (const Near& n : near(b)) filled_[n.index] += part * n.share;
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     State& state = states_[b];
     float fluid_part = 0;
-    for (const Near& n : near(b)) fluid_part += n.share / (1 - std::min(room_[n.index], most_taken));
-    state.wet = std::min(1.0f, smoothing.volume() * state.sum * fluid_part / (whole * all));
-    const float part = state.wet * bodies_[b].volume * inverse_volume_;
-    for (const Near& n : near(b)) shares_[n.index] += part * n.share;
+    for (const Near& n : near(b)) fluid_part += n.share / (1 - std::min(filled_[n.index], max_displaced));
+    state.submerged = std::min(1.0f, smoothing.volume() * state.sum * fluid_part / (whole * all));
+    const float part = state.submerged * bodies_[b].volume * inverse_volume_;
+    for (const Near& n : near(b)) displaced_[n.index] += part * n.share;
   }
 }
 
-std::span<const Vec3f> SmallBodies::press(std::span<const Vec4f> x, std::span<const Vec3f> moved,
+std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f> x, std::span<const Vec3f> moved,
                                           const ParticleView& particles) {
   given_.assign(x.size(), Vec3f{});
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const SmallBody& body = bodies_[b];
+    const SubResolutionBody& body = bodies_[b];
     float mass = 0;
     for (const Near& n : near(b)) mass += n.share / x[n.index].w;
-    float part = states_[b].wet * body.volume * inverse_volume_;
-    if (part * mass > most_times * body.mass) part = most_times * body.mass / mass;
+    float part = states_[b].submerged * body.volume * inverse_volume_;
+    if (part * mass > max_push_ratio * body.mass) part = max_push_ratio * body.mass / mass;
     Vec3f push{};
     for (const Near& n : near(b)) {
-      const Vec3f given = moved[n.index] * (part * n.share / ((1 + shares_[n.index]) * x[n.index].w));
+      const Vec3f given = moved[n.index] * (part * n.share / ((1 + displaced_[n.index]) * x[n.index].w));
       given_[n.index] += given;
       push += given;
     }
@@ -126,9 +126,9 @@ std::span<const Vec3f> SmallBodies::press(std::span<const Vec4f> x, std::span<co
 }
 
 // The impulse that would be without others and without giving way; `across` bounds how stiff it is.
-void SmallBodies::find_drag(std::size_t b, const FluidView& fluid, std::span<const std::uint32_t> order,
+void SubResolutionBodies::find_drag(std::size_t b, const FluidView& fluid, std::span<const std::uint32_t> order,
                             std::span<const float> viscosity, float h, std::span<const Vec4f> velocity) {
-  const SmallBody& body = bodies_[b];
+  const SubResolutionBody& body = bodies_[b];
   State& state = states_[b];
   Vec3f u{};
   float mass = 0, mu = 0;
@@ -140,20 +140,20 @@ void SmallBodies::find_drag(std::size_t b, const FluidView& fluid, std::span<con
   for (std::size_t c = 0; c < 2; ++c) u -= velocity[body.particles[c]].xyz() * body.weights[c];
   const float rho = mass / fluid.smoothing.volume(), r = body.radius, l = body.length;
   const auto circle = static_cast<float>(pi);
-  const float hold = h * state.wet;
+  const float scale = h * state.submerged;
   if (l == 0) {
-    state.across = hold * (6 * circle * mu * r + 0.5f * rho * ball_drag * circle * r * r * length(u));
+    state.across = scale * (6 * circle * mu * r + 0.5f * rho * ball_drag * circle * r * r * length(u));
     state.pull = u * state.across;
     return;
   }
   const Vec3f along = state.axis * dot(state.axis, u), across = u - along;
-  state.across = hold * (4 * circle * mu * l + rho * across_drag * r * l * length(across));
-  const float slide = hold * (2 * circle * mu * l + rho * along_drag * r * l * length(along));
+  state.across = scale * (4 * circle * mu * l + rho * across_drag * r * l * length(across));
+  const float slide = scale * (2 * circle * mu * l + rho * along_drag * r * l * length(along));
   state.pull = across * state.across + along * slide;
   state.across = std::max(state.across, slide);
 }
 
-void SmallBodies::drag(const FluidView& fluid, std::span<const std::uint32_t> order,
+void SubResolutionBodies::drag(const FluidView& fluid, std::span<const std::uint32_t> order,
                        std::span<const float> viscosity, float h, std::span<Vec4f> velocity,
                        std::span<const Vec4f> inverse_mass, Threads& threads) {
   for_bodies(threads, [&](std::size_t b) { find_drag(b, fluid, order, viscosity, h, velocity); });

@@ -14,7 +14,7 @@
 namespace souple {
 
 /// A grain, or a piece of one or of a rope, about as large as a fluid's particles are apart or less.
-struct SmallBody {
+struct SubResolutionBody {
   std::array<std::uint32_t, 2> particles{};  ///< of the world, that it hangs on
   std::array<float, 2> weights{};            ///< they sum to 1
   Vec3f offset{};                            ///< from there: things do not turn [m]
@@ -37,7 +37,7 @@ struct SmallBody {
 /// weight: so things are lifted with the weight of the fluid in their volume, wherever its particles happen
 /// to lie, be there many or few of them. phi_b, the part of a thing that is in the fluid, is sum_i V w_ib
 /// over the integral of w, the mirror images of particles behind walls included. c_b limits what a light
-/// thing gets to most_times what moves the fluid (in nature the mass that it takes along does that).
+/// thing gets to max_push_ratio what moves the fluid (in nature the mass that it takes along does that).
 ///
 /// Drag is that of a ball or a cylinder, with u = the mean velocity around it less its own:
 ///
@@ -47,9 +47,9 @@ struct SmallBody {
 ///
 /// taken from the particles around by s_ib, with the bound of body_friction.h for stability. e_i is added to
 /// the density C, so the fluid's level rises by what is in it.
-class SmallBodies {
+class SubResolutionBodies {
  public:
-  void set_bodies(std::vector<SmallBody> bodies) { bodies_ = std::move(bodies); }
+  void set_bodies(std::vector<SubResolutionBody> bodies) { bodies_ = std::move(bodies); }
   bool none() const { return bodies_.empty(); }
   /// meets[fluid * objects + o]: whether a fluid feels an object; `fluid` of its particles by number.
   void begin_step(std::span<const std::uint8_t> meets, std::size_t objects,
@@ -60,12 +60,12 @@ class SmallBodies {
   void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order, const LocalBoundary& local_boundary,
             const Smoothing& smoothing, const ParticleView& particles, Threads& threads);
   /// What they take of the room around a index: belongs to V sum W.
-  float taken(std::size_t index) const { return std::min(shares_[index], most_taken); }
+  float displaced_fraction(std::size_t index) const { return std::min(displaced_[index], max_displaced); }
   /// After pressures moved the fluid's places: what these have given, times the substep [kg m]. Moves the
   /// world's particles.
-  std::span<const Vec3f> press(std::span<const Vec4f> x, std::span<const Vec3f> moved,
+  std::span<const Vec3f> apply_pressure(std::span<const Vec4f> x, std::span<const Vec3f> moved,
                                const ParticleView& particles);
-  /// Drag over h seconds, on what the last press found; `viscosity` of each fluid [Pa s]. `velocity` [m/s]
+  /// Drag over h seconds, on what the last apply_pressure found; `viscosity` of each fluid [Pa s]. `velocity` [m/s]
   /// and `inverse_mass` (w, [1/kg]) of the world's particles.
   void drag(const FluidView& fluid, std::span<const std::uint32_t> order, std::span<const float> viscosity,
             float h, std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass, Threads& threads);
@@ -78,7 +78,7 @@ class SmallBodies {
   /// Of a body in this substep.
   struct State {
     std::uint32_t begin = 0, end = 0;  // in its block's `near`
-    float wet = 0;                     // phi
+    float submerged = 0;                     // phi
     float near_sum = 0, sum = 0;       // of w over particles; and their mirror images
     Vec3f at{}, axis{};                // from the origin [m]; unit, zero of a ball
     Vec3f pull{};                      // impulse of the drag [kg m/s]
@@ -88,7 +88,7 @@ class SmallBodies {
     std::vector<Near> near;
   };
   static constexpr std::size_t block_size = 64;
-  static constexpr float most_taken = 0.6f;  // of the room around a particle
+  static constexpr float max_displaced = 0.6f;  // of the room around a particle
 
   std::span<const Near> near(std::size_t b) const {
     const State& state = states_[b];
@@ -102,7 +102,7 @@ class SmallBodies {
   void find_drag(std::size_t body, const FluidView& fluid, std::span<const std::uint32_t> order,
                  std::span<const float> viscosity, float h, std::span<const Vec4f> velocity);
 
-  std::vector<SmallBody> bodies_;
+  std::vector<SubResolutionBody> bodies_;
   std::vector<State> states_;
   std::vector<Block> blocks_;
   std::span<const std::uint8_t> meets_;
@@ -111,8 +111,8 @@ class SmallBodies {
   Vec3d origin_{};
   CellOrder order_;
   float inverse_volume_ = 0;   // 1/V [1/m^3]
-  std::vector<float> room_;    // by index: what things fill around it, wet or not
-  std::vector<float> shares_;  // by index: sum_b phi V_b / V s_ib
+  std::vector<float> filled_;    // by index: what things fill around it, submerged or not
+  std::vector<float> displaced_;  // by index: sum_b phi V_b / V s_ib
   std::vector<Vec3f> given_;   // by index
   std::vector<float> coupling_;    // of the world's particles, and of places [kg]
   std::vector<float> fluid_coupling_;
