@@ -144,10 +144,10 @@ void CellOrder::sort_pass(const std::vector<Item>& from, std::vector<Item>& to, 
 
 template <class Item>
 void CellOrder::store_order(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads) {
-  constexpr std::size_t room = 16;
+  constexpr std::size_t padding = 16;
   const std::size_t n = sorted.size();
   order_.resize(n);
-  for (std::vector<float>& component : component_) component.resize(n + room);
+  for (std::vector<float>& component : component_) component.resize(n + padding);
   for_chunks(n, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = particle(sorted[k]);

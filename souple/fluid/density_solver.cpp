@@ -51,7 +51,7 @@ void DensitySolver::for_lists(Threads& threads, const Function& f) const {
 }
 
 void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& threads) {
-  if (!lists_hold(positions)) find_neighbors(positions, threads);
+  if (!lists_are_valid(positions)) find_neighbors(positions, threads);
   const auto order = order_.order();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -65,23 +65,23 @@ void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& thr
 
 // Two particles that were further apart than support and margin cannot meet before one of them has moved by
 // half the margin against the mean motion.
-bool DensitySolver::lists_hold(std::span<const Vec4f> positions) const {
+bool DensitySolver::lists_are_valid(std::span<const Vec4f> positions) const {
   if (positions.size() != listed_.size()) return false;
   Vec3d mean{};
   for (std::size_t i = 0; i < positions.size(); ++i)
     mean = mean + Vec3d(positions[i].xyz() - listed_[i].xyz());
   const Vec3f shift(mean * (1 / std::max(1.0, static_cast<double>(positions.size()))));
-  const float room = 0.25f * margin_ * margin_;
+  const float margin_squared = 0.25f * margin_ * margin_;
   return std::all_of(positions.begin(), positions.end(), [&, i = std::size_t{0}](const Vec4f& p) mutable {
-    const Vec3f way = p.xyz() - listed_[i++].xyz() - shift;
-    return dot(way, way) < room;
+    const Vec3f displacement = p.xyz() - listed_[i++].xyz() - shift;
+    return dot(displacement, displacement) < margin_squared;
   });
 }
 
 void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& threads) {
-  const float reach = smoothing_.support() + margin_;
-  order_.build(positions, reach, threads);
-  neighbors_.find(order_, reach, threads);
+  const float search_radius = smoothing_.support() + margin_;
+  order_.build(positions, search_radius, threads);
+  neighbors_.find(order_, search_radius, threads);
   listed_.assign(positions.begin(), positions.end());
   const std::size_t n = positions.size();
   x_.resize(n + 1);

@@ -125,7 +125,7 @@ class DensitySolver {
   int coarse_iterations() const { return coarse_.iterations(); }
 
  private:
-  bool lists_hold(std::span<const Vec4f> positions) const;
+  bool lists_are_valid(std::span<const Vec4f> positions) const;
   void find_neighbors(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
   void find_sums(Boundary& boundary, Threads& threads) {

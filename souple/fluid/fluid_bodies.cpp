@@ -10,9 +10,9 @@ namespace souple {
 
 namespace {
 
-// In parts of the reach.
-constexpr float room_share = 0.25f;  // of the lists of candidates
-constexpr float deepest = 1.0f / 3;  // how far inside a body a particle is still pushed out
+// In parts of the search_radius.
+constexpr float margin_share = 0.25f;  // of the lists of candidates
+constexpr float max_depth = 1.0f / 3;  // how far inside a body a particle is still pushed out
 
 Vec3f corner_mix(const Triangle& t, const Vec3f& weights, const std::vector<Vec3f>& at) {
   return at[t[0]] * weights.x + at[t[1]] * weights.y + at[t[2]] * weights.z;
@@ -72,39 +72,39 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
 }
 
 void FluidBodies::begin_substep(const ParticleView& particles, std::span<const float> mass,
-                                std::span<const Vec4f> positions, float reach, Threads& threads) {
+                                std::span<const Vec4f> positions, float search_radius, Threads& threads) {
   states_.resize(meshes_.size());
   for (std::size_t s = 0; s < meshes_.size(); ++s) update_state(meshes_[s], states_[s], particles, mass);
-  if (!lists_hold(positions)) list(positions, reach, threads);
+  if (!lists_are_valid(positions)) find_candidates(positions, search_radius, threads);
 }
 
 // --- who may be near -----------------------------------------------------------------------------
 
-bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
+bool FluidBodies::lists_are_valid(std::span<const Vec4f> positions) const {
   if (listed_.size() != positions.size()) return false;
   float farthest = 0, farthest_vertex = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Vec3f way = positions[i].xyz() - listed_[i].xyz();
-    farthest = std::max(farthest, dot(way, way));
+    const Vec3f offset = positions[i].xyz() - listed_[i].xyz();
+    farthest = std::max(farthest, dot(offset, offset));
   }
   for (std::size_t s = 0; s < meshes_.size(); ++s)
     for (std::size_t v = 0; v < states_[s].now.size(); ++v) {
-      const Vec3f way = states_[s].now[v] - listed_vertices_[s][v];
-      farthest_vertex = std::max(farthest_vertex, dot(way, way));
+      const Vec3f offset = states_[s].now[v] - listed_vertices_[s][v];
+      farthest_vertex = std::max(farthest_vertex, dot(offset, offset));
     }
-  return std::sqrt(farthest) + std::sqrt(farthest_vertex) < listed_room_;
+  return std::sqrt(farthest) + std::sqrt(farthest_vertex) < listed_margin_;
 }
 
-void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& threads) {
+void FluidBodies::find_candidates(std::span<const Vec4f> positions, float search_radius, Threads& threads) {
   listed_.assign(positions.begin(), positions.end());
-  listed_room_ = room_share * reach;
+  listed_margin_ = margin_share * search_radius;
   listed_vertices_.resize(meshes_.size());
   found_.clear();
-  order_.build(positions, reach, threads);
+  order_.build(positions, search_radius, threads);
   for (std::uint32_t s = 0; s < meshes_.size(); ++s) {
     listed_vertices_[s] = states_[s].now;
     for (std::uint32_t t = 0; t < meshes_[s].triangles.size(); ++t)
-      list_triangle(s, t, positions, reach + listed_room_ + meshes_[s].half_thickness);
+      find_candidates_of(s, t, positions, search_radius + listed_margin_ + meshes_[s].half_thickness);
   }
   first_.assign(positions.size() + 1, 0);
   for (const Candidate& candidate : found_) ++first_[candidate.particle + 1];
@@ -115,9 +115,9 @@ void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& t
   first_[0] = 0;
 }
 
-// Cells of the triangle's box, grown by the reach; then its bounding ball.
-void FluidBodies::list_triangle(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
-                                float reach) {
+// Cells of the triangle's box, grown by the search_radius; then its bounding ball.
+void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
+                                float search_radius) {
   const Triangle& t = meshes_[mesh].triangles[triangle];
   const std::vector<Vec3f>& at = states_[mesh].now;
   const Vec3f middle = (at[t[0]] + at[t[1]] + at[t[2]]) * (1.0f / 3);
@@ -125,17 +125,17 @@ void FluidBodies::list_triangle(std::uint32_t mesh, std::uint32_t triangle, std:
   std::int32_t lo[3], hi[3];
   for (const std::uint32_t v : t) radius = std::max(radius, length(at[v] - middle));
   for (int axis = 0; axis < 3; ++axis) {
-    const float least = std::min({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) - reach;
-    const float most = std::max({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) + reach;
+    const float least = std::min({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) - search_radius;
+    const float most = std::max({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) + search_radius;
     lo[axis] = order_.cell(axis, least);
     hi[axis] = order_.cell(axis, most);
   }
-  const float clear = (radius + reach) * (radius + reach);
+  const float clear = (radius + search_radius) * (radius + search_radius);
   order_.for_each_in(lo, hi, [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t k = begin; k < end; ++k) {
       const std::uint32_t i = order_.order()[k];
-      const Vec3f way = positions[i].xyz() - middle;
-      if (dot(way, way) < clear) found_.push_back({i, mesh, triangle});
+      const Vec3f offset = positions[i].xyz() - middle;
+      if (dot(offset, offset) < clear) found_.push_back({i, mesh, triangle});
     }
   });
 }
@@ -144,7 +144,7 @@ void FluidBodies::list_triangle(std::uint32_t mesh, std::uint32_t triangle, std:
 
 // Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
 // whether it is inside: the others' planes may have it on the wrong side.
-void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
+void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float search_radius,
                        std::vector<BoundaryPlane>& planes) const {
   for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
     const std::uint32_t s = candidates_[c].mesh;
@@ -153,30 +153,30 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
     struct {
       float distance = 0, facing = 0;
       std::uint32_t triangle = BoundaryPlane::none;
-      Vec3f weights{}, way{}, normal{};
+      Vec3f weights{}, offset{}, normal{};
     } best;
-    best.distance = reach + skin.half_thickness;
+    best.distance = search_radius + skin.half_thickness;
     for (; c < first_[i + 1] && candidates_[c].mesh == s; ++c) {
       const Triangle& t = skin.triangles[candidates_[c].triangle];
       const TrianglePoint nearest = closest_on_triangle(Vec3d(x), Vec3d(state.now[t[0]]),
                                                         Vec3d(state.now[t[1]]), Vec3d(state.now[t[2]]));
       const Vec3f weights{static_cast<float>(nearest.a), static_cast<float>(nearest.b),
                           static_cast<float>(nearest.c)};
-      const Vec3f way = x - corner_mix(t, weights, state.now);
-      const float distance = length(way);
-      const float same = 1e-4f * reach;
+      const Vec3f offset = x - corner_mix(t, weights, state.now);
+      const float distance = length(offset);
+      const float same = 1e-4f * search_radius;
       if (distance > best.distance + same) continue;
       const Vec3f normal = area_normal(t, state.now);
       const float size = length(normal);
       if (!(size > 0)) continue;
-      const float facing = std::fabs(dot(normal, way)) / size;
+      const float facing = std::fabs(dot(normal, offset)) / size;
       if (distance > best.distance - same && best.triangle != BoundaryPlane::none && facing <= best.facing)
         continue;
       best = {std::min(distance, best.distance),
               facing,
               candidates_[c].triangle,
               weights,
-              way,
+              offset,
               normal * (1 / size)};
     }
     if (best.triangle == BoundaryPlane::none || meets_[fluid * meshes_.size() + s] == 0) continue;
@@ -187,19 +187,19 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
       const Vec3f before = area_normal(t, state.start);
       if (dot(before, start - corner_mix(t, best.weights, state.start)) < 0) outward = -outward;
     }
-    const float side = dot(outward, best.way) < 0 ? -1.0f : 1.0f;
-    const float distance = length(best.way);
-    const bool on_it = !(distance > 1e-3f * reach);
+    const float side = dot(outward, best.offset) < 0 ? -1.0f : 1.0f;
+    const float distance = length(best.offset);
+    const bool on_it = !(distance > 1e-3f * search_radius);
     BoundaryPlane plane;
-    plane.normal = on_it ? outward : best.way * (side / distance);
+    plane.normal = on_it ? outward : best.offset * (side / distance);
     plane.motion = corner_mix(t, best.weights, state.now) - corner_mix(t, best.weights, state.start);
     plane.mesh = s;
     plane.triangle = best.triangle;
     plane.weights = best.weights;
     follow(plane);
-    // What a body has swallowed it does not feel: all around is body, and nothing says where the way out is.
+    // What a body has swallowed it does not feel: all around is body, and nothing says where the offset out is.
     const float apart = dot(plane.normal, x) - plane.offset;
-    if (apart < reach && apart > -deepest * reach) planes.push_back(plane);
+    if (apart < search_radius && apart > -max_depth * search_radius) planes.push_back(plane);
   }
 }
 
@@ -212,7 +212,7 @@ Vec3f FluidBodies::point(const BoundaryPlane& plane, const std::vector<Vec3f>& v
   return corner_mix(meshes_[plane.mesh].triangles[plane.triangle], plane.weights, vertices);
 }
 
-// --- how bodies give way -------------------------------------------------------------------------
+// --- how bodies give offset -------------------------------------------------------------------------
 
 void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse) {
   for (State& state : states_) {
@@ -320,14 +320,14 @@ void FluidBodies::keep_apart(const BoundaryPlane& plane, std::uint32_t i, const 
   const Vec3f& n = plane.normal;
   if (dot(n, x) - plane.offset > 2 * radius) return;
   const Carriers carriers = carriers_of(plane);
-  Vec3d way = souple::place(particles, i);
+  Vec3d offset = souple::place(particles, i);
   float w = particles.inverse_mass(i);
   for (std::size_t c = 0; c < carriers.count; ++c) {
     const float share = carriers.share[c];
-    way -= souple::place(particles, carriers.particle[c]) * static_cast<double>(share);
+    offset -= souple::place(particles, carriers.particle[c]) * static_cast<double>(share);
     w += share * share * particles.inverse_mass(carriers.particle[c]);
   }
-  const float C = dot(n, Vec3f(way)) - meshes_[plane.mesh].half_thickness - radius;
+  const float C = dot(n, Vec3f(offset)) - meshes_[plane.mesh].half_thickness - radius;
   if (C >= 0 || !(w > 0)) return;
   const Vec3f push = n * (-C / w);
   particles.correct(i, push * particles.inverse_mass(i));

@@ -52,10 +52,10 @@ class FluidBodies {
   /// Where bodies are predicted to be. `positions` of the fluid's particles, by number; `mass` of the world's
   /// particles [kg]. Lists which particles may be near which triangles.
   void begin_substep(const ParticleView& particles, std::span<const float> mass,
-                     std::span<const Vec4f> positions, float reach, Threads& threads);
-  /// Appends what is nearer than `reach` to particle i of a fluid: one plane of each skin. It is at x and was
+                     std::span<const Vec4f> positions, float search_radius, Threads& threads);
+  /// Appends what is nearer than `search_radius` to particle i of a fluid: one plane of each skin. It is at x and was
   /// at `start` when the substep began. Several threads may call it at a time.
-  void find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
+  void find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float search_radius,
             std::vector<BoundaryPlane>& planes) const;
 
   /// A plane goes where its body has gone.
@@ -112,10 +112,10 @@ class FluidBodies {
 
   void update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
              std::span<const float> mass) const;
-  bool lists_hold(std::span<const Vec4f> positions) const;
-  void list(std::span<const Vec4f> positions, float reach, Threads& threads);
-  void list_triangle(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
-                     float reach);
+  bool lists_are_valid(std::span<const Vec4f> positions) const;
+  void find_candidates(std::span<const Vec4f> positions, float search_radius, Threads& threads);
+  void find_candidates_of(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
+                     float search_radius);
   Vec3f point(const BoundaryPlane& plane, const std::vector<Vec3f>& vertices) const;
 
   /// Particles of the world that carry the point a plane touches, each once; shares sum to 1.
@@ -139,7 +139,7 @@ class FluidBodies {
   std::vector<Candidate> found_, candidates_;  // as found; by particle, then as found
   std::vector<std::uint32_t> first_;           // of each particle
   std::vector<Vec4f> listed_;                  // where particles were when they were listed
-  float listed_room_ = 0;                      // how far things may go before they are listed anew [m]
+  float listed_margin_ = 0;                      // how far things may go before they are listed anew [m]
   std::vector<std::vector<Vec3f>> listed_vertices_;
 };
 

@@ -38,15 +38,15 @@ void FluidWalls::begin_substep(double time, double h) {
   }
 }
 
-double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,
+double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
                         std::vector<BoundaryPlane>& planes) const {
   if (!meets(wall, fluid)) return std::numeric_limits<double>::infinity();
   const double clear = at_least(wall, Vec3d(x));
-  if (clear > double{reach}) return clear;
+  if (clear > double{search_radius}) return clear;
   const Vec3d world = origin_ + Vec3d(x);
   const SurfaceDistance surface =
       surface_distance(colliders_[wall.collider].shape, wall.after.to_local(world));
-  if (surface.distance > double{reach}) return surface.distance;
+  if (surface.distance > double{search_radius}) return surface.distance;
   const Vec3f normal(wall.after.rotation * surface.normal);
   Vec3f motion{};
   if (wall.moves) {
@@ -100,11 +100,11 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
   Vec3d at = predicted;
   if (!clear) {
     // A wall further from the way's end than the way is long is not on it.
-    double room = double{radius} + length(at - before);
+    double margin = double{radius} + length(at - before);
     for (const Wall& wall : still_) {
-      if (!meets(wall, fluid) || at_least(wall, at - origin_) > room) continue;
+      if (!meets(wall, fluid) || at_least(wall, at - origin_) > margin) continue;
       at = stopped_by(wall, before, at, double{radius});
-      room = double{radius} + length(at - before);
+      margin = double{radius} + length(at - before);
     }
   }
   for (const Wall& wall : moving_)
@@ -112,15 +112,15 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
   return at == predicted ? x : Vec3f(at - origin_);
 }
 
-void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach,
+void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float search_radius,
                       std::vector<BoundaryPlane>& planes) {
   Clearance& clearance = clearances_[i];
-  if (!(length(x - clearance.at) + reach < clearance.clear)) {
+  if (!(length(x - clearance.at) + search_radius < clearance.clear)) {
     double clear = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : still_) clear = min(clear, meet(wall, fluid, x, reach, planes));
+    for (const Wall& wall : still_) clear = min(clear, meet(wall, fluid, x, search_radius, planes));
     clearance = {x, static_cast<float>(min(clear, 1e30))};
   }
-  for (const Wall& wall : moving_) meet(wall, fluid, x, reach, planes);
+  for (const Wall& wall : moving_) meet(wall, fluid, x, search_radius, planes);
 }
 
 }  // namespace souple

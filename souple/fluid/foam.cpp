@@ -236,12 +236,12 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
     makers_.push_back({k, total, share_[k]});
     total += static_cast<std::uint64_t>(made_[k]);
   }
-  const std::uint64_t room =
+  const std::uint64_t capacity =
       std::min<std::uint64_t>(total, parameters.max_particles - std::min(parameters.max_particles, size()));
-  report_.made = room;
-  report_.thinned = total - room;
-  // Of all that is made, number k stays where k room / total steps up: evenly among the places.
-  const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * room / total : 0; };
+  report_.made = capacity;
+  report_.thinned = total - capacity;
+  // Of all that is made, number k stays where k capacity / total steps up: evenly among the places.
+  const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * capacity / total : 0; };
   start_.clear();
   for (const Maker& maker : makers_) {
     const std::uint64_t end = maker.first + static_cast<std::uint64_t>(made_[maker.index]);

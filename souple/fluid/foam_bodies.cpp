@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t chunk_size = 512;
 
 Bounds grown(const Bounds& box, float by) {
-  const Vec3f room{by, by, by};
-  return {box.lo - room, box.hi + room};
+  const Vec3f margin{by, by, by};
+  return {box.lo - margin, box.hi + margin};
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ void FoamBodies::build(Threads& threads) {
   hash_.build(boxes_, SpatialHash::choose_cell_size(boxes_), threads);
 }
 
-// Which way is out is the way from the nearest point when they meet, not the triangle's normal: it is right
+// Which offset is out is the offset from the nearest point when they meet, not the triangle's normal: it is right
 // at edges as well, and for either side.
 FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x) {
   Moving4 motion;
@@ -50,9 +50,9 @@ FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f&
   for (std::size_t k = 0; k < 4; ++k) at[k] = motion.x[k] + (motion.p[k] - motion.x[k]) * result.time;
   double weight[3];
   nearest_on_triangle(at[0], at[1], at[2], at[3], weight);
-  const Vec3d way = at[0] - (at[1] * weight[0] + at[2] * weight[1] + at[3] * weight[2]);
-  const double distance = length(way);
-  result.normal = distance > 1e-9 ? way / distance : normalized(cross(at[2] - at[1], at[3] - at[1]));
+  const Vec3d offset = at[0] - (at[1] * weight[0] + at[2] * weight[1] + at[3] * weight[2]);
+  const double distance = length(offset);
+  result.normal = distance > 1e-9 ? offset / distance : normalized(cross(at[2] - at[1], at[3] - at[1]));
   result.point = Vec3d(start) + motion.p[1] * weight[0] + motion.p[2] * weight[1] + motion.p[3] * weight[2];
   return result;
 }
@@ -61,7 +61,7 @@ FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f&
 // triangle that it meets first. Who only grazes a triangle goes on.
 Vec3f FoamBodies::stopped(const Vec3f& start, const Vec3f& x, std::vector<std::uint32_t>& near) const {
   constexpr int rounds = 4;
-  constexpr double slack = 1e-3;  // of the gap: floats cannot hold it exactly
+  constexpr double tolerance = 1e-3;  // of the gap: floats cannot hold it exactly
   Vec3f at = x;
   for (int round = 0;; ++round) {
     near.clear();
@@ -72,7 +72,7 @@ Vec3f FoamBodies::stopped(const Vec3f& start, const Vec3f& x, std::vector<std::u
       const Touch touched = touch(triangles_[t], start, at);
       if (!(touched.time < first.time)) continue;
       const double depth = touched.gap - dot(touched.normal, Vec3d(at) - touched.point);
-      if (depth > touched.gap * slack) first = touched, missing = depth;
+      if (depth > touched.gap * tolerance) first = touched, missing = depth;
     }
     if (!(first.time < 1)) return at;
     if (round == rounds) return Vec3f(first.point + first.normal * first.gap);

@@ -9,7 +9,7 @@ namespace souple {
 
 namespace {
 
-constexpr float reach_spacings = 2.5f;                              // R
+constexpr float radius_spacings = 2.5f;                              // R
 constexpr float kernel_integral = 8 * static_cast<float>(pi) / 15;  // of w over R^3
 constexpr float whole = 0.95f;   // of what a thing deep in the fluid counts at least, on a lattice
 constexpr float max_push_ratio = 4;  // the fluid's push
@@ -33,11 +33,11 @@ void SubResolutionBodies::update_states(const ParticleView& particles) {
     const SubResolutionBody& body = bodies_[b];
     const Vec3d first = souple::place(particles, body.particles[0]) - origin_;
     const Vec3d second = souple::place(particles, body.particles[1]) - origin_;
-    const Vec3f way(second - first);
-    const float size = length(way);
+    const Vec3f offset(second - first);
+    const float size = length(offset);
     states_[b].at =
         Vec3f(first * static_cast<double>(body.weights[0]) + second * static_cast<double>(body.weights[1]));
-    states_[b].axis = size > 0 ? way * (1 / size) : Vec3f{};
+    states_[b].axis = size > 0 ? offset * (1 / size) : Vec3f{};
   }
 }
 
@@ -47,15 +47,15 @@ void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x, std
   State& state = states_[b];
   std::vector<Near>& near = blocks_[b / block_size].near;
   state.begin = static_cast<std::uint32_t>(near.size());
-  const float reach = reach_spacings * smoothing.spacing(), scale = 1 / (reach * reach);
+  const float search_radius = radius_spacings * smoothing.spacing(), scale = 1 / (search_radius * search_radius);
   const auto weight = [&](const Vec3f& at) {
-    const Vec3f way = at - state.at;
-    return 1 - dot(way, way) * scale;
+    const Vec3f offset = at - state.at;
+    return 1 - dot(offset, offset) * scale;
   };
   std::int32_t lo[3], hi[3];
   for (int axis = 0; axis < 3; ++axis) {
-    lo[axis] = order_.cell(axis, state.at[axis] - reach);
-    hi[axis] = order_.cell(axis, state.at[axis] + reach);
+    lo[axis] = order_.cell(axis, state.at[axis] - search_radius);
+    hi[axis] = order_.cell(axis, state.at[axis] + search_radius);
   }
   float sum = 0, mirrored = 0;
   order_.for_each_in(lo, hi, [&](std::uint32_t begin, std::uint32_t end) {
@@ -81,9 +81,9 @@ void SubResolutionBodies::find(std::span<const Vec4f> x, std::span<const std::ui
                        const LocalBoundary& local_boundary, const Smoothing& smoothing,
                        const ParticleView& particles, Threads& threads) {
   update_states(particles);
-  const float reach = reach_spacings * smoothing.spacing();
-  const float all = kernel_integral * reach * reach * reach;
-  order_.build(x, reach, threads);
+  const float search_radius = radius_spacings * smoothing.spacing();
+  const float all = kernel_integral * search_radius * search_radius * search_radius;
+  order_.build(x, search_radius, threads);
   for_bodies(threads, [&](std::size_t b) { find_near(b, x, order, local_boundary, smoothing); });
   inverse_volume_ = 1 / smoothing.volume();
   filled_.assign(x.size(), 0);
@@ -125,7 +125,7 @@ std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f
   return given_;
 }
 
-// The impulse that would be without others and without giving way; `across` bounds how stiff it is.
+// The impulse that would be without others and without giving offset; `across` bounds how stiff it is.
 void SubResolutionBodies::find_drag(std::size_t b, const FluidView& fluid, std::span<const std::uint32_t> order,
                             std::span<const float> viscosity, float h, std::span<const Vec4f> velocity) {
   const SubResolutionBody& body = bodies_[b];

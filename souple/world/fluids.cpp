@@ -120,15 +120,15 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
 }
 
 void Fluids::sample_boundary(Threads& threads) {
-  const float reach = LocalBoundary::search_radius(solver_->smoothing());
+  const float search_radius = LocalBoundary::search_radius(solver_->smoothing());
   const auto order = solver_->order();
   const auto x = solver_->positions();
   local_boundary_.gather(
       x.size(),
       [&](std::size_t k, std::vector<BoundaryPlane>& planes) {
         const std::uint32_t i = order[k];
-        walls_.find(i, tables_.fluid[i], x[k].xyz(), reach, planes);
-        if (bodies_.mesh_count() > 0) bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], reach, planes);
+        walls_.find(i, tables_.fluid[i], x[k].xyz(), search_radius, planes);
+        if (bodies_.mesh_count() > 0) bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], search_radius, planes);
       },
       threads);
 }

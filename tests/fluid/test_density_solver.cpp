@@ -135,7 +135,7 @@ struct Nothing : FixedBoundary {
 // Two particles at rest in a pair: nothing compresses them, and artificial pressure alone parts them.
 TEST(DensitySolver, ArtificialPressureKeepsParticlesFromMeeting) {
   const auto threads = make_threads(Threading::serial, 1);
-  const auto way = [&](float pressure, float apart, float h) {
+  const auto displacement = [&](float pressure, float apart, float h) {
     DensitySolver solver(d, {.artificial_pressure = pressure});
     const float w = 1 / (density * d * d * d);
     solver.set_positions(std::vector<Vec4f>{{0, 0, 0, w}, {apart, 0, 0, w}}, *threads);
@@ -144,12 +144,12 @@ TEST(DensitySolver, ArtificialPressureKeepsParticlesFromMeeting) {
     EXPECT_EQ(solver.moved()[0], solver.moved()[1] * -1.0f);
     return solver.moved()[solver.order()[0] == 0 ? 1 : 0].x;
   };
-  const float near = way(1000, 0.4f * d, 0.002f);
-  EXPECT_EQ(way(0, 0.4f * d, 0.002f), 0);
+  const float near = displacement(1000, 0.4f * d, 0.002f);
+  EXPECT_EQ(displacement(0, 0.4f * d, 0.002f), 0);
   EXPECT_GT(near, 0);
-  EXPECT_NEAR(way(2000, 0.4f * d, 0.002f) / near, 2, 1e-3);
-  EXPECT_NEAR(way(1000, 0.4f * d, 0.004f) / near, 4, 1e-3);  // an acceleration
-  EXPECT_LT(way(1000, d, 0.002f), 0.01f * near);
+  EXPECT_NEAR(displacement(2000, 0.4f * d, 0.002f) / near, 2, 1e-3);
+  EXPECT_NEAR(displacement(1000, 0.4f * d, 0.004f) / near, 4, 1e-3);  // an acceleration
+  EXPECT_LT(displacement(1000, d, 0.002f), 0.01f * near);
 }
 
 TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
