@@ -179,7 +179,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
               offset,
               normal * (1 / size)};
     }
-    if (best.triangle == BoundaryPlane::none || meets_[fluid * meshes_.size() + s] == 0) continue;
+    if (best.triangle == BoundaryPlane::none || collides_[fluid * meshes_.size() + s] == 0) continue;
     const Triangle& t = skin.triangles[best.triangle];
     Vec3f outward = best.normal;
     if (!skin.closed) {

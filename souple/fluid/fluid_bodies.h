@@ -40,13 +40,13 @@ struct BoundaryMesh {
 /// would be thrown about by pressures that were meant for one that does not move.
 class FluidBodies {
  public:
-  /// meets[fluid * meshes + s]: whether a fluid feels a skin.
+  /// collides[fluid * meshes + s]: whether a fluid feels a skin.
   void set_meshes(std::vector<BoundaryMesh> meshes) { meshes_ = std::move(meshes); }
   std::span<const BoundaryMesh> meshes() const { return meshes_; }
   std::size_t mesh_count() const { return meshes_.size(); }
 
-  void begin_step(std::span<const std::uint8_t> meets, const Vec3d& origin) {
-    meets_ = meets, origin_ = origin;
+  void begin_step(std::span<const std::uint8_t> collides, const Vec3d& origin) {
+    collides_ = collides, origin_ = origin;
     listed_.clear();
   }
   /// Where bodies are predicted to be. `positions` of the fluid's particles, by number; `mass` of the world's
@@ -129,7 +129,7 @@ class FluidBodies {
   std::vector<BoundaryMesh> meshes_;
   std::vector<State> states_;
   std::vector<Push> pushes_;
-  std::span<const std::uint8_t> meets_;
+  std::span<const std::uint8_t> collides_;
   Vec3d origin_{};
   CellOrder order_;
   /// A particle and a triangle that it may be near.

@@ -6,9 +6,9 @@
 
 namespace souple {
 
-void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> meets,
+void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> collides,
                             const Vec3d& origin, std::size_t particles, double time) {
-  colliders_ = colliders, meets_ = meets, origin_ = origin;
+  colliders_ = colliders, collides_ = collides, origin_ = origin;
   clearances_.assign(particles, {});
   still_.clear();
   moving_.clear();
@@ -38,9 +38,9 @@ void FluidWalls::begin_substep(double time, double h) {
   }
 }
 
-double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
+double FluidWalls::add_plane(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
                         std::vector<BoundaryPlane>& planes) const {
-  if (!meets(wall, fluid)) return std::numeric_limits<double>::infinity();
+  if (!collides_with(wall, fluid)) return std::numeric_limits<double>::infinity();
   const double clear = at_least(wall, Vec3d(x));
   if (clear > double{search_radius}) return clear;
   const Vec3d world = origin_ + Vec3d(x);
@@ -102,13 +102,13 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
     // A wall further from the way's end than the way is long is not on it.
     double margin = double{radius} + length(at - before);
     for (const Wall& wall : still_) {
-      if (!meets(wall, fluid) || at_least(wall, at - origin_) > margin) continue;
+      if (!collides_with(wall, fluid) || at_least(wall, at - origin_) > margin) continue;
       at = stopped_by(wall, before, at, double{radius});
       margin = double{radius} + length(at - before);
     }
   }
   for (const Wall& wall : moving_)
-    if (meets(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
+    if (collides_with(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
   return at == predicted ? x : Vec3f(at - origin_);
 }
 
@@ -117,10 +117,10 @@ void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float se
   Clearance& clearance = clearances_[i];
   if (!(length(x - clearance.at) + search_radius < clearance.clear)) {
     double clear = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : still_) clear = min(clear, meet(wall, fluid, x, search_radius, planes));
+    for (const Wall& wall : still_) clear = min(clear, add_plane(wall, fluid, x, search_radius, planes));
     clearance = {x, static_cast<float>(min(clear, 1e30))};
   }
-  for (const Wall& wall : moving_) meet(wall, fluid, x, search_radius, planes);
+  for (const Wall& wall : moving_) add_plane(wall, fluid, x, search_radius, planes);
 }
 
 }  // namespace souple

@@ -13,9 +13,9 @@ namespace souple {
 /// frame; a particle far from all that stand still is not clearance at again before it may have come near one.
 class FluidWalls {
  public:
-  /// `origin` [m] is that of the fluid's positions. `meets[fluid * colliders + c]`: whether a fluid feels a
+  /// `origin` [m] is that of the fluid's positions. `collides[fluid * colliders + c]`: whether a fluid feels a
   /// collider. What is passed lives until the step ends.
-  void begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> meets,
+  void begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> collides,
                   const Vec3d& origin, std::size_t particles, double time);
   /// Poses at the end of the substep [time, time + h]. Throws what a collider's motion throws.
   void begin_substep(double time, double h);
@@ -47,8 +47,8 @@ class FluidWalls {
     float clear = -1;
   };
 
-  bool meets(const Wall& wall, std::size_t fluid) const {
-    return meets_[fluid * colliders_.size() + wall.collider] != 0;
+  bool collides_with(const Wall& wall, std::size_t fluid) const {
+    return collides_[fluid * colliders_.size() + wall.collider] != 0;
   }
   Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius, bool clear) const;
   /// How far a wall is from x, or less: without the rest of what a shape's distance takes.
@@ -58,11 +58,11 @@ class FluidWalls {
   }
   Vec3d stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const;
   /// Appends the plane if it is near; how far the wall is, or less.
-  double meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
+  double add_plane(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
               std::vector<BoundaryPlane>& planes) const;
 
   std::span<const Collider> colliders_;
-  std::span<const std::uint8_t> meets_;
+  std::span<const std::uint8_t> collides_;
   Vec3d origin_{};
   std::vector<Wall> still_, moving_;
   std::vector<Clearance> clearances_;

@@ -35,14 +35,14 @@ void FoamBodies::build(Threads& threads) {
 
 // Which offset is out is the offset from the nearest point when they meet, not the triangle's normal: it is right
 // at edges as well, and for either side.
-FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x) {
+FoamBodies::Impact FoamBodies::find_impact(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x) {
   Moving4 motion;
   motion.x[0] = Vec3d{}, motion.p[0] = Vec3d(x - start);
   for (std::size_t c = 0; c < 3; ++c) {
     motion.x[c + 1] = Vec3d(triangle.start[c] - start);
     motion.p[c + 1] = Vec3d(triangle.end[c] - start);
   }
-  Touch result;
+  Impact result;
   result.gap = static_cast<double>(triangle.gap);
   result.time = vertex_triangle_time(motion, result.gap);
   if (!(result.time < 1)) return result;
@@ -66,13 +66,13 @@ Vec3f FoamBodies::stopped(const Vec3f& start, const Vec3f& x, std::vector<std::u
   for (int round = 0;; ++round) {
     near.clear();
     hash_.find(united({start, start}, {at, at}), near);
-    Touch first;
+    Impact first;
     double missing = 0;
     for (const std::uint32_t t : near) {
-      const Touch touched = touch(triangles_[t], start, at);
-      if (!(touched.time < first.time)) continue;
-      const double depth = touched.gap - dot(touched.normal, Vec3d(at) - touched.point);
-      if (depth > touched.gap * tolerance) first = touched, missing = depth;
+      const Impact impact = find_impact(triangles_[t], start, at);
+      if (!(impact.time < first.time)) continue;
+      const double depth = impact.gap - dot(impact.normal, Vec3d(at) - impact.point);
+      if (depth > impact.gap * tolerance) first = impact, missing = depth;
     }
     if (!(first.time < 1)) return at;
     if (round == rounds) return Vec3f(first.point + first.normal * first.gap);

@@ -34,13 +34,13 @@ class FoamBodies {
   };
   /// Where a particle meets a triangle, carried on to the end of the step: x has to be at least `gap` along
   /// `normal` from `point`.
-  struct Touch {
+  struct Impact {
     double time = 1;
     Vec3d point{}, normal{};
     double gap = 0;
   };
 
-  static Touch touch(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x);
+  static Impact find_impact(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x);
   Vec3f stopped(const Vec3f& start, const Vec3f& x, std::vector<std::uint32_t>& near) const;
 
   std::vector<MovingTriangle> triangles_;

@@ -63,7 +63,7 @@ void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x, std
       const std::uint32_t k = order_.order()[c];
       const Vec3f at = x[k].xyz();
       const float w = weight(at);
-      if (!(w > 0) || meets_[fluid_[order[k]] * objects_ + bodies_[b].object] == 0) continue;
+      if (!(w > 0) || collides_[fluid_[order[k]] * objects_ + bodies_[b].object] == 0) continue;
       near.push_back({k, w});
       sum += w;
       for (const BoundaryPlane& plane : surroundings.of(k))

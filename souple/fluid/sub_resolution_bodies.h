@@ -51,10 +51,10 @@ class SubResolutionBodies {
  public:
   void set_bodies(std::vector<SubResolutionBody> bodies) { bodies_ = std::move(bodies); }
   bool none() const { return bodies_.empty(); }
-  /// meets[fluid * objects + o]: whether a fluid feels an object; `fluid` of its particles by number.
-  void begin_step(std::span<const std::uint8_t> meets, std::size_t objects,
+  /// collides[fluid * objects + o]: whether a fluid feels an object; `fluid` of its particles by number.
+  void begin_step(std::span<const std::uint8_t> collides, std::size_t objects,
                   std::span<const std::uint16_t> fluid, const Vec3d& origin) {
-    meets_ = meets, objects_ = objects, fluid_ = fluid, origin_ = origin;
+    collides_ = collides, objects_ = objects, fluid_ = fluid, origin_ = origin;
   }
   /// Where they are in the fluid: `x` by index, `order` of each index the particle's number.
   void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order, const LocalBoundary& local_boundary,
@@ -105,7 +105,7 @@ class SubResolutionBodies {
   std::vector<SubResolutionBody> bodies_;
   std::vector<State> states_;
   std::vector<Block> blocks_;
-  std::span<const std::uint8_t> meets_;
+  std::span<const std::uint8_t> collides_;
   std::size_t objects_ = 0;
   std::span<const std::uint16_t> fluid_;
   Vec3d origin_{};
