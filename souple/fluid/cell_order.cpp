@@ -12,7 +12,7 @@ namespace souple {
 namespace {
 
 constexpr std::size_t chunk_size = 8192;
-constexpr int most_bits = 20;  // of a coordinate: what lies further away shares the outermost cells
+constexpr int max_bits = 20;  // of a coordinate: what lies further away shares the outermost cells
 constexpr int digit_bits = 11;
 
 std::size_t chunks_of(std::size_t n) {
@@ -73,7 +73,7 @@ void CellOrder::find_grid(std::span<const Vec4f> positions, float cell_size, Thr
     for (const auto& box : chunk_bounds_) lo = std::min(lo, box[a]), hi = std::max(hi, box[3 + a]);
     if (!(lo <= hi)) lo = hi = 0;
     corner_[a] = lo;
-    const double cells = std::min((static_cast<double>(hi) - lo) * inverse_, std::ldexp(1.0, most_bits) - 1);
+    const double cells = std::min((static_cast<double>(hi) - lo) * inverse_, std::ldexp(1.0, max_bits) - 1);
     bits_[a] = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells)));
   }
 }

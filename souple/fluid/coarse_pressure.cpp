@@ -178,7 +178,7 @@ void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& re
 
 void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
                            Threads& threads) {
-  constexpr int most_iterations = 30;
+  constexpr int max_iterations = 30;
   constexpr double tolerance = 0.02, kept = 0.9;
   const std::size_t count = order_.cell_count();
   cell_sums_.resize(count);
@@ -235,7 +235,7 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
   double bb = 0;
   for (std::size_t n = 0; n < y_.size(); ++n) bb += b_[n] * preconditioner_[n] * b_[n];
   iterations_ = 0;
-  while (iterations_ < most_iterations && rz > tolerance * tolerance * bb) {
+  while (iterations_ < max_iterations && rz > tolerance * tolerance * bb) {
     apply(p_, ap_);
     const double alpha = rz / dot(p_, ap_);
     double next = 0;

@@ -64,7 +64,7 @@ class DensitySolver {
     int passes = 1;       ///< 0: the residual is added to the coarse level's lambda, which costs half
     float omega = 0.45f;  ///< of a pass; above 0.75 it need not converge
     float tolerance = 0;  ///< > 0: more passes, until the mean of max(0, C) is below it
-    int most_passes = 50;
+    int max_passes = 50;
     float compressibility = 0;  ///< kappa [1/Pa]; 0: it gives way to nothing
     /// Keeps particles from meeting (Macklin and Müller 2013, equation 13, n = 4, |dq| = 0.2 of the support):
     /// pressure with which two push each other at that distance, beside that of their density [Pa].
@@ -104,7 +104,7 @@ class DensitySolver {
     for (passes_ = 0; passes_ < options_.passes || options_.tolerance > 0; ++passes_) {
       find_sums(boundary, threads);
       if (passes_ >= options_.passes &&
-          (passes_ >= options_.most_passes || mean_error() <= options_.tolerance))
+          (passes_ >= options_.max_passes || mean_error() <= options_.tolerance))
         break;
       relax(threads);
       push(boundary, threads);

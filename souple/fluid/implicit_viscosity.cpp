@@ -93,7 +93,7 @@ ImplicitViscosity::Report ImplicitViscosity::apply(const FluidView& fluid, WallF
       first * static_cast<double>(options_.tolerance) * static_cast<double>(options_.tolerance);
   double rz = first;
   Report report;
-  while (report.iterations < options_.most_iterations && rz > enough) {
+  while (report.iterations < options_.max_iterations && rz > enough) {
     apply_matrix(system);
     const double curvature =
         sum(system, [&](std::size_t k) { return dot(Vec3d(direction_[k].xyz()), Vec3d(product_[k])); });

@@ -21,7 +21,7 @@ namespace souple {
 class ImplicitViscosity {
  public:
   struct Options {
-    int most_iterations = 100;
+    int max_iterations = 100;
     float tolerance = 0.01f;  ///< of the residual, over what it is before the first iteration
   };
   struct Report {

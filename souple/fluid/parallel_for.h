@@ -14,13 +14,13 @@ namespace souple {
 /// equally long are rare, and a processor may be away. What f writes must not depend on who calls it.
 template <class Function>
 void parallel_for(std::size_t n, Threads& threads, const Function& f) {
-  constexpr std::size_t most_parts = 64;
+  constexpr std::size_t max_parts = 64;
   struct alignas(64) Part {
     std::atomic<std::size_t> next{0};
     std::size_t end = 0;
   };
-  std::array<Part, most_parts> part;
-  const std::size_t parts = std::min({n, most_parts, static_cast<std::size_t>(std::max(threads.count(), 1))});
+  std::array<Part, max_parts> part;
+  const std::size_t parts = std::min({n, max_parts, static_cast<std::size_t>(std::max(threads.count(), 1))});
   for (std::size_t t = 0; t < parts; ++t) {
     part[t].next.store(n * t / parts, std::memory_order_relaxed);
     part[t].end = n * (t + 1) / parts;

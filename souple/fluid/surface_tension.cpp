@@ -54,7 +54,7 @@ SurfaceTension::SurfaceTension(SmoothingShape shape)
       share_(share_of(shape)),
       wall_pull_(half_space_pull()) {}
 
-float SurfaceTension::longest_substep(float sigma, float density, float spacing) {
+float SurfaceTension::max_substep(float sigma, float density, float spacing) {
   const float volume = spacing * spacing * spacing;
   return 0.4f * std::sqrt(density * volume / (2 * static_cast<float>(pi) * sigma));
 }

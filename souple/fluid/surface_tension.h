@@ -43,7 +43,7 @@ class SurfaceTension {
   ///   h < 0.4 sqrt(rho d^3 / (2 pi sigma))
   ///
   /// It is stable to about three times that, but drops are then pressed together by some per cent.
-  static float longest_substep(float sigma, float density, float spacing);
+  static float max_substep(float sigma, float density, float spacing);
 
   /// The adhesion with which a drop meets the wall at an angle [rad], measured within it, from drops of 10
   /// spacings without gravity, with Wendland's kernel: 0 gives 160 degrees, 1 gives 84, 2 gives 34. Angles

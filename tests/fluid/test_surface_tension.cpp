@@ -21,7 +21,7 @@ struct Drop {
   SurfaceTension tension;
   Viscosity viscosity;
   float adhesion, nu;  // -, m^2/s
-  float h = 0.8f * SurfaceTension::longest_substep(sigma, density, d);
+  float h = 0.8f * SurfaceTension::max_substep(sigma, density, d);
   std::vector<Vec4f> positions, x, v;
   std::vector<Vec3f> velocity;
   std::vector<NearWall> walls;
