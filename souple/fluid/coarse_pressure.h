@@ -37,7 +37,7 @@ class CoarsePressure {
   };
 
   /// The next solve begins with nothing.
-  void forget() { last_keys_.clear(); }
+  void reset() { last_keys_.clear(); }
   /// Lays the grid for a step. `positions` by index; H = cell_size > 0 [m].
   void begin_step(std::span<const Vec4f> positions, float cell_size, Threads& threads);
   /// Solves for y by conjugate gradients with diagonal preconditioning, from 0.9 times the last y, until the

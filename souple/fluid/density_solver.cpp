@@ -119,7 +119,7 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
   });
 }
 
-void DensitySolver::begin_with_smooth_part(Threads& threads) {
+void DensitySolver::start_from_coarse_level(Threads& threads) {
   coarse_.solve(positions(), samples_, surface(), threads);
   coarse_.interpolate(positions(), samples_, surface(), lambda_, threads);
   const float added = options_.passes == 0 ? jacobi_share : 0, soft = softness(), V = smoothing_.volume();

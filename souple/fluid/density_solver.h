@@ -76,7 +76,7 @@ class DensitySolver {
   const Smoothing& smoothing() const { return smoothing_; }
 
   /// Forgets all that was found about particles: what a step gives depends on its beginning alone.
-  void begin_step() { listed_.clear(), coarse_.forget(); }
+  void begin_step() { listed_.clear(), coarse_.reset(); }
 
   /// Takes the particles to where they are predicted to be: x, y, z [m] and inverse mass w > 0 [1/kg]. Sorts
   /// them and finds neighbors anew when some have moved too far, against all others, since that was done
@@ -98,7 +98,7 @@ class DensitySolver {
   void solve(Boundary& boundary, Threads& threads, float h = 1) {
     h_ = h;
     find_sums(boundary, threads);
-    begin_with_smooth_part(threads);
+    start_from_coarse_level(threads);
     push(boundary, threads);
     repulsion_ = {};
     for (passes_ = 0; passes_ < options_.passes || options_.tolerance > 0; ++passes_) {
@@ -141,7 +141,7 @@ class DensitySolver {
     boundary.after_pushes(std::span<const float>(change_));
   }
   void find_fluid_sums(Threads& threads);
-  void begin_with_smooth_part(Threads& threads);
+  void start_from_coarse_level(Threads& threads);
   void relax(Threads& threads);
   void push_fluid(Threads& threads);
   float softness() const { return options_.compressibility / (smoothing_.volume() * h_ * h_); }  // alpha~

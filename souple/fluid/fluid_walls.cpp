@@ -10,8 +10,8 @@ void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const
                             const Vec3d& origin, std::size_t particles, double time) {
   colliders_ = colliders, collides_ = collides, origin_ = origin;
   clearances_.assign(particles, {});
-  still_.clear();
-  moving_.clear();
+  static_walls_.clear();
+  moving_walls_.clear();
   for (std::uint32_t c = 0; c < colliders.size(); ++c) {
     if (!colliders[c].enabled) continue;
     Wall wall;
@@ -26,12 +26,12 @@ void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const
       wall.normal = wall.after.rotation * Vec3d(plane->normal) / size;
       wall.offset = double{plane->offset} / size + dot(wall.normal, wall.after.translation - origin);
     }
-    (wall.moves ? moving_ : still_).push_back(wall);
+    (wall.moves ? moving_walls_ : static_walls_).push_back(wall);
   }
 }
 
 void FluidWalls::begin_substep(double time, double h) {
-  for (Wall& wall : moving_) {
+  for (Wall& wall : moving_walls_) {
     const auto [before, after] = poses_between(colliders_[wall.collider].motion, time, time + h);
     wall.before = before, wall.after = after;
     wall.center = after.to_world(wall.ball.center);
@@ -41,7 +41,7 @@ void FluidWalls::begin_substep(double time, double h) {
 double FluidWalls::add_plane(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
                         std::vector<BoundaryPlane>& planes) const {
   if (!collides_with(wall, fluid)) return std::numeric_limits<double>::infinity();
-  const double clear = at_least(wall, Vec3d(x));
+  const double clear = distance_bound(wall, Vec3d(x));
   if (clear > double{search_radius}) return clear;
   const Vec3d world = origin_ + Vec3d(x);
   const SurfaceDistance surface =
@@ -95,19 +95,19 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
 // `clear`: of walls that stand still.
 Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius,
                            bool clear) const {
-  if (clear && moving_.empty()) return x;
+  if (clear && moving_walls_.empty()) return x;
   const Vec3d before = origin_ + Vec3d(start), predicted = origin_ + Vec3d(x);
   Vec3d at = predicted;
   if (!clear) {
     // A wall further from the way's end than the way is long is not on it.
     double margin = double{radius} + length(at - before);
-    for (const Wall& wall : still_) {
-      if (!collides_with(wall, fluid) || at_least(wall, at - origin_) > margin) continue;
+    for (const Wall& wall : static_walls_) {
+      if (!collides_with(wall, fluid) || distance_bound(wall, at - origin_) > margin) continue;
       at = stopped_by(wall, before, at, double{radius});
       margin = double{radius} + length(at - before);
     }
   }
-  for (const Wall& wall : moving_)
+  for (const Wall& wall : moving_walls_)
     if (collides_with(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
   return at == predicted ? x : Vec3f(at - origin_);
 }
@@ -117,10 +117,10 @@ void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float se
   Clearance& clearance = clearances_[i];
   if (!(length(x - clearance.at) + search_radius < clearance.clear)) {
     double clear = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : still_) clear = min(clear, add_plane(wall, fluid, x, search_radius, planes));
+    for (const Wall& wall : static_walls_) clear = min(clear, add_plane(wall, fluid, x, search_radius, planes));
     clearance = {x, static_cast<float>(min(clear, 1e30))};
   }
-  for (const Wall& wall : moving_) add_plane(wall, fluid, x, search_radius, planes);
+  for (const Wall& wall : moving_walls_) add_plane(wall, fluid, x, search_radius, planes);
 }
 
 }  // namespace souple

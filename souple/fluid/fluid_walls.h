@@ -52,7 +52,7 @@ class FluidWalls {
   }
   Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius, bool clear) const;
   /// How far a wall is from x, or less: without the rest of what a shape's distance takes.
-  double at_least(const Wall& wall, const Vec3d& x) const {
+  double distance_bound(const Wall& wall, const Vec3d& x) const {
     if (wall.is_plane) return dot(wall.normal, x) - wall.offset;
     return length(origin_ + x - wall.center) - wall.ball.radius;
   }
@@ -64,7 +64,7 @@ class FluidWalls {
   std::span<const Collider> colliders_;
   std::span<const std::uint8_t> collides_;
   Vec3d origin_{};
-  std::vector<Wall> still_, moving_;
+  std::vector<Wall> static_walls_, moving_walls_;
   std::vector<Clearance> clearances_;
 };
 

@@ -16,9 +16,9 @@ std::uint64_t mix(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
-class Chance {
+class RandomSequence {
  public:
-  explicit Chance(std::uint64_t key) : key_(mix(key)) {}
+  explicit RandomSequence(std::uint64_t key) : key_(mix(key)) {}
   /// In [0, 1).
   float next() { return static_cast<float>(mix(key_ + 0x9e3779b97f4a7c15u * ++count_) >> 40) * 0x1p-24f; }
 
@@ -35,9 +35,9 @@ float ramp(float value, const FoamRange& range) {
 }
 
 /// Two unit vectors across a unit vector, and across each other (Duff et al. 2017).
-struct Across {
+struct TangentBasis {
   Vec3f a, b;
-  explicit Across(const Vec3f& n) {
+  explicit TangentBasis(const Vec3f& n) {
     const float sign = n.z < 0 ? -1.0f : 1.0f, s = -1 / (sign + n.z), t = n.x * n.y * s;
     a = {1 + sign * n.x * n.x * s, sign * t, -sign * n.x};
     b = {t, sign + n.y * n.y * s, -n.y};
@@ -74,7 +74,7 @@ void Foam::shift(const Vec3f& by) {
 
 std::size_t Foam::bytes() const {
   return bytes_of(state_.position, state_.velocity, state_.life, state_.age, state_.kind, start_, normals_,
-                  made_, share_, makers_) +
+                  made_, share_, spawners_) +
          order_.bytes();
 }
 
@@ -84,7 +84,7 @@ void Foam::find_cells(const FluidView& fluid, Threads& threads) {
 }
 
 // The fluid's mean velocity, by the weights of smoothing, and how many particles are within two spacings.
-Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
+Foam::Neighborhood Foam::neighborhood(const FluidView& fluid, const Vec3f& at) const {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double where =
@@ -95,7 +95,7 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
   const auto rows = order_.rows();
   const auto cells = order_.cells();
   const float inverse_h = 1 / cell_size_, counted = 2 * fluid.smoothing.spacing();
-  Around result;
+  Neighborhood result;
   float weights = 0;
   const float *x = order_.component(0), *y = order_.component(1), *z = order_.component(2);
   const auto add = [&](std::uint32_t k) {
@@ -125,9 +125,9 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
   return result;
 }
 
-FoamKind Foam::kind_of(const Around& around, const FoamParameters& parameters) {
-  if (around.neighbors < parameters.spray_neighbors) return FoamKind::spray;
-  return around.neighbors > parameters.bubble_neighbors ? FoamKind::bubble : FoamKind::foam;
+FoamKind Foam::kind_of(const Neighborhood& neighborhood, const FoamParameters& parameters) {
+  if (neighborhood.neighbors < parameters.spray_neighbors) return FoamKind::spray;
+  return neighborhood.neighbors > parameters.bubble_neighbors ? FoamKind::bubble : FoamKind::foam;
 }
 
 void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads& threads) {
@@ -137,7 +137,7 @@ void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads&
   FoamState& s = state_;
   start_.assign(s.position.begin(), s.position.end());
   for_each_index(size(), threads, [&](std::size_t k) {
-    const Around here = around(step.fluid, s.position[k]);
+    const Neighborhood here = neighborhood(step.fluid, s.position[k]);
     Vec3f& v = s.velocity[k];
     const Vec3f before = v;
     s.kind[k] = kind_of(here, parameters);
@@ -208,11 +208,11 @@ Foam::Potential Foam::potential(const FoamStep& step, std::uint32_t i, std::span
   const Vec3f v = fluid.v[i].xyz();
   const float energy = ramp(0.5f * dot(v, v), parameters.energy);
   if (!(energy * part > 0)) return {0, 0};
-  const float meeting = velocity_->meeting(fluid.x.data(), fluid.v.data(), fluid.x[i], fluid.v[i],
+  const float closing_speed = velocity_->closing_speed(fluid.x.data(), fluid.v.data(), fluid.x[i], fluid.v[i],
                                            list.data(), list.size(), fluid.smoothing.factors());
   const Vec3f n = normals_[i];
   const float bent = dot(v, n) > 0.6f * length(v) ? bend(fluid, i, list) : 0;
-  const float rate = energy * (parameters.trapped_air_rate * ramp(meeting, parameters.trapped_air) +
+  const float rate = energy * (parameters.trapped_air_rate * ramp(closing_speed, parameters.trapped_air) +
                                parameters.wave_crest_rate * ramp(bent, parameters.wave_crest));
   return {part * rate * step.dt, rate / (parameters.trapped_air_rate + parameters.wave_crest_rate)};
 }
@@ -225,15 +225,15 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
   step.fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     const Potential here = potential(step, k, list, parameters);
     const float whole = std::floor(here.made);
-    made_[k] = whole + (Chance(key_of(k)).next() < here.made - whole ? 1.0f : 0.0f);
+    made_[k] = whole + (RandomSequence(key_of(k)).next() < here.made - whole ? 1.0f : 0.0f);
     share_[k] = here.share;
   });
-  makers_.clear();
-  makers_.reserve(n);
+  spawners_.clear();
+  spawners_.reserve(n);
   std::uint64_t total = 0;
   for (std::uint32_t k = 0; k < n; ++k) {
     if (!(made_[k] > 0)) continue;
-    makers_.push_back({k, total, share_[k]});
+    spawners_.push_back({k, total, share_[k]});
     total += static_cast<std::uint64_t>(made_[k]);
   }
   const std::uint64_t capacity =
@@ -243,35 +243,35 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
   // Of all that is made, number k stays where k capacity / total steps up: evenly among the places.
   const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * capacity / total : 0; };
   start_.clear();
-  for (const Maker& maker : makers_) {
-    const std::uint64_t end = maker.first + static_cast<std::uint64_t>(made_[maker.index]);
-    begin(step, maker, static_cast<std::uint32_t>(kept_before(end) - kept_before(maker.first)),
-          key_of(maker.index) + 1, parameters);
+  for (const Spawner& maker : spawners_) {
+    const std::uint64_t end = spawner.first + static_cast<std::uint64_t>(made_[spawner.index]);
+    begin(step, spawner, static_cast<std::uint32_t>(kept_before(end) - kept_before(spawner.first)),
+          key_of(spawner.index) + 1, parameters);
   }
 }
 
-void Foam::begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
+void Foam::begin(const FoamStep& step, const Spawner& spawner, std::uint32_t count, std::uint64_t key,
                  const FoamParameters& parameters) {
-  const Vec3f x = step.fluid.x[maker.index].xyz(), v = step.fluid.v[maker.index].xyz();
-  const Across across(normalized(v));
+  const Vec3f x = step.fluid.x[spawner.index].xyz(), v = step.fluid.v[spawner.index].xyz();
+  const TangentBasis basis(normalized(v));
   const float radius = 0.5f * step.fluid.smoothing.spacing();
-  Chance chance(key);
+  RandomSequence random(key);
   for (std::uint32_t k = 0; k < count; ++k) {
     float a = 0, b = 0;
     do {
-      a = 2 * chance.next() - 1, b = 2 * chance.next() - 1;
+      a = 2 * random.next() - 1, b = 2 * random.next() - 1;
     } while (a * a + b * b > 1);
-    const Vec3f off = (across.a * a + across.b * b) * radius;
+    const Vec3f off = (basis.a * a + basis.b * b) * radius;
     start_.push_back(x);
-    add(x + off - v * (step.dt * chance.next()), v + off * spread,
-        parameters.life.low + (parameters.life.high - parameters.life.low) * maker.share);
+    add(x + off - v * (step.dt * random.next()), v + off * spread,
+        parameters.life.low + (parameters.life.high - parameters.life.low) * spawner.share);
   }
 }
 
 void Foam::find_kinds(const FluidView& fluid, const FoamParameters& parameters, std::size_t first,
                       Threads& threads) {
   for_each_index(size() - first, threads, [&](std::size_t k) {
-    state_.kind[first + k] = kind_of(around(fluid, state_.position[first + k]), parameters);
+    state_.kind[first + k] = kind_of(neighborhood(fluid, state_.position[first + k]), parameters);
   });
 }
 

@@ -94,7 +94,7 @@ class Foam {
   std::size_t bytes() const;
 
  private:
-  struct Around {
+  struct Neighborhood {
     Vec3f velocity{};
     int neighbors = 0;
   };
@@ -103,15 +103,15 @@ class Foam {
     float share;  // of the largest
   };
   /// A fluid particle that makes some, and what of all it makes.
-  struct Maker {
+  struct Spawner {
     std::uint32_t index;
     std::uint64_t first;
     float share;
   };
 
   void find_cells(const FluidView& fluid, Threads& threads);
-  static FoamKind kind_of(const Around& around, const FoamParameters& parameters);
-  Around around(const FluidView& fluid, const Vec3f& at) const;
+  static FoamKind kind_of(const Neighborhood& neighborhood, const FoamParameters& parameters);
+  Neighborhood neighborhood(const FluidView& fluid, const Vec3f& at) const;
   void move(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
   void dissolve();
   void find_normals(const FoamStep& step, Threads& threads);
@@ -119,7 +119,7 @@ class Foam {
   Potential potential(const FoamStep& step, std::uint32_t index, std::span<const std::uint32_t> list,
                       const FoamParameters& parameters) const;
   void make(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
-  void begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
+  void begin(const FoamStep& step, const Spawner& spawner, std::uint32_t count, std::uint64_t key,
              const FoamParameters& parameters);
   void find_kinds(const FluidView& fluid, const FoamParameters& parameters, std::size_t first,
                   Threads& threads);
@@ -133,7 +133,7 @@ class Foam {
   float cell_size_ = 0;
   std::vector<Vec3f> normals_;  // of the fluid's surface, by index; zero within
   std::vector<float> made_, share_;
-  std::vector<Maker> makers_;
+  std::vector<Spawner> spawners_;
   Report report_;
 };
 

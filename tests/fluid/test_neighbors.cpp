@@ -32,7 +32,7 @@ Lists lists_of(const CellOrder& order, const Neighbors& neighbors) {
   return lists;
 }
 
-Lists by_looking_at_all(const std::vector<Vec4f>& points, float radius) {
+Lists brute_force(const std::vector<Vec4f>& points, float radius) {
   Lists lists(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     for (std::uint32_t j = 0; j < points.size(); ++j) {
@@ -54,7 +54,7 @@ Lists found(const std::vector<Vec4f>& points, float cell_size, float radius, int
 
 TEST(Neighbors, AreThoseOfLookingAtAll) {
   const std::vector<Vec4f> points = test::random_cloud(4000, 1, 1);
-  const Lists expected = by_looking_at_all(points, 0.12f);
+  const Lists expected = brute_force(points, 0.12f);
   EXPECT_EQ(found(points, 0.12f, 0.12f), expected);
   EXPECT_EQ(found(points, 0.2f, 0.12f), expected);
   std::size_t sum = 0;
@@ -64,7 +64,7 @@ TEST(Neighbors, AreThoseOfLookingAtAll) {
 
 TEST(Neighbors, OfAFluidThatFlewApart) {
   const std::vector<Vec4f> points = test::ragged_cloud();
-  EXPECT_EQ(found(points, 0.1f, 0.1f), by_looking_at_all(points, 0.1f));
+  EXPECT_EQ(found(points, 0.1f, 0.1f), brute_force(points, 0.1f));
   EXPECT_TRUE(found({}, 0.1f, 0.1f).empty());
 }
 
@@ -72,7 +72,7 @@ TEST(Neighbors, OfAFluidThatFlewApart) {
 TEST(Neighbors, BeyondTheGrid) {
   std::vector<Vec4f> points = test::random_cloud(200, 1, 2);
   for (const Vec4f& far : test::random_cloud(200, 1, 3)) points.push_back({far.x + 3e5f, far.y, far.z, 0});
-  EXPECT_EQ(found(points, 0.1f, 0.1f), by_looking_at_all(points, 0.1f));
+  EXPECT_EQ(found(points, 0.1f, 0.1f), brute_force(points, 0.1f));
 }
 
 TEST(Neighbors, InTheSameOrderForAnyNumberOfThreads) {

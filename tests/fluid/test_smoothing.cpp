@@ -173,8 +173,8 @@ TEST(VelocityKernels, GiveTheSameBits) {
         EXPECT_EQ(sum(plain.exchange), sum(packed.exchange));
         EXPECT_EQ(sum(plain.strain), sum(packed.strain));
         EXPECT_EQ(sum(plain.curl), sum(packed.curl));
-        EXPECT_EQ(sum(plain.meeting), sum(packed.meeting));
-        EXPECT_GT(sum(plain.meeting), 0);
+        EXPECT_EQ(sum(plain.closing_speed), sum(packed.closing_speed));
+        EXPECT_GT(sum(plain.closing_speed), 0);
         EXPECT_EQ(sum(plain.cohesion, cohesion), sum(packed.cohesion, cohesion));
         EXPECT_TRUE(is_finite(sum(plain.strain)) && is_finite(sum(plain.cohesion, cohesion)));
         EXPECT_GT(length(sum(plain.curl)), 0);

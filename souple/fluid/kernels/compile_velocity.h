@@ -93,7 +93,7 @@ Vec3f velocity_curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, 
 }
 
 template <class Set>
-float velocity_meeting(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+float velocity_closing_speed(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                        const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
   using T = simd::Pack<Set>;
   Sixteen<Set> sum;
@@ -127,7 +127,7 @@ Vec3f velocity_cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& 
 template <class Set, class Shape>
 const VelocityKernels& velocity_kernels() {
   static constexpr VelocityKernels kernels{velocity_exchange<Set, Shape>, velocity_strain<Set>,
-                                           velocity_curl<Set, Shape>, velocity_meeting<Set>,
+                                           velocity_curl<Set, Shape>, velocity_closing_speed<Set>,
                                            velocity_cohesion<Set, Shape>};
   return kernels;
 }

@@ -27,7 +27,7 @@ struct DensitySums {
   Vec3f gradient;          ///< sum_j grad W_ij [1/m^4]
 };
 
-/// A push that keeps particles from meeting: added to q_i + q_j is strength (value(r / h) scale)^4.
+/// A push that keeps particles from closing_speed: added to q_i + q_j is strength (value(r / h) scale)^4.
 struct Repulsion {
   float strength = 0, scale = 1;
 };

@@ -49,7 +49,7 @@ Vec3f curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec
   });
 }
 
-float meeting(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+float closing_speed(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
               const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
   PlainSixteen sum;
   for (std::size_t k = 0; k < count; ++k) {
@@ -73,7 +73,7 @@ Vec3f cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& at, const
 }
 
 template <class Shape>
-constexpr VelocityKernels plain{exchange<Shape>, strain, curl<Shape>, meeting, cohesion<Shape>};
+constexpr VelocityKernels plain{exchange<Shape>, strain, curl<Shape>, closing_speed, cohesion<Shape>};
 
 }  // namespace
 
