@@ -28,18 +28,18 @@ SOUPLE_INLINE inline FourLanes shuffled(FourLanes a, FourLanes b) {
 }
 
 /// Sixteen partial sums, in as many registers as they take.
-template <class Set>
+template <class Isa>
 struct Sixteen {
-  static constexpr int registers = 16 / Set::lanes;
-  typename Set::Vector sum[registers];
+  static constexpr int registers = 16 / Isa::lanes;
+  typename Isa::Vector sum[registers];
 
   SOUPLE_INLINE Sixteen() {
-    for (int r = 0; r < registers; ++r) sum[r] = Set::broadcast(0);
+    for (int r = 0; r < registers; ++r) sum[r] = Isa::broadcast(0);
   }
-  SOUPLE_INLINE void add(int r, simd::Pack<Set> terms) { sum[r] += terms.v; }
+  SOUPLE_INLINE void add(int r, simd::Pack<Isa> terms) { sum[r] += terms.v; }
   /// (k, k + 4, k + 8, k + 12) added for k = 0 to 3, pairs that are eight apart first.
   SOUPLE_INLINE FourLanes four() const {
-    if constexpr (Set::lanes == 4) {
+    if constexpr (Isa::lanes == 4) {
       return (sum[0] + sum[2]) + (sum[1] + sum[3]);
     } else {
       EightLanes half[2];
@@ -60,27 +60,27 @@ SOUPLE_INLINE inline FourLanes add_lanes(FourLanes a, FourLanes b, FourLanes c, 
 }
 
 /// The x, y, z and w of `lanes` records whose entries times four stand at `list`.
-template <class Set>
+template <class Isa>
 struct Gathered {
-  typename Set::Vector x, y, z, w;
+  typename Isa::Vector x, y, z, w;
 
   SOUPLE_INLINE Gathered(const float* base, const std::uint32_t* list) {
-    const auto r0 = Set::load_records(base, list), r1 = Set::load_records(base, list + 1),
-               r2 = Set::load_records(base, list + 2), r3 = Set::load_records(base, list + 3);
-    const auto low0 = Set::unpack_low(r0, r1), low1 = Set::unpack_low(r2, r3);
-    const auto high0 = Set::unpack_high(r0, r1), high1 = Set::unpack_high(r2, r3);
-    x = Set::pair_low(low0, low1), y = Set::pair_high(low0, low1);
-    z = Set::pair_low(high0, high1), w = Set::pair_high(high0, high1);
+    const auto r0 = Isa::load_records(base, list), r1 = Isa::load_records(base, list + 1),
+               r2 = Isa::load_records(base, list + 2), r3 = Isa::load_records(base, list + 3);
+    const auto low0 = Isa::unpack_low(r0, r1), low1 = Isa::unpack_low(r2, r3);
+    const auto high0 = Isa::unpack_high(r0, r1), high1 = Isa::unpack_high(r2, r3);
+    x = Isa::pair_low(low0, low1), y = Isa::pair_high(low0, low1);
+    z = Isa::pair_low(high0, high1), w = Isa::pair_high(high0, high1);
   }
 };
 
 /// A particle against `lanes` of its neighbors.
-template <class Set>
+template <class Isa>
 struct Near {
-  using T = simd::Pack<Set>;
+  using T = simd::Pack<Isa>;
   T dx, dy, dz, r2, q;
 
-  SOUPLE_INLINE Near(const Gathered<Set>& other, const Vec4f& at, const SmoothingFactors& factors) {
+  SOUPLE_INLINE Near(const Gathered<Isa>& other, const Vec4f& at, const SmoothingFactors& factors) {
     dx = T(at.x) - T(other.x), dy = T(at.y) - T(other.y), dz = T(at.z) - T(other.z);
     r2 = dx * dx + dy * dy + dz * dz;
     // Not zero: some slopes are divided by it.
@@ -88,16 +88,16 @@ struct Near {
   }
 };
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 SOUPLE_INLINE inline DensitySums density_sums_here(const Vec4f* records, const Vec4f& at,
                                                    const std::uint32_t* list, std::size_t count,
                                                    const SmoothingFactors& factors) {
-  using T = simd::Pack<Set>;
-  Sixteen<Set> density, squared, gx, gy, gz;
+  using T = simd::Pack<Isa>;
+  Sixteen<Isa> density, squared, gx, gy, gz;
   for (std::size_t k = 0; k < count; k += 16) {
-    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const Gathered<Set> other(&records->x, list + k + static_cast<std::size_t>(r * Set::lanes));
-      const Near<Set> near(other, at, factors);
+    for (int r = 0; r < Sixteen<Isa>::registers; ++r) {
+      const Gathered<Isa> other(&records->x, list + k + static_cast<std::size_t>(r * Isa::lanes));
+      const Near<Isa> near(other, at, factors);
       const T slope = T(factors.slope_factor) * Shape::slope(near.q);
       density.add(r, Shape::value(near.q));
       squared.add(r, T(other.w) * (slope * slope * near.r2));
@@ -118,7 +118,7 @@ struct NoRepulsion {
     return q_sum;
   }
 };
-template <class Set>
+template <class Isa>
 struct SomeRepulsion {
   Repulsion repulsion;
   template <class Shape, class T>
@@ -128,16 +128,16 @@ struct SomeRepulsion {
   }
 };
 
-template <class Set, class Shape, class Repel = NoRepulsion>
+template <class Isa, class Shape, class Repel = NoRepulsion>
 SOUPLE_INLINE inline Vec3f density_push_here(const Vec4f* records, const Vec4f& at, const std::uint32_t* list,
                                              std::size_t count, const SmoothingFactors& factors,
                                              const Repel& repel = {}) {
-  using T = simd::Pack<Set>;
-  Sixteen<Set> px, py, pz;
+  using T = simd::Pack<Isa>;
+  Sixteen<Isa> px, py, pz;
   for (std::size_t k = 0; k < count; k += 16) {
-    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const Gathered<Set> other(&records->x, list + k + static_cast<std::size_t>(r * Set::lanes));
-      const Near<Set> near(other, at, factors);
+    for (int r = 0; r < Sixteen<Isa>::registers; ++r) {
+      const Gathered<Isa> other(&records->x, list + k + static_cast<std::size_t>(r * Isa::lanes));
+      const Near<Isa> near(other, at, factors);
       const T q_sum = repel.template operator()<Shape, T>(T(at.w) + T(other.w), near.q);
       const T pull = q_sum * (T(factors.slope_factor) * Shape::slope(near.q));
       px.add(r, pull * near.dx);
@@ -149,59 +149,59 @@ SOUPLE_INLINE inline Vec3f density_push_here(const Vec4f* records, const Vec4f& 
   return {four[0], four[1], four[2]};
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 DensitySums density_sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                          const SmoothingFactors& factors) {
-  return density_sums_here<Set, Shape>(records, at, list, count, factors);
+  return density_sums_here<Isa, Shape>(records, at, list, count, factors);
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                    const SmoothingFactors& factors) {
-  return density_push_here<Set, Shape>(records, at, list, count, factors);
+  return density_push_here<Isa, Shape>(records, at, list, count, factors);
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 void density_sums_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                      DensitySums* result) {
   const SmoothingFactors factors = given;
   const std::uint32_t *entry = lists.entry, *first = lists.first;
   for (std::uint32_t place = lists.begin; place < lists.end; ++place, ++first, ++result)
-    *result = density_sums_here<Set, Shape>(records, records[place], entry + first[0], first[1] - first[0],
+    *result = density_sums_here<Isa, Shape>(records, records[place], entry + first[0], first[1] - first[0],
                                             factors);
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 void density_push_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                      Vec3f* result) {
   const SmoothingFactors factors = given;
   const std::uint32_t *entry = lists.entry, *first = lists.first;
   for (std::uint32_t place = lists.begin; place < lists.end; ++place, ++first, ++result)
-    *result = density_push_here<Set, Shape>(records, records[place], entry + first[0], first[1] - first[0],
+    *result = density_push_here<Isa, Shape>(records, records[place], entry + first[0], first[1] - first[0],
                                             factors);
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 void density_repel_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                       const Repulsion& repulsion, Vec3f* result) {
   const SmoothingFactors factors = given;
-  const SomeRepulsion<Set> repel{repulsion};
+  const SomeRepulsion<Isa> repel{repulsion};
   const std::uint32_t *entry = lists.entry, *first = lists.first;
   for (std::uint32_t place = lists.begin; place < lists.end; ++place, ++first, ++result)
-    *result = density_push_here<Set, Shape>(records, records[place], entry + first[0], first[1] - first[0],
+    *result = density_push_here<Isa, Shape>(records, records[place], entry + first[0], first[1] - first[0],
                                             factors, repel);
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                      const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  using T = simd::Pack<Set>;
-  Sixteen<Set> vx, vy, vz;
+  using T = simd::Pack<Isa>;
+  Sixteen<Isa> vx, vy, vz;
   for (std::size_t k = 0; k < count; k += 16) {
-    for (int r = 0; r < Sixteen<Set>::registers; ++r) {
-      const std::uint32_t* entries = list + k + static_cast<std::size_t>(r * Set::lanes);
-      const Near<Set> near(Gathered<Set>(&records->x, entries), at, factors);
-      const Gathered<Set> other(&values->x, entries);
+    for (int r = 0; r < Sixteen<Isa>::registers; ++r) {
+      const std::uint32_t* entries = list + k + static_cast<std::size_t>(r * Isa::lanes);
+      const Near<Isa> near(Gathered<Isa>(&records->x, entries), at, factors);
+      const Gathered<Isa> other(&values->x, entries);
       const T weight = T(factors.value_factor) * Shape::value(near.q);
       vx.add(r, weight * (T(other.x) - T(value.x)));
       vy.add(r, weight * (T(other.y) - T(value.y)));
@@ -212,11 +212,11 @@ Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at,
   return {four[0], four[1], four[2]};
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 const DensityKernels& density_kernels() {
-  static constexpr DensityKernels kernels{density_sums_of<Set, Shape>,  density_push_of<Set, Shape>,
-                                          density_repel_of<Set, Shape>, density_sums<Set, Shape>,
-                                          density_push<Set, Shape>,     density_spread<Set, Shape>};
+  static constexpr DensityKernels kernels{density_sums_of<Isa, Shape>,  density_push_of<Isa, Shape>,
+                                          density_repel_of<Isa, Shape>, density_sums<Isa, Shape>,
+                                          density_push<Isa, Shape>,     density_spread<Isa, Shape>};
   return kernels;
 }
 

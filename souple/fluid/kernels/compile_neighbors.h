@@ -12,31 +12,31 @@
 namespace souple::kernels {
 
 /// For each set of lanes, bit l for lane l, their numbers times four in order; and how many they are.
-template <class Set, class Number>
+template <class Isa, class Number>
 struct LaneTable {
-  std::array<std::array<Number, Set::lanes>, 1u << Set::lanes> lanes{};
-  std::array<std::uint8_t, 1u << Set::lanes> count{};
+  std::array<std::array<Number, Isa::lanes>, 1u << Isa::lanes> lanes{};
+  std::array<std::uint8_t, 1u << Isa::lanes> count{};
   constexpr LaneTable() {
     for (unsigned bits = 0; bits < lanes.size(); ++bits)
-      for (unsigned l = 0; l < Set::lanes; ++l)
+      for (unsigned l = 0; l < Isa::lanes; ++l)
         if ((bits >> l & 1) != 0) lanes[bits][count[bits]++] = static_cast<Number>(4 * l);
   }
 };
 
 /// Which lanes are set, as bits, and the writing of their numbers.
-template <class Set>
+template <class Isa>
 struct Hits {
-  using Mask = typename Set::Mask;
+  using Mask = typename Isa::Mask;
 
   static std::uint32_t bits(Mask mask) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
-    if constexpr (Set::lanes == 16) return _mm512_movepi32_mask((__m512i)mask);
+    if constexpr (Isa::lanes == 16) return _mm512_movepi32_mask((__m512i)mask);
 #endif
 #if defined(__AVX2__)
-    if constexpr (Set::lanes == 8) return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
+    if constexpr (Isa::lanes == 8) return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
 #endif
 #if defined(__x86_64__)
-    if constexpr (Set::lanes == 4) return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)mask));
+    if constexpr (Isa::lanes == 4) return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)mask));
 #elif defined(__aarch64__)
     return vaddvq_u32((uint32x4_t)mask & uint32x4_t{1, 2, 4, 8});
 #endif
@@ -45,7 +45,7 @@ struct Hits {
   /// 4 (first + l) for each lane l of `bits`; writes a whole register. Returns how many.
   static std::uint32_t append(std::uint32_t first, std::uint32_t bits, std::uint32_t* found) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
-    if constexpr (Set::lanes == 16) {
+    if constexpr (Isa::lanes == 16) {
       const __m512i numbers =
           _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(4 * first)),
                            _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60));
@@ -54,8 +54,8 @@ struct Hits {
     } else
 #endif
 #if defined(__AVX2__)
-        if constexpr (Set::lanes == 8) {
-      static constexpr LaneTable<Set, std::uint8_t> table;
+        if constexpr (Isa::lanes == 8) {
+      static constexpr LaneTable<Isa, std::uint8_t> table;
       const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(table.lanes[bits].data()));
       const __m256i numbers =
           _mm256_add_epi32(_mm256_cvtepu8_epi32(bytes), _mm256_set1_epi32(static_cast<int>(4 * first)));
@@ -64,7 +64,7 @@ struct Hits {
     } else
 #endif
     {
-      static constexpr LaneTable<Set, std::int32_t> table;
+      static constexpr LaneTable<Isa, std::int32_t> table;
       Mask numbers;
       std::memcpy(&numbers, table.lanes[bits].data(), sizeof numbers);
       numbers += static_cast<std::int32_t>(4 * first);
@@ -74,32 +74,32 @@ struct Hits {
   }
 };
 
-template <class Set>
+template <class Isa>
 std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const IndexRange* ranges,
                          std::size_t range_count, float radius_squared, std::uint32_t* found) {
-  using Vector = typename Set::Vector;
+  using Vector = typename Isa::Vector;
   const float *x = points.component[0], *y = points.component[1], *z = points.component[2];
-  const Vector xi = Set::broadcast(x[i]), yi = Set::broadcast(y[i]), zi = Set::broadcast(z[i]);
-  const Vector r2 = Set::broadcast(radius_squared);
+  const Vector xi = Isa::broadcast(x[i]), yi = Isa::broadcast(y[i]), zi = Isa::broadcast(z[i]);
+  const Vector r2 = Isa::broadcast(radius_squared);
   std::uint32_t* out = found;
   for (std::size_t r = 0; r < range_count; ++r) {
-    for (std::uint32_t k = ranges[r].begin; k < ranges[r].end; k += Set::lanes) {
-      const Vector dx = Set::load(x + k) - xi, dy = Set::load(y + k) - yi, dz = Set::load(z + k) - zi;
+    for (std::uint32_t k = ranges[r].begin; k < ranges[r].end; k += Isa::lanes) {
+      const Vector dx = Isa::load(x + k) - xi, dy = Isa::load(y + k) - yi, dz = Isa::load(z + k) - zi;
       const Vector d2 = dx * dx + dy * dy + dz * dz;
-      std::uint32_t bits = Hits<Set>::bits(d2 < r2);
+      std::uint32_t bits = Hits<Isa>::bits(d2 < r2);
       const std::uint32_t left = ranges[r].end - k;
-      bits &= left < Set::lanes ? (1u << left) - 1 : ~0u;
+      bits &= left < Isa::lanes ? (1u << left) - 1 : ~0u;
       const std::uint32_t self = i - k;
-      bits &= ~(self < Set::lanes ? 1u << self : 0u);
-      out += Hits<Set>::append(k, bits, out);
+      bits &= ~(self < Isa::lanes ? 1u << self : 0u);
+      out += Hits<Isa>::append(k, bits, out);
     }
   }
   return static_cast<std::uint32_t>(out - found);
 }
 
-template <class Set>
+template <class Isa>
 const NeighborKernels& neighbor_kernels() {
-  static constexpr NeighborKernels kernels{near_point<Set>};
+  static constexpr NeighborKernels kernels{near_point<Isa>};
   return kernels;
 }
 

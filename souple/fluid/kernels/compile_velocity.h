@@ -9,10 +9,10 @@
 namespace souple::kernels {
 
 /// Three sums of sixteen partial sums each.
-template <class Set>
+template <class Isa>
 struct SixteenOfThree {
-  using T = simd::Pack<Set>;
-  Sixteen<Set> x, y, z;
+  using T = simd::Pack<Isa>;
+  Sixteen<Isa> x, y, z;
 
   SOUPLE_INLINE void add(int r, T ax, T ay, T az) { x.add(r, ax), y.add(r, ay), z.add(r, az); }
   SOUPLE_INLINE Vec3f total() const {
@@ -22,16 +22,16 @@ struct SixteenOfThree {
 };
 
 /// What of a particle's neighbors a term needs.
-template <class Set>
+template <class Isa>
 struct Pair {
-  using T = simd::Pack<Set>;
-  Near<Set> near;
-  Gathered<Set> other;
+  using T = simd::Pack<Isa>;
+  Near<Isa> near;
+  Gathered<Isa> other;
   T x, y, z;  // value_i - value_j
 
   SOUPLE_INLINE Pair(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                      const std::uint32_t* list, const SmoothingFactors& factors)
-      : near(Gathered<Set>(&records->x, list), at, factors), other(&values->x, list) {
+      : near(Gathered<Isa>(&records->x, list), at, factors), other(&values->x, list) {
     x = T(value.x) - T(other.x), y = T(value.y) - T(other.y), z = T(value.z) - T(other.z);
   }
   SOUPLE_INLINE T harmonic_mean(float own) const {
@@ -40,36 +40,36 @@ struct Pair {
 };
 
 /// f(register, pair) for all of a list.
-template <class Set, class Function>
+template <class Isa, class Function>
 SOUPLE_INLINE inline void for_pairs(const Vec4f* records, const Vec4f* values, const Vec4f& at,
                                     const Vec4f& value, const std::uint32_t* list, std::size_t count,
                                     const SmoothingFactors& factors, const Function& f) {
   for (std::size_t k = 0; k < count; k += 16)
-    for (int r = 0; r < Sixteen<Set>::registers; ++r)
+    for (int r = 0; r < Sixteen<Isa>::registers; ++r)
       f(r,
-        Pair<Set>(records, values, at, value, list + k + static_cast<std::size_t>(r * Set::lanes), factors));
+        Pair<Isa>(records, values, at, value, list + k + static_cast<std::size_t>(r * Isa::lanes), factors));
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 Vec3f velocity_exchange(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                         const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  using T = simd::Pack<Set>;
-  SixteenOfThree<Set> sum;
-  for_pairs<Set>(records, values, at, value, list, count, factors, [&](int r, const Pair<Set>& pair) {
+  using T = simd::Pack<Isa>;
+  SixteenOfThree<Isa> sum;
+  for_pairs<Isa>(records, values, at, value, list, count, factors, [&](int r, const Pair<Isa>& pair) {
     const T weight = pair.harmonic_mean(value.w) * (T(factors.value_factor) * Shape::value(pair.near.q));
     sum.add(r, weight * -pair.x, weight * -pair.y, weight * -pair.z);
   });
   return sum.total();
 }
 
-template <class Set>
+template <class Isa>
 Vec3f velocity_strain(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                       const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  using T = simd::Pack<Set>;
-  SixteenOfThree<Set> sum;
+  using T = simd::Pack<Isa>;
+  SixteenOfThree<Isa> sum;
   const T floor(1e-4f * factors.h * factors.h);
-  for_pairs<Set>(records, values, at, value, list, count, factors, [&](int r, const Pair<Set>& pair) {
-    const Near<Set>& near = pair.near;
+  for_pairs<Isa>(records, values, at, value, list, count, factors, [&](int r, const Pair<Isa>& pair) {
+    const Near<Isa>& near = pair.near;
     const T along = pair.x * near.dx + pair.y * near.dy + pair.z * near.dz;
     const T weight = max(T(1.0f) - near.q, T(0.0f)) * pair.harmonic_mean(value.w);
     const T pull = weight * (along / (near.r2 + floor));
@@ -78,13 +78,13 @@ Vec3f velocity_strain(const Vec4f* records, const Vec4f* values, const Vec4f& at
   return sum.total();
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 Vec3f velocity_curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                     const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  using T = simd::Pack<Set>;
-  SixteenOfThree<Set> sum;
-  for_pairs<Set>(records, values, at, value, list, count, factors, [&](int r, const Pair<Set>& pair) {
-    const Near<Set>& near = pair.near;
+  using T = simd::Pack<Isa>;
+  SixteenOfThree<Isa> sum;
+  for_pairs<Isa>(records, values, at, value, list, count, factors, [&](int r, const Pair<Isa>& pair) {
+    const Near<Isa>& near = pair.near;
     const T slope = T(factors.slope_factor) * Shape::slope(near.q);
     sum.add(r, slope * (near.dz * pair.y - near.dy * pair.z), slope * (near.dx * pair.z - near.dz * pair.x),
             slope * (near.dy * pair.x - near.dx * pair.y));
@@ -92,13 +92,13 @@ Vec3f velocity_curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, 
   return sum.total();
 }
 
-template <class Set>
+template <class Isa>
 float velocity_closing_speed(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                        const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
-  using T = simd::Pack<Set>;
-  Sixteen<Set> sum;
-  for_pairs<Set>(records, values, at, value, list, count, factors, [&](int r, const Pair<Set>& pair) {
-    const Near<Set>& near = pair.near;
+  using T = simd::Pack<Isa>;
+  Sixteen<Isa> sum;
+  for_pairs<Isa>(records, values, at, value, list, count, factors, [&](int r, const Pair<Isa>& pair) {
+    const Near<Isa>& near = pair.near;
     const T along = pair.x * near.dx + pair.y * near.dy + pair.z * near.dz;
     const T speed = sqrt(pair.x * pair.x + pair.y * pair.y + pair.z * pair.z);
     sum.add(r, (speed - along / (T(factors.h) * near.q)) * max(T(1.0f) - near.q, T(0.0f)));
@@ -107,14 +107,14 @@ float velocity_closing_speed(const Vec4f* records, const Vec4f* values, const Ve
   return (four[0] + four[2]) + (four[1] + four[3]);
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 Vec3f velocity_cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                         const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors,
                         const CohesionFactors& cohesion) {
-  using T = simd::Pack<Set>;
-  SixteenOfThree<Set> sum;
-  for_pairs<Set>(records, values, at, value, list, count, factors, [&](int r, const Pair<Set>& pair) {
-    const Near<Set>& near = pair.near;
+  using T = simd::Pack<Isa>;
+  SixteenOfThree<Isa> sum;
+  for_pairs<Isa>(records, values, at, value, list, count, factors, [&](int r, const Pair<Isa>& pair) {
+    const Near<Isa>& near = pair.near;
     const T share = T(-2.0f) / (T(value.w) + T(pair.other.w));
     const T pull = share * (T(cohesion.attraction * factors.inverse_h) * Cohesion::slope(near.q));
     const T flatten = share * (T(cohesion.flattening) * Shape::value(near.q));
@@ -124,11 +124,11 @@ Vec3f velocity_cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& 
   return sum.total();
 }
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 const VelocityKernels& velocity_kernels() {
-  static constexpr VelocityKernels kernels{velocity_exchange<Set, Shape>, velocity_strain<Set>,
-                                           velocity_curl<Set, Shape>, velocity_closing_speed<Set>,
-                                           velocity_cohesion<Set, Shape>};
+  static constexpr VelocityKernels kernels{velocity_exchange<Isa, Shape>, velocity_strain<Isa>,
+                                           velocity_curl<Isa, Shape>, velocity_closing_speed<Isa>,
+                                           velocity_cohesion<Isa, Shape>};
   return kernels;
 }
 

@@ -63,7 +63,7 @@ struct DensityKernels {
 /// One neighbor after the other, to compare with.
 struct PlainLanes;
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 const DensityKernels& density_kernels();
 
 }  // namespace souple::kernels

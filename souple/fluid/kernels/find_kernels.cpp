@@ -6,7 +6,7 @@ namespace souple::kernels {
 
 const NeighborKernels& find_neighbor_kernels(InstructionSet set) {
   const NeighborKernels* const packed = souple::detail::find_for(
-      set, []<class Set>(std::type_identity<Set>) { return &neighbor_kernels<Set>(); });
+      set, []<class Isa>(std::type_identity<Isa>) { return &neighbor_kernels<Isa>(); });
   return packed ? *packed : neighbor_kernels<OneLane>();
 }
 
@@ -32,7 +32,7 @@ auto find_for_shape(SmoothingShape shape, const Find& find) {
 const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape) {
   return *find_for_shape(shape, [&]<class Shape>(std::type_identity<Shape>) {
     const DensityKernels* const packed = souple::detail::find_for(
-        set, []<class Set>(std::type_identity<Set>) { return &density_kernels<Set, Shape>(); });
+        set, []<class Isa>(std::type_identity<Isa>) { return &density_kernels<Isa, Shape>(); });
     return packed ? packed : &density_kernels<PlainLanes, Shape>();
   });
 }
@@ -40,7 +40,7 @@ const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape sh
 const VelocityKernels& find_velocity_kernels(InstructionSet set, SmoothingShape shape) {
   return *find_for_shape(shape, [&]<class Shape>(std::type_identity<Shape>) {
     const VelocityKernels* const packed = souple::detail::find_for(
-        set, []<class Set>(std::type_identity<Set>) { return &velocity_kernels<Set, Shape>(); });
+        set, []<class Isa>(std::type_identity<Isa>) { return &velocity_kernels<Isa, Shape>(); });
     return packed ? packed : &velocity_kernels<PlainLanes, Shape>();
   });
 }

@@ -28,7 +28,7 @@ struct NeighborKernels {
 /// One lane, for processors without registers of ours and to compare with.
 struct OneLane {};
 
-template <class Set>
+template <class Isa>
 const NeighborKernels& neighbor_kernels();
 
 }  // namespace souple::kernels

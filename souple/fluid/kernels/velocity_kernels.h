@@ -35,7 +35,7 @@ struct VelocityKernels {
                     const CohesionFactors& cohesion);
 };
 
-template <class Set, class Shape>
+template <class Isa, class Shape>
 const VelocityKernels& velocity_kernels();
 
 }  // namespace souple::kernels
