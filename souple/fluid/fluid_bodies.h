@@ -16,7 +16,7 @@ namespace souple {
 /// How a body gives way while a fluid's pressure is being solved for.
 enum class BodyCompliance {
   per_vertex,  ///< every vertex by itself, as cloth does
-  rigidly   ///< as a whole: pressure deforms it only afterwards
+  rigid   ///< as a whole: pressure deforms it only afterwards
 };
 
 /// The surface of a body as a fluid feels it: triangles over vertices, each of which hangs on up to four of
