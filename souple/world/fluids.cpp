@@ -30,7 +30,7 @@ struct Boundary {
     const std::span<BoundaryPlane> planes = surroundings.of(index);
     for (BoundaryPlane& plane : planes) bodies.follow(plane);
     BoundarySums sums = sample_planes(planes, x, smoothing);
-    if (!sub_resolution_bodies.none()) sums.value += sub_resolution_bodies.taken(index);
+    if (!sub_resolution_bodies.none()) sums.value += sub_resolution_bodies.displaced_fraction(index);
     return sums;
   }
   void after_sampling(std::span<const Vec4f> x, CoarsePressure& coarse) const {
@@ -157,7 +157,7 @@ void Fluids::move(const ParticleView& particles, Threads& threads) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();
   const auto given = sub_resolution_bodies_.none() ? std::span<const Vec3f>{}
-                                          : sub_resolution_bodies_.press(solver_->positions(), moved, particles);
+                                          : sub_resolution_bodies_.apply_pressure(solver_->positions(), moved, particles);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (led_.is_led(order[k])) continue;
