@@ -100,11 +100,11 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
   Vec3d at = predicted;
   if (!clear) {
     // A wall further from the way's end than the way is long is not on it.
-    double margin = double{radius} + length(at - before);
+    double range = double{radius} + length(at - before);
     for (const Wall& wall : static_walls_) {
-      if (!collides_with(wall, fluid) || distance_bound(wall, at - origin_) > margin) continue;
+      if (!collides_with(wall, fluid) || distance_bound(wall, at - origin_) > range) continue;
       at = stopped_by(wall, before, at, double{radius});
-      margin = double{radius} + length(at - before);
+      range = double{radius} + length(at - before);
     }
   }
   for (const Wall& wall : moving_walls_)

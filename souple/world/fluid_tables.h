@@ -21,10 +21,10 @@ struct FluidTables {
   // Objects.
   std::vector<std::uint32_t> with_boundary;  ///< that are bodies to fluids
   std::vector<std::uint32_t> small;    ///< that are made of small bodies
-  // Of each fluid and then each collider, with_boundary object, small object: whether they meet.
+  // Of each fluid and then each collider, skinned object, small object: whether they meet.
   std::vector<std::uint8_t> meets, feels, feels_small;
 
-  /// Which objects are with_boundary or small, and how fluids feel them: after objects came, went or changed.
+  /// Which objects are skinned or small, and how fluids feel them: after objects came, went or changed.
   void find_bodies(const WorldState& world, FluidBodies& bodies, SubResolutionBodies& sub_resolution_bodies);
   /// All the others: before each step.
   void find_particles(const WorldState& world);
