@@ -28,7 +28,7 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 
 void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
                         std::span<const float> mass) const {
-  const std::size_t count = skin.particles.size();
+  const std::size_t count = mesh.particles.size();
   state.start.resize(count);
   state.now.resize(count);
   state.vertex_inverse_mass.assign(count, 0);
@@ -36,22 +36,22 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
   for (std::size_t v = 0; v < count; ++v) {
     Vec3d before{}, after{};
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::uint32_t i = skin.particles[v][k];
-      const auto weight = static_cast<double>(skin.weights[v][k]);
+      const std::uint32_t i = mesh.particles[v][k];
+      const auto weight = static_cast<double>(mesh.weights[v][k]);
       if (weight == 0) continue;
       before += (start_place(particles, i) - origin_) * weight;
       after += (souple::place(particles, i) - origin_) * weight;
-      state.vertex_inverse_mass[v] += skin.weights[v][k] * skin.weights[v][k] * particles.inverse_mass(i);
+      state.vertex_inverse_mass[v] += mesh.weights[v][k] * mesh.weights[v][k] * particles.inverse_mass(i);
     }
     state.start[v] = Vec3f(before);
     state.now[v] = Vec3f(after);
   }
   state.movable = std::any_of(state.vertex_inverse_mass.begin(), state.vertex_inverse_mass.end(), [](float g) { return g > 0; });
   state.inverse_mass = 0;
-  if (!state.movable || skin.compliance == BodyCompliance::per_vertex) return;
+  if (!state.movable || mesh.compliance == BodyCompliance::per_vertex) return;
   Vec3d center{};
   double all = 0;
-  for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
+  for (std::uint32_t i = mesh.begin; i < mesh.end; ++i) {
     if (particles.inverse_mass(i) == 0) return;  // held somewhere: it does not go away as a whole
     const auto m = static_cast<double>(mass[i]);
     center += (souple::place(particles, i) - origin_) * m;
@@ -59,7 +59,7 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
   }
   center = center / all;
   Mat3d second{};
-  for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
+  for (std::uint32_t i = mesh.begin; i < mesh.end; ++i) {
     const Vec3d r = souple::place(particles, i) - origin_ - center;
     second = second + outer(r, r) * static_cast<double>(mass[i]);
   }
@@ -155,9 +155,9 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
       std::uint32_t triangle = BoundaryPlane::none;
       Vec3f weights{}, offset{}, normal{};
     } best;
-    best.distance = search_radius + skin.half_thickness;
+    best.distance = search_radius + mesh.half_thickness;
     for (; c < first_[i + 1] && candidates_[c].mesh == s; ++c) {
-      const Triangle& t = skin.triangles[candidates_[c].triangle];
+      const Triangle& t = mesh.triangles[candidates_[c].triangle];
       const TrianglePoint nearest = closest_on_triangle(Vec3d(x), Vec3d(state.now[t[0]]),
                                                         Vec3d(state.now[t[1]]), Vec3d(state.now[t[2]]));
       const Vec3f weights{static_cast<float>(nearest.a), static_cast<float>(nearest.b),
@@ -180,9 +180,9 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
               normal * (1 / size)};
     }
     if (best.triangle == BoundaryPlane::none || collides_[fluid * meshes_.size() + s] == 0) continue;
-    const Triangle& t = skin.triangles[best.triangle];
+    const Triangle& t = mesh.triangles[best.triangle];
     Vec3f outward = best.normal;
-    if (!skin.closed) {
+    if (!mesh.closed) {
       // Cloth has water on both sides: a particle stays on that where it was.
       const Vec3f before = area_normal(t, state.start);
       if (dot(before, start - corner_mix(t, best.weights, state.start)) < 0) outward = -outward;

@@ -40,7 +40,7 @@ struct BoundaryMesh {
 /// would be thrown about by pressures that were meant for one that does not move.
 class FluidBodies {
  public:
-  /// collides[fluid * meshes + s]: whether a fluid feels a skin.
+  /// collides[fluid * meshes + s]: whether a fluid feels a mesh.
   void set_meshes(std::vector<BoundaryMesh> meshes) { meshes_ = std::move(meshes); }
   std::span<const BoundaryMesh> meshes() const { return meshes_; }
   std::size_t mesh_count() const { return meshes_.size(); }
@@ -53,7 +53,7 @@ class FluidBodies {
   /// particles [kg]. Lists which particles may be near which triangles.
   void begin_substep(const ParticleView& particles, std::span<const float> mass,
                      std::span<const Vec4f> positions, float search_radius, Threads& threads);
-  /// Appends what is nearer than `search_radius` to particle i of a fluid: one plane of each skin. It is at x and was
+  /// Appends what is nearer than `search_radius` to particle i of a fluid: one plane of each mesh. It is at x and was
   /// at `start` when the substep began. Several threads may call it at a time.
   void find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float search_radius,
             std::vector<BoundaryPlane>& planes) const;
@@ -83,11 +83,11 @@ class FluidBodies {
   template <class Function>
   void for_carriers(const BoundaryPlane& plane, const Function& f) const {
     const BoundaryMesh& mesh = meshes_[plane.mesh];
-    const Triangle& t = skin.triangles[plane.triangle];
+    const Triangle& t = mesh.triangles[plane.triangle];
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t p = 0; p < 4; ++p) {
-        const float share = plane.weights[static_cast<int>(c)] * skin.weights[t[c]][p];
-        if (share != 0) f(skin.particles[t[c]][p], share);
+        const float share = plane.weights[static_cast<int>(c)] * mesh.weights[t[c]][p];
+        if (share != 0) f(mesh.particles[t[c]][p], share);
       }
     }
   }

@@ -66,13 +66,13 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
   for (std::size_t s = 0; s < source.meshes.size(); ++s) {
     if (source.feels[s] == 0) continue;
     const BoundaryMesh& mesh = source.meshes[s];
-    start_.resize(skin.particles.size());
-    end_.resize(skin.particles.size());
-    for_each_index(skin.particles.size(), threads, [&](std::size_t v) {
+    start_.resize(mesh.particles.size());
+    end_.resize(mesh.particles.size());
+    for_each_index(mesh.particles.size(), threads, [&](std::size_t v) {
       Vec3d before{}, after{};
       for (std::size_t k = 0; k < 4; ++k) {
-        const std::uint32_t i = skin.particles[v][k];
-        const auto weight = static_cast<double>(skin.weights[v][k]);
+        const std::uint32_t i = mesh.particles[v][k];
+        const auto weight = static_cast<double>(mesh.weights[v][k]);
         if (weight == 0) continue;
         before +=
             (Vec3d(world.good_position[i].xyz()) + Vec3d(world.good_offset[i].xyz()) - origin_) * weight;
@@ -81,8 +81,8 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
       start_[v] = Vec3f(before);
       end_[v] = Vec3f(after);
     });
-    for (const auto& [a, b, c] : skin.triangles)
-      bodies_.add({start_[a], start_[b], start_[c]}, {end_[a], end_[b], end_[c]}, skin.half_thickness + gap);
+    for (const auto& [a, b, c] : mesh.triangles)
+      bodies_.add({start_[a], start_[b], start_[c]}, {end_[a], end_[b], end_[c]}, mesh.half_thickness + gap);
   }
   if (!bodies_.none()) bodies_.build(threads);
 }

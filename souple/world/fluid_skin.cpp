@@ -50,10 +50,10 @@ BoundaryMesh embedded_boundary(const Object& object, float spacing) {
     mesh = halved(mesh);
   const Embedding embedding = embed(mesh.positions, object.tets);
   BoundaryMesh boundary;
-  skin.triangles = mesh.triangles;
+  boundary.triangles = mesh.triangles;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    auto& particles = skin.particles.emplace_back();
-    auto& weights = skin.weights.emplace_back();
+    auto& particles = boundary.particles.emplace_back();
+    auto& weights = boundary.weights.emplace_back();
     for (std::size_t k = 0; k < 4; ++k) {
       particles[k] = object.begin + embedding.vertices[v][k];
       weights[k] = static_cast<float>(embedding.weights[v][k]);
@@ -64,10 +64,10 @@ BoundaryMesh embedded_boundary(const Object& object, float spacing) {
 
 BoundaryMesh particle_boundary(const Object& object) {
   BoundaryMesh boundary;
-  skin.triangles = object.surface;
+  boundary.triangles = object.surface;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    skin.particles.push_back({i, i, i, i});
-    skin.weights.push_back({1, 0, 0, 0});
+    boundary.particles.push_back({i, i, i, i});
+    boundary.weights.push_back({1, 0, 0, 0});
   }
   return boundary;
 }
@@ -141,11 +141,11 @@ std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing
   if (object.kind == ObjectKind::fluid || (!object.embedding && object.surface.empty())) return std::nullopt;
   BoundaryMesh boundary = object.embedding ? embedded_boundary(object, spacing) : particle_boundary(object);
   const bool solid = object.kind == ObjectKind::soft_body;
-  skin.begin = object.begin;
-  skin.end = object.end;
-  skin.half_thickness = contact_radius(object.material);
-  skin.closed = solid;
-  skin.compliance = solid ? BodyCompliance::rigid : BodyCompliance::per_vertex;
+  boundary.begin = object.begin;
+  boundary.end = object.end;
+  boundary.half_thickness = contact_radius(object.material);
+  boundary.closed = solid;
+  boundary.compliance = solid ? BodyCompliance::rigid : BodyCompliance::per_vertex;
   return boundary;
 }
 
