@@ -19,15 +19,15 @@ void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_bo
   for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const float viscous = h * fluid.smoothing.volume() * fluid.v[k].w;
     float all = 0;
-    for (BoundaryPlane& plane : surroundings.of(k)) {
+    for (BoundaryPlane& plane : local_boundary.of(k)) {
       plane.friction = bodies.is_movable(plane) ? viscous * wall_friction(fluid.smoothing, plane.friction) : 0;
       all += plane.friction;
     }
-    for (BoundaryPlane& plane : surroundings.of(k)) plane.friction /= 1 + all * fluid.x[k].w;
+    for (BoundaryPlane& plane : local_boundary.of(k)) plane.friction /= 1 + all * fluid.x[k].w;
   });
   const auto for_movable_planes = [&](const auto& f) {
     for (std::size_t k = 0; k < fluid.size(); ++k)
-      for (const BoundaryPlane& plane : surroundings.of(k))
+      for (const BoundaryPlane& plane : local_boundary.of(k))
         if (plane.friction > 0)
           bodies.for_carriers(plane, [&](std::uint32_t p, float share) { f(plane, p, share); });
   };
@@ -43,7 +43,7 @@ void BodyFriction::apply(const FluidView& fluid, LocalBoundary& local_boundary, 
   for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const Vec3f before = fluid.v[k].xyz();
     Vec3f gained{};
-    for (BoundaryPlane& plane : surroundings.of(k)) {
+    for (BoundaryPlane& plane : local_boundary.of(k)) {
       if (!(plane.friction > 0)) continue;
       Vec3f speed{};
       float bound = 0;
@@ -58,7 +58,7 @@ void BodyFriction::apply(const FluidView& fluid, LocalBoundary& local_boundary, 
     fluid.v[k].set_xyz(before + gained * fluid.x[k].w);
   });
   for (std::size_t k = 0; k < fluid.size(); ++k)
-    for (const BoundaryPlane& plane : surroundings.of(k))
+    for (const BoundaryPlane& plane : local_boundary.of(k))
       if (plane.friction > 0) push_carriers(bodies, plane, plane.friction_impulse, velocity, inverse_mass);
 }
 

@@ -222,8 +222,8 @@ void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<c
   coarse.begin_movers(meshes_.size());
   for (std::size_t s = 0; s < meshes_.size(); ++s)
     if (states_[s].inverse_mass > 0) coarse.set_mover(s, states_[s].inverse_mass, states_[s].inverse_inertia);
-  for (const std::uint32_t k : surroundings.near()) {
-    for (const BoundaryPlane& plane : surroundings.of(k)) {
+  for (const std::uint32_t k : local_boundary.near()) {
+    for (const BoundaryPlane& plane : local_boundary.of(k)) {
       if (plane.mesh == BoundaryPlane::none) continue;
       State& state = states_[plane.mesh];
       if (!state.movable) continue;
@@ -261,8 +261,8 @@ void FluidBodies::add_response(std::span<const BoundaryPlane> planes, BoundarySu
 
 void FluidBodies::displace(const LocalBoundary& local_boundary, std::span<const float> change) {
   pushes_.assign(meshes_.size(), {});
-  for (const std::uint32_t k : surroundings.near()) {
-    for (const BoundaryPlane& plane : surroundings.of(k)) {
+  for (const std::uint32_t k : local_boundary.near()) {
+    for (const BoundaryPlane& plane : local_boundary.of(k)) {
       if (!is_movable(plane)) continue;
       State& state = states_[plane.mesh];
       const Vec3f push = plane.slope * -change[k];
@@ -290,8 +290,8 @@ void FluidBodies::displace(const LocalBoundary& local_boundary, std::span<const 
 }
 
 void FluidBodies::apply(const LocalBoundary& local_boundary, const ParticleView& particles) const {
-  for (const std::uint32_t k : surroundings.near()) {
-    for (const BoundaryPlane& plane : surroundings.of(k)) {
+  for (const std::uint32_t k : local_boundary.near()) {
+    for (const BoundaryPlane& plane : local_boundary.of(k)) {
       if (!is_movable(plane)) continue;
       for_carriers(plane, [&](std::uint32_t i, float share) {
         particles.correct(i, plane.push_sum * (-share * particles.inverse_mass(i)));

@@ -66,7 +66,7 @@ void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x, std
       if (!(w > 0) || collides_[fluid_[order[k]] * objects_ + bodies_[b].object] == 0) continue;
       near.push_back({k, w});
       sum += w;
-      for (const BoundaryPlane& plane : surroundings.of(k))
+      for (const BoundaryPlane& plane : local_boundary.of(k))
         mirrored += std::max(0.0f, weight(at - plane.normal * (2 * (dot(plane.normal, at) - plane.offset))));
     }
   });

@@ -35,7 +35,7 @@ FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const Loca
         const float error = std::max(0.0f, solver.density_error(k));
         noted.errors += static_cast<double>(error);
         noted.largest_error = std::max(noted.largest_error, error);
-        for (const BoundaryPlane& plane : surroundings.of(k))
+        for (const BoundaryPlane& plane : local_boundary.of(k))
           if (plane.collider != BoundaryPlane::none)
             pushed_[chunk * colliders + plane.collider] += Vec3d(plane.push_sum);
       }

@@ -23,11 +23,11 @@ struct Boundary {
   template <class Function>
   void for_near(std::size_t count, Threads& threads, const Function& f) const {
     if (!sub_resolution_bodies.none()) return for_each_index(count, threads, f);
-    const std::span<const std::uint32_t> near = surroundings.near();
+    const std::span<const std::uint32_t> near = local_boundary.near();
     for_each_index(near.size(), threads, [&](std::size_t k) { f(near[k]); });
   }
   BoundarySums sample(std::size_t index, const Vec3f& x) const {
-    const std::span<BoundaryPlane> planes = surroundings.of(index);
+    const std::span<BoundaryPlane> planes = local_boundary.of(index);
     for (BoundaryPlane& plane : planes) bodies.follow(plane);
     BoundarySums sums = sample_planes(planes, x, smoothing);
     if (!sub_resolution_bodies.none()) sums.value += sub_resolution_bodies.displaced_fraction(index);
@@ -37,10 +37,10 @@ struct Boundary {
     if (bodies.mesh_count() > 0) bodies.find_response(local_boundary, x, coarse);
   }
   void add_response(std::size_t index, BoundarySums& sums) const {
-    if (bodies.mesh_count() > 0) bodies.add_response(surroundings.of(index), sums);
+    if (bodies.mesh_count() > 0) bodies.add_response(local_boundary.of(index), sums);
   }
   void add_push(std::size_t index, float change) const {
-    for (BoundaryPlane& plane : surroundings.of(index)) plane.push_sum += plane.slope * change;
+    for (BoundaryPlane& plane : local_boundary.of(index)) plane.push_sum += plane.slope * change;
   }
   void after_pushes(std::span<const float> change) const {
     if (bodies.mesh_count() > 0) bodies.displace(local_boundary, change);
