@@ -243,7 +243,7 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
   // Of all that is made, number k stays where k capacity / total steps up: evenly among the places.
   const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * capacity / total : 0; };
   start_.clear();
-  for (const Spawner& maker : spawners_) {
+  for (const Spawner& spawner : spawners_) {
     const std::uint64_t end = spawner.first + static_cast<std::uint64_t>(made_[spawner.index]);
     begin(step, spawner, static_cast<std::uint32_t>(kept_before(end) - kept_before(spawner.first)),
           key_of(spawner.index) + 1, parameters);
