@@ -14,13 +14,14 @@ void push_carriers(const FluidBodies& bodies, const BoundaryPlane& plane, const 
 }
 
 // hold becomes k [kg].
-void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
-                             float h, Threads& threads) {
+void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_boundary,
+                                 const FluidBodies& bodies, float h, Threads& threads) {
   for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const float viscous = h * fluid.smoothing.volume() * fluid.v[k].w;
     float all = 0;
     for (BoundaryPlane& plane : local_boundary.of(k)) {
-      plane.friction = bodies.is_movable(plane) ? viscous * wall_friction(fluid.smoothing, plane.friction) : 0;
+      plane.friction =
+          bodies.is_movable(plane) ? viscous * wall_friction(fluid.smoothing, plane.friction) : 0;
       all += plane.friction;
     }
     for (BoundaryPlane& plane : local_boundary.of(k)) plane.friction /= 1 + all * fluid.x[k].w;
@@ -32,7 +33,9 @@ void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_bo
           bodies.for_carriers(plane, [&](std::uint32_t p, float share) { f(plane, p, share); });
   };
   for_movable_planes([&](const BoundaryPlane&, std::uint32_t p, float) { coupling_[p] = 0; });
-  for_movable_planes([&](const BoundaryPlane& plane, std::uint32_t p, float share) { coupling_[p] += share * plane.friction; });
+  for_movable_planes([&](const BoundaryPlane& plane, std::uint32_t p, float share) {
+    coupling_[p] += share * plane.friction;
+  });
 }
 
 void BodyFriction::apply(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,

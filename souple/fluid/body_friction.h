@@ -26,8 +26,8 @@ class BodyFriction {
              std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass, Threads& threads);
 
  private:
-  void find_coupling(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies, float h,
-                 Threads& threads);
+  void find_coupling(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
+                     float h, Threads& threads);
 
   std::vector<float> coupling_;  // K_p of the world's particles [kg]
 };

@@ -143,7 +143,8 @@ void CellOrder::sort_pass(const std::vector<Item>& from, std::vector<Item>& to, 
 }
 
 template <class Item>
-void CellOrder::store_order(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads) {
+void CellOrder::store_order(std::span<const Vec4f> positions, const std::vector<Item>& sorted,
+                            Threads& threads) {
   constexpr std::size_t padding = 16;
   const std::size_t n = sorted.size();
   order_.resize(n);

@@ -66,7 +66,7 @@ void CoarsePressure::set_mover(std::size_t mover, double inverse_mass, const Mat
 }
 
 void CoarsePressure::add_contact(std::size_t mover, std::uint32_t index, const Vec4f& position,
-                               const Vec3d& slope, const Vec3d& moment) {
+                                 const Vec3d& slope, const Vec3d& moment) {
   Mover& body = movers_[mover];
   const std::size_t cell = cell_of_[index];
   const std::array<float, 8> n = weights(cell, position);

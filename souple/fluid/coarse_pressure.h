@@ -53,7 +53,7 @@ class CoarsePressure {
   void set_mover(std::size_t mover, double inverse_mass, const Mat3d& inverse_inertia);
   /// A particle is pushed by a mover along `slope` g, whose moment about its center is `moment`.
   void add_contact(std::size_t mover, std::uint32_t index, const Vec4f& position, const Vec3d& slope,
-                 const Vec3d& moment);
+                   const Vec3d& moment);
   int iterations() const { return iterations_; }  ///< of the last solve
   std::size_t node_count() const { return y_.size(); }
 

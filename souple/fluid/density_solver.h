@@ -129,7 +129,8 @@ class DensitySolver {
   void find_neighbors(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
   void find_sums(Boundary& boundary, Threads& threads) {
-    boundary.for_near(size(), threads, [&](std::size_t k) { boundary_[k] = boundary.sample(k, x_[k].xyz()); });
+    boundary.for_near(size(), threads,
+                      [&](std::size_t k) { boundary_[k] = boundary.sample(k, x_[k].xyz()); });
     boundary.after_sampling(positions(), coarse_);
     boundary.for_near(size(), threads, [&](std::size_t k) { boundary.add_response(k, boundary_[k]); });
     find_fluid_sums(threads);

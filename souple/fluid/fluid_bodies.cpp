@@ -27,7 +27,7 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 // --- where bodies are ----------------------------------------------------------------------------
 
 void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
-                        std::span<const float> mass) const {
+                               std::span<const float> mass) const {
   const std::size_t count = mesh.particles.size();
   state.start.resize(count);
   state.now.resize(count);
@@ -46,7 +46,8 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
     state.start[v] = Vec3f(before);
     state.now[v] = Vec3f(after);
   }
-  state.movable = std::any_of(state.vertex_inverse_mass.begin(), state.vertex_inverse_mass.end(), [](float g) { return g > 0; });
+  state.movable = std::any_of(state.vertex_inverse_mass.begin(), state.vertex_inverse_mass.end(),
+                              [](float g) { return g > 0; });
   state.inverse_mass = 0;
   if (!state.movable || mesh.compliance == BodyCompliance::per_vertex) return;
   Vec3d center{};
@@ -116,8 +117,8 @@ void FluidBodies::find_candidates(std::span<const Vec4f> positions, float search
 }
 
 // Cells of the triangle's box, grown by the search_radius; then its bounding ball.
-void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
-                                float search_radius) {
+void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle,
+                                     std::span<const Vec4f> positions, float search_radius) {
   const Triangle& t = meshes_[mesh].triangles[triangle];
   const std::vector<Vec3f>& at = states_[mesh].now;
   const Vec3f middle = (at[t[0]] + at[t[1]] + at[t[2]]) * (1.0f / 3);
@@ -144,8 +145,8 @@ void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle,
 
 // Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
 // whether it is inside: the others' planes may have it on the wrong side.
-void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float search_radius,
-                       std::vector<BoundaryPlane>& planes) const {
+void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start,
+                       float search_radius, std::vector<BoundaryPlane>& planes) const {
   for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
     const std::uint32_t s = candidates_[c].mesh;
     const BoundaryMesh& mesh = meshes_[s];
@@ -205,7 +206,8 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
 
 void FluidBodies::follow(BoundaryPlane& plane) const {
   if (plane.mesh == BoundaryPlane::none) return;
-  plane.offset = dot(plane.normal, point(plane, states_[plane.mesh].now)) + meshes_[plane.mesh].half_thickness;
+  plane.offset =
+      dot(plane.normal, point(plane, states_[plane.mesh].now)) + meshes_[plane.mesh].half_thickness;
 }
 
 Vec3f FluidBodies::point(const BoundaryPlane& plane, const std::vector<Vec3f>& vertices) const {
@@ -214,7 +216,8 @@ Vec3f FluidBodies::point(const BoundaryPlane& plane, const std::vector<Vec3f>& v
 
 // --- how bodies give offset -------------------------------------------------------------------------
 
-void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<const Vec4f> x, CoarsePressure& coarse) {
+void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<const Vec4f> x,
+                                CoarsePressure& coarse) {
   for (State& state : states_) {
     std::fill(state.slopes.begin(), state.slopes.end(), 0.0f);
     state.slope_sum = 0;
@@ -231,7 +234,7 @@ void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<c
       if (state.inverse_mass > 0) {
         state.slope_sum += slope;
         coarse.add_contact(plane.mesh, k, x[k], Vec3d(plane.slope),
-                         cross(Vec3d(point(plane, state.now)) - state.center, Vec3d(plane.slope)));
+                           cross(Vec3d(point(plane, state.now)) - state.center, Vec3d(plane.slope)));
         continue;
       }
       const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];

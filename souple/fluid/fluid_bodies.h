@@ -16,7 +16,7 @@ namespace souple {
 /// How a body gives way while a fluid's pressure is being solved for.
 enum class BodyCompliance {
   per_vertex,  ///< every vertex by itself, as cloth does
-  rigid   ///< as a whole: pressure deforms it only afterwards
+  rigid        ///< as a whole: pressure deforms it only afterwards
 };
 
 /// The surface of a body as a fluid feels it: triangles over vertices, each of which hangs on up to four of
@@ -95,10 +95,10 @@ class FluidBodies {
  private:
   /// Of a mesh in this substep.
   struct State {
-    std::vector<Vec3f> start, now;  // of vertices, from the origin [m]
-    std::vector<float> vertex_inverse_mass;       // of a vertex: how much a unit of push moves it [1/kg]
-    std::vector<float> slopes;      // compliance locally: sum of |slope| that pushes it [1/m]
-    float slope_sum = 0;            // compliance rigidly: of all [1/m]
+    std::vector<Vec3f> start, now;           // of vertices, from the origin [m]
+    std::vector<float> vertex_inverse_mass;  // of a vertex: how much a unit of push moves it [1/kg]
+    std::vector<float> slopes;               // compliance locally: sum of |slope| that pushes it [1/m]
+    float slope_sum = 0;                     // compliance rigidly: of all [1/m]
     bool movable = false;
     double inverse_mass = 0;  // of the whole
     Mat3d inverse_inertia{};
@@ -111,11 +111,11 @@ class FluidBodies {
   };
 
   void update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
-             std::span<const float> mass) const;
+                    std::span<const float> mass) const;
   bool lists_are_valid(std::span<const Vec4f> positions) const;
   void find_candidates(std::span<const Vec4f> positions, float search_radius, Threads& threads);
   void find_candidates_of(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
-                     float search_radius);
+                          float search_radius);
   Vec3f point(const BoundaryPlane& plane, const std::vector<Vec3f>& vertices) const;
 
   /// Particles of the world that carry the point a plane touches, each once; shares sum to 1.
@@ -139,7 +139,7 @@ class FluidBodies {
   std::vector<Candidate> found_, candidates_;  // as found; by particle, then as found
   std::vector<std::uint32_t> first_;           // of each particle
   std::vector<Vec4f> listed_;                  // where particles were when they were listed
-  float listed_margin_ = 0;                      // how far things may go before they are listed anew [m]
+  float listed_margin_ = 0;                    // how far things may go before they are listed anew [m]
   std::vector<std::vector<Vec3f>> listed_vertices_;
 };
 

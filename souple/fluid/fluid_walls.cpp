@@ -39,7 +39,7 @@ void FluidWalls::begin_substep(double time, double h) {
 }
 
 double FluidWalls::add_plane(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
-                        std::vector<BoundaryPlane>& planes) const {
+                             std::vector<BoundaryPlane>& planes) const {
   if (!collides_with(wall, fluid)) return std::numeric_limits<double>::infinity();
   const double clear = distance_bound(wall, Vec3d(x));
   if (clear > double{search_radius}) return clear;
@@ -117,7 +117,8 @@ void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float se
   Clearance& clearance = clearances_[i];
   if (!(length(x - clearance.at) + search_radius < clearance.clear)) {
     double clear = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : static_walls_) clear = min(clear, add_plane(wall, fluid, x, search_radius, planes));
+    for (const Wall& wall : static_walls_)
+      clear = min(clear, add_plane(wall, fluid, x, search_radius, planes));
     clearance = {x, static_cast<float>(min(clear, 1e30))};
   }
   for (const Wall& wall : moving_walls_) add_plane(wall, fluid, x, search_radius, planes);

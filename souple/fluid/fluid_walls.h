@@ -27,7 +27,8 @@ class FluidWalls {
   Vec3f keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const;
   /// Appends the planes nearer than `search_radius` to particle i of a fluid, at x. For different particles, several
   /// threads may call it at a time.
-  void find(std::size_t i, std::size_t fluid, const Vec3f& x, float search_radius, std::vector<BoundaryPlane>& planes);
+  void find(std::size_t i, std::size_t fluid, const Vec3f& x, float search_radius,
+            std::vector<BoundaryPlane>& planes);
 
  private:
   struct Wall {
@@ -59,7 +60,7 @@ class FluidWalls {
   Vec3d stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const;
   /// Appends the plane if it is near; how far the wall is, or less.
   double add_plane(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
-              std::vector<BoundaryPlane>& planes) const;
+                   std::vector<BoundaryPlane>& planes) const;
 
   std::span<const Collider> colliders_;
   std::span<const std::uint8_t> collides_;

@@ -209,7 +209,7 @@ Foam::Potential Foam::potential(const FoamStep& step, std::uint32_t i, std::span
   const float energy = ramp(0.5f * dot(v, v), parameters.energy);
   if (!(energy * part > 0)) return {0, 0};
   const float closing_speed = velocity_->closing_speed(fluid.x.data(), fluid.v.data(), fluid.x[i], fluid.v[i],
-                                           list.data(), list.size(), fluid.smoothing.factors());
+                                                       list.data(), list.size(), fluid.smoothing.factors());
   const Vec3f n = normals_[i];
   const float bent = dot(v, n) > 0.6f * length(v) ? bend(fluid, i, list) : 0;
   const float rate = energy * (parameters.trapped_air_rate * ramp(closing_speed, parameters.trapped_air) +

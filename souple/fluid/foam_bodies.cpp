@@ -35,7 +35,8 @@ void FoamBodies::build(Threads& threads) {
 
 // Which offset is out is the offset from the nearest point when they meet, not the triangle's normal: it is right
 // at edges as well, and for either side.
-FoamBodies::Impact FoamBodies::find_impact(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x) {
+FoamBodies::Impact FoamBodies::find_impact(const MovingTriangle& triangle, const Vec3f& start,
+                                           const Vec3f& x) {
   Moving4 motion;
   motion.x[0] = Vec3d{}, motion.p[0] = Vec3d(x - start);
   for (std::size_t c = 0; c < 3; ++c) {

@@ -12,13 +12,13 @@ namespace souple {
 struct BoundaryPlane {
   static constexpr std::uint32_t none = ~0u;
 
-  Vec3f normal{};    ///< unit, towards the fluid
-  float offset = 0;  ///< m
-  Vec3f motion{};    ///< of the surface in this substep [m]
-  Vec3f slope{};     ///< its part in that of the sum, of the last look [1/m]
-  Vec3f push_sum{};    ///< the particle, in this substep: sum of slope times lambda [kg m]
-  float friction = 0;    ///< its part in how all of them hold a flow along them, as WallFriction says
-  Vec3f friction_impulse{};    ///< the body, in this substep: impulse [kg m/s]
+  Vec3f normal{};            ///< unit, towards the fluid
+  float offset = 0;          ///< m
+  Vec3f motion{};            ///< of the surface in this substep [m]
+  Vec3f slope{};             ///< its part in that of the sum, of the last look [1/m]
+  Vec3f push_sum{};          ///< the particle, in this substep: sum of slope times lambda [kg m]
+  float friction = 0;        ///< its part in how all of them hold a flow along them, as WallFriction says
+  Vec3f friction_impulse{};  ///< the body, in this substep: impulse [kg m/s]
   std::uint32_t collider = none;
   // Of a body: which mesh, its triangle, and the weights of that one's corners in the nearest point.
   std::uint32_t mesh = none, triangle = 0;
@@ -65,7 +65,8 @@ class LocalBoundary {
   }
   std::span<BoundaryPlane> of(std::size_t index) {
     const auto planes = static_cast<const LocalBoundary&>(*this).of(index);
-    return {const_cast<BoundaryPlane*>(planes.data()), planes.size()};  // NOLINT: of this object, which is not
+    return {const_cast<BoundaryPlane*>(planes.data()),
+            planes.size()};  // NOLINT: of this object, which is not
   }
 
  private:

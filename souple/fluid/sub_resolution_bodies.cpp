@@ -9,9 +9,9 @@ namespace souple {
 
 namespace {
 
-constexpr float radius_spacings = 2.5f;                              // R
+constexpr float radius_spacings = 2.5f;                             // R
 constexpr float kernel_integral = 8 * static_cast<float>(pi) / 15;  // of w over R^3
-constexpr float whole = 0.95f;   // of what a thing deep in the fluid counts at least, on a lattice
+constexpr float whole = 0.95f;       // of what a thing deep in the fluid counts at least, on a lattice
 constexpr float max_push_ratio = 4;  // the fluid's push
 constexpr float ball_drag = 0.47f, across_drag = 1.2f, along_drag = 0.03f;
 
@@ -42,12 +42,14 @@ void SubResolutionBodies::update_states(const ParticleView& particles) {
 }
 
 // What lies within R, and how much of the kernel it fills.
-void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x, std::span<const std::uint32_t> order,
-                            const LocalBoundary& local_boundary, const Smoothing& smoothing) {
+void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x,
+                                    std::span<const std::uint32_t> order, const LocalBoundary& local_boundary,
+                                    const Smoothing& smoothing) {
   State& state = states_[b];
   std::vector<Near>& near = blocks_[b / block_size].near;
   state.begin = static_cast<std::uint32_t>(near.size());
-  const float search_radius = radius_spacings * smoothing.spacing(), scale = 1 / (search_radius * search_radius);
+  const float search_radius = radius_spacings * smoothing.spacing(),
+              scale = 1 / (search_radius * search_radius);
   const auto weight = [&](const Vec3f& at) {
     const Vec3f offset = at - state.at;
     return 1 - dot(offset, offset) * scale;
@@ -78,8 +80,8 @@ void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x, std
 
 // What other things fill around a thing is no air: it counts as the fluid would that they displace.
 void SubResolutionBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
-                       const LocalBoundary& local_boundary, const Smoothing& smoothing,
-                       const ParticleView& particles, Threads& threads) {
+                               const LocalBoundary& local_boundary, const Smoothing& smoothing,
+                               const ParticleView& particles, Threads& threads) {
   update_states(particles);
   const float search_radius = radius_spacings * smoothing.spacing();
   const float all = kernel_integral * search_radius * search_radius * search_radius;
@@ -102,8 +104,9 @@ void SubResolutionBodies::find(std::span<const Vec4f> x, std::span<const std::ui
   }
 }
 
-std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f> x, std::span<const Vec3f> moved,
-                                          const ParticleView& particles) {
+std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f> x,
+                                                           std::span<const Vec3f> moved,
+                                                           const ParticleView& particles) {
   given_.assign(x.size(), Vec3f{});
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const SubResolutionBody& body = bodies_[b];
@@ -126,8 +129,9 @@ std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f
 }
 
 // The impulse that would be without others and without giving offset; `across` bounds how stiff it is.
-void SubResolutionBodies::find_drag(std::size_t b, const FluidView& fluid, std::span<const std::uint32_t> order,
-                            std::span<const float> viscosity, float h, std::span<const Vec4f> velocity) {
+void SubResolutionBodies::find_drag(std::size_t b, const FluidView& fluid,
+                                    std::span<const std::uint32_t> order, std::span<const float> viscosity,
+                                    float h, std::span<const Vec4f> velocity) {
   const SubResolutionBody& body = bodies_[b];
   State& state = states_[b];
   Vec3f u{};
@@ -154,8 +158,8 @@ void SubResolutionBodies::find_drag(std::size_t b, const FluidView& fluid, std::
 }
 
 void SubResolutionBodies::drag(const FluidView& fluid, std::span<const std::uint32_t> order,
-                       std::span<const float> viscosity, float h, std::span<Vec4f> velocity,
-                       std::span<const Vec4f> inverse_mass, Threads& threads) {
+                               std::span<const float> viscosity, float h, std::span<Vec4f> velocity,
+                               std::span<const Vec4f> inverse_mass, Threads& threads) {
   for_bodies(threads, [&](std::size_t b) { find_drag(b, fluid, order, viscosity, h, velocity); });
   coupling_.assign(velocity.size(), 0);
   fluid_coupling_.assign(fluid.size(), 0);
@@ -166,7 +170,8 @@ void SubResolutionBodies::drag(const FluidView& fluid, std::span<const std::uint
   }
   for_bodies(threads, [&](std::size_t b) {
     float bound = 0, fluid_bound = 0;
-    for (const std::uint32_t p : bodies_[b].particles) bound = std::max(bound, coupling_[p] * inverse_mass[p].w);
+    for (const std::uint32_t p : bodies_[b].particles)
+      bound = std::max(bound, coupling_[p] * inverse_mass[p].w);
     for (const Near& n : near(b))
       fluid_bound = std::max(fluid_bound, fluid_coupling_[n.index] * fluid.x[n.index].w);
     states_[b].pull = states_[b].pull * (1 / (1 + bound + fluid_bound));

@@ -57,14 +57,15 @@ class SubResolutionBodies {
     collides_ = collides, objects_ = objects, fluid_ = fluid, origin_ = origin;
   }
   /// Where they are in the fluid: `x` by index, `order` of each index the particle's number.
-  void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order, const LocalBoundary& local_boundary,
-            const Smoothing& smoothing, const ParticleView& particles, Threads& threads);
+  void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
+            const LocalBoundary& local_boundary, const Smoothing& smoothing, const ParticleView& particles,
+            Threads& threads);
   /// What they take of the room around a index: belongs to V sum W.
   float displaced_fraction(std::size_t index) const { return std::min(displaced_[index], max_displaced); }
   /// After pressures moved the fluid's places: what these have given, times the substep [kg m]. Moves the
   /// world's particles.
   std::span<const Vec3f> apply_pressure(std::span<const Vec4f> x, std::span<const Vec3f> moved,
-                               const ParticleView& particles);
+                                        const ParticleView& particles);
   /// Drag over h seconds, on what the last apply_pressure found; `viscosity` of each fluid [Pa s]. `velocity` [m/s]
   /// and `inverse_mass` (w, [1/kg]) of the world's particles.
   void drag(const FluidView& fluid, std::span<const std::uint32_t> order, std::span<const float> viscosity,
@@ -78,7 +79,7 @@ class SubResolutionBodies {
   /// Of a body in this substep.
   struct State {
     std::uint32_t begin = 0, end = 0;  // in its block's `near`
-    float submerged = 0;                     // phi
+    float submerged = 0;               // phi
     float near_sum = 0, sum = 0;       // of w over particles; and their mirror images
     Vec3f at{}, axis{};                // from the origin [m]; unit, zero of a ball
     Vec3f pull{};                      // impulse of the drag [kg m/s]
@@ -110,11 +111,11 @@ class SubResolutionBodies {
   std::span<const std::uint16_t> fluid_;
   Vec3d origin_{};
   CellOrder order_;
-  float inverse_volume_ = 0;   // 1/V [1/m^3]
-  std::vector<float> filled_;    // by index: what things fill around it, submerged or not
+  float inverse_volume_ = 0;      // 1/V [1/m^3]
+  std::vector<float> filled_;     // by index: what things fill around it, submerged or not
   std::vector<float> displaced_;  // by index: sum_b phi V_b / V s_ib
-  std::vector<Vec3f> given_;   // by index
-  std::vector<float> coupling_;    // of the world's particles, and of places [kg]
+  std::vector<Vec3f> given_;      // by index
+  std::vector<float> coupling_;   // of the world's particles, and of places [kg]
   std::vector<float> fluid_coupling_;
 };
 

@@ -42,8 +42,8 @@ class FluidAccount {
     }
   };
 
-  Noted sum_up(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders, float h,
-               Threads& threads);
+  Noted sum_up(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders,
+               float h, Threads& threads);
 
   FluidReport report_;
   int substeps_ = 0;             // so far

@@ -91,8 +91,8 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
     body_friction_.apply(view, local_boundary_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
   if (!sub_resolution_bodies_.none())
-    sub_resolution_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h, world.particles.velocity,
-                       world.particles.position, threads);
+    sub_resolution_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h,
+                                world.particles.velocity, world.particles.position, threads);
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
     const float angle = tables_.materials[0].contact_angle * static_cast<float>(pi) / 180;

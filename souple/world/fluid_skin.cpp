@@ -131,7 +131,7 @@ void append_rope(const Object& object, float spacing, float radius, std::span<co
 }  // namespace
 
 void append_sub_resolution_bodies(const Object& object, float spacing, std::span<const float> mass,
-                         std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
+                                  std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   const float radius = contact_radius(object.material);
   if (object.kind == ObjectKind::grains) append_grains(object, spacing, radius, mass, number, bodies);
   if (object.kind == ObjectKind::rope) append_rope(object, spacing, radius, mass, number, bodies);

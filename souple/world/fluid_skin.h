@@ -16,6 +16,6 @@ std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing
 /// Appends the pieces of a rope or of grains; `mass` of the world's particles [kg], `number`:
 /// SubResolutionBody::object.
 void append_sub_resolution_bodies(const Object& object, float spacing, std::span<const float> mass,
-                         std::uint32_t number, std::vector<SubResolutionBody>& bodies);
+                                  std::uint32_t number, std::vector<SubResolutionBody>& bodies);
 
 }  // namespace souple

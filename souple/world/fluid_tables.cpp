@@ -8,7 +8,8 @@
 
 namespace souple {
 
-void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, SubResolutionBodies& sub_resolution_bodies) {
+void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies,
+                              SubResolutionBodies& sub_resolution_bodies) {
   with_boundary.clear();
   small.clear();
   std::vector<BoundaryMesh> boundaries;
@@ -24,7 +25,7 @@ void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, SubR
     }
     const std::size_t before = pieces.size();
     append_sub_resolution_bodies(*world.objects[o], spacing, world.particles.mass,
-                        static_cast<std::uint32_t>(small.size()), pieces);
+                                 static_cast<std::uint32_t>(small.size()), pieces);
     if (pieces.size() > before) small.push_back(o);
   }
   bodies.set_meshes(std::move(boundaries));

@@ -20,7 +20,7 @@ struct FluidTables {
   std::vector<float> viscosities;  ///< Pa s
   // Objects.
   std::vector<std::uint32_t> with_boundary;  ///< that are bodies to fluids
-  std::vector<std::uint32_t> small;    ///< that are made of small bodies
+  std::vector<std::uint32_t> small;          ///< that are made of small bodies
   // Of each fluid and then each collider, skinned object, small object: whether they meet.
   std::vector<std::uint8_t> meets, feels, feels_small;
 

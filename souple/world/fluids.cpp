@@ -128,7 +128,8 @@ void Fluids::sample_boundary(Threads& threads) {
       [&](std::size_t k, std::vector<BoundaryPlane>& planes) {
         const std::uint32_t i = order[k];
         walls_.find(i, tables_.fluid[i], x[k].xyz(), search_radius, planes);
-        if (bodies_.mesh_count() > 0) bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], search_radius, planes);
+        if (bodies_.mesh_count() > 0)
+          bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], search_radius, planes);
       },
       threads);
 }
@@ -141,10 +142,12 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   const Smoothing& smoothing = solver_->smoothing();
   const ParticleView particles = world.view();
   if (bodies_.mesh_count() > 0)
-    bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::search_radius(smoothing), threads);
+    bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::search_radius(smoothing),
+                          threads);
   sample_boundary(threads);
   if (!sub_resolution_bodies_.none())
-    sub_resolution_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles, threads);
+    sub_resolution_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles,
+                                threads);
   Boundary boundary{local_boundary_, bodies_, sub_resolution_bodies_, smoothing};
   solver_->solve(boundary, threads, substep.h);
   move(particles, threads);
@@ -156,8 +159,9 @@ void Fluids::press(WorldState& world, const Substep& substep) {
 void Fluids::move(const ParticleView& particles, Threads& threads) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();
-  const auto given = sub_resolution_bodies_.none() ? std::span<const Vec3f>{}
-                                          : sub_resolution_bodies_.apply_pressure(solver_->positions(), moved, particles);
+  const auto given = sub_resolution_bodies_.none()
+                         ? std::span<const Vec3f>{}
+                         : sub_resolution_bodies_.apply_pressure(solver_->positions(), moved, particles);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (led_.is_led(order[k])) continue;

@@ -26,7 +26,8 @@ struct Periodic {
     for (std::uint32_t k = 0; k < fluid.size(); ++k) sorted_index[fluid.order.order()[k]] = k;
     const auto inner = [](std::uint32_t i) { return (i + n - shell) % n + shell; };
     for (const std::uint32_t i : fluid.order.order())
-      copy_of.push_back(sorted_index[inner(i % all) + all * (inner(i / all % all) + all * inner(i / all / all))]);
+      copy_of.push_back(
+          sorted_index[inner(i % all) + all * (inner(i / all % all) + all * inner(i / all / all))]);
   }
   static std::vector<Vec4f> positions(float jitter) {
     const std::vector<Vec4f> box = test::block_of(n, n, n, d, jitter);

@@ -94,7 +94,7 @@ Vec3f velocity_curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, 
 
 template <class Isa>
 float velocity_closing_speed(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
-                       const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+                             const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
   using T = simd::Pack<Isa>;
   Sixteen<Isa> sum;
   for_pairs<Isa>(records, values, at, value, list, count, factors, [&](int r, const Pair<Isa>& pair) {

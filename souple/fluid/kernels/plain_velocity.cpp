@@ -50,7 +50,7 @@ Vec3f curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec
 }
 
 float closing_speed(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
-              const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+                    const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
   PlainSixteen sum;
   for (std::size_t k = 0; k < count; ++k) {
     const PlainNear near(at, records[list[k] / 4], factors);

@@ -28,7 +28,7 @@ struct VelocityKernels {
                 const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
   /// sum_j (|u| - u . d / r) (1 - r / h), u = v_i - v_j: how fast neighbors come closer; values: v.
   float (*closing_speed)(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
-                   const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
+                         const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
   /// -sum_j 2 / (rho_i + rho_j) (a c(r / h) d / r + b value(r / h) (n_i - n_j)); values: n and rho > 0.
   Vec3f (*cohesion)(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                     const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors,
