@@ -13,7 +13,7 @@ void push_carriers(const FluidBodies& bodies, const BoundaryPlane& plane, const 
   });
 }
 
-// hold becomes k [kg].
+// Replaces BoundaryPlane::friction by k [kg].
 void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_boundary,
                                  const FluidBodies& bodies, float h, Threads& threads) {
   for_each_index(fluid.size(), threads, [&](std::size_t k) {

@@ -12,7 +12,7 @@ namespace souple {
 namespace {
 
 constexpr std::size_t chunk_size = 8192;
-constexpr int max_bits = 20;  // of a coordinate: what lies further away shares the outermost cells
+constexpr int max_bits = 20;  // bits per coordinate; positions further away share the outermost cells
 constexpr int digit_bits = 11;
 
 std::size_t chunks_of(std::size_t n) {
@@ -78,15 +78,15 @@ void CellOrder::find_grid(std::span<const Vec4f> positions, float cell_size, Thr
   }
 }
 
-// Cell coordinates never fall as a coordinate grows, so what is within a cell's size of a point lies in its
-// cell or in one beside it, those at the border included.
+// Cell coordinates grow monotonically with the coordinate. So points within one cell size of a point lie in
+// its cell or an adjacent one, also at the grid's border.
 std::uint64_t CellOrder::key_of(const Vec4f& position) const {
   const double at[3] = {position.x, position.y, position.z};
   std::uint64_t result = 0;
   for (std::size_t a = 3; a-- > 0;) {
     const double last = static_cast<double>((std::uint64_t{1} << bits_[a]) - 1);
     const double cell = (at[a] - corner_[a]) * inverse_;
-    const double kept = cell > 0 ? std::min(cell, last) : 0;  // also what is no number
+    const double kept = cell > 0 ? std::min(cell, last) : 0;  // NaN gives 0
     result = result << bits_[a] | static_cast<std::uint64_t>(kept);
   }
   return result;

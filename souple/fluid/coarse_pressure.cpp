@@ -16,7 +16,7 @@ std::uint64_t node_key(std::int64_t x, std::int64_t y, std::int64_t z) {
          (static_cast<std::uint64_t>(y) & mask) << coordinate_bits | (static_cast<std::uint64_t>(x) & mask);
 }
 
-/// K y of the unit cube; corner e lies at (e & 1, e >> 1 & 1, e >> 2).
+/// K y of the unit cube; corner e is at (e & 1, e >> 1 & 1, e >> 2).
 template <class Eight>
 Eight element(const Eight& y) {
   const double sum = ((y[0] + y[1]) + (y[2] + y[3])) + ((y[4] + y[5]) + (y[6] + y[7]));
@@ -101,8 +101,8 @@ void CoarsePressure::find_nodes() {
   const auto cells = order_.cells();
   const auto rows = order_.rows();
   const std::size_t count = order_.cell_count();
-  // Nodes are named by where they are, about, so that the next step's grid, which begins elsewhere, knows
-  // them.
+  // Node keys are rounded world coordinates, so that the next step's grid, with another corner, finds the
+  // same nodes.
   std::int64_t first[3];
   for (int axis = 0; axis < 3; ++axis)
     first[axis] = std::llround(order_.corner(axis) / static_cast<double>(size_)) + (std::int64_t{1} << 19);
@@ -137,7 +137,7 @@ void CoarsePressure::find_nodes() {
   next_.assign(begin_.begin(), begin_.end() - 1);
   for (std::uint32_t c = 0; c < count; ++c)
     for (std::uint32_t e = 0; e < 8; ++e) terms_[next_[corners_[c][e]]++] = 8 * c + e;
-  // A node begins with what it had in the last step; new ones with nothing.
+  // A node starts with its value of the last step, a new node with 0.
   y_.assign(node_keys_.size(), 0);
   for (std::size_t n = 0; n < last_keys_.size() && n < last_y_.size(); ++n) {
     const auto at = std::lower_bound(node_keys_.begin(), node_keys_.end(), last_keys_[n]);
@@ -148,7 +148,7 @@ void CoarsePressure::find_nodes() {
 
 std::array<float, 8> CoarsePressure::weights(std::size_t cell, const Vec4f& position) const {
   const float inverse = 1 / size_;
-  // Particles wander a little out of their cell within a step: the weights go on linearly.
+  // Particles may leave their cell slightly within a step: the weights extrapolate linearly.
   const float x = (position.x - origin_[cell][0]) * inverse, y = (position.y - origin_[cell][1]) * inverse,
               z = (position.z - origin_[cell][2]) * inverse;
   const float a = 1 - x, b = 1 - y, c = 1 - z;

@@ -11,10 +11,10 @@ namespace souple {
 
 namespace {
 
-constexpr float coarse_spacings = 4;     // of a cell of the coarse level
-constexpr float margin_spacings = 0.2f;  // of the lists, over the support
-constexpr float coarse_share = 0.5f;     // of the coarse level's lambda: more overshoots
-constexpr float jacobi_share = 0.25f;    // of the residual where no pass follows
+constexpr float coarse_spacings = 4;  // cell size of the coarse level, in spacings
+constexpr float margin_spacings = 0.2f;  // margin of the neighbor lists beyond the support, in spacings
+constexpr float coarse_share = 0.5f;  // of the coarse level's lambda; a larger share overshoots
+constexpr float jacobi_share = 0.25f;  // of the residual, if no pass follows
 float value_at(SmoothingShape shape, float q) {
   switch (shape) {
     case SmoothingShape::poly6_spiky:
@@ -38,7 +38,7 @@ DensitySolver::DensitySolver(float spacing, const Options& options)
       kernels_(&kernels::find_density_kernels(instruction_set(), options.shape)),
       margin_(margin_spacings * spacing) {}
 
-/// f(lists of consecutive places), for all, at most so many at a time.
+/// for_lists: f(lists of consecutive particles) for all particles, at most this many per call.
 constexpr std::uint32_t lists_per_call = 128;
 
 template <class Function>
@@ -63,8 +63,8 @@ void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& thr
   });
 }
 
-// Two particles that were further apart than support and margin cannot meet before one of them has moved by
-// half the margin against the mean motion.
+// Two particles further apart than support and margin cannot come within the support until one of them has
+// moved by half the margin relative to the mean motion.
 bool DensitySolver::lists_are_valid(std::span<const Vec4f> positions) const {
   if (positions.size() != listed_.size()) return false;
   Vec3d mean{};
@@ -101,7 +101,7 @@ void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& th
 
 void DensitySolver::find_fluid_sums(Threads& threads) {
   const float V = smoothing_.volume(), d = smoothing_.spacing();
-  const float least = 1e-3f / (d * d);  // of a particle alone
+  const float least = 1e-3f / (d * d);  // regularization: an isolated particle has no gradient
   const float soft = softness();
   for_lists(threads, [&](const kernels::NeighborLists& lists) {
     std::array<kernels::DensitySums, lists_per_call> found;
@@ -123,7 +123,7 @@ void DensitySolver::start_from_coarse_level(Threads& threads) {
   coarse_.solve(positions(), samples_, surface(), threads);
   coarse_.interpolate(positions(), samples_, surface(), lambda_, threads);
   const float added = options_.passes == 0 ? jacobi_share : 0, soft = softness(), V = smoothing_.volume();
-  // W(dq) is what a shape has at q = 0.2.
+  // Artificial pressure is scaled to W at q = 0.2.
   if (options_.artificial_pressure > 0)
     repulsion_ = {-options_.artificial_pressure * V * V * h_ * h_, 1 / value_at(options_.shape, 0.2f)};
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {

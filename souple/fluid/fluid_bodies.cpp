@@ -10,9 +10,9 @@ namespace souple {
 
 namespace {
 
-// In parts of the search_radius.
-constexpr float margin_share = 0.25f;  // of the lists of candidates
-constexpr float max_depth = 1.0f / 3;  // how far inside a body a particle is still pushed out
+// In units of the search radius.
+constexpr float margin_share = 0.25f;  // margin of the candidate lists
+constexpr float max_depth = 1.0f / 3;  // maximum depth inside a body at which a particle is still pushed out
 
 Vec3f corner_mix(const Triangle& t, const Vec3f& weights, const std::vector<Vec3f>& at) {
   return at[t[0]] * weights.x + at[t[1]] * weights.y + at[t[2]] * weights.z;
@@ -24,7 +24,7 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 
 }  // namespace
 
-// --- where bodies are ----------------------------------------------------------------------------
+// --- positions of bodies -------------------------------------------------------------------------
 
 void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
                                std::span<const float> mass) const {
@@ -53,7 +53,7 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
   Vec3d center{};
   double all = 0;
   for (std::uint32_t i = mesh.begin; i < mesh.end; ++i) {
-    if (particles.inverse_mass(i) == 0) return;  // held somewhere: it does not go away as a whole
+    if (particles.inverse_mass(i) == 0) return;  // a fixed particle: the body does not move as a whole
     const auto m = static_cast<double>(mass[i]);
     center += (souple::place(particles, i) - origin_) * m;
     all += m;
@@ -65,7 +65,7 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
     second = second + outer(r, r) * static_cast<double>(mass[i]);
   }
   const double t = trace(second);
-  // A rod has no inertia about its axis: a little is added, relative to the whole.
+  // A rod has no inertia about its axis: add a little, relative to the whole.
   const Mat3d inertia = Mat3d::identity() * (t * (1 + 1e-6)) - second;
   state.center = center;
   state.inverse_mass = 1 / all;
@@ -79,7 +79,7 @@ void FluidBodies::begin_substep(const ParticleView& particles, std::span<const f
   if (!lists_are_valid(positions)) find_candidates(positions, search_radius, threads);
 }
 
-// --- who may be near -----------------------------------------------------------------------------
+// --- candidates ----------------------------------------------------------------------------------
 
 bool FluidBodies::lists_are_valid(std::span<const Vec4f> positions) const {
   if (listed_.size() != positions.size()) return false;
@@ -116,7 +116,7 @@ void FluidBodies::find_candidates(std::span<const Vec4f> positions, float search
   first_[0] = 0;
 }
 
-// Cells of the triangle's box, grown by the search_radius; then its bounding ball.
+// Cells of the triangle's box, grown by the search radius; then the triangle's bounding ball.
 void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle,
                                      std::span<const Vec4f> positions, float search_radius) {
   const Triangle& t = meshes_[mesh].triangles[triangle];
@@ -141,10 +141,10 @@ void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle,
   });
 }
 
-// --- what is near --------------------------------------------------------------------------------
+// --- boundary planes -----------------------------------------------------------------------------
 
-// Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
-// whether it is inside: the others' planes may have it on the wrong side.
+// At a shared edge or vertex several triangles have the same distance. The triangle that faces the particle
+// most decides whether it is inside: the planes of the other triangles may have it on the wrong side.
 void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start,
                        float search_radius, std::vector<BoundaryPlane>& planes) const {
   for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
@@ -184,7 +184,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
     const Triangle& t = mesh.triangles[best.triangle];
     Vec3f outward = best.normal;
     if (!mesh.closed) {
-      // Cloth has water on both sides: a particle stays on that where it was.
+      // Cloth may have fluid on both sides: a particle stays on the side where it was.
       const Vec3f before = area_normal(t, state.start);
       if (dot(before, start - corner_mix(t, best.weights, state.start)) < 0) outward = -outward;
     }
@@ -198,7 +198,7 @@ void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const V
     plane.triangle = best.triangle;
     plane.weights = best.weights;
     follow(plane);
-    // What a body has swallowed it does not feel: all around is body, and nothing says where the offset out is.
+    // Deep inside a body a particle ignores it: the direction out is ambiguous there.
     const float apart = dot(plane.normal, x) - plane.offset;
     if (apart < search_radius && apart > -max_depth * search_radius) planes.push_back(plane);
   }
@@ -214,7 +214,7 @@ Vec3f FluidBodies::point(const BoundaryPlane& plane, const std::vector<Vec3f>& v
   return corner_mix(meshes_[plane.mesh].triangles[plane.triangle], plane.weights, vertices);
 }
 
-// --- how bodies give offset -------------------------------------------------------------------------
+// --- response of bodies --------------------------------------------------------------------------
 
 void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<const Vec4f> x,
                                 CoarsePressure& coarse) {
