@@ -60,8 +60,8 @@ double FluidWalls::add_plane(const Wall& wall, std::size_t fluid, const Vec3f& x
   return surface.distance;
 }
 
-// In the wall's own frame, where it stands still. A particle that touches on its way goes on along the plane
-// it touched.
+// Computed in the wall's frame, where the wall is static. A particle that touches the wall on its path slides
+// along the plane of the contact.
 Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const {
   if (length(x - wall.center) - wall.ball.radius >
       radius + length(x - start) + length(wall.after.translation - wall.before.translation))
@@ -80,7 +80,7 @@ Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& 
   return wall.after.to_world(to + end.normal * (radius - end.distance));
 }
 
-// Both ends of the way in a ball that is free of walls: so is the way.
+// If both ends of the path lie in a ball free of static walls, so does the path.
 Vec3f FluidWalls::keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x,
                            float radius) const {
   const Clearance& clearance = clearances_[i];
@@ -92,14 +92,14 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
   return keep_out(fluid, start, x, radius, false);
 }
 
-// `clear`: of walls that stand still.
+// `clear`: no static wall is near the path.
 Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius,
                            bool clear) const {
   if (clear && moving_walls_.empty()) return x;
   const Vec3d before = origin_ + Vec3d(start), predicted = origin_ + Vec3d(x);
   Vec3d at = predicted;
   if (!clear) {
-    // A wall further from the way's end than the way is long is not on it.
+    // A wall further from the path's end than the path's length cannot touch the path.
     double range = double{radius} + length(at - before);
     for (const Wall& wall : static_walls_) {
       if (!collides_with(wall, fluid) || distance_bound(wall, at - origin_) > range) continue;

@@ -9,7 +9,7 @@ namespace souple {
 
 namespace {
 
-/// Numbers that depend on a key and a count alone: the finalizer of SplitMix64 (Steele, Lea and Flood 2014).
+/// Hash of a counter: the finalizer of SplitMix64 (Steele, Lea and Flood 2014).
 std::uint64_t mix(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -26,7 +26,7 @@ class RandomSequence {
   std::uint64_t key_, count_ = 0;
 };
 
-/// How fast what is made moves away from the middle of the flow that made it, for each meter it is off [1/s].
+/// Radial speed of a new particle per meter of distance from the axis of its cylinder [1/s].
 constexpr float spread = 10;
 
 float ramp(float value, const FoamRange& range) {
@@ -34,7 +34,7 @@ float ramp(float value, const FoamRange& range) {
   return min(max(part, 0.0f), 1.0f);
 }
 
-/// Two unit vectors across a unit vector, and across each other (Duff et al. 2017).
+/// Two unit vectors that form an orthonormal basis with the unit vector n (Duff et al. 2017).
 struct TangentBasis {
   Vec3f a, b;
   explicit TangentBasis(const Vec3f& n) {
@@ -83,7 +83,7 @@ void Foam::find_cells(const FluidView& fluid, Threads& threads) {
   order_.build(fluid.x.first(fluid.size()), cell_size_, threads);
 }
 
-// The fluid's mean velocity, by the weights of smoothing, and how many particles are within two spacings.
+// The kernel-weighted mean velocity of the fluid, and the number of fluid particles within two spacings.
 Foam::Neighborhood Foam::neighborhood(const FluidView& fluid, const Vec3f& at) const {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -169,8 +169,8 @@ void Foam::dissolve() {
   s.resize(kept);
 }
 
-// Outwards, of length 1, where a particle is at the surface: in the top layer of a pool 2 d |V sum grad W| is
-// about 1, in the second it is 0, and about 0.3 where particles lie in disorder.
+// Outward unit normals of surface particles. h |V sum grad W| is about 1 in the top layer of a pool, 0 in the
+// second layer, and about 0.3 where particles are disordered.
 void Foam::find_normals(const FoamStep& step, Threads& threads) {
   const FluidView& fluid = step.fluid;
   const Smoothing& smoothing = fluid.smoothing;
@@ -179,7 +179,7 @@ void Foam::find_normals(const FoamStep& step, Threads& threads) {
     Vec3f n =
         kernels_->sums(fluid.x.data(), fluid.x[k], list.data(), list.size(), smoothing.factors()).gradient *
         smoothing.volume();
-    // Half of a wall's slope: it is that of a mirrored fluid which moves when the particle does.
+    // Half of a wall's slope: the full slope includes the motion of the mirrored fluid.
     if (!step.wall_slopes.empty()) n += step.wall_slopes[k] * 0.5f;
     n *= -smoothing.support();
     const float size = length(n);
@@ -187,7 +187,7 @@ void Foam::find_normals(const FoamStep& step, Threads& threads) {
   });
 }
 
-// The sum over a crest's surface behind a index of 1 - n_i . n_j.
+// Sum of 1 - n_i . n_j over surface particles behind the surface at i.
 float Foam::bend(const FluidView& fluid, std::uint32_t i, std::span<const std::uint32_t> list) const {
   const Vec3f n = normals_[i];
   const float inverse_h = 1 / fluid.smoothing.support();
@@ -240,7 +240,7 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
       std::min<std::uint64_t>(total, parameters.max_particles - std::min(parameters.max_particles, size()));
   report_.made = capacity;
   report_.thinned = total - capacity;
-  // Of all that is made, number k stays where k capacity / total steps up: evenly among the places.
+  // New particle k stays if k capacity / total reaches a new integer: thins evenly over all spawners.
   const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * capacity / total : 0; };
   start_.clear();
   for (const Spawner& spawner : spawners_) {

@@ -33,8 +33,8 @@ void FoamBodies::build(Threads& threads) {
   hash_.build(boxes_, SpatialHash::choose_cell_size(boxes_), threads);
 }
 
-// Which offset is out is the offset from the nearest point when they meet, not the triangle's normal: it is right
-// at edges as well, and for either side.
+// The normal is the direction from the nearest point at the time of impact, not the triangle's normal: so it
+// is right at edges too, and on either side.
 FoamBodies::Impact FoamBodies::find_impact(const MovingTriangle& triangle, const Vec3f& start,
                                            const Vec3f& x) {
   Moving4 motion;
@@ -58,11 +58,11 @@ FoamBodies::Impact FoamBodies::find_impact(const MovingTriangle& triangle, const
   return result;
 }
 
-// What one triangle pushes may meet another. What is still stopped after some rounds, in a fold, stays at the
-// triangle that it meets first. Who only grazes a triangle goes on.
+// A push by one triangle may cause an impact on another. A particle that still crosses a triangle after all
+// rounds, as in a fold, stays at its first impact. A particle that grazes a triangle is not stopped.
 Vec3f FoamBodies::stopped(const Vec3f& start, const Vec3f& x, std::vector<std::uint32_t>& near) const {
   constexpr int rounds = 4;
-  constexpr double tolerance = 1e-3;  // of the gap: floats cannot hold it exactly
+  constexpr double tolerance = 1e-3;  // of the gap: float precision
   Vec3f at = x;
   for (int round = 0;; ++round) {
     near.clear();

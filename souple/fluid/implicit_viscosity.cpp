@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t chunk = 1024;
 
-// Of (1 - r / 2) r^2 over the lattice of spacing 1: 6 neighbors at 1, 12 at sqrt 2, 8 at sqrt 3.
+// Sum of (1 - r / 2) r^2 over the lattice of spacing 1: 6 neighbors at 1, 12 at sqrt 2, 8 at sqrt 3.
 constexpr float lattice_sum = 3 + 24 * (1 - 0.70710678f) + 24 * (1 - 0.86602540f);
 
 double square(const Vec3f& a) {
@@ -19,7 +19,7 @@ double square(const Vec3f& a) {
 
 }  // namespace
 
-// The impulse that neighbors give a particle within the substep [N s].
+// The impulse of all neighbors on a particle within the substep [N s].
 Vec3f ImplicitViscosity::force(const System& system, std::span<const Vec4f> values, std::uint32_t k,
                                std::span<const std::uint32_t> list) const {
   const Smoothing& smoothing = system.fluid.smoothing;
@@ -30,7 +30,7 @@ Vec3f ImplicitViscosity::force(const System& system, std::span<const Vec4f> valu
   return strain * (10 * V * V * b * system.h);
 }
 
-// What walls take of its velocity, as a mass [kg].
+// Impulse that walls take from a particle per velocity, a mass [kg].
 float ImplicitViscosity::wall_drag(const System& system, std::size_t k) const {
   if (system.walls.empty()) return 0;
   const Smoothing& smoothing = system.fluid.smoothing;
@@ -66,7 +66,7 @@ void ImplicitViscosity::apply_matrix(const System& system) {
   });
 }
 
-// term(k) over all places: chunks of fixed size, one after the other.
+// Sum of term(k) over all particles: fixed chunks, added in order.
 template <class Term>
 double ImplicitViscosity::sum(const System& system, const Term& term) {
   const std::size_t n = system.fluid.size();

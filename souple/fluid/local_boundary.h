@@ -8,30 +8,31 @@
 
 namespace souple {
 
-/// A surface near a particle of a fluid, as the plane it is there: distance = normal . x - offset.
+/// A boundary surface near a fluid particle, approximated by a plane: distance = normal . x - offset.
 struct BoundaryPlane {
   static constexpr std::uint32_t none = ~0u;
 
-  Vec3f normal{};            ///< unit, towards the fluid
+  Vec3f normal{};            ///< unit vector toward the fluid
   float offset = 0;          ///< m
   Vec3f motion{};            ///< of the surface in this substep [m]
-  Vec3f slope{};             ///< its part in that of the sum, of the last look [1/m]
-  Vec3f push_sum{};          ///< the particle, in this substep: sum of slope times lambda [kg m]
-  float friction = 0;        ///< its part in how all of them hold a flow along them, as WallFriction says
-  Vec3f friction_impulse{};  ///< the body, in this substep: impulse [kg m/s]
+  Vec3f slope{};             ///< its part of BoundarySums::slope at the last sampling [1/m]
+  Vec3f push_sum{};          ///< push on the particle in this substep: sum of slope times lambda [kg m]
+  float friction = 0;        ///< its part of WallFriction's w; BodyFriction overwrites it by k [kg]
+  Vec3f friction_impulse{};  ///< friction impulse on the body in this substep [kg m/s]
   std::uint32_t collider = none;
-  // Of a body: which mesh, its triangle, and the weights of that one's corners in the nearest point.
+  // For bodies: the mesh, its triangle, and the barycentric weights of the nearest point.
   std::uint32_t mesh = none, triangle = 0;
   Vec3f weights{};
 };
 
-/// What is near each particle of a fluid besides fluid, found once a substep.
+/// Boundary planes near each fluid particle, gathered once per substep.
 class LocalBoundary {
  public:
-  /// Planes as far as this from a particle count. [m]
+  /// Largest distance from a particle to a plane [m].
   static float search_radius(const Smoothing& smoothing) { return 1.5f * smoothing.spacing(); }
 
-  /// find(index, planes) appends the planes near a index; called for all, on all threads.
+  /// find(index, planes) appends the planes near the particle at a sorted index; runs for all particles, on
+  /// all threads.
   template <class Find>
   void gather(std::size_t count, const Find& find, Threads& threads) {
     const std::size_t blocks = (count + block_size - 1) / block_size;
@@ -55,7 +56,7 @@ class LocalBoundary {
       near_.insert(near_.end(), blocks_[b].near.begin(), blocks_[b].near.end());
   }
 
-  /// The count that have planes, ascending.
+  /// Sorted indices of particles with planes, ascending.
   std::span<const std::uint32_t> near() const { return near_; }
 
   std::span<const BoundaryPlane> of(std::size_t index) const {
@@ -80,11 +81,11 @@ class LocalBoundary {
   std::vector<std::uint32_t> near_;
 };
 
-/// What planes add to a particle at x; each takes down its part:
+/// Contribution of planes to the density constraint of a particle at x. Each plane stores its own slope:
 ///
 ///   value = 1 - prod_k (1 - value_k),   slope = sum_k n_k slope_k prod_{j != k} (1 - value_j)
 ///
-/// What one of them hides the others do not add.
+/// The product avoids double counting where planes overlap.
 BoundarySums sample_planes(std::span<BoundaryPlane> planes, const Vec3f& x, const Smoothing& smoothing);
 
 }  // namespace souple

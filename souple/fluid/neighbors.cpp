@@ -13,12 +13,12 @@ namespace {
 
 using kernels::IndexRange;
 
-/// The nine rows around a row, and in each the cells from x - 1 to x + 1 as x goes up.
+/// The nine rows around a row, and in each the cells from x - 1 to x + 1, for increasing x.
 class Windows {
  public:
   explicit Windows(const CellOrder& order) : cells_(order.cells()), rows_(order.rows()) {}
 
-  /// Begins with row `row`, at any x.
+  /// Starts a row, at any x.
   void enter(std::size_t row) {
     count_ = 0;
     const CellOrder::Row& here = rows_[row];
@@ -29,7 +29,7 @@ class Windows {
       }
     }
   }
-  /// Moves on to x, which must not fall; returns how many ranges of particles_per_block there are.
+  /// Advances to x, which must not decrease; returns the number of index ranges.
   std::size_t move_to(std::int32_t x, IndexRange* ranges) {
     std::size_t found = 0;
     for (std::size_t w = 0; w < count_; ++w) {
@@ -45,7 +45,7 @@ class Windows {
  private:
   struct Window {
     std::uint32_t first, end;  // cells
-    std::uint32_t last;        // of the row
+    std::uint32_t last;        // end of the row
   };
   std::size_t first_of(std::int32_t y, std::int32_t z) const {
     const auto end = rows_.end() - 1;
@@ -72,7 +72,7 @@ void Neighbors::find(const CellOrder& order, float radius, Threads& threads) {
   });
 }
 
-// Whole cells, about 1024 particles_per_block a block.
+// Blocks of whole cells, with about 1024 particles each.
 void Neighbors::make_blocks(const CellOrder& order) {
   constexpr std::uint32_t particles_per_block = 1024;
   first_cell_.clear();

@@ -9,10 +9,10 @@ namespace souple {
 
 namespace {
 
-constexpr float radius_spacings = 2.5f;                             // R
-constexpr float kernel_integral = 8 * static_cast<float>(pi) / 15;  // of w over R^3
-constexpr float whole = 0.95f;       // of what a thing deep in the fluid counts at least, on a lattice
-constexpr float max_push_ratio = 4;  // the fluid's push
+constexpr float radius_spacings = 2.5f;                             // R, in spacings
+constexpr float kernel_integral = 8 * static_cast<float>(pi) / 15;  // of w, in units of R^3
+constexpr float whole = 0.95f;       // smallest filled fraction of the kernel deep in a fluid, on a lattice
+constexpr float max_push_ratio = 4;  // of a body's push over the fluid's
 constexpr float ball_drag = 0.47f, across_drag = 1.2f, along_drag = 0.03f;
 
 }  // namespace
@@ -41,7 +41,7 @@ void SubResolutionBodies::update_states(const ParticleView& particles) {
   }
 }
 
-// What lies within R, and how much of the kernel it fills.
+// Fluid particles within R, and the sum of their weights.
 void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x,
                                     std::span<const std::uint32_t> order, const LocalBoundary& local_boundary,
                                     const Smoothing& smoothing) {
@@ -78,7 +78,7 @@ void SubResolutionBodies::find_near(std::size_t b, std::span<const Vec4f> x,
   state.sum = sum + mirrored;
 }
 
-// What other things fill around a thing is no air: it counts as the fluid would that they displace.
+// Space that other bodies fill around a body counts as fluid, not as air.
 void SubResolutionBodies::find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
                                const LocalBoundary& local_boundary, const Smoothing& smoothing,
                                const ParticleView& particles, Threads& threads) {
@@ -128,7 +128,8 @@ std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f
   return given_;
 }
 
-// The impulse that would be without others and without giving offset; `across` bounds how stiff it is.
+// The drag impulse without other bodies and without the reaction of either side. `across` bounds its
+// coefficient.
 void SubResolutionBodies::find_drag(std::size_t b, const FluidView& fluid,
                                     std::span<const std::uint32_t> order, std::span<const float> viscosity,
                                     float h, std::span<const Vec4f> velocity) {

@@ -10,9 +10,9 @@ float wall_friction(const Smoothing& smoothing, float value) {
 void Xsph::apply(const FluidView& fluid, WallFriction walls, float h, Threads& threads) {
   const Smoothing& smoothing = fluid.smoothing;
   const float V = smoothing.volume(), d = smoothing.spacing();
-  // Of the lattice's layers across an axis only the two at a distance d lie within the support, and each has
-  // V sum W = value(d/2), what a wall there hides: so along each of three axes V sum W x^2 = 2 d^2
-  // value(d/2). The wide kernel reaches into the next ones too, so little that rates stay within 7 %.
+  // Across an axis only the two lattice layers at distance d lie within the support. Each has V sum W =
+  // value(d/2), the part that a wall there would replace. So along each of the three axes V sum W x^2 = 2 d^2
+  // value(d/2). The wide kernel extends slightly into the next layers; rates stay within 7 %.
   const float m2 = 6 * d * d * smoothing.wall(0.5f * d).value;
   next_.resize(fluid.size());
   fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float gap = 0.002f;
 
-/// A square of two triangles in the plane y = height, a meter wide, that rises by `rise`.
+/// A square of two triangles in the plane y = height, one meter wide, that rises by `rise`.
 void add_square(FoamBodies& bodies, float height, float rise) {
   const auto corner = [&](float x, float z, float y) { return Vec3f(x, y, z); };
   for (const bool first : {true, false}) {
@@ -31,7 +31,7 @@ struct Paths {
   std::vector<Vec3f> start, end;
 };
 
-/// From one side of the plane y = 0 to the other or along it, up to three meters.
+/// Paths up to three meters long that start on one side of the plane y = 0.
 Paths paths(int side) {
   test::Random random(4);
   Paths result;
@@ -43,7 +43,7 @@ Paths paths(int side) {
   return result;
 }
 
-// Who comes out on the other side went around the edge.
+// A particle that ends on the opposite side must have passed the sheet's edge.
 TEST(FoamBodies, NothingGoesThroughASheetThatMoves) {
   const auto threads = make_threads(Threading::pool, 2);
   for (const int side : {1, -1})
@@ -56,7 +56,7 @@ TEST(FoamBodies, NothingGoesThroughASheetThatMoves) {
       bodies.keep_out(w.start, w.end, *threads);
       int stopped = 0;
       for (std::size_t k = 0; k < wanted.size(); ++k) {
-        // Where the path crosses the sheet, if it does.
+        // The crossing of the path and the sheet's plane, if any.
         const float before = w.start[k].y, after = w.end[k].y - rise;
         if (before * after < 0) {
           const float t = before / (before - after);
@@ -71,7 +71,7 @@ TEST(FoamBodies, NothingGoesThroughASheetThatMoves) {
     }
 }
 
-// A roof of two sheets that meet at an angle: nothing gets out between them.
+// A roof of two sheets that join at an angle: no particle escapes through the edge.
 TEST(FoamBodies, NothingGetsThroughAnEdge) {
   const auto threads = make_threads(Threading::pool, 2);
   FoamBodies bodies;

@@ -2,7 +2,7 @@
 #include "souple/fluid/kernels/plain_sums.h"
 #include "souple/fluid/kernels/shapes.h"
 
-// What compile_density.h does, one neighbor after the other.
+// Scalar reference of compile_density.h: one neighbor at a time.
 
 namespace souple::kernels {
 

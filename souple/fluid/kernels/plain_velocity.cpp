@@ -2,7 +2,7 @@
 #include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/kernels/velocity_kernels.h"
 
-// What compile_velocity.h does, one neighbor after the other.
+// Scalar reference of compile_velocity.h: one neighbor at a time.
 
 namespace souple::kernels {
 
@@ -12,7 +12,7 @@ float harmonic_mean(float a, float b) {
   return 2 * a * b / max(a + b, 1e-30f);
 }
 
-/// term(near, the other's value) added for all of a list.
+/// Sum of term(near, the neighbor's value) over a list.
 template <class Term>
 Vec3f sum_of(const Vec4f* records, const Vec4f* values, const Vec4f& at, const std::uint32_t* list,
              std::size_t count, const SmoothingFactors& factors, const Term& term) {
