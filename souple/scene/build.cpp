@@ -288,37 +288,37 @@ class Builder {
  private:
   /// Says where in the scene an error comes from.
   template <class F>
-  void inside(const std::string& place, F f) {
+  void inside(const std::string& path, F f) {
     try {
       f();
     } catch (const Error& error) {
-      throw Error(scene_.source + ": " + place + ": " + error.what());
+      throw Error(scene_.source + ": " + path + ": " + error.what());
     }
   }
 
   void add_object(std::size_t index) {
-    const std::string place = fmt::format("objects[{}]", index);
+    const std::string path = fmt::format("objects[{}]", index);
     const ObjectDescription& shared = common(scene_.objects[index]);
     ObjectId object{};
-    inside(place, [&] {
+    inside(path, [&] {
       seed_ = scene_.settings.seed * 1000003u + index;
       object = std::visit([&](const auto& kind) { return add(kind); }, scene_.objects[index]);
     });
     for (std::size_t i = 0; i < shared.pins.size(); ++i) {
-      inside(fmt::format("{}.pins[{}]", place, i), [&] {
+      inside(fmt::format("{}.pins[{}]", path, i), [&] {
         const PinDescription& pin = shared.pins[i];
         world_.pin(object, pin.where, target(object, pin, scene_.objects[index]));
       });
     }
     for (std::size_t i = 0; i < shared.attachments.size(); ++i) {
-      inside(fmt::format("{}.attachments[{}]", place, i), [&] {
+      inside(fmt::format("{}.attachments[{}]", path, i), [&] {
         const AttachmentDescription& attachment = shared.attachments[i];
         world_.attach(object, attachment.where, target(object, attachment, scene_.objects[index]),
                       attachment.compliance);
       });
     }
     // After the pins: tethers start at them.
-    inside(place,
+    inside(path,
            [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
   }
 

@@ -35,22 +35,22 @@ std::string printable(std::string_view key) {
 
 }  // namespace
 
-std::string Place::path() const {
+std::string Place::to_string() const {
   std::string path;
   std::vector<const Place*> chain;
-  for (const Place* place = this; place->parent_ != nullptr; place = place->parent_) chain.push_back(place);
-  for (auto place = chain.rbegin(); place != chain.rend(); ++place) {
-    if ((*place)->name_.empty()) {
-      path += fmt::format("[{}]", (*place)->index_);
+  for (const Place* part = this; part->parent_ != nullptr; part = part->parent_) chain.push_back(part);
+  for (auto part = chain.rbegin(); part != chain.rend(); ++part) {
+    if ((*part)->name_.empty()) {
+      path += fmt::format("[{}]", (*part)->index_);
     } else {
-      path += (path.empty() ? "" : ".") + printable((*place)->name_);
+      path += (path.empty() ? "" : ".") + printable((*part)->name_);
     }
   }
   return path;
 }
 
 void Place::fail(const std::string& message) const {
-  const std::string where = path();
+  const std::string where = to_string();
   throw Error(reading_->source + ": " + (where.empty() ? "" : where + ": ") + message);
 }
 
@@ -174,13 +174,13 @@ class File : public Codec<std::string> {
 
  private:
   void require_file(const Place& place, const Json& json) const {
-    const std::filesystem::path path = place.reading().base / json.text;
+    const std::filesystem::path file = place.reading().base / json.text;
     std::error_code error;
-    if (!or_folder_ && std::filesystem::is_directory(path, error)) {
-      place.fail("expected a file, but " + brief(json) + " is a folder: " + path.string());
+    if (!or_folder_ && std::filesystem::is_directory(file, error)) {
+      place.fail("expected a file, but " + brief(json) + " is a folder: " + file.string());
     }
-    if (!std::filesystem::exists(path, error)) {
-      place.fail("there is no file " + brief(json) + "; looked for " + path.string());
+    if (!std::filesystem::exists(file, error)) {
+      place.fail("there is no file " + brief(json) + "; looked for " + file.string());
     }
   }
   static constexpr int longest = 1000;

@@ -39,7 +39,7 @@ class Place {
 
   const Reading& reading() const { return *reading_; }
   /// `objects[2].material.density`
-  std::string path() const;
+  std::string to_string() const;
   /// Throws Error: `file: path: message`.
   [[noreturn]] void fail(const std::string& message) const;
   [[noreturn]] void unexpected(const std::string& expected, const Json& found) const {
