@@ -102,7 +102,7 @@ CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec();
 CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec();
 CodecPtr<ObstacleMaterial> obstacle_material_codec();
 
-// --- objects.cpp, colliders.cpp, ties.cpp ----------------------------------------------------------------
+// --- objects.cpp, colliders.cpp, connections.cpp -----------------------------------------------------------
 
 /// The solid of a collider, or the region of a drain.
 CodecPtr<ShapeDescription> shape_codec();
