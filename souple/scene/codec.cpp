@@ -35,10 +35,10 @@ std::string printable(std::string_view key) {
 
 }  // namespace
 
-std::string Place::to_string() const {
+std::string JsonPath::to_string() const {
   std::string path;
-  std::vector<const Place*> chain;
-  for (const Place* part = this; part->parent_ != nullptr; part = part->parent_) chain.push_back(part);
+  std::vector<const JsonPath*> chain;
+  for (const JsonPath* part = this; part->parent_ != nullptr; part = part->parent_) chain.push_back(part);
   for (auto part = chain.rbegin(); part != chain.rend(); ++part) {
     if ((*part)->name_.empty()) {
       path += fmt::format("[{}]", (*part)->index_);
@@ -49,12 +49,12 @@ std::string Place::to_string() const {
   return path;
 }
 
-void Place::fail(const std::string& message) const {
+void JsonPath::fail(const std::string& message) const {
   const std::string where = to_string();
   throw Error(reading_->source + ": " + (where.empty() ? "" : where + ": ") + message);
 }
 
-void Place::fail_length(std::size_t least, std::size_t most, std::size_t found) const {
+void JsonPath::fail_length(std::size_t least, std::size_t most, std::size_t found) const {
   fail(fmt::format("expected a list of {} to {} entries, found {}", least, most, found));
 }
 
@@ -83,8 +83,8 @@ Json string_schema(std::int64_t longest) {
 
 class Boolean : public Codec<bool> {
  public:
-  void read(const Json& json, const Place& place, bool& value) const override {
-    if (!json.is(Json::Kind::boolean)) place.unexpected("true or false", json);
+  void read(const Json& json, const JsonPath& path, bool& value) const override {
+    if (!json.is(Json::Kind::boolean)) path.unexpected("true or false", json);
     value = json.boolean;
   }
   Json write(const bool& value) const override { return Json::of(value); }
@@ -97,9 +97,9 @@ class Boolean : public Codec<bool> {
 
 class Text : public Codec<std::string> {
  public:
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    if (!json.is(Json::Kind::text)) place.unexpected("text in quotes", json);
-    if (json.text.size() > longest) place.fail("expected at most 1000 bytes of text, found " + brief(json));
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    if (!json.is(Json::Kind::text)) path.unexpected("text in quotes", json);
+    if (json.text.size() > longest) path.fail("expected at most 1000 bytes of text, found " + brief(json));
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
@@ -111,12 +111,12 @@ class Text : public Codec<std::string> {
 
 class HexColor : public Codec<std::uint32_t> {
  public:
-  void read(const Json& json, const Place& place, std::uint32_t& value) const override {
+  void read(const Json& json, const JsonPath& path, std::uint32_t& value) const override {
     const std::string_view text = json.text;
     const bool shaped = json.is(Json::Kind::text) && text.size() == 7 && text[0] == '#';
     std::uint32_t read = 0;
     if (!shaped || std::from_chars(text.data() + 1, text.data() + 7, read, 16).ptr != text.data() + 7)
-      place.unexpected("a color such as \"#d04a3f\" (red, green and blue, as in HTML)", json);
+      path.unexpected("a color such as \"#d04a3f\" (red, green and blue, as in HTML)", json);
     value = read;
   }
   Json write(const std::uint32_t& value) const override {
@@ -133,8 +133,8 @@ class HexColor : public Codec<std::uint32_t> {
 
 class Name : public Codec<std::string> {
  public:
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    if (!json.is(Json::Kind::text) || !valid(json.text)) place.unexpected(expected, json);
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    if (!json.is(Json::Kind::text) || !valid(json.text)) path.unexpected(expected, json);
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
@@ -159,11 +159,11 @@ class Name : public Codec<std::string> {
 class File : public Codec<std::string> {
  public:
   explicit File(bool or_folder) : or_folder_(or_folder) {}
-  void read(const Json& json, const Place& place, std::string& value) const override {
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
     const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= longest &&
                         json.text.find('\0') == std::string::npos;
-    if (!usable) place.unexpected("a file's name", json);
-    if (place.reading().files_exist) require_file(place, json);
+    if (!usable) path.unexpected("a file's name", json);
+    if (path.reading().files_exist) require_file(path, json);
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
@@ -173,14 +173,14 @@ class File : public Codec<std::string> {
   }
 
  private:
-  void require_file(const Place& place, const Json& json) const {
-    const std::filesystem::path file = place.reading().base / json.text;
+  void require_file(const JsonPath& path, const Json& json) const {
+    const std::filesystem::path file = path.reading().base / json.text;
     std::error_code error;
     if (!or_folder_ && std::filesystem::is_directory(file, error)) {
-      place.fail("expected a file, but " + brief(json) + " is a folder: " + file.string());
+      path.fail("expected a file, but " + brief(json) + " is a folder: " + file.string());
     }
     if (!std::filesystem::exists(file, error)) {
-      place.fail("there is no file " + brief(json) + "; looked for " + file.string());
+      path.fail("there is no file " + brief(json) + "; looked for " + file.string());
     }
   }
   static constexpr int longest = 1000;
@@ -191,10 +191,10 @@ class Word : public Codec<std::string> {
  public:
   Word(std::string noun, std::vector<std::string> known) : noun_(std::move(noun)), known_(std::move(known)) {}
 
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    if (!json.is(Json::Kind::text)) place.unexpected("the name of a " + noun_, json);
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    if (!json.is(Json::Kind::text)) path.unexpected("the name of a " + noun_, json);
     if (std::find(known_.begin(), known_.end(), json.text) == known_.end()) {
-      place.fail("no " + noun_ + " is called " + brief(json) + suggestion(json.text, known_));
+      path.fail("no " + noun_ + " is called " + brief(json) + suggestion(json.text, known_));
     }
     value = json.text;
   }

@@ -31,11 +31,11 @@ struct Reading {
 
 /// Where in a scene a value stands. Lives on the stack of the reader; the path is spelled out only for a
 /// message.
-class Place {
+class JsonPath {
  public:
-  explicit Place(const Reading& reading) : reading_(&reading) {}
-  Place key(std::string_view name) const { return Place(*this, name, 0); }
-  Place item(std::size_t index) const { return Place(*this, {}, index); }
+  explicit JsonPath(const Reading& reading) : reading_(&reading) {}
+  JsonPath key(std::string_view name) const { return JsonPath(*this, name, 0); }
+  JsonPath item(std::size_t index) const { return JsonPath(*this, {}, index); }
 
   const Reading& reading() const { return *reading_; }
   /// `objects[2].material.density`
@@ -48,11 +48,11 @@ class Place {
   [[noreturn]] void fail_length(std::size_t least, std::size_t most, std::size_t found) const;
 
  private:
-  Place(const Place& parent, std::string_view name, std::size_t index)
+  JsonPath(const JsonPath& parent, std::string_view name, std::size_t index)
       : reading_(parent.reading_), parent_(&parent), name_(name), index_(index) {}
 
   const Reading* reading_;
-  const Place* parent_ = nullptr;
+  const JsonPath* parent_ = nullptr;
   std::string_view name_;
   std::size_t index_ = 0;
 };
@@ -86,7 +86,7 @@ struct TypeInfo {
 class AnyCodec {
  public:
   virtual ~AnyCodec() = default;
-  virtual void read_any(const Json& json, const Place& place, void* value) const = 0;
+  virtual void read_any(const Json& json, const JsonPath& path, void* value) const = 0;
   virtual Json write_any(const void* value) const = 0;
   /// Adds the tables it refers to.
   virtual TypeInfo describe(Format& format) const = 0;
@@ -96,10 +96,10 @@ using AnyCodecPtr = std::shared_ptr<const AnyCodec>;
 template <class T>
 class Codec : public AnyCodec {
  public:
-  virtual void read(const Json& json, const Place& place, T& value) const = 0;
+  virtual void read(const Json& json, const JsonPath& path, T& value) const = 0;
   virtual Json write(const T& value) const = 0;
-  void read_any(const Json& json, const Place& place, void* value) const final {
-    read(json, place, *static_cast<T*>(value));
+  void read_any(const Json& json, const JsonPath& path, void* value) const final {
+    read(json, path, *static_cast<T*>(value));
   }
   Json write_any(const void* value) const final { return write(*static_cast<const T*>(value)); }
 };
@@ -144,14 +144,14 @@ class Number : public Codec<T> {
  public:
   explicit Number(const Range& range) : range_(range) {}
 
-  void read(const Json& json, const Place& place, T& value) const override {
+  void read(const Json& json, const JsonPath& path, T& value) const override {
     const std::string noun = std::is_integral_v<T> ? "a whole number" : "a number";
-    if (!json.is(Json::Kind::number)) place.unexpected(range_.text(noun), json);
+    if (!json.is(Json::Kind::number)) path.unexpected(range_.text(noun), json);
     const bool whole = !std::is_integral_v<T> || std::floor(json.number) == json.number;
-    if (!whole || !range_.contains(json.number)) place.unexpected(range_.text(noun), json);
+    if (!whole || !range_.contains(json.number)) path.unexpected(range_.text(noun), json);
     const T converted = static_cast<T>(json.number);
     // A float may round onto the forbidden end.
-    if (!range_.contains(static_cast<double>(converted))) place.unexpected(range_.text(noun), json);
+    if (!range_.contains(static_cast<double>(converted))) path.unexpected(range_.text(noun), json);
     value = converted;
   }
   Json write(const T& value) const override {
@@ -179,10 +179,10 @@ class Vector3 : public Codec<Vec3<T>> {
  public:
   explicit Vector3(const Range& range) : number_(range), range_(range) {}
 
-  void read(const Json& json, const Place& place, Vec3<T>& value) const override {
-    if (!json.is(Json::Kind::array) || json.items.size() != 3) place.unexpected("[x, y, z]", json);
+  void read(const Json& json, const JsonPath& path, Vec3<T>& value) const override {
+    if (!json.is(Json::Kind::array) || json.items.size() != 3) path.unexpected("[x, y, z]", json);
     Vec3<T> read{};
-    for (std::size_t i = 0; i < 3; ++i) number_.read(json.items[i], place.item(i), read[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < 3; ++i) number_.read(json.items[i], path.item(i), read[static_cast<int>(i)]);
     value = read;
   }
   Json write(const Vec3<T>& value) const override {
@@ -242,7 +242,7 @@ class Enumeration : public Codec<E> {
  public:
   explicit Enumeration(std::vector<std::pair<std::string, E>> words) : words_(std::move(words)) {}
 
-  void read(const Json& json, const Place& place, E& value) const override {
+  void read(const Json& json, const JsonPath& path, E& value) const override {
     for (const auto& [text, meaning] : words_) {
       if (json.is(Json::Kind::text) && json.text == text) {
         value = meaning;
@@ -252,7 +252,7 @@ class Enumeration : public Codec<E> {
     std::vector<std::string> known;
     for (const auto& entry : words_) known.push_back(entry.first);
     const std::string best = json.is(Json::Kind::text) ? nearest_word(json.text, known) : "";
-    place.fail("expected " + list() + ", found " + brief(json) +
+    path.fail("expected " + list() + ", found " + brief(json) +
                (best.empty() ? "" : "; did you mean \"" + best + "\"?"));
   }
   Json write(const E& value) const override {
@@ -293,13 +293,13 @@ class List : public Codec<std::vector<T>> {
   List(CodecPtr<T> item, std::size_t least, std::size_t most)
       : item_(std::move(item)), least_(least), most_(most) {}
 
-  void read(const Json& json, const Place& place, std::vector<T>& value) const override {
-    if (!json.is(Json::Kind::array)) place.unexpected("a list: [ ... ]", json);
+  void read(const Json& json, const JsonPath& path, std::vector<T>& value) const override {
+    if (!json.is(Json::Kind::array)) path.unexpected("a list: [ ... ]", json);
     if (json.items.size() < least_ || json.items.size() > most_) {
-      place.fail_length(least_, most_, json.items.size());
+      path.fail_length(least_, most_, json.items.size());
     }
     std::vector<T> read(json.items.size());
-    for (std::size_t i = 0; i < read.size(); ++i) item_->read(json.items[i], place.item(i), read[i]);
+    for (std::size_t i = 0; i < read.size(); ++i) item_->read(json.items[i], path.item(i), read[i]);
     value = std::move(read);
   }
   Json write(const std::vector<T>& value) const override {
@@ -331,9 +331,9 @@ template <class T>
 class Optional : public Codec<std::optional<T>> {
  public:
   explicit Optional(CodecPtr<T> inner) : inner_(std::move(inner)) {}
-  void read(const Json& json, const Place& place, std::optional<T>& value) const override {
+  void read(const Json& json, const JsonPath& path, std::optional<T>& value) const override {
     T read{};
-    inner_->read(json, place, read);
+    inner_->read(json, path, read);
     value = std::move(read);
   }
   Json write(const std::optional<T>& value) const override { return value ? inner_->write(*value) : Json{}; }

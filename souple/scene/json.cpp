@@ -30,8 +30,8 @@ std::string line_and_column(std::string_view text, std::size_t position) {
 std::string reason_of(std::string what) {
   const std::size_t bracket = what.find("] ");
   if (bracket != std::string::npos) what.erase(0, bracket + 2);
-  const std::size_t place = what.find(": ");
-  if (what.rfind("parse error", 0) == 0 && place != std::string::npos) what.erase(0, place + 2);
+  const std::size_t position = what.find(": ");
+  if (what.rfind("parse error", 0) == 0 && position != std::string::npos) what.erase(0, position + 2);
   for (char& c : what) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
@@ -86,7 +86,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   bool add(Json value) {
-    place(std::move(value));
+    append(std::move(value));
     return true;
   }
 
@@ -96,7 +96,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
           fmt::format("{}: nested deeper than {} levels; a scene needs fewer than 10", source_, deepest));
     }
     // Addresses of open containers stay: only the innermost one grows.
-    open_.push_back(&place(std::move(value)));
+    open_.push_back(&append(std::move(value)));
     return true;
   }
 
@@ -105,7 +105,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  Json& place(Json value) {
+  Json& append(Json value) {
     if (open_.empty()) return root_ = std::move(value);
     Json& parent = *open_.back();
     if (parent.is(Json::Kind::array)) return parent.items.emplace_back(std::move(value));

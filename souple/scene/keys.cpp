@@ -17,21 +17,21 @@ CodecPtr<CameraDescription> camera_codec() {
   keys->key<&C::from>("from", vector3<double>(meters), "where it stands [m]")
       .key<&C::to>("to", vector3<double>(meters), "what it looks at [m]")
       .key<&C::fov>("fov", number<double>(within(1, 170)), "vertical angle of view [degrees]")
-      .check([](const C& camera, const Place& place) {
-        if (camera.from == camera.to) place.fail("\"from\" and \"to\" are the same point");
+      .check([](const C& camera, const JsonPath& path) {
+        if (camera.from == camera.to) path.fail("\"from\" and \"to\" are the same point");
       });
   return keys;
 }
 
 /// Gives a name to what has none, by the rule of the world; fails on names used twice.
 template <class Items, class NameOf, class Base>
-void complete_names(Items& items, const char* list_key, const Place& place, NameOf name_of, Base base,
+void complete_names(Items& items, const char* list_key, const JsonPath& path, NameOf name_of, Base base,
                     std::set<std::string>& taken) {
-  const Place list_place = place.key(list_key);
+  const JsonPath list_path = path.key(list_key);
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::string& given = name_of(items[i]);
     if (given.empty() || taken.insert(given).second) continue;
-    const Place item = list_place.item(i);
+    const JsonPath item = list_path.item(i);
     item.key("name").fail("the name \"" + given + "\" is taken; names are unique");
   }
   for (auto& item : items) {
@@ -42,20 +42,20 @@ void complete_names(Items& items, const char* list_key, const Place& place, Name
   }
 }
 
-void check_name(const std::string& name, const std::vector<std::string>& known, const Place& place,
+void check_name(const std::string& name, const std::vector<std::string>& known, const JsonPath& path,
                 const char* noun) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  place.fail("there is no " + std::string(noun) + " called \"" + name + "\"" + suggestion(name, known));
+  path.fail("there is no " + std::string(noun) + " called \"" + name + "\"" + suggestion(name, known));
 }
 
-void complete_and_check(SceneDescription& scene, const Place& place) {
+void complete_and_check(SceneDescription& scene, const JsonPath& path) {
   std::set<std::string> taken;
   complete_names(
-      scene.objects, "objects", place,
+      scene.objects, "objects", path,
       [](AnyObjectDescription& object) -> std::string& { return common(object).name; },
       [](const AnyObjectDescription& object) { return std::string(kind_name(kind_of(object))); }, taken);
   complete_names(
-      scene.colliders, "colliders", place,
+      scene.colliders, "colliders", path,
       [](ColliderDescription& collider) -> std::string& { return collider.name; },
       [](const ColliderDescription&) { return std::string("collider"); }, taken);
 
@@ -64,16 +64,16 @@ void complete_and_check(SceneDescription& scene, const Place& place) {
   std::vector<std::string> all = objects;
   for (const ColliderDescription& collider : scene.colliders) all.push_back(collider.name);
 
-  const Place pairs = place.key("pairs");
+  const JsonPath pairs = path.key("pairs");
   for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
-    const Place pair = pairs.item(i), between = pair.key("between");
+    const JsonPath pair = pairs.item(i), between = pair.key("between");
     for (std::size_t side = 0; side < 2; ++side) {
       check_name(scene.pairs[i].between[side], all, between.item(side), "object or collider");
     }
   }
-  const Place connections = place.key("connections");
+  const JsonPath connections = path.key("connections");
   for (std::size_t i = 0; i < scene.connections.size(); ++i) {
-    const Place connection = connections.item(i), from = connection.key("from"), to = connection.key("to");
+    const JsonPath connection = connections.item(i), from = connection.key("from"), to = connection.key("to");
     check_name(scene.connections[i].from.object, objects, from.key("object"), "object");
     check_name(scene.connections[i].to.object, objects, to.key("object"), "object");
   }
@@ -82,9 +82,9 @@ void complete_and_check(SceneDescription& scene, const Place& place) {
 /// The key "souple": the version of the format.
 class FormatVersion : public Codec<std::string> {
  public:
-  void read(const Json& json, const Place& place, std::string&) const override {
+  void read(const Json& json, const JsonPath& path, std::string&) const override {
     if (!json.is(Json::Kind::number) || json.number != 1) {
-      place.unexpected("1, the only version of the scene format this Souple knows", json);
+      path.unexpected("1, the only version of the scene format this Souple knows", json);
     }
   }
   Json write(const std::string&) const override { return Json::whole(1); }
@@ -99,9 +99,9 @@ class FormatVersion : public Codec<std::string> {
 class SceneTable : public Table<SceneDescription> {
  public:
   using Table::Table;
-  void read(const Json& json, const Place& place, SceneDescription& value) const override {
-    Table::read(json, place, value);
-    complete_and_check(value, place);
+  void read(const Json& json, const JsonPath& path, SceneDescription& value) const override {
+    Table::read(json, path, value);
+    complete_and_check(value, path);
   }
 };
 

@@ -51,7 +51,7 @@ namespace {
 
 SceneDescription read_scene(const scene_format::Json& json, const scene_format::Reading& reading) {
   SceneDescription scene;
-  scene_format::scene_codec()->read(json, scene_format::Place(reading), scene);
+  scene_format::scene_codec()->read(json, scene_format::JsonPath(reading), scene);
   scene.source = reading.source;
   scene.folder = reading.base;
   return scene;

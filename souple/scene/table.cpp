@@ -47,11 +47,11 @@ Json Key::written(const void* object) const {
   return codec_->write_any(look(access_, object));
 }
 
-void Key::read(const Json& json, const Place& place, void* object) const {
+void Key::read(const Json& json, const JsonPath& path, void* object) const {
   if (const Json* value = json.find(name_)) {
-    codec_->read_any(*value, place.key(name_), access_(object));
+    codec_->read_any(*value, path.key(name_), access_(object));
   } else if (required_) {
-    place.fail("the key \"" + name_ + "\" is missing: " + doc_);
+    path.fail("the key \"" + name_ + "\" is missing: " + doc_);
   }
 }
 
@@ -77,17 +77,17 @@ std::vector<std::string> Choice::keys() const {
   return names;
 }
 
-void Choice::read(const Json& json, const Place& place, void* object) const {
+void Choice::read(const Json& json, const JsonPath& path, void* object) const {
   const Alternative* chosen = nullptr;
   for (const Alternative& option : options_) {
     if (json.find(option.name) == nullptr) continue;
     if (chosen != nullptr) {
-      place.fail("\"" + chosen->name + "\" and \"" + option.name + "\" exclude each other; keep one");
+      path.fail("\"" + chosen->name + "\" and \"" + option.name + "\" exclude each other; keep one");
     }
     chosen = &option;
   }
-  if (chosen == nullptr) place.fail("expected one of the keys " + quoted_list(keys()));
-  chosen->codec->read_any(*json.find(chosen->name), place.key(chosen->name),
+  if (chosen == nullptr) path.fail("expected one of the keys " + quoted_list(keys()));
+  chosen->codec->read_any(*json.find(chosen->name), path.key(chosen->name),
                           chosen->emplace(access_(object)));
 }
 
@@ -124,22 +124,22 @@ void TableCore::add_choice(Access access, std::vector<Alternative> options) {
   entries_.push_back(std::make_unique<Choice>(access, std::move(options)));
 }
 
-void TableCore::read_object(const Json& json, const Place& place, void* object) const {
-  if (!json.is(Json::Kind::object)) place.unexpected("an object: { ... }", json);
-  refuse_strangers(json, place);
-  if (before_) before_(json, place, object);
-  for (const auto& entry : entries_) entry->read(json, place, object);
+void TableCore::read_object(const Json& json, const JsonPath& path, void* object) const {
+  if (!json.is(Json::Kind::object)) path.unexpected("an object: { ... }", json);
+  refuse_strangers(json, path);
+  if (before_) before_(json, path, object);
+  for (const auto& entry : entries_) entry->read(json, path, object);
   for (const auto& [key, other] : needs_) {
     if (json.find(key) != nullptr && json.find(other) == nullptr) {
-      place.key(key).fail("makes sense only together with \"" + other + "\"");
+      path.key(key).fail("makes sense only together with \"" + other + "\"");
     }
   }
   for (const auto& [key, other] : excludes_) {
     if (json.find(key) != nullptr && json.find(other) != nullptr) {
-      place.fail("\"" + key + "\" and \"" + other + "\" exclude each other; keep one");
+      path.fail("\"" + key + "\" and \"" + other + "\" exclude each other; keep one");
     }
   }
-  for (const auto& rule : rules_) rule(object, place);
+  for (const auto& rule : rules_) rule(object, path);
 }
 
 Json TableCore::write_object(const void* object, const void* fallback) const {
@@ -164,7 +164,7 @@ TypeInfo TableCore::describe_object(Format& format, const void* fallback) const 
   return type;
 }
 
-void TableCore::refuse_strangers(const Json& json, const Place& place) const {
+void TableCore::refuse_strangers(const Json& json, const JsonPath& path) const {
   const std::vector<std::string> known = keys();
   for (const Member& member : json.members) {
     if (std::find(known.begin(), known.end(), member.key) != known.end()) continue;
@@ -173,26 +173,26 @@ void TableCore::refuse_strangers(const Json& json, const Place& place) const {
       if (key == member.key && hint.empty()) hint = "; it belongs to " + owner;
     }
     if (hint.empty()) hint = suggestion(member.key, known);
-    place.key(member.key).fail("there is no such key here (its value is " + brief(member.value) + ")" + hint);
+    path.key(member.key).fail("there is no such key here (its value is " + brief(member.value) + ")" + hint);
   }
 }
 
 // --- Kinds -------------------------------------------------------------------------------------------------
 
-void KindsCore::read_kind(const Json& json, const Place& place, void* variant) const {
-  if (!json.is(Json::Kind::object)) place.unexpected("an object: { ... }", json);
+void KindsCore::read_kind(const Json& json, const JsonPath& path, void* variant) const {
+  if (!json.is(Json::Kind::object)) path.unexpected("an object: { ... }", json);
   std::vector<std::string> known;
   for (const Alternative& option : kinds_) known.push_back(option.name);
   const Json* kind = json.find("kind");
-  if (kind == nullptr) place.fail("the key \"kind\" is missing; expected one of " + quoted_list(known));
+  if (kind == nullptr) path.fail("the key \"kind\" is missing; expected one of " + quoted_list(known));
   for (const Alternative& option : kinds_) {
     if (kind->is(Json::Kind::text) && kind->text == option.name) {
-      option.codec->read_any(json, place, option.emplace(variant));
+      option.codec->read_any(json, path, option.emplace(variant));
       return;
     }
   }
   const std::string word = kind->is(Json::Kind::text) ? kind->text : "";
-  place.key("kind").fail("no kind of object is called " + brief(*kind) + suggestion(word, known));
+  path.key("kind").fail("no kind of object is called " + brief(*kind) + suggestion(word, known));
 }
 
 Json KindsCore::write_kind(const void* variant) const {

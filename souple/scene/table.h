@@ -42,7 +42,7 @@ class Entry {
  public:
   virtual ~Entry() = default;
   virtual std::vector<std::string> keys() const = 0;
-  virtual void read(const Json& json, const Place& place, void* object) const = 0;
+  virtual void read(const Json& json, const JsonPath& path, void* object) const = 0;
   /// Appends what differs from `fallback`.
   virtual void write(const void* object, const void* fallback, Json& json) const = 0;
   virtual void describe(Format& format, const void* fallback, TableInfo& info) const = 0;
@@ -53,7 +53,7 @@ class Key : public Entry {
  public:
   Key(std::string name, Access access, AnyCodecPtr codec, std::string doc, bool required);
   std::vector<std::string> keys() const override { return {name_}; }
-  void read(const Json& json, const Place& place, void* object) const override;
+  void read(const Json& json, const JsonPath& path, void* object) const override;
   void write(const void* object, const void* fallback, Json& json) const override;
   void describe(Format& format, const void* fallback, TableInfo& info) const override;
 
@@ -72,7 +72,7 @@ class Choice : public Entry {
  public:
   Choice(Access access, std::vector<Alternative> options) : access_(access), options_(std::move(options)) {}
   std::vector<std::string> keys() const override;
-  void read(const Json& json, const Place& place, void* object) const override;
+  void read(const Json& json, const JsonPath& path, void* object) const override;
   void write(const void* object, const void* fallback, Json& json) const override;
   void describe(Format& format, const void* fallback, TableInfo& info) const override;
 
@@ -93,18 +93,18 @@ class TableCore {
   // Not templates, and text as plain pointers: a hundred keys cost ten seconds of compilation otherwise.
   void add_key(const char* name, Access access, AnyCodecPtr codec, const char* doc, bool required);
   void add_choice(Access access, std::vector<Alternative> options);
-  void read_object(const Json& json, const Place& place, void* object) const;
+  void read_object(const Json& json, const JsonPath& path, void* object) const;
   Json write_object(const void* object, const void* fallback) const;
   TypeInfo describe_object(Format& format, const void* fallback) const;
 
   std::string name_, doc_;
   std::vector<std::unique_ptr<Entry>> entries_;
   std::vector<std::pair<std::string, std::string>> needs_, excludes_, foreign_;
-  std::vector<std::function<void(const void*, const Place&)>> rules_;
-  std::function<void(const Json&, const Place&, void*)> before_;
+  std::vector<std::function<void(const void*, const JsonPath&)>> rules_;
+  std::function<void(const Json&, const JsonPath&, void*)> before_;
 
  private:
-  void refuse_strangers(const Json& json, const Place& place) const;
+  void refuse_strangers(const Json& json, const JsonPath& path) const;
 };
 
 /// The keys of one JSON object. Read in the order they are declared here; unknown keys are errors.
@@ -139,16 +139,16 @@ class Table : public Codec<T>, public TableCore {
     excludes_.emplace_back(key, other);
     return *this;
   }
-  /// Rules that no single key can tell; run last and fail through their place.
-  Table& check(void (*rule)(const T&, const Place&)) {
+  /// Rules that no single key can tell; run last and fail through their path.
+  Table& check(void (*rule)(const T&, const JsonPath&)) {
     rules_.push_back(
-        [rule](const void* object, const Place& place) { rule(*static_cast<const T*>(object), place); });
+        [rule](const void* object, const JsonPath& path) { rule(*static_cast<const T*>(object), path); });
     return *this;
   }
   /// What the keys start from, when it is not T{}: `before` sees the JSON first, e.g. to start from a preset;
   /// `fallback` turns a T{} into what defaults are for a given value.
   // NOLINTNEXTLINE(performance-unnecessary-value-param): it is moved from; tidy does not see it in a template
-  Table& start(std::function<void(const Json&, const Place&, void*)> before,
+  Table& start(std::function<void(const Json&, const JsonPath&, void*)> before,
                std::function<void(const T& value, T& fallback)> fallback) {
     before_ = std::move(before);
     fallback_ = std::move(fallback);
@@ -161,8 +161,8 @@ class Table : public Codec<T>, public TableCore {
     return *this;
   }
 
-  void read(const Json& json, const Place& place, T& value) const override {
-    read_object(json, place, &value);
+  void read(const Json& json, const JsonPath& path, T& value) const override {
+    read_object(json, path, &value);
   }
   Json write(const T& value) const override {
     const T fallback = fallback_of(value);
@@ -188,7 +188,7 @@ class KindsCore {
   explicit KindsCore(std::vector<Alternative> kinds) : kinds_(std::move(kinds)) {}
 
  protected:
-  void read_kind(const Json& json, const Place& place, void* variant) const;
+  void read_kind(const Json& json, const JsonPath& path, void* variant) const;
   Json write_kind(const void* variant) const;
   TypeInfo describe_kinds(Format& format) const;
 
@@ -199,7 +199,7 @@ template <class V>
 class Kinds : public Codec<V>, public KindsCore {
  public:
   using KindsCore::KindsCore;
-  void read(const Json& json, const Place& place, V& value) const override { read_kind(json, place, &value); }
+  void read(const Json& json, const JsonPath& path, V& value) const override { read_kind(json, path, &value); }
   Json write(const V& value) const override { return write_kind(&value); }
   TypeInfo describe(Format& format) const override { return describe_kinds(format); }
 };

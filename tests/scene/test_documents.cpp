@@ -121,9 +121,9 @@ class Sampler {
 /// Where each table stands in a scene: the way from the root, as functions that wrap a value.
 using Wrap = std::function<json(json)>;
 
-void find_places(const json& definitions, const Sampler& sampler, const std::string& name, const Wrap& wrap,
-                 std::map<std::string, Wrap>& places) {
-  if (!places.emplace(name, wrap).second) return;
+void find_paths(const json& definitions, const Sampler& sampler, const std::string& name, const Wrap& wrap,
+                 std::map<std::string, Wrap>& paths) {
+  if (!paths.emplace(name, wrap).second) return;
   for (const auto& [key, schema] : definitions[name]["properties"].items()) {
     json inner = schema;
     bool listed = false;
@@ -137,7 +137,7 @@ void find_places(const json& definitions, const Sampler& sampler, const std::str
         table[key] = listed ? json::array({std::move(value)}) : std::move(value);
         return wrap(std::move(table));
       };
-      find_places(definitions, sampler, below, here, places);
+      find_paths(definitions, sampler, below, here, paths);
     }
   }
 }
@@ -145,11 +145,11 @@ void find_places(const json& definitions, const Sampler& sampler, const std::str
 TEST(Documents, ReaderKnowsEveryKeyOfTheSchemaAndNoOther) {
   const json schema = json::parse(scene_schema());
   const Sampler sampler(schema);
-  std::map<std::string, Wrap> places;
-  find_places(
-      schema["$defs"], sampler, "scene", [](json value) { return value; }, places);
-  EXPECT_EQ(places.size(), schema["$defs"].size());
-  for (const auto& [name, wrap] : places) {
+  std::map<std::string, Wrap> paths;
+  find_paths(
+      schema["$defs"], sampler, "scene", [](json value) { return value; }, paths);
+  EXPECT_EQ(paths.size(), schema["$defs"].size());
+  for (const auto& [name, wrap] : paths) {
     for (const auto& [key, value] : schema["$defs"][name]["properties"].items()) {
       const std::string said = complaint(wrap(sampler.sample_table(name, key)).dump());
       EXPECT_EQ(said.find("no such key"), std::string::npos) << name << "." << key << ": " << said;
@@ -166,11 +166,11 @@ TEST(Documents, ReaderKnowsEveryKeyOfTheSchemaAndNoOther) {
 TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
   const json schema = json::parse(scene_schema());
   const Sampler sampler(schema);
-  std::map<std::string, Wrap> places;
-  find_places(
-      schema["$defs"], sampler, "scene", [](json value) { return value; }, places);
+  std::map<std::string, Wrap> paths;
+  find_paths(
+      schema["$defs"], sampler, "scene", [](json value) { return value; }, paths);
   int numbers = 0;
-  for (const auto& [name, wrap] : places) {
+  for (const auto& [name, wrap] : paths) {
     for (const auto& [key, value] : schema["$defs"][name]["properties"].items()) {
       const std::string type = value.value("type", "");
       if (type != "number" && type != "integer") continue;

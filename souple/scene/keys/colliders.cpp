@@ -29,8 +29,8 @@ CodecPtr<ShapeDescription> shape_codec() {
   auto plane = table<Plane>("plane", "The half space normal . x <= offset is solid.");
   plane->key<&Plane::normal>("normal", vector3<float>(meters), "points out of the solid; any length but zero")
       .key<&Plane::offset>("offset", number<float>(meters), "[m], times the length of the normal")
-      .check([](const Plane& shape, const Place& place) {
-        if (!(length_squared(Vec3d(shape.normal)) > 1e-12)) place.key("normal").fail("must not be zero");
+      .check([](const Plane& shape, const JsonPath& path) {
+        if (!(length_squared(Vec3d(shape.normal)) > 1e-12)) path.key("normal").fail("must not be zero");
       });
   auto sphere = table<Sphere>("sphere", "A ball.");
   sphere->required<&Sphere::radius>("radius", size, "[m]").key<&Sphere::center>("center", center, center_doc);
@@ -74,7 +74,7 @@ CodecPtr<ColliderDescription> collider_codec() {
       .key<&C::loop>("loop", boolean(), "starts the keyframes over after the last")
       .needs("loop", "keyframes")
       .excludes("transform", "keyframes")
-      .check([](const C& collider, const Place& place) { check_times(collider.keyframes, place); });
+      .check([](const C& collider, const JsonPath& path) { check_times(collider.keyframes, path); });
   add_collision_keys(*keys);
   return keys;
 }

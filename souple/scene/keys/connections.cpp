@@ -7,9 +7,9 @@ namespace {
 /// A list of exactly two names.
 class TwoNames : public Codec<std::array<std::string, 2>> {
  public:
-  void read(const Json& json, const Place& place, std::array<std::string, 2>& value) const override {
-    if (!json.is(Json::Kind::array) || json.items.size() != 2) place.unexpected("two names: [a, b]", json);
-    for (std::size_t i = 0; i < 2; ++i) name_->read(json.items[i], place.item(i), value[i]);
+  void read(const Json& json, const JsonPath& path, std::array<std::string, 2>& value) const override {
+    if (!json.is(Json::Kind::array) || json.items.size() != 2) path.unexpected("two names: [a, b]", json);
+    for (std::size_t i = 0; i < 2; ++i) name_->read(json.items[i], path.item(i), value[i]);
   }
   Json write(const std::array<std::string, 2>& value) const override {
     return Json::array({Json::of(value[0]), Json::of(value[1])});
@@ -40,8 +40,8 @@ CodecPtr<PairDescription> pair_codec() {
       .key<&P::friction>("friction", maybe(number<float>(friction_range)), "Coulomb coefficient")
       .key<&P::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
       .needs("restitution", "friction")
-      .check([](const P& pair, const Place& place) {
-        if (pair.collide && !pair.friction) place.fail("needs \"friction\", or \"collide\": false");
+      .check([](const P& pair, const JsonPath& path) {
+        if (pair.collide && !pair.friction) path.fail("needs \"friction\", or \"collide\": false");
       });
   return keys;
 }

@@ -9,8 +9,8 @@ void add_times(Table<T>& keys) {
   keys.template key<&T::start>("start", number<double>(from_zero(1e6)), "when it begins [s]")
       .template key<&T::end>("end", maybe(number<double>(from_zero(1e6))),
                              "when it ends [s]; if not given, never")
-      .check([](const T& value, const Place& place) {
-        if (value.end && *value.end < value.start) place.key("end").fail("is before \"start\"");
+      .check([](const T& value, const JsonPath& path) {
+        if (value.end && *value.end < value.start) path.key("end").fail("is before \"start\"");
       });
 }
 
@@ -31,10 +31,10 @@ CodecPtr<EmitterDescription> emitter_codec() {
                           "poses that move and turn it; the fluid takes over its velocity")
       .key<&E::loop>("loop", boolean(), "starts the keyframes over after the last")
       .needs("loop", "keyframes")
-      .check([](const E& emitter, const Place& place) {
-        check_times(emitter.keyframes, place);
+      .check([](const E& emitter, const JsonPath& path) {
+        check_times(emitter.keyframes, path);
         if (!(length_squared(Vec3d(emitter.direction)) > 1e-12))
-          place.key("direction").fail("must not be zero");
+          path.key("direction").fail("must not be zero");
       });
   add_times(*keys);
   return keys;

@@ -26,16 +26,16 @@ CodecPtr<PinMapDescription> pin_map_codec() {
   add_map_keys(*keys, "weight in the group, or at color 1; at most 1", "weight elsewhere, or at color 0");
   keys->key<&PinMapDescription::compliance>("compliance", number<float>(positive(1e6)),
                                             "of a vertex of weight 0.5 [m/N]")
-      .check([](const PinMapDescription& map, const Place& place) {
-        if (map.value > 1) place.key("value").fail("expected a weight from 0 to 1");
-        if (map.fallback > 1) place.key("default").fail("expected a weight from 0 to 1");
+      .check([](const PinMapDescription& map, const JsonPath& path) {
+        if (map.value > 1) path.key("value").fail("expected a weight from 0 to 1");
+        if (map.fallback > 1) path.key("default").fail("expected a weight from 0 to 1");
       });
   return keys;
 }
 
 CodecPtr<MapDescription> scale_map_codec() {
   auto keys = table<MapDescription>("map", "A factor for each vertex.");
-  keys->start([](const Json&, const Place&, void* map) { static_cast<MapDescription*>(map)->fallback = 1; },
+  keys->start([](const Json&, const JsonPath&, void* map) { static_cast<MapDescription*>(map)->fallback = 1; },
               [](const MapDescription&, MapDescription& fallback) { fallback.fallback = 1; });
   add_map_keys(*keys, "factor in the group, or at color 1", "factor elsewhere, or at color 0");
   return keys;

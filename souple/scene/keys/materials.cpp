@@ -8,13 +8,13 @@ namespace {
 class Stiffness : public Codec<float> {
  public:
   explicit Stiffness(const Range& range) : range_(range), number_(range) {}
-  void read(const Json& json, const Place& place, float& value) const override {
+  void read(const Json& json, const JsonPath& path, float& value) const override {
     if (json.is(Json::Kind::text) && json.text == "rigid") {
       value = rigid;
     } else if (json.is(Json::Kind::number)) {
-      number_.read(json, place, value);
+      number_.read(json, path, value);
     } else {
-      place.unexpected(range_.text("a number") + " or \"rigid\"", json);
+      path.unexpected(range_.text("a number") + " or \"rigid\"", json);
     }
   }
   Json write(const float& value) const override {
@@ -46,11 +46,11 @@ auto material_table(const char* heading, const char* doc, Find find) {
   auto preset_codec = word("preset", known);
   auto keys = table<M>(heading, doc);
   keys->start(
-      [preset_codec, find](const Json& json, const Place& place, void* object) {
+      [preset_codec, find](const Json& json, const JsonPath& path, void* object) {
         M& value = *static_cast<M*>(object);
         const Json* preset = json.find("preset");
         if (preset == nullptr) return;
-        preset_codec->read(*preset, place.key("preset"), value.preset);
+        preset_codec->read(*preset, path.key("preset"), value.preset);
         static_cast<Material&>(value) = *find(value.preset);
       },
       [find](const M& value, M& fallback) {
@@ -113,11 +113,11 @@ CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec() {
                         "them")
       .key<&M::pbd_stretch>("pbd_stretch", number<float>(unit), "stiffness in mode \"pbd\"")
       .key<&M::pbd_bending>("pbd_bending", number<float>(unit), "stiffness in mode \"pbd\"")
-      .check([](const MaterialDescription<M>& m, const Place& place) {
+      .check([](const MaterialDescription<M>& m, const JsonPath& path) {
         if (m.membrane_stiffness == rigid && m.stretch != StretchModel::springs)
-          place.key("membrane_stiffness").fail("is \"rigid\": only springs can be (stretch \"springs\")");
+          path.key("membrane_stiffness").fail("is \"rigid\": only springs can be (stretch \"springs\")");
         if (m.bending_stiffness == rigid && m.bending != BendingModel::distance)
-          place.key("bending_stiffness").fail("is \"rigid\": only springs can be (bending \"distance\")");
+          path.key("bending_stiffness").fail("is \"rigid\": only springs can be (bending \"distance\")");
       });
   return keys;
 }

@@ -15,8 +15,8 @@ CodecPtr<GridMesh> grid_codec() {
           "diagonals",
           enumeration<Diagonals>({{"alternating", Diagonals::alternating}, {"one_way", Diagonals::one_way}}),
           "how the squares are cut; one_way prefers a direction and is there to compare with")
-      .check([](const GridMesh& mesh, const Place& place) {
-        check_count(static_cast<double>(mesh.columns) * mesh.rows, place);
+      .check([](const GridMesh& mesh, const JsonPath& path) {
+        check_count(static_cast<double>(mesh.columns) * mesh.rows, path);
       });
   return keys;
 }
@@ -28,8 +28,8 @@ CodecPtr<DiskMesh> disk_codec() {
   keys->required<&DiskMesh::rings>("rings", number<int>(within(1, 10000)), "circles about the center")
       .required<&DiskMesh::segments>("segments", number<int>(within(3, 10000)), "vertices of a circle")
       .required<&DiskMesh::radius>("radius", number<double>(size_range), "[m]")
-      .check([](const DiskMesh& mesh, const Place& place) {
-        check_count(1 + static_cast<double>(mesh.rings) * mesh.segments, place);
+      .check([](const DiskMesh& mesh, const JsonPath& path) {
+        check_count(1 + static_cast<double>(mesh.rings) * mesh.segments, path);
       });
   return keys;
 }
@@ -47,11 +47,11 @@ CodecPtr<BoxMesh> box_mesh_codec() {
   auto keys = table<BoxMesh>("box_mesh", "A closed box, centered at the origin.");
   keys->required<&BoxMesh::size>("size", vector3<double>(size_range), "side lengths [m]")
       .key<&BoxMesh::divisions>("divisions", counts(1000), "cells along the sides")
-      .check([](const BoxMesh& mesh, const Place& place) {
+      .check([](const BoxMesh& mesh, const JsonPath& path) {
         const auto [x, y, z] = std::array<double, 3>{static_cast<double>(mesh.divisions[0]),
                                                      static_cast<double>(mesh.divisions[1]),
                                                      static_cast<double>(mesh.divisions[2])};
-        check_count(2 * (x * y + y * z + z * x) + 2, place);
+        check_count(2 * (x * y + y * z + z * x) + 2, path);
       });
   return keys;
 }
@@ -63,9 +63,9 @@ CodecPtr<TorusMesh> torus_codec() {
       .required<&TorusMesh::minor_radius>("minor_radius", number<double>(size_range), "of the tube [m]")
       .key<&TorusMesh::major_segments>("major_segments", number<int>(within(3, 2000)), "around the axis")
       .key<&TorusMesh::minor_segments>("minor_segments", number<int>(within(3, 2000)), "around the tube")
-      .check([](const TorusMesh& mesh, const Place& place) {
+      .check([](const TorusMesh& mesh, const JsonPath& path) {
         if (mesh.minor_radius >= mesh.major_radius) {
-          place.key("minor_radius")
+          path.key("minor_radius")
               .fail("must be smaller than major_radius, " + number_text(mesh.major_radius) + "; found " +
                     number_text(mesh.minor_radius));
         }
@@ -99,8 +99,8 @@ CodecPtr<TetBarMesh> tet_bar_codec() {
   auto keys = table<TetBarMesh>("tet_bar", "A solid box of cells cut into tets; soft bodies only.");
   keys->required<&TetBarMesh::cells>("cells", counts(1000), "cells along X, Y and Z")
       .required<&TetBarMesh::size>("size", vector3<double>(size_range), "side lengths [m]")
-      .check([](const TetBarMesh& mesh, const Place& place) {
-        check_count((mesh.cells[0] + 1.0) * (mesh.cells[1] + 1.0) * (mesh.cells[2] + 1.0), place);
+      .check([](const TetBarMesh& mesh, const JsonPath& path) {
+        check_count((mesh.cells[0] + 1.0) * (mesh.cells[1] + 1.0) * (mesh.cells[2] + 1.0), path);
       });
   return keys;
 }
@@ -118,9 +118,9 @@ CodecPtr<TetBallMesh> tet_ball_codec() {
 
 }  // namespace
 
-void check_count(double vertices, const Place& place) {
+void check_count(double vertices, const JsonPath& path) {
   if (vertices > most_vertices) {
-    place.fail("would have " + number_text(vertices) + " vertices; at most " + number_text(most_vertices) +
+    path.fail("would have " + number_text(vertices) + " vertices; at most " + number_text(most_vertices) +
                " are allowed");
   }
 }

@@ -53,11 +53,11 @@ CodecPtr<std::vector<KeyframeDescription>> keyframes_codec() {
   return list<K>(keys, 0, 100000);
 }
 
-void check_times(const std::vector<KeyframeDescription>& keyframes, const Place& place) {
+void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPath& path) {
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
     if (keyframes[i].time > keyframes[i - 1].time) continue;
-    const Place list_place = place.key("keyframes");
-    const Place item = list_place.item(i);
+    const JsonPath list_path = path.key("keyframes");
+    const JsonPath item = list_path.item(i);
     item.key("time").fail("must be later than the keyframe before, at " + number_text(keyframes[i - 1].time) +
                           " s; found " + number_text(keyframes[i].time));
   }

@@ -29,7 +29,7 @@ CodecPtr<EnclosedVolumeDescription> enclosed_volume_codec() {
 class KindWord : public Codec<std::string> {
  public:
   explicit KindWord(std::string kind) : kind_(std::move(kind)) {}
-  void read(const Json&, const Place&, std::string&) const override {}
+  void read(const Json&, const JsonPath&, std::string&) const override {}
   Json write(const std::string&) const override { return Json::of(kind_); }
   TypeInfo describe(Format&) const override {
     Json schema = Json::object();
@@ -141,9 +141,9 @@ CodecPtr<GrainsBox> grains_box_codec() {
                         "between centers [m]; if not given, two radii and what the jitter needs")
       .key<&G::jitter>("jitter", number<double>(unit),
                        "each center is moved at random by up to this fraction of a radius along each axis")
-      .check([](const G& box, const Place& place) {
+      .check([](const G& box, const JsonPath& path) {
         for (int i = 0; i < 3; ++i) {
-          if (!(box.lo[i] < box.hi[i])) place.fail("\"lo\" must be below \"hi\" along every axis");
+          if (!(box.lo[i] < box.hi[i])) path.fail("\"lo\" must be below \"hi\" along every axis");
         }
       });
   return keys;
@@ -157,8 +157,8 @@ CodecPtr<GrainsGrid> grains_grid_codec() {
                         "between centers [m]; if not given, two radii and what the jitter needs")
       .key<&G::jitter>("jitter", number<double>(unit),
                        "each center is moved at random by up to this fraction of a radius along each axis")
-      .check([](const G& grid, const Place& place) {
-        check_count(static_cast<double>(grid.counts[0]) * grid.counts[1] * grid.counts[2], place);
+      .check([](const G& grid, const JsonPath& path) {
+        check_count(static_cast<double>(grid.counts[0]) * grid.counts[1] * grid.counts[2], path);
       });
   return keys;
 }
@@ -180,9 +180,9 @@ CodecPtr<FluidBox> fluid_box_codec() {
   auto keys = table<FluidBox>("fluid_box", "A box filled with a fluid.");
   keys->required<&FluidBox::lo>("lo", vector3<double>(meters), "lower corner [m]")
       .required<&FluidBox::hi>("hi", vector3<double>(meters), "upper corner [m]")
-      .check([](const FluidBox& box, const Place& place) {
+      .check([](const FluidBox& box, const JsonPath& path) {
         for (int i = 0; i < 3; ++i) {
-          if (!(box.lo[i] < box.hi[i])) place.fail("\"lo\" must be below \"hi\" along every axis");
+          if (!(box.lo[i] < box.hi[i])) path.fail("\"lo\" must be below \"hi\" along every axis");
         }
       });
   return keys;
@@ -203,12 +203,12 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
       .key<&T::max_particles>("max_particles", number<std::uint32_t>(within(0, 5e7)),
                               "emitters give it no more than these; there is room for them from the start")
       .key<&T::color>("color", maybe(color()), "how pictures show it, as in HTML")
-      .check([](const T& fluid, const Place& place) {
+      .check([](const T& fluid, const JsonPath& path) {
         const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling);
         if (points && points->empty() && fluid.max_particles == 0)
-          place.fail("has no points; a fluid that emitters fill needs \"max_particles\"");
+          path.fail("has no points; a fluid that emitters fill needs \"max_particles\"");
         if (!fluid.emitters.empty() && fluid.max_particles == 0)
-          place.fail("\"emitters\" need \"max_particles\": how many particles there may be");
+          path.fail("\"emitters\" need \"max_particles\": how many particles there may be");
       });
   add_collision_keys(*keys);
   return keys;
@@ -230,7 +230,7 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
       .key<&T::loop>("loop", boolean(), "starts the keyframes over after the last")
       .key<&T::sequence>("sequence", maybe(obstacle_sequence_codec()), "deforms it")
       .needs("loop", "keyframes")
-      .check([](const T& obstacle, const Place& place) { check_times(obstacle.keyframes, place); });
+      .check([](const T& obstacle, const JsonPath& path) { check_times(obstacle.keyframes, path); });
   add_collision_keys(*keys);
   add_layer_key(*keys);
   return keys;

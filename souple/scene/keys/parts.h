@@ -37,8 +37,8 @@ template <class Outer, class Inner, class Access>
 class Wrapped : public Codec<Outer> {
  public:
   Wrapped(Access access, CodecPtr<Inner> inner) : access_(access), inner_(std::move(inner)) {}
-  void read(const Json& json, const Place& place, Outer& value) const override {
-    inner_->read(json, place, std::invoke(access_, value));
+  void read(const Json& json, const JsonPath& path, Outer& value) const override {
+    inner_->read(json, path, std::invoke(access_, value));
   }
   Json write(const Outer& value) const override { return inner_->write(std::invoke(access_, value)); }
   TypeInfo describe(Format& format) const override { return inner_->describe(format); }
@@ -70,7 +70,7 @@ CodecPtr<TransformDescription> transform_codec();
 CodecPtr<TransformDescription> pose_codec();
 CodecPtr<std::vector<KeyframeDescription>> keyframes_codec();
 /// Each keyframe must be later than the one before.
-void check_times(const std::vector<KeyframeDescription>& keyframes, const Place& place);
+void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPath& path);
 CodecPtr<SequenceDescription> sequence_codec();
 CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 
@@ -80,7 +80,7 @@ CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 enum class MeshUse { surface, solid, points };
 CodecPtr<MeshDescription> mesh_codec(MeshUse use);
 /// What is built has at most `most_vertices`.
-void check_count(double vertices, const Place& place);
+void check_count(double vertices, const JsonPath& path);
 
 // --- pins.cpp --------------------------------------------------------------------------------------------
 

@@ -7,8 +7,8 @@ namespace {
 /// Exactly `true`: the selector that needs no value.
 class True : public Codec<Selector::All> {
  public:
-  void read(const Json& json, const Place& place, Selector::All&) const override {
-    if (!json.is(Json::Kind::boolean) || !json.boolean) place.unexpected("true", json);
+  void read(const Json& json, const JsonPath& path, Selector::All&) const override {
+    if (!json.is(Json::Kind::boolean) || !json.boolean) path.unexpected("true", json);
   }
   Json write(const Selector::All&) const override { return Json::of(true); }
   TypeInfo describe(Format&) const override {
@@ -21,15 +21,15 @@ class True : public Codec<Selector::All> {
 /// [[x, y, z], [x, y, z]]: the lower corner and the upper.
 class BoxCorners : public Codec<Selector::InBox> {
  public:
-  void read(const Json& json, const Place& place, Selector::InBox& value) const override {
+  void read(const Json& json, const JsonPath& path, Selector::InBox& value) const override {
     if (!json.is(Json::Kind::array) || json.items.size() != 2) {
-      place.unexpected("two corners, [[x, y, z], [x, y, z]]", json);
+      path.unexpected("two corners, [[x, y, z], [x, y, z]]", json);
     }
-    corner_.read(json.items[0], place.item(0), value.lo);
-    corner_.read(json.items[1], place.item(1), value.hi);
+    corner_.read(json.items[0], path.item(0), value.lo);
+    corner_.read(json.items[1], path.item(1), value.hi);
     for (int i = 0; i < 3; ++i) {
       if (value.lo[i] > value.hi[i])
-        place.fail("the first corner must be the lower one, found " + brief(json));
+        path.fail("the first corner must be the lower one, found " + brief(json));
     }
   }
   Json write(const Selector::InBox& value) const override {
@@ -63,7 +63,7 @@ void add_pin_keys(Table<T>& keys) {
       .needs("loop", "keyframes")
       .needs("about", "keyframes")
       .excludes("keyframes", "sequence")
-      .check([](const T& pin, const Place& place) { check_times(pin.keyframes, place); });
+      .check([](const T& pin, const JsonPath& path) { check_times(pin.keyframes, path); });
 }
 
 }  // namespace
