@@ -7,7 +7,7 @@ namespace souple::scene_format {
 namespace {
 
 /// Access functions only compute addresses; what is behind them is not written to.
-const void* look(Access access, const void* object) {
+const void* member_of(Access access, const void* object) {
   return access(const_cast<void*>(object));
 }
 
@@ -18,7 +18,7 @@ std::string quoted_list(const std::vector<std::string>& words) {
 }
 
 /// Empty things say nothing as a default.
-bool says_something(const Json& json) {
+bool is_informative(const Json& json) {
   switch (json.kind) {
     case Json::Kind::null:
     case Json::Kind::object:
@@ -44,7 +44,7 @@ Key::Key(std::string name, Access access, AnyCodecPtr codec, std::string doc, bo
       required_(required) {}
 
 Json Key::written(const void* object) const {
-  return codec_->write_any(look(access_, object));
+  return codec_->write_any(member_of(access_, object));
 }
 
 void Key::read(const Json& json, const JsonPath& path, void* object) const {
@@ -65,7 +65,7 @@ void Key::describe(Format& format, const void* fallback, TableInfo& info) const 
   TypeInfo type = codec_->describe(format);
   KeyInfo key{name_, type.text, doc_, required_, std::nullopt, std::move(type.schema)};
   Json value = written(fallback);
-  if (!required_ && says_something(value)) key.fallback = std::move(value);
+  if (!required_ && is_informative(value)) key.fallback = std::move(value);
   info.keys.push_back(std::move(key));
 }
 
@@ -93,8 +93,8 @@ void Choice::read(const Json& json, const JsonPath& path, void* object) const {
 
 void Choice::write(const void* object, const void*, Json& json) const {
   for (const Alternative& option : options_) {
-    const void* held = option.get(look(access_, object));
-    if (held != nullptr) json.set(option.name, option.codec->write_any(held));
+    const void* current = option.get(member_of(access_, object));
+    if (current != nullptr) json.set(option.name, option.codec->write_any(current));
   }
 }
 
@@ -126,7 +126,7 @@ void TableCore::add_choice(Access access, std::vector<Alternative> options) {
 
 void TableCore::read_object(const Json& json, const JsonPath& path, void* object) const {
   if (!json.is(Json::Kind::object)) path.unexpected("an object: { ... }", json);
-  refuse_strangers(json, path);
+  reject_unknown_keys(json, path);
   if (before_) before_(json, path, object);
   for (const auto& entry : entries_) entry->read(json, path, object);
   for (const auto& [key, other] : needs_) {
@@ -164,7 +164,7 @@ TypeInfo TableCore::describe_object(Format& format, const void* fallback) const 
   return type;
 }
 
-void TableCore::refuse_strangers(const Json& json, const JsonPath& path) const {
+void TableCore::reject_unknown_keys(const Json& json, const JsonPath& path) const {
   const std::vector<std::string> known = keys();
   for (const Member& member : json.members) {
     if (std::find(known.begin(), known.end(), member.key) != known.end()) continue;
@@ -197,7 +197,7 @@ void KindsCore::read_kind(const Json& json, const JsonPath& path, void* variant)
 
 Json KindsCore::write_kind(const void* variant) const {
   for (const Alternative& option : kinds_) {
-    if (const void* held = option.get(variant)) return option.codec->write_any(held);
+    if (const void* current = option.get(variant)) return option.codec->write_any(current);
   }
   return {};
 }

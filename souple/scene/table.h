@@ -16,11 +16,11 @@ using Access = void* (*)(void*);
 /// The member reached through `Members`, one after the other: <&Scene::settings, &Settings::gravity>. Of a
 /// variant read through no member, the variant itself.
 template <class T, auto... Members>
-void* reach(void* object) {
+void* member_address(void* object) {
   return &(*static_cast<T*>(object).*....*Members);
 }
 template <class T, auto... Members>
-using Reached = std::remove_reference_t<decltype((std::declval<T&>().*....*Members))>;
+using MemberType = std::remove_reference_t<decltype((std::declval<T&>().*....*Members))>;
 
 /// One alternative of a variant: how to make it current, and where it is when it is.
 struct Alternative {
@@ -104,7 +104,7 @@ class TableCore {
   std::function<void(const Json&, const JsonPath&, void*)> before_;
 
  private:
-  void refuse_strangers(const Json& json, const JsonPath& path) const;
+  void reject_unknown_keys(const Json& json, const JsonPath& path) const;
 };
 
 /// The keys of one JSON object. Read in the order they are declared here; unknown keys are errors.
@@ -114,19 +114,19 @@ class Table : public Codec<T>, public TableCore {
   using TableCore::TableCore;
 
   template <auto... Members>
-  Table& key(const char* name, const CodecPtr<Reached<T, Members...>>& codec, const char* doc) {
-    add_key(name, &reach<T, Members...>, codec, doc, false);
+  Table& key(const char* name, const CodecPtr<MemberType<T, Members...>>& codec, const char* doc) {
+    add_key(name, &member_address<T, Members...>, codec, doc, false);
     return *this;
   }
   template <auto... Members>
-  Table& required(const char* name, const CodecPtr<Reached<T, Members...>>& codec, const char* doc) {
-    add_key(name, &reach<T, Members...>, codec, doc, true);
+  Table& required(const char* name, const CodecPtr<MemberType<T, Members...>>& codec, const char* doc) {
+    add_key(name, &member_address<T, Members...>, codec, doc, true);
     return *this;
   }
   /// The variant at `Members` is decided by which of these keys is there.
   template <auto... Members>
   Table& choice(std::vector<Alternative> options) {
-    add_choice(&reach<T, Members...>, std::move(options));
+    add_choice(&member_address<T, Members...>, std::move(options));
     return *this;
   }
   /// `key` makes sense only beside `other`.

@@ -255,7 +255,7 @@ CodecPtr<AnyObjectDescription> object_codec() {
   const auto grains = grains_table();
   const auto obstacle = obstacle_table();
   const auto fluid = fluid_table();
-  const auto strangers_to = [&](const auto& mine) {
+  const auto foreign_keys_of = [&](const auto& mine) {
     std::vector<std::pair<std::string, std::string>> foreign;
     add_foreign(*cloth, "a cloth", mine, foreign);
     add_foreign(*soft_body, "a soft_body", mine, foreign);
@@ -265,12 +265,12 @@ CodecPtr<AnyObjectDescription> object_codec() {
     add_foreign(*fluid, "a fluid", mine, foreign);
     return foreign;
   };
-  cloth->foreign(strangers_to(*cloth));
-  soft_body->foreign(strangers_to(*soft_body));
-  rope->foreign(strangers_to(*rope));
-  grains->foreign(strangers_to(*grains));
-  obstacle->foreign(strangers_to(*obstacle));
-  fluid->foreign(strangers_to(*fluid));
+  cloth->foreign(foreign_keys_of(*cloth));
+  soft_body->foreign(foreign_keys_of(*soft_body));
+  rope->foreign(foreign_keys_of(*rope));
+  grains->foreign(foreign_keys_of(*grains));
+  obstacle->foreign(foreign_keys_of(*obstacle));
+  fluid->foreign(foreign_keys_of(*fluid));
   using V = AnyObjectDescription;
   return std::make_shared<Kinds<V>>(
       std::vector<Alternative>{alternative<V, ClothDescription>("cloth", cloth, ""),
