@@ -15,7 +15,7 @@ namespace souple {
 
 namespace {
 
-constexpr double most_grains = 4e6;
+constexpr double max_grains = 4e6;
 
 // --- small converters --------------------------------------------------------------------------------------
 
@@ -153,7 +153,7 @@ class Random {
 /// Centers origin + (i, j, k) spacing, each moved by up to `reach` along each axis.
 std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3d& origin, double spacing,
                                  double reach, std::uint64_t seed) {
-  if (counts[0] * counts[1] * counts[2] > most_grains) {
+  if (counts[0] * counts[1] * counts[2] > max_grains) {
     throw Error(
         fmt::format("would have {} grains; at most 4000000 are allowed: enlarge the grains or the spacing",
                     counts[0] * counts[1] * counts[2]));

@@ -25,12 +25,12 @@ namespace {
 
 /// A key may be anything; a message is one line.
 std::string printable(std::string_view key) {
-  constexpr std::size_t longest = 60;
-  std::string out(key.substr(0, longest));
+  constexpr std::size_t max_length = 60;
+  std::string out(key.substr(0, max_length));
   for (char& c : out) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
   }
-  return key.size() > longest ? out + "..." : out;
+  return key.size() > max_length ? out + "..." : out;
 }
 
 }  // namespace
@@ -54,8 +54,8 @@ void JsonPath::fail(const std::string& message) const {
   throw Error(reading_->source + ": " + (where.empty() ? "" : where + ": ") + message);
 }
 
-void JsonPath::fail_length(std::size_t least, std::size_t most, std::size_t found) const {
-  fail(fmt::format("expected a list of {} to {} entries, found {}", least, most, found));
+void JsonPath::fail_length(std::size_t min_count, std::size_t max_count, std::size_t found) const {
+  fail(fmt::format("expected a list of {} to {} entries, found {}", min_count, max_count, found));
 }
 
 std::string Range::text(const std::string& noun) const {
@@ -74,10 +74,10 @@ Json Range::schema(const char* type) const {
 
 namespace {
 
-Json string_schema(std::int64_t longest) {
+Json string_schema(std::int64_t max_length) {
   Json schema = Json::object();
   schema.set("type", Json::of("string"));
-  schema.set("maxLength", Json::whole(longest));
+  schema.set("maxLength", Json::whole(max_length));
   return schema;
 }
 
@@ -99,14 +99,14 @@ class Text : public Codec<std::string> {
  public:
   void read(const Json& json, const JsonPath& path, std::string& value) const override {
     if (!json.is(Json::Kind::text)) path.unexpected("text in quotes", json);
-    if (json.text.size() > longest) path.fail("expected at most 1000 bytes of text, found " + brief(json));
+    if (json.text.size() > max_length) path.fail("expected at most 1000 bytes of text, found " + brief(json));
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
-  TypeInfo describe(Format&) const override { return {"text", string_schema(longest)}; }
+  TypeInfo describe(Format&) const override { return {"text", string_schema(max_length)}; }
 
  private:
-  static constexpr int longest = 1000;
+  static constexpr int max_length = 1000;
 };
 
 class HexColor : public Codec<std::uint32_t> {
@@ -160,7 +160,7 @@ class File : public Codec<std::string> {
  public:
   explicit File(bool or_folder) : or_folder_(or_folder) {}
   void read(const Json& json, const JsonPath& path, std::string& value) const override {
-    const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= longest &&
+    const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= max_length &&
                         json.text.find('\0') == std::string::npos;
     if (!usable) path.unexpected("a file's name", json);
     if (path.reading().files_exist) require_file(path, json);
@@ -169,7 +169,7 @@ class File : public Codec<std::string> {
   Json write(const std::string& value) const override { return Json::of(value); }
   TypeInfo describe(Format&) const override {
     return {std::string(or_folder_ ? "file or folder" : "file") + ", relative to the scene's folder",
-            string_schema(longest)};
+            string_schema(max_length)};
   }
 
  private:
@@ -183,7 +183,7 @@ class File : public Codec<std::string> {
       path.fail("there is no file " + brief(json) + "; looked for " + file.string());
     }
   }
-  static constexpr int longest = 1000;
+  static constexpr int max_length = 1000;
   bool or_folder_;
 };
 

@@ -45,7 +45,7 @@ class JsonPath {
   [[noreturn]] void unexpected(const std::string& expected, const Json& found) const {
     fail("expected " + expected + ", found " + brief(found));
   }
-  [[noreturn]] void fail_length(std::size_t least, std::size_t most, std::size_t found) const;
+  [[noreturn]] void fail_length(std::size_t min_count, std::size_t max_count, std::size_t found) const;
 
  private:
   JsonPath(const JsonPath& parent, std::string_view name, std::size_t index)
@@ -290,13 +290,13 @@ CodecPtr<E> enumeration(std::vector<std::pair<std::string, E>> words) {
 template <class T>
 class List : public Codec<std::vector<T>> {
  public:
-  List(CodecPtr<T> item, std::size_t least, std::size_t most)
-      : item_(std::move(item)), least_(least), most_(most) {}
+  List(CodecPtr<T> item, std::size_t min_count, std::size_t max_count)
+      : item_(std::move(item)), min_count_(min_count), max_count_(max_count) {}
 
   void read(const Json& json, const JsonPath& path, std::vector<T>& value) const override {
     if (!json.is(Json::Kind::array)) path.unexpected("a list: [ ... ]", json);
-    if (json.items.size() < least_ || json.items.size() > most_) {
-      path.fail_length(least_, most_, json.items.size());
+    if (json.items.size() < min_count_ || json.items.size() > max_count_) {
+      path.fail_length(min_count_, max_count_, json.items.size());
     }
     std::vector<T> read(json.items.size());
     for (std::size_t i = 0; i < read.size(); ++i) item_->read(json.items[i], path.item(i), read[i]);
@@ -312,18 +312,18 @@ class List : public Codec<std::vector<T>> {
     Json schema = Json::object();
     schema.set("type", Json::of("array"));
     schema.set("items", item.schema);
-    if (least_ > 0) schema.set("minItems", Json::whole(static_cast<std::int64_t>(least_)));
-    schema.set("maxItems", Json::whole(static_cast<std::int64_t>(most_)));
+    if (min_count_ > 0) schema.set("minItems", Json::whole(static_cast<std::int64_t>(min_count_)));
+    schema.set("maxItems", Json::whole(static_cast<std::int64_t>(max_count_)));
     return {"list of " + item.text, schema};
   }
 
  private:
   CodecPtr<T> item_;
-  std::size_t least_, most_;
+  std::size_t min_count_, max_count_;
 };
 template <class T>
-CodecPtr<std::vector<T>> list(CodecPtr<T> item, std::size_t least = 0, std::size_t most = 1000000) {
-  return std::make_shared<List<T>>(std::move(item), least, most);
+CodecPtr<std::vector<T>> list(CodecPtr<T> item, std::size_t min_count = 0, std::size_t max_count = 1000000) {
+  return std::make_shared<List<T>>(std::move(item), min_count, max_count);
 }
 
 /// A key that may be absent: std::optional says whether it was there.

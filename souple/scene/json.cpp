@@ -15,8 +15,8 @@ namespace souple::scene_format {
 
 namespace {
 
-constexpr std::size_t deepest = 64;
-constexpr std::size_t most_keys = 1000;  // of one object; the search for duplicates is quadratic
+constexpr std::size_t max_depth = 64;
+constexpr std::size_t max_keys = 1000;  // of one object; the search for duplicates is quadratic
 
 std::string line_and_column(std::string_view text, std::size_t position) {
   position = std::min(position, text.size());
@@ -35,8 +35,8 @@ std::string reason_of(std::string what) {
   for (char& c : what) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
-  constexpr std::size_t longest = 200;
-  if (what.size() > longest) what = what.substr(0, longest) + "...";
+  constexpr std::size_t max_length = 200;
+  if (what.size() > max_length) what = what.substr(0, max_length) + "...";
   return what;
 }
 
@@ -65,8 +65,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
       throw Error(std::string(source_) + ": " + path_to(name) +
                   ": the key stands here twice; keep one of the two");
     }
-    if (object.members.size() >= most_keys) {
-      throw Error(fmt::format("{}: {}: more than {} keys in one object", source_, path_to(name), most_keys));
+    if (object.members.size() >= max_keys) {
+      throw Error(fmt::format("{}: {}: more than {} keys in one object", source_, path_to(name), max_keys));
     }
     key_ = std::move(name);
     return true;
@@ -91,9 +91,9 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   bool open(Json value) {
-    if (open_.size() >= deepest) {
+    if (open_.size() >= max_depth) {
       throw Error(
-          fmt::format("{}: nested deeper than {} levels; a scene needs fewer than 10", source_, deepest));
+          fmt::format("{}: nested deeper than {} levels; a scene needs fewer than 10", source_, max_depth));
     }
     // Addresses of open containers stay: only the innermost one grows.
     open_.push_back(&append(std::move(value)));
@@ -173,10 +173,10 @@ void write_line(const Json& value, std::string& out) {
 
 /// Short things stand on one line.
 bool fits_line(const Json& value, const std::string& line) {
-  constexpr std::size_t widest = 100;
+  constexpr std::size_t max_width = 100;
   const bool plain = std::none_of(value.items.begin(), value.items.end(),
                                   [](const Json& item) { return item.is(Json::Kind::object); });
-  return line.size() <= widest && plain;
+  return line.size() <= max_width && plain;
 }
 
 void write_lines(const Json& value, const std::string& indent, std::string& out) {
@@ -311,10 +311,10 @@ std::string dump_line(const Json& value) {
 }
 
 std::string brief(const Json& value) {
-  constexpr std::size_t longest = 60;
+  constexpr std::size_t max_length = 60;
   std::string text = dump_line(value);
-  if (text.size() <= longest) return text;
-  std::size_t end = longest;
+  if (text.size() <= max_length) return text;
+  std::size_t end = max_length;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside a character
   return text.substr(0, end) + "...";
 }

@@ -49,8 +49,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_word(std::string_view word, std::span<const std::string> known) {
-  constexpr std::size_t longest = 100;
-  if (word.size() > longest) return {};
+  constexpr std::size_t max_length = 100;
+  if (word.size() > max_length) return {};
   std::string best;
   std::size_t least = 1 + word.size() / 2;  // more changes than that, and it is another word
   for (const std::string& candidate : known) {

@@ -12,7 +12,7 @@ namespace souple::scene_format {
 
 namespace {
 
-constexpr std::size_t longest_path = 16;
+constexpr std::size_t max_parts = 16;
 
 /// "objects[0].mesh" -> objects, 0, mesh
 std::vector<std::string> split_path(std::string_view path) {
@@ -56,7 +56,7 @@ class Override {
       fail("expected PATH=VALUE, such as substeps=20 or objects.flag.material.damping=0.1");
     }
     const std::vector<std::string> parts = split_path(setting_.substr(0, equals));
-    if (parts.size() > longest_path) fail("the path has too many parts");
+    if (parts.size() > max_parts) fail("the path has too many parts");
     Json* here = &scene;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (parts[i].empty()) fail("the path has an empty part");

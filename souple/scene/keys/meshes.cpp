@@ -119,8 +119,8 @@ CodecPtr<TetBallMesh> tet_ball_codec() {
 }  // namespace
 
 void check_count(double vertices, const JsonPath& path) {
-  if (vertices > most_vertices) {
-    path.fail("would have " + number_text(vertices) + " vertices; at most " + number_text(most_vertices) +
+  if (vertices > max_vertices) {
+    path.fail("would have " + number_text(vertices) + " vertices; at most " + number_text(max_vertices) +
                " are allowed");
   }
 }

@@ -98,7 +98,7 @@ std::shared_ptr<Table<ClothDescription>> cloth_table() {
 CodecPtr<LatticeOptions> lattice_codec() {
   auto keys =
       table<LatticeOptions>("lattice", "How finely a soft body made from a surface is cut into tets.");
-  keys->key<&LatticeOptions::cells>("cells", number<std::size_t>(within(1, most_vertices)),
+  keys->key<&LatticeOptions::cells>("cells", number<std::size_t>(within(1, max_vertices)),
                                     "wanted number of tets")
       .key<&LatticeOptions::cell_size>("cell_size", number<double>(from_zero(far_away)),
                                        "size of a cell [m], instead of `cells`; 0: from `cells`")

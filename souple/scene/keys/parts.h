@@ -14,7 +14,7 @@
 namespace souple::scene_format {
 
 constexpr double far_away = 1e6;       // m
-constexpr double most_vertices = 4e6;  // of one built mesh
+constexpr double max_vertices = 4e6;  // of one built mesh
 constexpr Range meters = signed_range(far_away);
 constexpr Range size_range = positive(far_away);
 constexpr Range unit = within(0, 1);
@@ -28,7 +28,7 @@ std::shared_ptr<Table<T>> table(const char* name, const char* doc) {
 // --- values.cpp ------------------------------------------------------------------------------------------
 
 /// Three counts, or one for all three axes.
-CodecPtr<std::array<int, 3>> counts(int most);
+CodecPtr<std::array<int, 3>> counts(int max);
 /// A bit mask as the list of the bits that are set, or "all".
 CodecPtr<std::uint32_t> groups();
 
@@ -79,7 +79,7 @@ CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 /// Says which shapes an object of this kind can be made of.
 enum class MeshUse { surface, solid, points };
 CodecPtr<MeshDescription> mesh_codec(MeshUse use);
-/// What is built has at most `most_vertices`.
+/// What is built has at most `max_vertices`.
 void check_count(double vertices, const JsonPath& path);
 
 // --- pins.cpp --------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ namespace {
 /// Three counts, or one for all three axes.
 class Counts : public Codec<std::array<int, 3>> {
  public:
-  explicit Counts(int most) : range_(within(1, most)), count_(range_) {}
+  explicit Counts(int max) : range_(within(1, max)), count_(range_) {}
   void read(const Json& json, const JsonPath& path, std::array<int, 3>& value) const override {
     if (json.is(Json::Kind::number)) {
       int all = 1;
@@ -78,8 +78,8 @@ class Groups : public Codec<std::uint32_t> {
 
 }  // namespace
 
-CodecPtr<std::array<int, 3>> counts(int most) {
-  return std::make_shared<Counts>(most);
+CodecPtr<std::array<int, 3>> counts(int max) {
+  return std::make_shared<Counts>(max);
 }
 
 CodecPtr<std::uint32_t> groups() {
