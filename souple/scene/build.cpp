@@ -150,9 +150,9 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Centers origin + (i, j, k) spacing, each moved by up to `reach` along each axis.
+/// Centers origin + (i, j, k) spacing, each moved by up to `max_offset` along each axis.
 std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3d& origin, double spacing,
-                                 double reach, std::uint64_t seed) {
+                                 double max_offset, std::uint64_t seed) {
   if (counts[0] * counts[1] * counts[2] > max_grains) {
     throw Error(
         fmt::format("would have {} grains; at most 4000000 are allowed: enlarge the grains or the spacing",
@@ -164,7 +164,7 @@ std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3
     for (double j = 0; j < counts[1]; ++j) {
       for (double i = 0; i < counts[0]; ++i) {
         Vec3d center = origin + Vec3d{i, j, k} * spacing;
-        for (int axis = 0; axis < 3; ++axis) center[axis] += reach * random.symmetric();
+        for (int axis = 0; axis < 3; ++axis) center[axis] += max_offset * random.symmetric();
         centers.push_back(center);
       }
     }
@@ -200,9 +200,9 @@ struct GrainMaker {
     std::array<double, 3> counts{};
     Vec3d origin;
     for (int i = 0; i < 3; ++i) {
-      const double room = b.hi[i] - b.lo[i] - 2 * margin;
-      if (room < 0) throw Error(fmt::format("the box is too small for one grain of radius {} m", radius));
-      const double count = std::floor(room / step + 1e-9) + 1;
+      const double width = b.hi[i] - b.lo[i] - 2 * margin;
+      if (width < 0) throw Error(fmt::format("the box is too small for one grain of radius {} m", radius));
+      const double count = std::floor(width / step + 1e-9) + 1;
       counts[static_cast<std::size_t>(i)] = count;
       origin[i] = 0.5 * (b.lo[i] + b.hi[i]) - 0.5 * step * (count - 1);
     }
@@ -229,9 +229,9 @@ Target keyframed(const World& world, ObjectId object, const std::vector<std::uin
 }
 
 /// Positions of all vertices from files, evaluated once for each moment asked.
-class FollowedSequence {
+class SequenceSampler {
  public:
-  FollowedSequence(AnimatedPoints points, const MeshImport& import, const Transform& transform)
+  SequenceSampler(AnimatedPoints points, const MeshImport& import, const Transform& transform)
       : points_(std::move(points)), import_(import), transform_(transform), now_(points_.points()) {}
 
   std::uint64_t points() const { return points_.points(); }
@@ -337,7 +337,7 @@ class Builder {
     return options;
   }
 
-  void take_maps(const MapsDescription& maps, const TriangleMesh& mesh, ObjectOptions& options) {
+  void read_maps(const MapsDescription& maps, const TriangleMesh& mesh, ObjectOptions& options) {
     if (maps.stiffness) options.stiffness_map = map_values(*maps.stiffness, mesh);
     if (maps.thickness) options.thickness_map = map_values(*maps.thickness, mesh);
     pin_weights_.clear();
@@ -347,7 +347,7 @@ class Builder {
   ObjectId add(const ClothDescription& cloth) {
     const TriangleMesh mesh = surface_of(cloth.mesh, scene_.folder);
     ObjectOptions options = options_of(cloth);
-    take_maps(cloth.maps, mesh, options);
+    read_maps(cloth.maps, mesh, options);
     return world_.add_cloth(mesh, cloth.material, options);
   }
 
@@ -356,11 +356,11 @@ class Builder {
     if (is_tet_mesh(body.mesh)) {
       if (body.lattice) throw Error("lattice: makes sense only for a surface; this mesh already has tets");
       const TetMesh mesh = tets_of(body.mesh, scene_.folder);
-      take_maps(body.maps, only_groups(mesh), options);
+      read_maps(body.maps, only_groups(mesh), options);
       return world_.add_soft_body(mesh, body.material, options);
     }
     const TriangleMesh mesh = surface_of(body.mesh, scene_.folder);
-    take_maps(body.maps, mesh, options);
+    read_maps(body.maps, mesh, options);
     return world_.add_soft_body(mesh, body.material, body.lattice.value_or(LatticeOptions{}), options);
   }
 
@@ -473,15 +473,15 @@ class Builder {
   Target sequence_target(ObjectId object, const SequenceDescription& sequence,
                          const AnyObjectDescription& description) const {
     const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
-    auto followed = std::make_shared<FollowedSequence>(
+    auto sampler = std::make_shared<SequenceSampler>(
         AnimatedPoints(scene_.folder / sequence.file, options, read_points), import_of(description),
         transform_of(common(description).transform));
     const std::size_t vertices = world_.positions(object).size();
-    if (followed->points() != vertices) {
+    if (sampler->points() != vertices) {
       throw Error(fmt::format("sequence: {} has {} vertices, but the object has {}", sequence.file,
-                              followed->points(), vertices));
+                              sampler->points(), vertices));
     }
-    return [followed](std::uint32_t vertex, double time) { return followed->at(vertex, time); };
+    return [sampler](std::uint32_t vertex, double time) { return sampler->at(vertex, time); };
   }
 
   static MeshImport import_of(const AnyObjectDescription& object) {

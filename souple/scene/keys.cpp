@@ -26,18 +26,18 @@ CodecPtr<CameraDescription> camera_codec() {
 /// Gives a name to what has none, by the rule of the world; fails on names used twice.
 template <class Items, class NameOf, class Base>
 void complete_names(Items& items, const char* list_key, const JsonPath& path, NameOf name_of, Base base,
-                    std::set<std::string>& taken) {
+                    std::set<std::string>& used) {
   const JsonPath list_path = path.key(list_key);
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::string& given = name_of(items[i]);
-    if (given.empty() || taken.insert(given).second) continue;
+    if (given.empty() || used.insert(given).second) continue;
     const JsonPath item = list_path.item(i);
-    item.key("name").fail("the name \"" + given + "\" is taken; names are unique");
+    item.key("name").fail("the name \"" + given + "\" is used; names are unique");
   }
   for (auto& item : items) {
     if (!name_of(item).empty()) continue;
     std::string name = base(item);
-    for (int number = 2; !taken.insert(name).second; ++number) name = fmt::format("{}{}", base(item), number);
+    for (int number = 2; !used.insert(name).second; ++number) name = fmt::format("{}{}", base(item), number);
     name_of(item) = name;
   }
 }
@@ -49,15 +49,15 @@ void check_name(const std::string& name, const std::vector<std::string>& known, 
 }
 
 void complete_and_check(SceneDescription& scene, const JsonPath& path) {
-  std::set<std::string> taken;
+  std::set<std::string> used;
   complete_names(
       scene.objects, "objects", path,
       [](AnyObjectDescription& object) -> std::string& { return common(object).name; },
-      [](const AnyObjectDescription& object) { return std::string(kind_name(kind_of(object))); }, taken);
+      [](const AnyObjectDescription& object) { return std::string(kind_name(kind_of(object))); }, used);
   complete_names(
       scene.colliders, "colliders", path,
       [](ColliderDescription& collider) -> std::string& { return collider.name; },
-      [](const ColliderDescription&) { return std::string("collider"); }, taken);
+      [](const ColliderDescription&) { return std::string("collider"); }, used);
 
   std::vector<std::string> objects;
   for (const AnyObjectDescription& object : scene.objects) objects.push_back(common(object).name);

@@ -29,18 +29,18 @@ std::vector<std::string> split_path(std::string_view path) {
 
 /// What the reader will call each entry of a list of objects or colliders; others have no names.
 std::vector<std::string> names_of(const Json& list, const std::string& key) {
-  std::set<std::string> taken;
+  std::set<std::string> used;
   std::vector<std::string> names(list.items.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* name = list.items[i].find("name");
-    if (name != nullptr && name->is(Json::Kind::text)) taken.insert(names[i] = name->text);
+    if (name != nullptr && name->is(Json::Kind::text)) used.insert(names[i] = name->text);
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* kind = list.items[i].find("kind");
     const std::string base = key == "colliders" ? "collider" : (kind != nullptr ? kind->text : "");
     if (!names[i].empty() || base.empty()) continue;
     names[i] = base;
-    for (int number = 2; !taken.insert(names[i]).second; ++number)
+    for (int number = 2; !used.insert(names[i]).second; ++number)
       names[i] = fmt::format("{}{}", base, number);
   }
   return names;

@@ -35,7 +35,7 @@ inline std::vector<std::filesystem::path> shipped_scenes() {
 }
 
 /// What reading the text complains of; empty if nothing.
-inline std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
+inline std::string error_message(const std::string& text, const std::vector<std::string>& overrides = {}) {
   try {
     parse_scene(text, scenes_folder(), "test.json", overrides);
   } catch (const Error& error) {

@@ -150,7 +150,7 @@ std::vector<Vec3f> strip_points(double shift) {
 }
 
 // Ten frames a second from half a second on; the mesh is scaled by 2 and turned so that its Y becomes Z.
-World led_by(const fs::path& folder, const std::string& name) {
+World with_sequence(const fs::path& folder, const std::string& name) {
   return build_world(parse_scene(R"({"souple": 1, "gravity": [0, 0, 0], "objects": [{"kind": "cloth",
     "mesh": {"file": "strip.obj", "scale": 2}, "transform": {"translate": [1, 2, 3], "rotate": [90, 0, 0]},
     "material": {"membrane_stiffness": 100},
@@ -159,7 +159,7 @@ World led_by(const fs::path& folder, const std::string& name) {
                                  folder, "test.json"));
 }
 
-void expect_led(World world) {
+void expect_sequence_motion(World world) {
   const auto risen = [&] { return static_cast<double>(positions_of_only(world)[0].z) - 3; };
   EXPECT_NEAR(positions_of_only(world)[1].x, 1 + 2 / 16.0, 1e-6);
   run(world, 30);  // 0.5 s
@@ -174,35 +174,35 @@ void expect_led(World world) {
 
 TEST_F(Behavior, PinsFollowAPc2) {
   write_strip(file("strip.obj"));
-  Pc2Writer writer(file("led.pc2"), std::uint64_t{2} * strip_rows);
+  Pc2Writer writer(file("moved.pc2"), std::uint64_t{2} * strip_rows);
   for (int frame = 0; frame < sequence_frames; ++frame) writer.append(strip_points(frame * sequence_rise));
   writer.finish();
-  expect_led(led_by(file(""), "led.pc2"));
+  expect_sequence_motion(with_sequence(file(""), "moved.pc2"));
 }
 
 TEST_F(Behavior, PinsFollowAnMdd) {
   write_strip(file("strip.obj"));
-  MddWriter writer(file("led.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
+  MddWriter writer(file("moved.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
   for (int frame = 0; frame < sequence_frames; ++frame)
     writer.append(frame / 10.0, strip_points(frame * sequence_rise));
   writer.finish();
-  expect_led(led_by(file(""), "led.mdd"));
+  expect_sequence_motion(with_sequence(file(""), "moved.mdd"));
 }
 
 TEST_F(Behavior, PinsFollowASequenceOfObj) {
   write_strip(file("strip.obj"));
   for (int frame = 0; frame < sequence_frames; ++frame)
-    write_strip(file("led_000" + std::to_string(frame + 1) + ".obj"), frame * sequence_rise);
-  expect_led(led_by(file(""), "led_0001.obj"));
+    write_strip(file("moved_000" + std::to_string(frame + 1) + ".obj"), frame * sequence_rise);
+  expect_sequence_motion(with_sequence(file(""), "moved_0001.obj"));
 }
 
 TEST_F(Behavior, SequenceOfAnotherMeshIsRefused) {
   write_strip(file("strip.obj"));
-  Pc2Writer writer(file("led.pc2"), 5);
+  Pc2Writer writer(file("moved.pc2"), 5);
   writer.append(std::vector<Vec3f>(5));
   writer.finish();
   try {
-    led_by(file(""), "led.pc2");
+    with_sequence(file(""), "moved.pc2");
     FAIL() << "5 points for 34 vertices";
   } catch (const Error& error) {
     const std::string said = error.what();

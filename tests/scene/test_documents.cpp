@@ -151,12 +151,12 @@ TEST(Documents, ReaderKnowsEveryKeyOfTheSchemaAndNoOther) {
   EXPECT_EQ(paths.size(), schema["$defs"].size());
   for (const auto& [name, wrap] : paths) {
     for (const auto& [key, value] : schema["$defs"][name]["properties"].items()) {
-      const std::string said = complaint(wrap(sampler.sample_table(name, key)).dump());
+      const std::string said = error_message(wrap(sampler.sample_table(name, key)).dump());
       EXPECT_EQ(said.find("no such key"), std::string::npos) << name << "." << key << ": " << said;
     }
     json stranger = sampler.sample_table(name, "");
     stranger["no_key_is_called_so"] = 1;
-    EXPECT_NE(complaint(wrap(stranger).dump()).find("no_key_is_called_so: there is no such key"),
+    EXPECT_NE(error_message(wrap(stranger).dump()).find("no_key_is_called_so: there is no such key"),
               std::string::npos)
         << name;
   }
@@ -184,7 +184,7 @@ TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
         const double x = std::abs(outside) > 1e6 ? outside * 1.1 : outside;
         json table = sampler.sample_table(name, key);
         table[key] = x;
-        const std::string said = complaint(wrap(table).dump());
+        const std::string said = error_message(wrap(table).dump());
         EXPECT_NE(said.find(key + ": expected a"), std::string::npos)
             << name << "." << key << " = " << x << ": " << said;
       }
@@ -196,7 +196,7 @@ TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
 TEST(Documents, ManualExampleIsAScene) {
   const std::string manual = scene_manual();
   const std::size_t begin = manual.find("```json\n") + 8;
-  EXPECT_EQ(complaint(manual.substr(begin, manual.find("```", begin) - begin)), "");
+  EXPECT_EQ(error_message(manual.substr(begin, manual.find("```", begin) - begin)), "");
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ std::vector<Mistake> mistakes() {
 class Message : public testing::TestWithParam<Mistake> {};
 
 TEST_P(Message, NamesPlaceAndValue) {
-  const std::string said = complaint(GetParam().text);
+  const std::string said = error_message(GetParam().text);
   EXPECT_EQ(said.find("test.json"), 0u) << said;
   for (const std::string& part : GetParam().expected) {
     EXPECT_NE(said.find(part), std::string::npos) << "missing: " << part << "\nin: " << said;
@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(Scene, Message, testing::ValuesIn(mistakes()), [](const
 });
 
 TEST(Message, KeysWithLineFeedsStayOnOneLine) {
-  const std::string said = complaint("{\"souple\": 1, \"a\\nb\": 1}");
+  const std::string said = error_message("{\"souple\": 1, \"a\\nb\": 1}");
   EXPECT_NE(said.find("a?b"), std::string::npos) << said;
   EXPECT_EQ(said.find('\n'), std::string::npos) << said;
 }
@@ -175,7 +175,7 @@ TEST(Message, KeysWithLineFeedsStayOnOneLine) {
 TEST(Message, ManyKeysDoNotTakeForever) {
   std::string text = R"({"souple": 1)";
   for (int i = 0; i < 200000; ++i) text += ", \"k" + std::to_string(i) + "\": 0";
-  EXPECT_NE(complaint(text + "}").find("more than 1000 keys"), std::string::npos);
+  EXPECT_NE(error_message(text + "}").find("more than 1000 keys"), std::string::npos);
 }
 
 TEST(Message, SceneFileThatIsNotThere) {

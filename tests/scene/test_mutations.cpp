@@ -129,7 +129,7 @@ TEST(Mutations, OfOverridesGiveASceneOrAnError) {
   int refused = 0;
   for (int i = 0; i < 3000; ++i) {
     const std::string setting = mutator.mutate(settings[static_cast<std::size_t>(i) % settings.size()]);
-    const std::string said = complaint(small_scene, {setting});
+    const std::string said = error_message(small_scene, {setting});
     if (!said.empty()) ++refused;
     ASSERT_EQ(said.find('\n'), std::string::npos) << said;
   }
