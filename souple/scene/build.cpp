@@ -318,8 +318,7 @@ class Builder {
       });
     }
     // After the pins: tethers start at them.
-    inside(path,
-           [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
+    inside(path, [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
   }
 
   // --- objects

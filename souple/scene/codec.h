@@ -253,7 +253,7 @@ class Enumeration : public Codec<E> {
     for (const auto& entry : words_) known.push_back(entry.first);
     const std::string best = json.is(Json::Kind::text) ? nearest_word(json.text, known) : "";
     path.fail("expected " + list() + ", found " + brief(json) +
-               (best.empty() ? "" : "; did you mean \"" + best + "\"?"));
+              (best.empty() ? "" : "; did you mean \"" + best + "\"?"));
   }
   Json write(const E& value) const override {
     for (const auto& [text, meaning] : words_) {

@@ -87,8 +87,7 @@ void Choice::read(const Json& json, const JsonPath& path, void* object) const {
     chosen = &option;
   }
   if (chosen == nullptr) path.fail("expected one of the keys " + quoted_list(keys()));
-  chosen->codec->read_any(*json.find(chosen->name), path.key(chosen->name),
-                          chosen->emplace(access_(object)));
+  chosen->codec->read_any(*json.find(chosen->name), path.key(chosen->name), chosen->emplace(access_(object)));
 }
 
 void Choice::write(const void* object, const void*, Json& json) const {

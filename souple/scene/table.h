@@ -199,7 +199,9 @@ template <class V>
 class Kinds : public Codec<V>, public KindsCore {
  public:
   using KindsCore::KindsCore;
-  void read(const Json& json, const JsonPath& path, V& value) const override { read_kind(json, path, &value); }
+  void read(const Json& json, const JsonPath& path, V& value) const override {
+    read_kind(json, path, &value);
+  }
   Json write(const V& value) const override { return write_kind(&value); }
   TypeInfo describe(Format& format) const override { return describe_kinds(format); }
 };

@@ -122,7 +122,7 @@ class Sampler {
 using Wrap = std::function<json(json)>;
 
 void find_paths(const json& definitions, const Sampler& sampler, const std::string& name, const Wrap& wrap,
-                 std::map<std::string, Wrap>& paths) {
+                std::map<std::string, Wrap>& paths) {
   if (!paths.emplace(name, wrap).second) return;
   for (const auto& [key, schema] : definitions[name]["properties"].items()) {
     json inner = schema;

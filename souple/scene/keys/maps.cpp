@@ -35,8 +35,9 @@ CodecPtr<PinMapDescription> pin_map_codec() {
 
 CodecPtr<MapDescription> scale_map_codec() {
   auto keys = table<MapDescription>("map", "A factor for each vertex.");
-  keys->start([](const Json&, const JsonPath&, void* map) { static_cast<MapDescription*>(map)->fallback = 1; },
-              [](const MapDescription&, MapDescription& fallback) { fallback.fallback = 1; });
+  keys->start(
+      [](const Json&, const JsonPath&, void* map) { static_cast<MapDescription*>(map)->fallback = 1; },
+      [](const MapDescription&, MapDescription& fallback) { fallback.fallback = 1; });
   add_map_keys(*keys, "factor in the group, or at color 1", "factor elsewhere, or at color 0");
   return keys;
 }

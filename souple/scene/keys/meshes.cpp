@@ -121,7 +121,7 @@ CodecPtr<TetBallMesh> tet_ball_codec() {
 void check_count(double vertices, const JsonPath& path) {
   if (vertices > max_vertices) {
     path.fail("would have " + number_text(vertices) + " vertices; at most " + number_text(max_vertices) +
-               " are allowed");
+              " are allowed");
   }
 }
 

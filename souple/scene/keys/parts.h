@@ -13,7 +13,7 @@
 
 namespace souple::scene_format {
 
-constexpr double far_away = 1e6;       // m
+constexpr double far_away = 1e6;      // m
 constexpr double max_vertices = 4e6;  // of one built mesh
 constexpr Range meters = signed_range(far_away);
 constexpr Range size_range = positive(far_away);
