@@ -13,10 +13,10 @@ namespace {
 
 CodecPtr<CameraDescription> camera_codec() {
   using C = CameraDescription;
-  auto keys = table<C>("camera", "From where the scene is best seen; used by viewers.");
-  keys->key<&C::from>("from", vector3<double>(meters), "where it stands [m]")
-      .key<&C::to>("to", vector3<double>(meters), "what it looks at [m]")
-      .key<&C::fov>("fov", number<double>(within(1, 170)), "vertical angle of view [degrees]")
+  auto keys = table<C>("camera", "A good viewpoint for the scene; viewers start there.");
+  keys->key<&C::from>("from", vector3<double>(meters), "position of the camera [m]")
+      .key<&C::to>("to", vector3<double>(meters), "point that the camera looks at [m]")
+      .key<&C::fov>("fov", number<double>(within(1, 170)), "vertical field of view [degrees]")
       .check([](const C& camera, const JsonPath& path) {
         if (camera.from == camera.to) path.fail("\"from\" and \"to\" are the same point");
       });
@@ -109,23 +109,25 @@ class SceneTable : public Table<SceneDescription> {
 
 CodecPtr<SceneDescription> scene_codec() {
   using S = SceneDescription;
-  auto keys = std::make_shared<SceneTable>("scene",
-                                           "The whole file. Meters, kilograms, seconds; Y is up, axes are "
-                                           "right-handed.");
+  auto keys = std::make_shared<SceneTable>(
+      "scene", "The whole file. Units are meters, kilograms and seconds; Y is up, axes are right-handed.");
   keys->required<&S::source>("souple", CodecPtr<std::string>(std::make_shared<FormatVersion>()),
                              "version of the format")
-      .key<&S::description>("description", text(), "one line that says what is to be seen")
-      .key<&S::frame_rate>("frame_rate", number<double>(positive(1e5)), "frames a second")
-      .key<&S::frames>("frames", number<std::uint32_t>(within(1, 1e7)), "how many to simulate");
+      .key<&S::description>("description", text(), "one line that describes the scene")
+      .key<&S::frame_rate>("frame_rate", number<double>(positive(1e5)), "frames per second")
+      .key<&S::frames>("frames", number<std::uint32_t>(within(1, 1e7)), "number of frames to simulate");
   add_setting_keys(*keys);
-  keys->key<&S::camera>("camera", camera_codec(), "from where the scene is best seen")
+  keys->key<&S::camera>("camera", camera_codec(), "a good viewpoint for the scene")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
-      .key<&S::objects>("objects", list(object_codec(), 0, 10000), "what moves")
-      .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "what it touches")
-      .key<&S::pairs>("pairs", list(pair_codec(), 0, 100000),
-                      "friction and restitution of two things by name, or that they do not collide")
-      .key<&S::connections>("connections", list(connection_codec(), 0, 10000), "ties between objects")
-      .key<&S::drains>("drains", list(drain_codec(), 0, 10000), "where fluids cease to exist");
+      .key<&S::objects>("objects", list(object_codec(), 0, 10000),
+                        "cloth, soft bodies, ropes, grains, fluids and obstacles")
+      .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "solids that objects collide with")
+      .key<&S::pairs>(
+          "pairs", list(pair_codec(), 0, 100000),
+          "friction and restitution between two named objects or colliders, or that they do not collide")
+      .key<&S::connections>("connections", list(connection_codec(), 0, 10000),
+                            "distance joints between vertices")
+      .key<&S::drains>("drains", list(drain_codec(), 0, 10000), "regions that remove fluid");
   return keys;
 }
 

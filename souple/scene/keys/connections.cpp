@@ -31,14 +31,16 @@ class TwoNames : public Codec<std::array<std::string, 2>> {
 
 CodecPtr<PairDescription> pair_codec() {
   using P = PairDescription;
-  auto keys = table<P>("pair",
-                       "How two things rub and bounce, whatever their materials say, and whether they "
-                       "collide at all, whatever their groups say. One name twice: an object with itself.");
+  auto keys = table<P>(
+      "pair",
+      "Overrides for two objects or colliders: their friction and restitution instead of their materials', "
+      "and whether they collide, whatever their groups. The same name twice means an object with itself.");
   keys->required<&P::between>("between", CodecPtr<std::array<std::string, 2>>(std::make_shared<TwoNames>()),
                               "names of objects or colliders")
       .key<&P::collide>("collide", boolean(), "false: they pass through each other")
-      .key<&P::friction>("friction", maybe(number<float>(friction_range)), "Coulomb coefficient")
-      .key<&P::restitution>("restitution", number<float>(unit), "how much of the speed a bounce gives back")
+      .key<&P::friction>("friction", maybe(number<float>(friction_range)), "Coulomb friction coefficient")
+      .key<&P::restitution>("restitution", number<float>(unit),
+                            "coefficient of restitution, the fraction of the speed that a bounce keeps")
       .needs("restitution", "friction")
       .check([](const P& pair, const JsonPath& path) {
         if (pair.collide && !pair.friction) path.fail("needs \"friction\", or \"collide\": false");
@@ -49,21 +51,23 @@ CodecPtr<PairDescription> pair_codec() {
 CodecPtr<ConnectionDescription> connection_codec() {
   using C = ConnectionDescription;
   auto end = table<EndDescription>("end", "Vertices of an object.");
-  end->required<&EndDescription::object>("object", name(), "its name");
+  end->required<&EndDescription::object>("object", name(), "name of the object");
   end->choice<&EndDescription::where, &Selector::choice>(selectors());
-  auto keys = table<C>("connection", "Ties vertices of one object to vertices of another, pair by pair.");
-  keys->required<&C::from>("from", CodecPtr<EndDescription>(end), "vertices of one object")
-      .required<&C::to>("to", CodecPtr<EndDescription>(end), "vertices of the other")
+  auto keys =
+      table<C>("connection", "Distance joints between vertices of two objects, or of one, pair by pair.");
+  keys->required<&C::from>("from", CodecPtr<EndDescription>(end), "vertices of the first object")
+      .required<&C::to>("to", CodecPtr<EndDescription>(end), "vertices of the second object")
       .key<&C::pairing>(
           "pairing", enumeration<Pairing>({{"in_order", Pairing::in_order}, {"nearest", Pairing::nearest}}),
-          "in_order: first to first, second to second (one vertex is tied to all of the other side); "
-          "nearest: "
-          "each of `from` to the nearest of `to`")
-      .key<&C::rest_length>("rest_length", maybe(number<float>(from_zero(far_away))),
-                            "[m]; if not given, the distance at the start; 0 glues them")
-      .key<&C::compliance>("compliance", number<float>(from_zero(1e6)), "[m/N]; 0 is rigid")
+          "in_order: first with first, second with second (a single vertex joins all of the other side); "
+          "nearest: each vertex of `from` with the nearest of `to`")
+      .key<&C::rest_length>(
+          "rest_length", maybe(number<float>(from_zero(far_away))),
+          "rest length [m]; if not given, the distance at the start; 0 glues the vertices together")
+      .key<&C::compliance>("compliance", number<float>(from_zero(1e6)),
+                           "compliance of each joint [m/N]; 0 is rigid")
       .key<&C::until>("until", maybe(number<double>(from_zero(far_away))),
-                      "when they are let go of [s]; if not given, never");
+                      "time at which the joints are released [s]; if not given, never");
   return keys;
 }
 

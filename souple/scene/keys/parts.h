@@ -56,10 +56,10 @@ template <class T>
 void add_collision_keys(Table<T>& keys) {
   const CodecPtr<std::uint32_t> listed = groups();
   keys.template key<&T::collision, &CollisionFilter::groups>("collision_groups", listed,
-                                                             "which of 32 groups it belongs to")
+                                                             "its collision groups, of 32")
       .template key<&T::collision, &CollisionFilter::mask>(
           "collision_mask", listed,
-          "which groups it meets; two things collide when each is in a group that the other meets");
+          "groups it collides with; two objects collide if each is in a group of the other's mask");
 }
 
 // --- motion.cpp ------------------------------------------------------------------------------------------
