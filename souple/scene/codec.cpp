@@ -23,7 +23,7 @@ template CodecPtr<Vec3f> vector3(const Range& range);
 
 namespace {
 
-/// A key may be anything; a message is one line.
+/// A key may contain any characters; a message must stay on one line.
 std::string printable(std::string_view key) {
   constexpr std::size_t max_length = 60;
   std::string out(key.substr(0, max_length));
@@ -180,7 +180,7 @@ class File : public Codec<std::string> {
       path.fail("expected a file, but " + brief(json) + " is a folder: " + file.string());
     }
     if (!std::filesystem::exists(file, error)) {
-      path.fail("there is no file " + brief(json) + "; looked for " + file.string());
+      path.fail("file " + brief(json) + " not found; looked for " + file.string());
     }
   }
   static constexpr int max_length = 1000;
@@ -194,7 +194,7 @@ class Word : public Codec<std::string> {
   void read(const Json& json, const JsonPath& path, std::string& value) const override {
     if (!json.is(Json::Kind::text)) path.unexpected("the name of a " + noun_, json);
     if (std::find(known_.begin(), known_.end(), json.text) == known_.end()) {
-      path.fail("no " + noun_ + " is called " + brief(json) + suggestion(json.text, known_));
+      path.fail("unknown " + noun_ + " " + brief(json) + suggestion(json.text, known_));
     }
     value = json.text;
   }

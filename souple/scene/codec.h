@@ -17,20 +17,19 @@
 #include <utility>
 #include <vector>
 
-// A codec knows everything about one kind of JSON value: how it is read into C++, written back, and described
-// in the schema and in the manual. Reader, writer, schema and manual therefore cannot disagree.
+// A codec defines one kind of JSON value: reading into C++, writing back, and its description in the schema
+// and the manual. So reader, writer, schema and manual cannot disagree.
 
 namespace souple::scene_format {
 
-/// The scene being read.
+/// Context of the scene being read.
 struct Reading {
-  std::string source;          ///< how messages call it
-  std::filesystem::path base;  ///< where its relative files are looked for
-  bool files_exist = true;     ///< and have to be there
+  std::string source;          ///< name of the scene in messages
+  std::filesystem::path base;  ///< base folder of relative files
+  bool files_exist = true;     ///< whether files must exist
 };
 
-/// Where in a scene a value stands. Lives on the stack of the reader; the path is spelled out only for a
-/// message.
+/// Path of a value in a scene. Lives on the reader's stack; the text is built only for messages.
 class JsonPath {
  public:
   explicit JsonPath(const Reading& reading) : reading_(&reading) {}
@@ -57,20 +56,20 @@ class JsonPath {
   std::size_t index_ = 0;
 };
 
-/// What the manual and the schema say of one key.
+/// Description of a key for the manual and the schema.
 struct KeyInfo {
   std::string name, type, doc;
   bool required = false;
-  std::optional<Json> fallback;  ///< its default
+  std::optional<Json> fallback;  ///< default value
   Json schema;
 };
 
-/// ... and of one JSON object.
+/// Description of a JSON object for the manual and the schema.
 struct TableInfo {
   std::string name, doc;
   std::vector<KeyInfo> keys;
-  std::vector<std::vector<std::string>> exactly_one, at_most_one;  ///< of each of these lists of keys
-  std::vector<std::pair<std::string, std::string>> needs;          ///< the first key only beside the second
+  std::vector<std::vector<std::string>> exactly_one, at_most_one;  ///< rules for these lists of keys
+  std::vector<std::pair<std::string, std::string>> needs;          ///< the first key requires the second
 };
 
 struct Format {
@@ -78,17 +77,17 @@ struct Format {
 };
 
 struct TypeInfo {
-  std::string text;  ///< for the manual, Markdown
+  std::string text;  ///< type in the manual, Markdown
   Json schema;
 };
 
-/// A codec whose type tables do not need to know: templates per key would cost half a minute of compilation.
+/// A codec with its type erased, for tables: templates per key would cost half a minute of compilation.
 class AnyCodec {
  public:
   virtual ~AnyCodec() = default;
   virtual void read_any(const Json& json, const JsonPath& path, void* value) const = 0;
   virtual Json write_any(const void* value) const = 0;
-  /// Adds the tables it refers to.
+  /// Adds the tables that the type refers to.
   virtual TypeInfo describe(Format& format) const = 0;
 };
 using AnyCodecPtr = std::shared_ptr<const AnyCodec>;
@@ -108,11 +107,11 @@ using CodecPtr = std::shared_ptr<const Codec<T>>;
 
 // --- numbers ---------------------------------------------------------------------------------------------
 
-/// Which numbers are allowed. Every range has an end: a huge number is a slip.
+/// Allowed numbers. Every range is bounded: a huge number is a typing error.
 struct Range {
   double lowest, highest;
-  bool open_low = false;   ///< lowest itself is not allowed
-  bool open_high = false;  ///< highest itself is not allowed
+  bool open_low = false;   ///< excludes `lowest`
+  bool open_high = false;  ///< excludes `highest`
 
   bool contains(double x) const {
     return (open_low ? x > lowest : x >= lowest) && (open_high ? x < highest : x <= highest);
@@ -130,11 +129,11 @@ constexpr Range from_zero(double highest) {
 constexpr Range within(double lowest, double highest) {
   return {lowest, highest};
 }
-/// Zero allowed, one not.
+/// From zero to below `highest`.
 constexpr Range below(double highest) {
   return {0, highest, false, true};
 }
-/// A coordinate, a speed: either sign.
+/// Either sign, for coordinates and speeds.
 constexpr Range signed_range(double highest) {
   return {-highest, highest};
 }
@@ -150,7 +149,7 @@ class Number : public Codec<T> {
     const bool whole = !std::is_integral_v<T> || std::floor(json.number) == json.number;
     if (!whole || !range_.contains(json.number)) path.unexpected(range_.text(noun), json);
     const T converted = static_cast<T>(json.number);
-    // A float may round onto the forbidden end.
+    // A float may round to an excluded bound.
     if (!range_.contains(static_cast<double>(converted))) path.unexpected(range_.text(noun), json);
     value = converted;
   }
@@ -207,7 +206,7 @@ CodecPtr<Vec3<T>> vector3(const Range& range) {
   return std::make_shared<Vector3<T>>(range);
 }
 
-// Compiled once, in codec.cpp: every table has some of them.
+// Compiled once, in codec.cpp: every table uses some of these.
 extern template class Number<double>;
 extern template class Number<float>;
 extern template class Number<int>;
@@ -221,20 +220,20 @@ extern template CodecPtr<std::uint32_t> number(const Range& range);
 extern template CodecPtr<Vec3d> vector3(const Range& range);
 extern template CodecPtr<Vec3f> vector3(const Range& range);
 
-// --- words -----------------------------------------------------------------------------------------------
+// --- text ------------------------------------------------------------------------------------------------
 
 CodecPtr<bool> boolean();
 /// Any text, at most 1000 bytes.
 CodecPtr<std::string> text();
 /// "#rrggbb", sRGB as in HTML, to 0xRRGGBB.
 CodecPtr<std::uint32_t> color();
-/// The name of an object or collider: it becomes a file's name. Letters, digits, _ and -, at most 64 bytes.
+/// The name of an object or collider, also used in file names: letters, digits, _ and -, at most 64 bytes.
 CodecPtr<std::string> name();
-/// A file that exists, looked for beside the scene.
+/// An existing file, relative to the scene.
 CodecPtr<std::string> file();
-/// The same, or a folder.
+/// An existing file or folder, relative to the scene.
 CodecPtr<std::string> file_or_folder();
-/// One word of a list known by `known`; `noun` says of what, e.g. "preset".
+/// One word of the list `known`; `noun` names its kind in messages, e.g. "preset".
 CodecPtr<std::string> word(std::string noun, std::vector<std::string> known);
 
 template <class E>
@@ -326,7 +325,7 @@ CodecPtr<std::vector<T>> list(CodecPtr<T> item, std::size_t min_count = 0, std::
   return std::make_shared<List<T>>(std::move(item), min_count, max_count);
 }
 
-/// A key that may be absent: std::optional says whether it was there.
+/// A key that may be absent; std::nullopt if so.
 template <class T>
 class Optional : public Codec<std::optional<T>> {
  public:

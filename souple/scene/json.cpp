@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include <fmt/core.h>
-// The only file of the folder that sees nlohmann: it costs seconds.
+// The only file of this folder that includes nlohmann's header, which takes seconds to compile.
 #include <nlohmann/json.hpp>
 
 namespace souple::scene_format {
@@ -26,7 +26,7 @@ std::string line_and_column(std::string_view text, std::size_t position) {
   return fmt::format("{}:{}", line, std::max<std::size_t>(position - start, 1));
 }
 
-/// nlohmann says "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
+/// nlohmann writes "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
 std::string reason_of(std::string what) {
   const std::size_t bracket = what.find("] ");
   if (bracket != std::string::npos) what.erase(0, bracket + 2);
@@ -40,7 +40,7 @@ std::string reason_of(std::string what) {
   return what;
 }
 
-/// Builds the tree; refuses duplicate keys and depths that would be trouble later.
+/// Builds the tree; rejects duplicate keys and excessive depth.
 class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
   Builder(std::string_view text, std::string_view source) : text_(text), source_(source) {}
@@ -63,7 +63,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     Json& object = *open_.back();
     if (object.find(name) != nullptr) {
       throw Error(std::string(source_) + ": " + path_to(name) +
-                  ": the key stands here twice; keep one of the two");
+                  ": the key appears twice; keep one of the two");
     }
     if (object.members.size() >= max_keys) {
       throw Error(fmt::format("{}: {}: more than {} keys in one object", source_, path_to(name), max_keys));
@@ -95,7 +95,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
       throw Error(
           fmt::format("{}: nested deeper than {} levels; a scene needs fewer than 10", source_, max_depth));
     }
-    // Addresses of open containers stay: only the innermost one grows.
+    // Addresses of open containers are stable: only the innermost one grows.
     open_.push_back(&append(std::move(value)));
     return true;
   }
@@ -171,7 +171,7 @@ void write_line(const Json& value, std::string& out) {
   }
 }
 
-/// Short things stand on one line.
+/// Short values without objects in lists fit on one line.
 bool fits_line(const Json& value, const std::string& line) {
   constexpr std::size_t max_width = 100;
   const bool plain = std::none_of(value.items.begin(), value.items.end(),
@@ -203,11 +203,11 @@ void write_lines(const Json& value, const std::string& indent, std::string& out)
   out += "\n" + indent + (value.is(Json::Kind::array) ? "]" : "}");
 }
 
-/// The decimal with the fewest digits that reads back as the same float.
+/// The decimal with the fewest digits that parses to the same float.
 double shortest_decimal(float value) {
   for (int digits = 6; digits <= 9; ++digits) {
     char text[40];
-    // Written and read in the same locale, so a decimal comma does no harm.
+    // Printed and parsed in the same locale, so a decimal comma does no harm.
     std::snprintf(text, sizeof(text), "%.*g", digits, static_cast<double>(value));
     const double decimal = std::strtod(text, nullptr);
     if (static_cast<float>(decimal) == value) return decimal;
@@ -315,7 +315,8 @@ std::string brief(const Json& value) {
   std::string text = dump_line(value);
   if (text.size() <= max_length) return text;
   std::size_t end = max_length;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside a character
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
+    --end;  // not inside a UTF-8 character
   return text.substr(0, end) + "...";
 }
 

@@ -23,7 +23,7 @@ CodecPtr<CameraDescription> camera_codec() {
   return keys;
 }
 
-/// Gives a name to what has none, by the rule of the world; fails on names used twice.
+/// Gives default names to unnamed items, by the world's rule; fails on duplicate names.
 template <class Items, class NameOf, class Base>
 void complete_names(Items& items, const char* list_key, const JsonPath& path, NameOf name_of, Base base,
                     std::set<std::string>& used) {
@@ -32,7 +32,7 @@ void complete_names(Items& items, const char* list_key, const JsonPath& path, Na
     const std::string& given = name_of(items[i]);
     if (given.empty() || used.insert(given).second) continue;
     const JsonPath item = list_path.item(i);
-    item.key("name").fail("the name \"" + given + "\" is used; names are unique");
+    item.key("name").fail("the name \"" + given + "\" is used twice; names must be unique");
   }
   for (auto& item : items) {
     if (!name_of(item).empty()) continue;
@@ -84,7 +84,7 @@ class FormatVersion : public Codec<std::string> {
  public:
   void read(const Json& json, const JsonPath& path, std::string&) const override {
     if (!json.is(Json::Kind::number) || json.number != 1) {
-      path.unexpected("1, the only version of the scene format this Souple knows", json);
+      path.unexpected("1, the only version of the scene format that this Souple reads", json);
     }
   }
   Json write(const std::string&) const override { return Json::whole(1); }
@@ -95,7 +95,7 @@ class FormatVersion : public Codec<std::string> {
   }
 };
 
-/// Names are completed after everything has been read.
+/// Completes names after all keys have been read.
 class SceneTable : public Table<SceneDescription> {
  public:
   using Table::Table;

@@ -27,7 +27,8 @@ std::vector<std::string> split_path(std::string_view path) {
   return parts;
 }
 
-/// What the reader will call each entry of a list of objects or colliders; others have no names.
+/// The names that the reader will give to entries of a list of objects or colliders; other lists have no
+/// names.
 std::vector<std::string> names_of(const Json& list, const std::string& key) {
   std::set<std::string> used;
   std::vector<std::string> names(list.items.size());
@@ -72,7 +73,7 @@ class Override {
 
   Json& descend(Json& from, const std::string& part, const std::string& before) const {
     if (from.is(Json::Kind::array)) return from.items[index_of(from, part, before)];
-    if (from.is(Json::Kind::null)) from = Json::object();  // what a longer path makes on its way
+    if (from.is(Json::Kind::null)) from = Json::object();  // created by a longer path
     if (!from.is(Json::Kind::object)) {
       fail(quoted(before) + " is " + brief(from) + ", which has no " + quoted(part) + " inside");
     }
@@ -91,10 +92,10 @@ class Override {
                      quoted(part), suggestion(part, names)));
   }
 
-  /// Whatever was typed, a message is one line.
+  /// A message must stay on one line, whatever the user typed.
   static std::string quoted(const std::string& text) { return brief(Json::of(text)); }
 
-  /// JSON, or else text as it stands: mode=xpbd needs no quotes.
+  /// JSON, else the text itself: mode=xpbd needs no quotes.
   Json value(const std::string& text) const {
     try {
       return parse_json(text, source_);

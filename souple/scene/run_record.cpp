@@ -8,7 +8,7 @@ namespace scene_format {
 
 namespace {
 
-/// Text of any length, unlike what people write into scenes.
+/// Text of any length, unlike texts in scenes.
 class LongText : public Codec<std::string> {
  public:
   void read(const Json& json, const JsonPath& path, std::string& value) const override {

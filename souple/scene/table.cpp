@@ -6,7 +6,7 @@ namespace souple::scene_format {
 
 namespace {
 
-/// Access functions only compute addresses; what is behind them is not written to.
+/// Access functions only compute addresses; the object is not modified.
 const void* member_of(Access access, const void* object) {
   return access(const_cast<void*>(object));
 }
@@ -17,7 +17,7 @@ std::string quoted_list(const std::vector<std::string>& words) {
   return out;
 }
 
-/// Empty things say nothing as a default.
+/// Empty values are not shown as defaults.
 bool is_informative(const Json& json) {
   switch (json.kind) {
     case Json::Kind::null:
@@ -130,7 +130,7 @@ void TableCore::read_object(const Json& json, const JsonPath& path, void* object
   for (const auto& entry : entries_) entry->read(json, path, object);
   for (const auto& [key, other] : needs_) {
     if (json.find(key) != nullptr && json.find(other) == nullptr) {
-      path.key(key).fail("makes sense only together with \"" + other + "\"");
+      path.key(key).fail("is valid only together with \"" + other + "\"");
     }
   }
   for (const auto& [key, other] : excludes_) {
@@ -172,7 +172,7 @@ void TableCore::reject_unknown_keys(const Json& json, const JsonPath& path) cons
       if (key == member.key && hint.empty()) hint = "; it belongs to " + owner;
     }
     if (hint.empty()) hint = suggestion(member.key, known);
-    path.key(member.key).fail("there is no such key here (its value is " + brief(member.value) + ")" + hint);
+    path.key(member.key).fail("unknown key (its value is " + brief(member.value) + ")" + hint);
   }
 }
 

@@ -38,7 +38,7 @@ std::vector<Mistake> mistakes() {
       {"other version", R"({"souple": 2})", {"souple: ", "2", "version"}},
       {"unknown key",
        R"({"souple": 1, "substep": 5})",
-       {"substep:", "no such key", "(its value is 5)", "\"substeps\""}},
+       {"substep:", "unknown key", "(its value is 5)", "\"substeps\""}},
       {"unknown key inside",
        cloth(R"(, "material": {"densty": 0.3})"),
        {"objects[0].material.densty", "0.3", "did you mean \"areal_density\""}},

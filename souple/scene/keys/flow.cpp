@@ -10,7 +10,7 @@ void add_times(Table<T>& keys) {
       .template key<&T::end>("end", maybe(number<double>(from_zero(1e6))),
                              "end time [s]; if not given, never")
       .check([](const T& value, const JsonPath& path) {
-        if (value.end && *value.end < value.start) path.key("end").fail("is before \"start\"");
+        if (value.end && *value.end < value.start) path.key("end").fail("must not be before \"start\"");
       });
 }
 

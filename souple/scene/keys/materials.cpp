@@ -118,9 +118,9 @@ CodecPtr<MaterialDescription<ClothMaterial>> cloth_material_codec() {
       .key<&M::pbd_bending>("pbd_bending", number<float>(unit), "stiffness in mode \"pbd\"")
       .check([](const MaterialDescription<M>& m, const JsonPath& path) {
         if (m.membrane_stiffness == rigid && m.stretch != StretchModel::springs)
-          path.key("membrane_stiffness").fail("is \"rigid\": only springs can be (stretch \"springs\")");
+          path.key("membrane_stiffness").fail("\"rigid\" is valid only with stretch \"springs\"");
         if (m.bending_stiffness == rigid && m.bending != BendingModel::distance)
-          path.key("bending_stiffness").fail("is \"rigid\": only springs can be (bending \"distance\")");
+          path.key("bending_stiffness").fail("\"rigid\" is valid only with bending \"distance\"");
       });
   return keys;
 }

@@ -61,8 +61,8 @@ void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPa
     if (keyframes[i].time > keyframes[i - 1].time) continue;
     const JsonPath list_path = path.key("keyframes");
     const JsonPath item = list_path.item(i);
-    item.key("time").fail("must be later than the keyframe before, at " + number_text(keyframes[i - 1].time) +
-                          " s; found " + number_text(keyframes[i].time));
+    item.key("time").fail("must be later than the previous keyframe, at " +
+                          number_text(keyframes[i - 1].time) + " s; found " + number_text(keyframes[i].time));
   }
 }
 

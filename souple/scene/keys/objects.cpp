@@ -27,7 +27,7 @@ CodecPtr<EnclosedVolumeDescription> enclosed_volume_codec() {
   return keys;
 }
 
-/// The key that tells objects apart; already read when its table is.
+/// The key "kind", which selects the table; already read when the table reads it.
 class KindWord : public Codec<std::string> {
  public:
   explicit KindWord(std::string kind) : kind_(std::move(kind)) {}
@@ -211,9 +211,9 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
       .check([](const T& fluid, const JsonPath& path) {
         const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling);
         if (points && points->empty() && fluid.max_particles == 0)
-          path.fail("has no points; a fluid that emitters fill needs \"max_particles\"");
+          path.fail("\"points\" is empty; a fluid that emitters fill needs \"max_particles\"");
         if (!fluid.emitters.empty() && fluid.max_particles == 0)
-          path.fail("\"emitters\" need \"max_particles\": how many particles there may be");
+          path.fail("\"emitters\" need \"max_particles\", the maximum number of particles");
       });
   add_collision_keys(*keys);
   return keys;
@@ -240,7 +240,7 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
   return keys;
 }
 
-/// A soft body's key in a cloth is a better message than an unknown key.
+/// Keys of other kinds of objects: their message names the kind that has the key.
 template <class A, class B>
 void add_foreign(const Table<A>& other, const std::string& owner, const Table<B>& mine,
                  std::vector<std::pair<std::string, std::string>>& foreign) {

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-// What keys.cpp puts together. Each file of this folder holds the keys of one part of a scene.
+// Parts of keys.cpp. Each file of this folder defines the keys of one part of a scene.
 
 namespace souple::scene_format {
 
 constexpr double far_away = 1e6;      // m
-constexpr double max_vertices = 4e6;  // of one built mesh
+constexpr double max_vertices = 4e6;  // of one generated mesh
 constexpr Range meters = signed_range(far_away);
 constexpr Range size_range = positive(far_away);
 constexpr Range unit = within(0, 1);
@@ -32,7 +32,7 @@ CodecPtr<std::array<int, 3>> counts(int max);
 /// A bit mask as the list of the bits that are set, or "all".
 CodecPtr<std::uint32_t> groups();
 
-/// A struct whose only field is written without a name of its own.
+/// A struct written as its only field.
 template <class Outer, class Inner, class Access>
 class Wrapped : public Codec<Outer> {
  public:
@@ -64,27 +64,27 @@ void add_collision_keys(Table<T>& keys) {
 
 // --- motion.cpp ------------------------------------------------------------------------------------------
 
-/// Where an object starts; it may be scaled.
+/// Initial pose and scale of an object.
 CodecPtr<TransformDescription> transform_codec();
-/// Where a collider stands.
+/// Pose of a collider.
 CodecPtr<TransformDescription> pose_codec();
 CodecPtr<std::vector<KeyframeDescription>> keyframes_codec();
-/// Each keyframe must be later than the one before.
+/// Fails unless each keyframe is later than the previous one.
 void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPath& path);
 CodecPtr<SequenceDescription> sequence_codec();
 CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 
 // --- meshes.cpp ------------------------------------------------------------------------------------------
 
-/// Says which shapes an object of this kind can be made of.
+/// Which kinds of mesh an object may have.
 enum class MeshUse { surface, solid, points };
 CodecPtr<MeshDescription> mesh_codec(MeshUse use);
-/// What is built has at most `max_vertices`.
+/// Fails if a generated mesh has more than `max_vertices`.
 void check_count(double vertices, const JsonPath& path);
 
 // --- pins.cpp --------------------------------------------------------------------------------------------
 
-/// The ways to name vertices of an object.
+/// The alternatives of a vertex selector.
 std::vector<Alternative> selectors();
 CodecPtr<PinDescription> pin_codec();
 CodecPtr<AttachmentDescription> attachment_codec();
@@ -120,7 +120,7 @@ CodecPtr<DrainDescription> drain_codec();
 // --- settings.cpp ----------------------------------------------------------------------------------------
 
 CodecPtr<Wind> wind_codec();
-/// The keys of the scene that become `Settings`, the wind left out.
+/// The keys of the scene that become `Settings`, except the wind.
 void add_setting_keys(Table<SceneDescription>& keys);
 
 }  // namespace souple::scene_format

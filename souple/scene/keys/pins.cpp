@@ -4,7 +4,7 @@ namespace souple::scene_format {
 
 namespace {
 
-/// Exactly `true`: the selector that needs no value.
+/// Exactly `true`: for the selector without a value.
 class True : public Codec<Selector::All> {
  public:
   void read(const Json& json, const JsonPath& path, Selector::All&) const override {
@@ -18,7 +18,7 @@ class True : public Codec<Selector::All> {
   }
 };
 
-/// [[x, y, z], [x, y, z]]: the lower corner and the upper.
+/// [[x, y, z], [x, y, z]]: the lower and the upper corner.
 class BoxCorners : public Codec<Selector::InBox> {
  public:
   void read(const Json& json, const JsonPath& path, Selector::InBox& value) const override {
