@@ -1,5 +1,4 @@
-// Reader, schema and manual say the same. All three come from one table; these tests look at them from
-// outside.
+// Reader, schema and manual agree. All three come from one table; these tests compare their outputs.
 #include "scene_test.h"
 
 #include <functional>
@@ -19,12 +18,12 @@ std::filesystem::path documents() {
 
 TEST(Documents, AreUpToDate) {
   EXPECT_EQ(read_file(documents() / "scene.schema.json"), scene_schema())
-      << "write it anew: souple info --schema > docs/scene.schema.json";
+      << "update it: souple info --schema > docs/scene.schema.json";
   EXPECT_EQ(read_file(documents() / "scene-format.md"), scene_manual())
-      << "write it anew: souple info --scene-format > docs/scene-format.md";
+      << "update it: souple info --scene-format > docs/scene-format.md";
 }
 
-/// Lines of the manual's section, which begin with "| `key` |".
+/// Keys of a section of the manual: lines that begin with "| `key` |".
 std::set<std::string> keys_in_manual(const std::string& manual, const std::string& section) {
   std::set<std::string> keys;
   std::istringstream lines(manual);
@@ -51,7 +50,7 @@ TEST(Documents, ManualHasEveryKeyOfTheSchema) {
   }
 }
 
-/// Makes the smallest scene that the schema allows and that holds a wanted key, and asks the reader.
+/// Generates minimal scenes that the schema allows and that contain a wanted key, for the reader.
 class Sampler {
  public:
   explicit Sampler(const json& schema) : definitions_(schema["$defs"]) {}
@@ -73,7 +72,7 @@ class Sampler {
     return sample_number(schema);
   }
 
-  /// A table with what it requires and, unless empty, `wanted`.
+  /// A table with its required keys and, unless empty, `wanted`.
   json sample_table(const std::string& name, const std::string& wanted) const {
     const json& table = definitions_.at(name);
     std::set<std::string> keys;
@@ -93,7 +92,7 @@ class Sampler {
     return reference["$ref"].get<std::string>().substr(std::string("#/$defs/").size());
   }
 
-  /// oneOf of required keys: takes the first if none is there yet.
+  /// oneOf of required keys: adds the first if none is present.
   static void complete(const json& rule, std::set<std::string>& keys) {
     bool none_allowed = false;
     for (const auto& choice : rule["oneOf"]) {
@@ -110,15 +109,14 @@ class Sampler {
     const double high = schema.contains("maximum") ? schema["maximum"].get<double>()
                                                    : schema["exclusiveMaximum"].get<double>();
     const bool one = low <= 1 && high >= 1 && !(schema.contains("exclusiveMaximum") && high == 1);
-    const double value =
-        one ? 1 : (low > 1 ? low : (low + high) / 2);  // the smallest mesh, not a middling one
+    const double value = one ? 1 : (low > 1 ? low : (low + high) / 2);  // the smallest mesh, not a large one
     return integer ? json(static_cast<std::int64_t>(value)) : json(value);
   }
 
   const json& definitions_;
 };
 
-/// Where each table stands in a scene: the way from the root, as functions that wrap a value.
+/// The path of each table from the scene's root, as a function that wraps a value.
 using Wrap = std::function<json(json)>;
 
 void find_paths(const json& definitions, const Sampler& sampler, const std::string& name, const Wrap& wrap,
@@ -154,15 +152,14 @@ TEST(Documents, ReaderKnowsEveryKeyOfTheSchemaAndNoOther) {
       const std::string said = error_message(wrap(sampler.sample_table(name, key)).dump());
       EXPECT_EQ(said.find("unknown key"), std::string::npos) << name << "." << key << ": " << said;
     }
-    json stranger = sampler.sample_table(name, "");
-    stranger["no_key_is_called_so"] = 1;
-    EXPECT_NE(error_message(wrap(stranger).dump()).find("no_key_is_called_so: unknown key"),
-              std::string::npos)
+    json unknown = sampler.sample_table(name, "");
+    unknown["no_key_is_called_so"] = 1;
+    EXPECT_NE(error_message(wrap(unknown).dump()).find("no_key_is_called_so: unknown key"), std::string::npos)
         << name;
   }
 }
 
-/// Limits of the schema are the limits of the reader: just outside is refused.
+/// The reader has the limits of the schema: it rejects values just outside.
 TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
   const json schema = json::parse(scene_schema());
   const Sampler sampler(schema);
@@ -180,7 +177,7 @@ TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
       const double above = value.contains("maximum") ? value["maximum"].get<double>() + 1
                                                      : value["exclusiveMaximum"].get<double>();
       for (const double outside : {below, above}) {
-        // Beyond 1e6 a step of one is lost in a float; a tenth more is not.
+        // Beyond 1e6 a float cannot represent a step of one; a tenth more works.
         const double x = std::abs(outside) > 1e6 ? outside * 1.1 : outside;
         json table = sampler.sample_table(name, key);
         table[key] = x;

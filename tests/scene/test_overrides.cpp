@@ -1,4 +1,4 @@
-// --set path=value: the same checks and the same messages as in a file.
+// --set path=value: with the checks and messages of a file.
 #include "scene_test.h"
 
 namespace souple::scene_test {
