@@ -14,15 +14,15 @@ namespace {
 
 using Indices = std::vector<std::uint32_t>;
 
-// One side of a triangle; `place` = triangle * 3 + side.
+// One side of a triangle; `slot` = triangle * 3 + side.
 struct Side {
   std::uint32_t low, high;
-  std::uint64_t place;
+  std::uint64_t slot;
   bool forward;  // runs from low to high
   friend bool operator<(const Side& a, const Side& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.high != b.high) return a.high < b.high;
-    return a.place < b.place;
+    return a.slot < b.slot;
   }
 };
 
@@ -149,8 +149,8 @@ std::vector<std::string> describe(const MeshReport& r) {
       vertex(r.unreferenced_vertices));
   add(r.duplicate_vertices, "vertex coincides with an earlier one", "vertices coincide with earlier ones",
       vertex(r.duplicate_vertices));
-  add(r.collapsed_triangles, "triangle has two corners in one place",
-      "triangles have two corners in one place", vertex(r.collapsed_triangles));
+  add(r.collapsed_triangles, "triangle has two corners in one slot",
+      "triangles have two corners in one slot", vertex(r.collapsed_triangles));
   add(r.zero_area_triangles, "triangle has no area", "triangles have no area", vertex(r.zero_area_triangles));
   add(r.open_edges, "edge is open", "edges are open", edge(r.open_edges));
   add(r.non_manifold_edges, "edge is shared by more than two triangles",
@@ -194,8 +194,8 @@ std::vector<std::array<Neighbor, 3>> neighbors_of(const SideRuns& runs, std::siz
     if (runs.begin[r + 1] - runs.begin[r] != 2) continue;
     const Side &a = runs.sides[runs.begin[r]], &b = runs.sides[runs.begin[r] + 1];
     const bool agrees = a.forward != b.forward;
-    result[a.place / 3][a.place % 3] = {static_cast<std::uint32_t>(b.place / 3), agrees};
-    result[b.place / 3][b.place % 3] = {static_cast<std::uint32_t>(a.place / 3), agrees};
+    result[a.slot / 3][a.slot % 3] = {static_cast<std::uint32_t>(b.slot / 3), agrees};
+    result[b.slot / 3][b.slot % 3] = {static_cast<std::uint32_t>(a.slot / 3), agrees};
   }
   return result;
 }
@@ -304,7 +304,7 @@ void wind_consistently(RepairedSurface& surface, std::span<const Vec3d> position
   std::vector<char> flipped(surface.triangles.size(), 0), on_rim(surface.triangles.size(), 0);
   for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r)
     if (runs.begin[r + 1] - runs.begin[r] != 2)
-      for (std::size_t s = runs.begin[r]; s < runs.begin[r + 1]; ++s) on_rim[runs.sides[s].place / 3] = 1;
+      for (std::size_t s = runs.begin[r]; s < runs.begin[r + 1]; ++s) on_rim[runs.sides[s].slot / 3] = 1;
   const std::vector<Patch> patches = find_patches(runs, surface.triangles.size(), flipped);
   std::size_t one_sided = 0;
   for (const Patch& patch : patches) {
@@ -377,7 +377,7 @@ RepairedSurface repair(const TriangleMesh& mesh, double tolerance) {
   const std::size_t collapsed = mesh.triangles.size() - welded.triangles.size();
   if (collapsed > 0)
     surface.sentences.push_back("Dropped " + plural(collapsed, "triangle", "triangles") +
-                                " with two corners in one place.");
+                                " with two corners in one slot.");
   surface.triangles = std::move(welded.triangles);
   surface.source = std::move(welded.source);
   const std::vector<Vec3d> positions = gather<Vec3d>(surface.weld, mesh.positions);
