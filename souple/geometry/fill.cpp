@@ -13,7 +13,7 @@ namespace souple {
 
 namespace {
 
-constexpr double most_points = 2e7;
+constexpr double max_points = 2e7;
 
 /// Points origin + (i, j, k) spacing, i < count[0] and so on.
 struct Rows {
@@ -39,7 +39,7 @@ Rows rows_of(const Vec3d& lo, const Vec3d& hi, double spacing, const std::string
       throw Error(fmt::format("{}: is {:g} m wide along {}, too small for a fluid with spacing {:g} m", name,
                               hi[axis] - lo[axis], "xyz"[axis], spacing));
     all *= fits;
-    if (all > most_points)
+    if (all > max_points)
       throw Error(
           fmt::format("{}: would take more than 20 million particles of spacing {:g} m; enlarge the spacing",
                       name, spacing));

@@ -212,7 +212,7 @@ class Marker {
     marks_.assign(index_.tets(), clear);
     for (const Triangle& t : *surface_.triangles) mark_triangle(t);
     flood();
-    settle_touched();
+    classify_touched();
     // Rounding in the overlap test must not leave a vertex uncovered.
     for (const Triangle& t : *surface_.triangles)
       for (const std::uint32_t v : t) {
@@ -282,7 +282,7 @@ class Marker {
 
   // Tets that the surface only touches lie on one side of it: that of a neighbor it does not touch at all,
   // if there is one.
-  void settle_touched() {
+  void classify_touched() {
     std::vector<std::pair<std::size_t, Mark>> answers;
     for (std::size_t t = 0; t < marks_.size(); ++t)
       if (marks_[t] == touched) answers.push_back({t, side_of(t)});
@@ -433,10 +433,10 @@ Solid solid_of(const TriangleMesh& mesh, const std::string& name) {
   TriangleMesh repaired;
   repaired.positions = solid.positions;
   repaired.triangles = solid.triangles;
-  const MeshReport mended = inspect(repaired, 0);
-  if (!mended.is_closed) {
+  const MeshReport report = inspect(repaired, 0);
+  if (!report.is_closed) {
     require_closed(original, name);
-    require_closed(mended, name);
+    require_closed(report, name);
   }
   solid.volume = std::abs(enclosed_volume(solid.positions, solid.triangles));
   solid.area = surface_area(solid.positions, solid.triangles);

@@ -142,18 +142,18 @@ TEST(Lattice, SeparateBodiesStaySeparate) {
   EXPECT_EQ(build_lattice(pair, {.cell_size = 0.2}).pieces, 2u);
 }
 
-TEST(Lattice, AcceptsSoupAndWrongWinding) {
+TEST(Lattice, AcceptsTriangleSoupAndWrongWinding) {
   const TriangleMesh ball = sphere(3, 1);
-  TriangleMesh soup;
+  TriangleMesh triangle_soup;
   for (std::size_t t = 0; t < ball.triangles.size(); ++t) {
-    const std::uint32_t first = std::uint32_t(soup.positions.size());
-    for (const std::uint32_t v : ball.triangles[t]) soup.positions.push_back(ball.positions[v]);
-    soup.triangles.push_back({first, first + (t % 3 == 0 ? 2u : 1u), first + (t % 3 == 0 ? 1u : 2u)});
+    const std::uint32_t first = std::uint32_t(triangle_soup.positions.size());
+    for (const std::uint32_t v : ball.triangles[t]) triangle_soup.positions.push_back(ball.positions[v]);
+    triangle_soup.triangles.push_back({first, first + (t % 3 == 0 ? 2u : 1u), first + (t % 3 == 0 ? 1u : 2u)});
   }
-  const Lattice a = build_lattice(ball, {.cell_size = 0.25}), b = build_lattice(soup, {.cell_size = 0.25});
+  const Lattice a = build_lattice(ball, {.cell_size = 0.25}), b = build_lattice(triangle_soup, {.cell_size = 0.25});
   EXPECT_EQ(a.mesh.positions, b.mesh.positions);
   EXPECT_EQ(a.mesh.tets, b.mesh.tets);
-  EXPECT_EQ(embed(soup.positions, b.mesh).outside, 0u);
+  EXPECT_EQ(embed(triangle_soup.positions, b.mesh).outside, 0u);
 }
 
 std::string message_of(const TriangleMesh& mesh, const LatticeOptions& options) {

@@ -74,11 +74,11 @@ TEST(Repair, TurnsTheFewAndTheClosedOutward) {
   TriangleMesh mixed = ball;
   for (std::size_t t = 0; t < mixed.triangles.size(); t += 5)
     std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
-  const RepairedSurface mended = repair(mixed);
-  EXPECT_TRUE(check::is_watertight(mended.triangles));
-  EXPECT_NEAR(enclosed_volume(mixed.positions, mended.triangles), check::volume(ball), 1e-12);
-  ASSERT_EQ(mended.sentences.size(), 1u);
-  EXPECT_EQ(mended.sentences[0], "Turned over 256 triangles to wind like the others.");
+  const RepairedSurface repaired = repair(mixed);
+  EXPECT_TRUE(check::is_watertight(repaired.triangles));
+  EXPECT_NEAR(enclosed_volume(mixed.positions, repaired.triangles), check::volume(ball), 1e-12);
+  ASSERT_EQ(repaired.sentences.size(), 1u);
+  EXPECT_EQ(repaired.sentences[0], "Turned over 256 triangles to wind like the others.");
 
   TriangleMesh inward = ball;
   for (Triangle& t : inward.triangles) std::swap(t[0], t[1]);
