@@ -13,7 +13,7 @@ namespace {
 
 constexpr int tet_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-// One use of an edge by an element; sorted, the uses of an edge stand together, the first one leading.
+// A use of an edge by an element. After sorting, the uses of an edge are consecutive, in order of appearance.
 struct EdgeUse {
   std::uint32_t low, high;
   std::uint64_t slot;  // element * sides + side
@@ -41,7 +41,7 @@ std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
   return uses;
 }
 
-// The end of the run of uses of one edge that starts at `first`.
+// End of the run of uses of one edge that starts at `first`.
 std::size_t run_end(const std::vector<EdgeUse>& uses, std::size_t first) {
   std::size_t last = first + 1;
   while (last < uses.size() && uses[last].same_edge(uses[first])) ++last;
@@ -71,7 +71,7 @@ void check_range(std::span<const Element> elements, std::size_t vertex_count, co
       if (v >= vertex_count) throw_out_of_range(name, kind, e, v, vertex_count);
 }
 
-// Union by lowest root with path halving: the root of a piece is its lowest vertex.
+// Union by lowest root with path halving: the root of a component is its lowest vertex.
 std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
   while (parent[v] != v) {
     parent[v] = parent[parent[v]];
@@ -102,7 +102,7 @@ Components components_of(std::span<const Element> elements, std::size_t vertex_c
 
 TriangleEdges triangle_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
-  // First write into each side the slot where its edge first appears, then number those slots in order.
+  // First store in each side the slot where its edge first appears, then number those slots in order.
   std::vector<std::uint64_t> first_slot(triangles.size() * 3, ~std::uint64_t(0));
   for (std::size_t first = 0; first < uses.size();) {
     const std::size_t last = run_end(uses, first);
@@ -163,7 +163,7 @@ std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
   for (const auto& [first, second] : pairs) {
     const Edge edge = edge_at(triangles, first);
     const std::uint32_t c = opposite_at(triangles, first), d = opposite_at(triangles, second);
-    // A triangle laid twice on the same corners, or a needle (a, b, a), has no angle to keep.
+    // Two triangles on the same corners, or a needle (a, b, a), have no hinge angle.
     const bool folded = c == d || c == edge[0] || c == edge[1] || d == edge[0] || d == edge[1];
     if (!folded) hinges.push_back({edge[0], edge[1], c, d});
   }
@@ -187,7 +187,7 @@ std::vector<Edge> boundary_edges(std::span<const Triangle> triangles) {
 
 VertexTriangles vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count) {
   check_range(triangles, vertex_count, "mesh", "triangle");
-  // A corner that repeats an earlier corner of its triangle is not counted twice.
+  // Counts a repeated corner of a triangle once.
   const auto is_new = [](const Triangle& t, std::size_t i) {
     return i == 0 || (t[i] != t[0] && (i == 1 || t[i] != t[1]));
   };
@@ -221,7 +221,7 @@ Components connected_components(std::span<const Tet> tets, std::size_t vertex_co
 }
 
 std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
-  // Outward faces of a positively oriented tet, each opposite to one corner.
+  // Outward faces of a positively oriented tet; face k is opposite corner k.
   constexpr std::size_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   struct Use {
     Triangle key;

@@ -7,7 +7,7 @@
 namespace souple {
 namespace {
 
-// Puts two zeros before each of the low 21 bits.
+// Inserts two zeros before each of the low 21 bits.
 std::uint64_t spread_bits(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | x << 32) & 0x1f00000000ffff;
@@ -27,8 +27,8 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3d> positions) {
     std::uint32_t vertex;
     bool operator<(const Key& b) const { return code != b.code ? code < b.code : vertex < b.vertex; }
   };
-  // One scale for all axes, so that the curve's cells are cubes. Halves: the extent of extreme numbers
-  // overflows.
+  // One scale for all axes, so that cells of the curve are cubes. Half extents: the full extent of extreme
+  // numbers overflows.
   double half_extent = 0;
   for (int i = 0; i < 3; ++i) half_extent = std::max(half_extent, box.hi[i] / 2 - box.lo[i] / 2);
   std::vector<Key> keys;

@@ -48,7 +48,7 @@ TEST(Grid, HasTheStatedOrderSizeAndNormals) {
   EXPECT_FLOAT_EQ(mesh.uvs[14][1], 0.5f);
 }
 
-// Directions of the diagonals: +1 along x = z, -1 across.
+// Directions of the diagonals: +1 along x = z, -1 across it.
 std::vector<int> diagonals(const TriangleMesh& mesh) {
   std::vector<int> result;
   for (const Edge& e : unique_edges(mesh.triangles)) {
@@ -148,7 +148,7 @@ TEST(TetBar, FillsItsBoxWithPositiveTetsThatMatchAtEveryFace) {
   TriangleMesh boundary{mesh.positions, surface_triangles(mesh.tets), {}, {}, {}, {}, {}};
   EXPECT_TRUE(is_watertight(boundary.triangles));
   EXPECT_NEAR(volume(boundary), 0.36, 1e-14);
-  // Faces that failed to match would stay on the "surface" inside the box and add to its area.
+  // Faces without a match would stay in the boundary inside the box and add to its area.
   EXPECT_NEAR(area(boundary), 2 * (2.0 * 0.6 + 0.6 * 0.3 + 0.3 * 2.0), 1e-13);
 }
 

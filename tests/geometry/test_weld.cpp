@@ -11,7 +11,7 @@
 namespace souple {
 namespace {
 
-// Each triangle with three vertices of its own, as an STL file has them.
+// Each triangle with three vertices of its own, as in an STL file.
 TriangleMesh exploded(const TriangleMesh& mesh) {
   TriangleMesh result;
   for (const Triangle& t : mesh.triangles) {
