@@ -8,7 +8,7 @@ void apply_air_drag(const FluidView& fluid, std::span<const float> covered, cons
   const float d = smoothing.spacing();
   const float alone = smoothing.volume() * smoothing.center();
   const float strength = 0.5f * air.density * air.coefficient * d * d;  // kg/m
-  for_places(fluid.size(), threads, [&](std::size_t k) {
+  for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const float exposed = min(max((1 - covered[k]) / (1 - alone), 0.0f), 1.0f);
     const Vec3f against = fluid.v[k].xyz() - air.wind;
     // d|u|/dt = -s |u|^2:  |u| <- |u| / (1 + s |u| h)

@@ -4,19 +4,20 @@
 
 namespace souple {
 
-/// What air does to a fluid's surface.
+/// The air around a fluid.
 struct AirDrag {
-  Vec3f wind{};               ///< [m/s]
-  float density = 1.2f;       ///< of the air [kg/m^3]
-  float coefficient = 0.47f;  ///< C; a ball's
+  Vec3f wind{};  ///< wind velocity [m/s]
+  float density = 1.2f;  ///< density of the air [kg/m^3]
+  float coefficient = 0.47f;  ///< drag coefficient C; 0.47 is that of a ball
 };
 
-/// Drag of the air, as on a drop of a particle's size, where it meets the air:
+/// Air drag on surface particles, each treated as a drop of one particle's size:
 ///
 ///   m dv/dt = e / 2 rho C d^2 |wind - v| (wind - v),   e = (1 - V sum W) / (1 - V W(0)) in [0, 1]
 ///
-/// 0 within the fluid, about 0.2 at a flat surface, 1 for a drop alone. `covered` is V sum W, walls
-/// included, by place. Solved exactly over h seconds: never more than the wind's speed.
+/// The exposure e is 0 inside the fluid, about 0.2 at a flat surface and 1 for a single drop. `covered` is V
+/// sum W per sorted index, walls included. The equation is solved exactly over h seconds, so v never passes
+/// the wind's velocity.
 void apply_air_drag(const FluidView& fluid, std::span<const float> covered, const AirDrag& air, float h,
                     Threads& threads);
 

@@ -6,60 +6,63 @@
 
 namespace souple {
 
-void push_carriers(const FluidBodies& bodies, const NearPlane& plane, const Vec3f& impulse,
+void push_carriers(const FluidBodies& bodies, const BoundaryPlane& plane, const Vec3f& impulse,
                    std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass) {
   bodies.for_carriers(plane, [&](std::uint32_t p, float share) {
     velocity[p].set_xyz(velocity[p].xyz() + impulse * (share * inverse_mass[p].w));
   });
 }
 
-// hold becomes k [kg].
-void BodyFriction::find_grip(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies,
-                             float h, Threads& threads) {
-  for_places(fluid.size(), threads, [&](std::size_t k) {
+// Replaces BoundaryPlane::friction by k [kg].
+void BodyFriction::find_coupling(const FluidView& fluid, LocalBoundary& local_boundary,
+                                 const FluidBodies& bodies, float h, Threads& threads) {
+  for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const float viscous = h * fluid.smoothing.volume() * fluid.v[k].w;
     float all = 0;
-    for (NearPlane& plane : surroundings.of(k)) {
-      plane.hold = bodies.moves(plane) ? viscous * wall_friction(fluid.smoothing, plane.hold) : 0;
-      all += plane.hold;
+    for (BoundaryPlane& plane : local_boundary.of(k)) {
+      plane.friction =
+          bodies.is_movable(plane) ? viscous * wall_friction(fluid.smoothing, plane.friction) : 0;
+      all += plane.friction;
     }
-    for (NearPlane& plane : surroundings.of(k)) plane.hold /= 1 + all * fluid.x[k].w;
+    for (BoundaryPlane& plane : local_boundary.of(k)) plane.friction /= 1 + all * fluid.x[k].w;
   });
-  const auto for_rubbing = [&](const auto& f) {
+  const auto for_movable_planes = [&](const auto& f) {
     for (std::size_t k = 0; k < fluid.size(); ++k)
-      for (const NearPlane& plane : surroundings.of(k))
-        if (plane.hold > 0)
+      for (const BoundaryPlane& plane : local_boundary.of(k))
+        if (plane.friction > 0)
           bodies.for_carriers(plane, [&](std::uint32_t p, float share) { f(plane, p, share); });
   };
-  for_rubbing([&](const NearPlane&, std::uint32_t p, float) { grip_[p] = 0; });
-  for_rubbing([&](const NearPlane& plane, std::uint32_t p, float share) { grip_[p] += share * plane.hold; });
+  for_movable_planes([&](const BoundaryPlane&, std::uint32_t p, float) { coupling_[p] = 0; });
+  for_movable_planes([&](const BoundaryPlane& plane, std::uint32_t p, float share) {
+    coupling_[p] += share * plane.friction;
+  });
 }
 
-void BodyFriction::apply(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies,
+void BodyFriction::apply(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
                          float h, std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass,
                          Threads& threads) {
-  grip_.resize(velocity.size());
-  find_grip(fluid, surroundings, bodies, h, threads);
-  for_places(fluid.size(), threads, [&](std::size_t k) {
+  coupling_.resize(velocity.size());
+  find_coupling(fluid, local_boundary, bodies, h, threads);
+  for_each_index(fluid.size(), threads, [&](std::size_t k) {
     const Vec3f before = fluid.v[k].xyz();
     Vec3f gained{};
-    for (NearPlane& plane : surroundings.of(k)) {
-      if (!(plane.hold > 0)) continue;
+    for (BoundaryPlane& plane : local_boundary.of(k)) {
+      if (!(plane.friction > 0)) continue;
       Vec3f speed{};
-      float gives = 0;
+      float bound = 0;
       bodies.for_carriers(plane, [&](std::uint32_t p, float share) {
         speed += velocity[p].xyz() * share;
-        gives = std::max(gives, grip_[p] * inverse_mass[p].w);
+        bound = std::max(bound, coupling_[p] * inverse_mass[p].w);
       });
-      const Vec3f impulse = (speed - before) * (plane.hold / (1 + gives));
-      plane.rubbed = -impulse;
+      const Vec3f impulse = (speed - before) * (plane.friction / (1 + bound));
+      plane.friction_impulse = -impulse;
       gained += impulse;
     }
     fluid.v[k].set_xyz(before + gained * fluid.x[k].w);
   });
   for (std::size_t k = 0; k < fluid.size(); ++k)
-    for (const NearPlane& plane : surroundings.of(k))
-      if (plane.hold > 0) push_carriers(bodies, plane, plane.rubbed, velocity, inverse_mass);
+    for (const BoundaryPlane& plane : local_boundary.of(k))
+      if (plane.friction > 0) push_carriers(bodies, plane, plane.friction_impulse, velocity, inverse_mass);
 }
 
 }  // namespace souple

@@ -8,32 +8,33 @@
 
 namespace souple {
 
-/// Friction between fluids and bodies that something can move. A particle i and the point of a body that it
-/// touches exchange an impulse, equal and opposite,
+/// Friction between fluids and movable bodies. A particle i and the nearest point of a body exchange equal
+/// and opposite impulses
 ///
 ///   F = k (u - v_i) / (1 + max_p K_p w_p),   k = r m / (m + R),   K_p = sum_i share_ip k_i
 ///
-/// with r = h V mu wall_friction(hold) what the particle would lose to a wall (see xsph.h), R the sum over
-/// all that it touches, u the point's velocity, p the particles that carry it. k is the implicit step of the
-/// fluid's particle; the sum K_p over all that rub on p makes that of the body a bound: p goes
-/// K_p w_p / (1 + K_p w_p) of the way to what rubs on it at most. So neither overshoots, be the body as light
-/// as it will.
+/// with r = h V mu wall_friction(BoundaryPlane::friction) the impulse per velocity that a wall would take
+/// from the particle (see xsph.h), R the sum of r over all bodies near the particle, u the velocity of the
+/// nearest point, and p the particles that carry this point. k is the implicit step of the fluid particle.
+/// K_p, the sum over all fluid particles that act on p, bounds the step of the body: p moves at most by the
+/// fraction K_p w_p / (1 + K_p w_p) toward the fluid's velocity. So neither side overshoots, however light
+/// the body is.
 class BodyFriction {
  public:
-  /// Over h seconds; NearPlane::hold is known. `velocity` [m/s] and `inverse_mass` (w, [1/kg]) of the world's
-  /// particles.
-  void apply(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies, float h,
+  /// Applies friction over h seconds; BoundaryPlane::friction must be set, and is overwritten by k [kg].
+  /// `velocity` [m/s] and `inverse_mass` (w, [1/kg]) belong to the world's particles.
+  void apply(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies, float h,
              std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass, Threads& threads);
 
  private:
-  void find_grip(const FluidView& fluid, Surroundings& surroundings, const FluidBodies& bodies, float h,
-                 Threads& threads);
+  void find_coupling(const FluidView& fluid, LocalBoundary& local_boundary, const FluidBodies& bodies,
+                     float h, Threads& threads);
 
-  std::vector<float> grip_;  // K_p of the world's particles [kg]
+  std::vector<float> coupling_;  // K_p per particle of the world [kg]
 };
 
-/// An impulse [kg m/s] at the point a plane touches goes to those that carry it.
-void push_carriers(const FluidBodies& bodies, const NearPlane& plane, const Vec3f& impulse,
+/// Applies an impulse [kg m/s] at a plane's nearest point to the particles that carry this point.
+void push_carriers(const FluidBodies& bodies, const BoundaryPlane& plane, const Vec3f& impulse,
                    std::span<Vec4f> velocity, std::span<const Vec4f> inverse_mass);
 
 }  // namespace souple

@@ -12,7 +12,7 @@ namespace souple {
 namespace {
 
 constexpr std::size_t chunk_size = 8192;
-constexpr int most_bits = 20;  // of a coordinate: what lies further away shares the outermost cells
+constexpr int max_bits = 20;  // bits per coordinate; positions further away share the outermost cells
 constexpr int digit_bits = 11;
 
 std::size_t chunks_of(std::size_t n) {
@@ -73,20 +73,20 @@ void CellOrder::find_grid(std::span<const Vec4f> positions, float cell_size, Thr
     for (const auto& box : chunk_bounds_) lo = std::min(lo, box[a]), hi = std::max(hi, box[3 + a]);
     if (!(lo <= hi)) lo = hi = 0;
     corner_[a] = lo;
-    const double cells = std::min((static_cast<double>(hi) - lo) * inverse_, std::ldexp(1.0, most_bits) - 1);
+    const double cells = std::min((static_cast<double>(hi) - lo) * inverse_, std::ldexp(1.0, max_bits) - 1);
     bits_[a] = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells)));
   }
 }
 
-// Cell coordinates never fall as a coordinate grows, so what is within a cell's size of a point lies in its
-// cell or in one beside it, those at the border included.
+// Cell coordinates grow monotonically with the coordinate. So points within one cell size of a point lie in
+// its cell or an adjacent one, also at the grid's border.
 std::uint64_t CellOrder::key_of(const Vec4f& position) const {
   const double at[3] = {position.x, position.y, position.z};
   std::uint64_t result = 0;
   for (std::size_t a = 3; a-- > 0;) {
     const double last = static_cast<double>((std::uint64_t{1} << bits_[a]) - 1);
     const double cell = (at[a] - corner_[a]) * inverse_;
-    const double kept = cell > 0 ? std::min(cell, last) : 0;  // also what is no number
+    const double kept = cell > 0 ? std::min(cell, last) : 0;  // NaN gives 0
     result = result << bits_[a] | static_cast<std::uint64_t>(kept);
   }
   return result;
@@ -115,7 +115,7 @@ void CellOrder::sort(std::span<const Vec4f> positions, std::array<std::vector<It
     sorted = 1 - sorted;
     shift += digit;
   }
-  place(positions, items[sorted], threads);
+  store_order(positions, items[sorted], threads);
   find_cells(items[sorted], threads);
 }
 
@@ -132,8 +132,8 @@ void CellOrder::sort_pass(const std::vector<Item>& from, std::vector<Item>& to, 
   std::uint32_t sum = 0;
   for (std::size_t d = 0; d < digits; ++d) {
     for (std::size_t c = 0; c < chunks; ++c) {
-      std::uint32_t& place = histogram_[c * digits + d];
-      sum += std::exchange(place, sum);
+      std::uint32_t& slot = histogram_[c * digits + d];
+      sum += std::exchange(slot, sum);
     }
   }
   for_chunks(n, threads, [&](std::size_t c, std::size_t begin, std::size_t end) {
@@ -143,11 +143,12 @@ void CellOrder::sort_pass(const std::vector<Item>& from, std::vector<Item>& to, 
 }
 
 template <class Item>
-void CellOrder::place(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads) {
-  constexpr std::size_t room = 16;
+void CellOrder::store_order(std::span<const Vec4f> positions, const std::vector<Item>& sorted,
+                            Threads& threads) {
+  constexpr std::size_t padding = 16;
   const std::size_t n = sorted.size();
   order_.resize(n);
-  for (std::vector<float>& component : component_) component.resize(n + room);
+  for (std::vector<float>& component : component_) component.resize(n + padding);
   for_chunks(n, threads, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = particle(sorted[k]);

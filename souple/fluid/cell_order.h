@@ -12,51 +12,52 @@
 
 namespace souple {
 
-/// Particles in the order of the cells of a grid they lie in: by z, then y, then x, then as they were given.
-/// So cells that follow one another along x lie in a row in memory, and what is within one cell's size of a
-/// particle lies in nine such rows. Only cells that hold something are kept: a particle that flew far away
-/// costs no more than one that did not.
+/// Particles sorted by the grid cell that contains them: by z, then y, then x, then input order. Consecutive
+/// cells along x are contiguous in memory, so all particles within one cell size of a particle lie in nine
+/// such rows. Only occupied cells are stored: a particle that flies far away costs no more than any other.
 ///
-/// Sorted by a stable radix sort, eleven bits or less a pass, by the bits that the grid's extent asks for:
-/// the same order for any number of threads.
+/// Uses a stable radix sort with at most eleven bits per pass, over the bits that the grid's extent needs.
+/// The order does not depend on the number of threads.
+///
+/// A particle's position in this order is its sorted index.
 class CellOrder {
  public:
   struct Cell {
-    std::uint32_t begin;  ///< its first place; it ends where the next begins
+    std::uint32_t begin;  ///< its first sorted index; it ends at the next cell's begin
     std::int32_t x;
   };
-  /// Cells of equal y and z, by x.
+  /// Cells of equal y and z, sorted by x.
   struct Row {
-    std::uint32_t begin;  ///< its first cell; it ends where the next begins
+    std::uint32_t begin;  ///< its first cell; it ends at the next row's begin
     std::int32_t y, z;
   };
 
-  /// Replaces what was there. `cell_size` > 0 [m]. Positions that are not finite go to the first cell.
-  /// Allocates nothing when warm.
+  /// Replaces the previous order. `cell_size` > 0 [m]. Positions that are not finite go to the first cell.
+  /// Allocates nothing once capacities suffice.
   void build(std::span<const Vec4f> positions, float cell_size, Threads& threads);
 
   std::size_t size() const { return order_.size(); }
-  /// Of each place, the particle that was given.
+  /// Per sorted index: the particle's index in the input.
   std::span<const std::uint32_t> order() const { return order_; }
-  /// x, y or z by place; readable for 16 floats beyond the last.
+  /// x, y or z per sorted index; readable for 16 floats beyond the last.
   const float* component(int axis) const { return component_[static_cast<std::size_t>(axis)].data(); }
 
-  /// Where cell (0, 0, 0) begins along an axis [m].
+  /// Lower corner of cell (0, 0, 0) along an axis [m].
   double corner(int axis) const { return corner_[axis]; }
-  /// Each followed by one that says where the last ends.
+  /// Cells, then rows; each list ends with a sentinel that marks the end of its last entry.
   std::span<const Cell> cells() const { return cells_; }
   std::span<const Row> rows() const { return rows_; }
   std::size_t cell_count() const { return cells_.size() - 1; }
   std::size_t row_count() const { return rows_.size() - 1; }
   std::size_t bytes() const;
 
-  /// In which cell along an axis a coordinate lies, cells that are not there included; what is no number lies
-  /// in none.
+  /// Cell coordinate of x along an axis, whether or not the cell is occupied; NaN gives a coordinate below
+  /// all cells.
   std::int32_t cell(int axis, float x) const {
     const double at = std::floor((static_cast<double>(x) - corner_[axis]) * inverse_);
     return at > -1e9 ? static_cast<std::int32_t>(std::min(at, 1e9)) : -1000000000;
   }
-  /// Calls f(first place, end) for the cells lo <= (x, y, z) <= hi, row by row.
+  /// Calls f(first sorted index, end) for the cells lo <= (x, y, z) <= hi, row by row.
   template <class Function>
   void for_each_in(const std::int32_t (&lo)[3], const std::int32_t (&hi)[3], const Function& f) const {
     const auto first_row = [&](std::int32_t y, std::int32_t z) {
@@ -81,7 +82,7 @@ class CellOrder {
   }
 
  private:
-  /// A key and the particle it is of: in one number where the key has no more than 32 bits.
+  /// A key and its particle: packed into one number if the key has at most 32 bits.
   struct WideItem {
     std::uint64_t key;
     std::uint32_t particle;
@@ -95,17 +96,17 @@ class CellOrder {
   template <class Item>
   void sort_pass(const std::vector<Item>& from, std::vector<Item>& to, int shift, int bits, Threads& threads);
   template <class Item>
-  void place(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads);
+  void store_order(std::span<const Vec4f> positions, const std::vector<Item>& sorted, Threads& threads);
   template <class Item>
   void find_cells(const std::vector<Item>& sorted, Threads& threads);
 
   double corner_[3] = {}, inverse_ = 1;  // m, 1/m
-  int bits_[3] = {};                     // of a cell's coordinate along each axis
+  int bits_[3] = {};  // bits of a cell coordinate along each axis
   std::array<std::vector<NarrowItem>, 2> narrow_;
   std::array<std::vector<WideItem>, 2> wide_;
   std::vector<std::array<float, 6>> chunk_bounds_;
   std::vector<std::uint32_t> histogram_;                   // [chunk][digit]
-  std::vector<std::array<std::uint32_t, 2>> chunk_first_;  // cell and row that begin in it or later
+  std::vector<std::array<std::uint32_t, 2>> chunk_first_;  // per chunk: the first cell and row that begin in it or later
   std::vector<std::uint32_t> order_;
   std::array<std::vector<float>, 3> component_;
   std::vector<Cell> cells_{{0, 0}};

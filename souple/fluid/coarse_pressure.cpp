@@ -16,7 +16,7 @@ std::uint64_t node_key(std::int64_t x, std::int64_t y, std::int64_t z) {
          (static_cast<std::uint64_t>(y) & mask) << coordinate_bits | (static_cast<std::uint64_t>(x) & mask);
 }
 
-/// K y of the unit cube; corner e lies at (e & 1, e >> 1 & 1, e >> 2).
+/// K y of the unit cube; corner e is at (e & 1, e >> 1 & 1, e >> 2).
 template <class Eight>
 Eight element(const Eight& y) {
   const double sum = ((y[0] + y[1]) + (y[2] + y[3])) + ((y[4] + y[5]) + (y[6] + y[7]));
@@ -65,10 +65,10 @@ void CoarsePressure::set_mover(std::size_t mover, double inverse_mass, const Mat
   movers_[mover].inverse_inertia = inverse_inertia;
 }
 
-void CoarsePressure::add_touch(std::size_t mover, std::uint32_t place, const Vec4f& position,
-                               const Vec3d& slope, const Vec3d& moment) {
+void CoarsePressure::add_contact(std::size_t mover, std::uint32_t index, const Vec4f& position,
+                                 const Vec3d& slope, const Vec3d& moment) {
   Mover& body = movers_[mover];
-  const std::size_t cell = cell_of_[place];
+  const std::size_t cell = cell_of_[index];
   const std::array<float, 8> n = weights(cell, position);
   for (std::size_t e = 0; e < 8; ++e) {
     std::uint32_t& slot = body.slot_of_node[corners_[cell][e]];
@@ -83,7 +83,7 @@ void CoarsePressure::add_touch(std::size_t mover, std::uint32_t place, const Vec
 }
 
 // J^T W J y
-void CoarsePressure::give_way(const std::vector<double>& y, std::vector<double>& result) const {
+void CoarsePressure::add_bodies(const std::vector<double>& y, std::vector<double>& result) const {
   for (std::size_t m = 0; m < mover_count_; ++m) {
     const Mover& body = movers_[m];
     Vec3d force{}, torque{};
@@ -101,8 +101,8 @@ void CoarsePressure::find_nodes() {
   const auto cells = order_.cells();
   const auto rows = order_.rows();
   const std::size_t count = order_.cell_count();
-  // Nodes are named by where they are, about, so that the next step's grid, which begins elsewhere, knows
-  // them.
+  // Node keys are rounded world coordinates, so that the next step's grid, with another corner, finds the
+  // same nodes.
   std::int64_t first[3];
   for (int axis = 0; axis < 3; ++axis)
     first[axis] = std::llround(order_.corner(axis) / static_cast<double>(size_)) + (std::int64_t{1} << 19);
@@ -137,7 +137,7 @@ void CoarsePressure::find_nodes() {
   next_.assign(begin_.begin(), begin_.end() - 1);
   for (std::uint32_t c = 0; c < count; ++c)
     for (std::uint32_t e = 0; e < 8; ++e) terms_[next_[corners_[c][e]]++] = 8 * c + e;
-  // A node begins with what it had in the last step; new ones with nothing.
+  // A node starts with its value of the last step, a new node with 0.
   y_.assign(node_keys_.size(), 0);
   for (std::size_t n = 0; n < last_keys_.size() && n < last_y_.size(); ++n) {
     const auto at = std::lower_bound(node_keys_.begin(), node_keys_.end(), last_keys_[n]);
@@ -148,7 +148,7 @@ void CoarsePressure::find_nodes() {
 
 std::array<float, 8> CoarsePressure::weights(std::size_t cell, const Vec4f& position) const {
   const float inverse = 1 / size_;
-  // Particles wander a little out of their cell within a step: the weights go on linearly.
+  // Particles may leave their cell slightly within a step: the weights extrapolate linearly.
   const float x = (position.x - origin_[cell][0]) * inverse, y = (position.y - origin_[cell][1]) * inverse,
               z = (position.z - origin_[cell][2]) * inverse;
   const float a = 1 - x, b = 1 - y, c = 1 - z;
@@ -173,12 +173,12 @@ void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& re
   }
   gather(cell_sums_, result);
   for (std::size_t n = 0; n < y.size(); ++n) result[n] += diagonal_[n] * y[n];
-  give_way(y, result);
+  add_bodies(y, result);
 }
 
 void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
                            Threads& threads) {
-  constexpr int most_iterations = 30;
+  constexpr int max_iterations = 30;
   constexpr double tolerance = 0.02, kept = 0.9;
   const std::size_t count = order_.cell_count();
   cell_sums_.resize(count);
@@ -189,11 +189,11 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
       Eight b{}, diagonal{};
       double w = 0;
       for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
-        const std::uint32_t place = order_.order()[k];
-        const Sample& sample = samples[place];
-        const std::array<float, 8> n = weights(c, positions[place]);
+        const std::uint32_t index = order_.order()[k];
+        const Sample& sample = samples[index];
+        const std::array<float, 8> n = weights(c, positions[index]);
         const float pushed = sample.c > -surface ? sample.c : 0;
-        w += static_cast<double>(positions[place].w);
+        w += static_cast<double>(positions[index].w);
         for (std::size_t e = 0; e < 8; ++e) {
           b[e] -= static_cast<double>(n[e] * pushed);
           diagonal[e] += static_cast<double>(n[e] * sample.diagonal);
@@ -235,7 +235,7 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
   double bb = 0;
   for (std::size_t n = 0; n < y_.size(); ++n) bb += b_[n] * preconditioner_[n] * b_[n];
   iterations_ = 0;
-  while (iterations_ < most_iterations && rz > tolerance * tolerance * bb) {
+  while (iterations_ < max_iterations && rz > tolerance * tolerance * bb) {
     apply(p_, ap_);
     const double alpha = rz / dot(p_, ap_);
     double next = 0;
@@ -257,11 +257,11 @@ void CoarsePressure::interpolate(std::span<const Vec4f> positions, std::span<con
   threads.for_each(order_.cell_count(), 16, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c) {
       for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
-        const std::uint32_t place = order_.order()[k];
-        const std::array<float, 8> n = weights(c, positions[place]);
+        const std::uint32_t index = order_.order()[k];
+        const std::array<float, 8> n = weights(c, positions[index]);
         float sum = 0;
         for (std::size_t e = 0; e < 8; ++e) sum += n[e] * static_cast<float>(y_[corners_[c][e]]);
-        lambda[place] = samples[place].c > -surface ? sum : 0;
+        lambda[index] = samples[index].c > -surface ? sum : 0;
       }
     }
   });

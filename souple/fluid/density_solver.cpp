@@ -2,7 +2,7 @@
 
 #include "souple/fluid/kernels/find_kernels.h"
 #include "souple/fluid/kernels/shapes.h"
-#include "souple/fluid/share_out.h"
+#include "souple/fluid/parallel_for.h"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@ namespace souple {
 
 namespace {
 
-constexpr float coarse_spacings = 4;     // of a cell of the coarse level
-constexpr float margin_spacings = 0.2f;  // of the lists, over the support
-constexpr float coarse_share = 0.5f;     // of the coarse level's lambda: more overshoots
-constexpr float jacobi_share = 0.25f;    // of the residual where no pass follows
+constexpr float coarse_spacings = 4;  // cell size of the coarse level, in spacings
+constexpr float margin_spacings = 0.2f;  // margin of the neighbor lists beyond the support, in spacings
+constexpr float coarse_share = 0.5f;  // of the coarse level's lambda; a larger share overshoots
+constexpr float jacobi_share = 0.25f;  // of the residual, if no pass follows
 float value_at(SmoothingShape shape, float q) {
   switch (shape) {
     case SmoothingShape::poly6_spiky:
@@ -38,20 +38,20 @@ DensitySolver::DensitySolver(float spacing, const Options& options)
       kernels_(&kernels::find_density_kernels(instruction_set(), options.shape)),
       margin_(margin_spacings * spacing) {}
 
-/// f(lists of consecutive places), for all, at most so many at a time.
-constexpr std::uint32_t together = 128;
+/// for_lists: f(lists of consecutive particles) for all particles, at most this many per call.
+constexpr std::uint32_t lists_per_call = 128;
 
 template <class Function>
 void DensitySolver::for_lists(Threads& threads, const Function& f) const {
   const auto blocks = neighbors_.blocks();
-  share_out(blocks.size(), threads, [&](std::size_t b) {
-    for (std::uint32_t from = blocks[b].begin; from < blocks[b].end; from += together)
-      f(blocks[b].lists(from, std::min(from + together, blocks[b].end)));
+  parallel_for(blocks.size(), threads, [&](std::size_t b) {
+    for (std::uint32_t from = blocks[b].begin; from < blocks[b].end; from += lists_per_call)
+      f(blocks[b].lists(from, std::min(from + lists_per_call, blocks[b].end)));
   });
 }
 
-void DensitySolver::place(std::span<const Vec4f> positions, Threads& threads) {
-  if (!lists_hold(positions)) find_neighbors(positions, threads);
+void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& threads) {
+  if (!lists_are_valid(positions)) find_neighbors(positions, threads);
   const auto order = order_.order();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -63,25 +63,25 @@ void DensitySolver::place(std::span<const Vec4f> positions, Threads& threads) {
   });
 }
 
-// Two particles that were further apart than support and margin cannot meet before one of them has moved by
-// half the margin against the mean motion.
-bool DensitySolver::lists_hold(std::span<const Vec4f> positions) const {
+// Two particles further apart than support and margin cannot come within the support until one of them has
+// moved by half the margin relative to the mean motion.
+bool DensitySolver::lists_are_valid(std::span<const Vec4f> positions) const {
   if (positions.size() != listed_.size()) return false;
   Vec3d mean{};
   for (std::size_t i = 0; i < positions.size(); ++i)
     mean = mean + Vec3d(positions[i].xyz() - listed_[i].xyz());
   const Vec3f shift(mean * (1 / std::max(1.0, static_cast<double>(positions.size()))));
-  const float room = 0.25f * margin_ * margin_;
+  const float margin_squared = 0.25f * margin_ * margin_;
   return std::all_of(positions.begin(), positions.end(), [&, i = std::size_t{0}](const Vec4f& p) mutable {
-    const Vec3f way = p.xyz() - listed_[i++].xyz() - shift;
-    return dot(way, way) < room;
+    const Vec3f displacement = p.xyz() - listed_[i++].xyz() - shift;
+    return dot(displacement, displacement) < margin_squared;
   });
 }
 
 void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& threads) {
-  const float reach = smoothing_.support() + margin_;
-  order_.build(positions, reach, threads);
-  neighbors_.find(order_, reach, threads);
+  const float search_radius = smoothing_.support() + margin_;
+  order_.build(positions, search_radius, threads);
+  neighbors_.find(order_, search_radius, threads);
   listed_.assign(positions.begin(), positions.end());
   const std::size_t n = positions.size();
   x_.resize(n + 1);
@@ -101,10 +101,10 @@ void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& th
 
 void DensitySolver::find_fluid_sums(Threads& threads) {
   const float V = smoothing_.volume(), d = smoothing_.spacing();
-  const float least = 1e-3f / (d * d);  // of a particle alone
+  const float least = 1e-3f / (d * d);  // regularization: an isolated particle has no gradient
   const float soft = softness();
-  for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
-    std::array<kernels::DensitySums, together> found;
+  for_lists(threads, [&](const kernels::NeighborLists& lists) {
+    std::array<kernels::DensitySums, lists_per_call> found;
     kernels_->sums_of(x_.data(), lists, smoothing_.factors(), found.data());
     for (std::uint32_t k = lists.begin; k < lists.end; ++k) {
       const kernels::DensitySums& sums = found[k - lists.begin];
@@ -119,11 +119,11 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
   });
 }
 
-void DensitySolver::begin_with_smooth_part(Threads& threads) {
+void DensitySolver::start_from_coarse_level(Threads& threads) {
   coarse_.solve(positions(), samples_, surface(), threads);
   coarse_.interpolate(positions(), samples_, surface(), lambda_, threads);
   const float added = options_.passes == 0 ? jacobi_share : 0, soft = softness(), V = smoothing_.volume();
-  // W(dq) is what a shape has at q = 0.2.
+  // Artificial pressure is scaled to W at q = 0.2.
   if (options_.artificial_pressure > 0)
     repulsion_ = {-options_.artificial_pressure * V * V * h_ * h_, 1 / value_at(options_.shape, 0.2f)};
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
@@ -157,8 +157,8 @@ void DensitySolver::relax(Threads& threads) {
 }
 
 void DensitySolver::push_fluid(Threads& threads) {
-  for_lists(threads, [&](const kernels::ListsOfPlaces& lists) {
-    std::array<Vec3f, together> found;
+  for_lists(threads, [&](const kernels::NeighborLists& lists) {
+    std::array<Vec3f, lists_per_call> found;
     if (repulsion_.strength == 0)
       kernels_->push_of(q_.data(), lists, smoothing_.factors(), found.data());
     else

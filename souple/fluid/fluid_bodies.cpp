@@ -10,9 +10,9 @@ namespace souple {
 
 namespace {
 
-// In parts of the reach.
-constexpr float room_share = 0.25f;  // of the lists of candidates
-constexpr float deepest = 1.0f / 3;  // how far inside a body a particle is still pushed out
+// In units of the search radius.
+constexpr float margin_share = 0.25f;  // margin of the candidate lists
+constexpr float max_depth = 1.0f / 3;  // maximum depth inside a body at which a particle is still pushed out
 
 Vec3f corner_mix(const Triangle& t, const Vec3f& weights, const std::vector<Vec3f>& at) {
   return at[t[0]] * weights.x + at[t[1]] * weights.y + at[t[2]] * weights.z;
@@ -24,47 +24,48 @@ Vec3f area_normal(const Triangle& t, const std::vector<Vec3f>& at) {
 
 }  // namespace
 
-// --- where bodies are ----------------------------------------------------------------------------
+// --- positions of bodies -------------------------------------------------------------------------
 
-void FluidBodies::place(const Skin& skin, State& state, const ParticleView& particles,
-                        std::span<const float> mass) const {
-  const std::size_t count = skin.particles.size();
+void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
+                               std::span<const float> mass) const {
+  const std::size_t count = mesh.particles.size();
   state.start.resize(count);
   state.now.resize(count);
-  state.gives.assign(count, 0);
+  state.vertex_inverse_mass.assign(count, 0);
   state.slopes.resize(count);
   for (std::size_t v = 0; v < count; ++v) {
     Vec3d before{}, after{};
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::uint32_t i = skin.particles[v][k];
-      const auto weight = static_cast<double>(skin.weights[v][k]);
+      const std::uint32_t i = mesh.particles[v][k];
+      const auto weight = static_cast<double>(mesh.weights[v][k]);
       if (weight == 0) continue;
       before += (start_place(particles, i) - origin_) * weight;
       after += (souple::place(particles, i) - origin_) * weight;
-      state.gives[v] += skin.weights[v][k] * skin.weights[v][k] * particles.inverse_mass(i);
+      state.vertex_inverse_mass[v] += mesh.weights[v][k] * mesh.weights[v][k] * particles.inverse_mass(i);
     }
     state.start[v] = Vec3f(before);
     state.now[v] = Vec3f(after);
   }
-  state.moves = std::any_of(state.gives.begin(), state.gives.end(), [](float g) { return g > 0; });
+  state.movable = std::any_of(state.vertex_inverse_mass.begin(), state.vertex_inverse_mass.end(),
+                              [](float g) { return g > 0; });
   state.inverse_mass = 0;
-  if (!state.moves || skin.yielding == Yielding::locally) return;
+  if (!state.movable || mesh.compliance == BodyCompliance::per_vertex) return;
   Vec3d center{};
   double all = 0;
-  for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
-    if (particles.inverse_mass(i) == 0) return;  // held somewhere: it does not go away as a whole
+  for (std::uint32_t i = mesh.begin; i < mesh.end; ++i) {
+    if (particles.inverse_mass(i) == 0) return;  // a fixed particle: the body does not move as a whole
     const auto m = static_cast<double>(mass[i]);
     center += (souple::place(particles, i) - origin_) * m;
     all += m;
   }
   center = center / all;
   Mat3d second{};
-  for (std::uint32_t i = skin.begin; i < skin.end; ++i) {
+  for (std::uint32_t i = mesh.begin; i < mesh.end; ++i) {
     const Vec3d r = souple::place(particles, i) - origin_ - center;
     second = second + outer(r, r) * static_cast<double>(mass[i]);
   }
   const double t = trace(second);
-  // A rod has no inertia about its axis: a little is added, relative to the whole.
+  // A rod has no inertia about its axis: add a little, relative to the whole.
   const Mat3d inertia = Mat3d::identity() * (t * (1 + 1e-6)) - second;
   state.center = center;
   state.inverse_mass = 1 / all;
@@ -72,39 +73,39 @@ void FluidBodies::place(const Skin& skin, State& state, const ParticleView& part
 }
 
 void FluidBodies::begin_substep(const ParticleView& particles, std::span<const float> mass,
-                                std::span<const Vec4f> positions, float reach, Threads& threads) {
-  states_.resize(skins_.size());
-  for (std::size_t s = 0; s < skins_.size(); ++s) place(skins_[s], states_[s], particles, mass);
-  if (!lists_hold(positions)) list(positions, reach, threads);
+                                std::span<const Vec4f> positions, float search_radius, Threads& threads) {
+  states_.resize(meshes_.size());
+  for (std::size_t s = 0; s < meshes_.size(); ++s) update_state(meshes_[s], states_[s], particles, mass);
+  if (!lists_are_valid(positions)) find_candidates(positions, search_radius, threads);
 }
 
-// --- who may be near -----------------------------------------------------------------------------
+// --- candidates ----------------------------------------------------------------------------------
 
-bool FluidBodies::lists_hold(std::span<const Vec4f> positions) const {
+bool FluidBodies::lists_are_valid(std::span<const Vec4f> positions) const {
   if (listed_.size() != positions.size()) return false;
   float farthest = 0, farthest_vertex = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Vec3f way = positions[i].xyz() - listed_[i].xyz();
-    farthest = std::max(farthest, dot(way, way));
+    const Vec3f offset = positions[i].xyz() - listed_[i].xyz();
+    farthest = std::max(farthest, dot(offset, offset));
   }
-  for (std::size_t s = 0; s < skins_.size(); ++s)
+  for (std::size_t s = 0; s < meshes_.size(); ++s)
     for (std::size_t v = 0; v < states_[s].now.size(); ++v) {
-      const Vec3f way = states_[s].now[v] - listed_vertices_[s][v];
-      farthest_vertex = std::max(farthest_vertex, dot(way, way));
+      const Vec3f offset = states_[s].now[v] - listed_vertices_[s][v];
+      farthest_vertex = std::max(farthest_vertex, dot(offset, offset));
     }
-  return std::sqrt(farthest) + std::sqrt(farthest_vertex) < listed_room_;
+  return std::sqrt(farthest) + std::sqrt(farthest_vertex) < listed_margin_;
 }
 
-void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& threads) {
+void FluidBodies::find_candidates(std::span<const Vec4f> positions, float search_radius, Threads& threads) {
   listed_.assign(positions.begin(), positions.end());
-  listed_room_ = room_share * reach;
-  listed_vertices_.resize(skins_.size());
+  listed_margin_ = margin_share * search_radius;
+  listed_vertices_.resize(meshes_.size());
   found_.clear();
-  order_.build(positions, reach, threads);
-  for (std::uint32_t s = 0; s < skins_.size(); ++s) {
+  order_.build(positions, search_radius, threads);
+  for (std::uint32_t s = 0; s < meshes_.size(); ++s) {
     listed_vertices_[s] = states_[s].now;
-    for (std::uint32_t t = 0; t < skins_[s].triangles.size(); ++t)
-      list_triangle(s, t, positions, reach + listed_room_ + skins_[s].half_thickness);
+    for (std::uint32_t t = 0; t < meshes_[s].triangles.size(); ++t)
+      find_candidates_of(s, t, positions, search_radius + listed_margin_ + meshes_[s].half_thickness);
   }
   first_.assign(positions.size() + 1, 0);
   for (const Candidate& candidate : found_) ++first_[candidate.particle + 1];
@@ -115,171 +116,173 @@ void FluidBodies::list(std::span<const Vec4f> positions, float reach, Threads& t
   first_[0] = 0;
 }
 
-// Cells of the triangle's box, grown by the reach; then its bounding ball.
-void FluidBodies::list_triangle(std::uint32_t skin, std::uint32_t triangle, std::span<const Vec4f> positions,
-                                float reach) {
-  const Triangle& t = skins_[skin].triangles[triangle];
-  const std::vector<Vec3f>& at = states_[skin].now;
+// Cells of the triangle's box, grown by the search radius; then the triangle's bounding ball.
+void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle,
+                                     std::span<const Vec4f> positions, float search_radius) {
+  const Triangle& t = meshes_[mesh].triangles[triangle];
+  const std::vector<Vec3f>& at = states_[mesh].now;
   const Vec3f middle = (at[t[0]] + at[t[1]] + at[t[2]]) * (1.0f / 3);
   float radius = 0;
   std::int32_t lo[3], hi[3];
   for (const std::uint32_t v : t) radius = std::max(radius, length(at[v] - middle));
   for (int axis = 0; axis < 3; ++axis) {
-    const float least = std::min({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) - reach;
-    const float most = std::max({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) + reach;
+    const float least = std::min({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) - search_radius;
+    const float most = std::max({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]}) + search_radius;
     lo[axis] = order_.cell(axis, least);
     hi[axis] = order_.cell(axis, most);
   }
-  const float clear = (radius + reach) * (radius + reach);
+  const float clear = (radius + search_radius) * (radius + search_radius);
   order_.for_each_in(lo, hi, [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t k = begin; k < end; ++k) {
       const std::uint32_t i = order_.order()[k];
-      const Vec3f way = positions[i].xyz() - middle;
-      if (dot(way, way) < clear) found_.push_back({i, skin, triangle});
+      const Vec3f offset = positions[i].xyz() - middle;
+      if (dot(offset, offset) < clear) found_.push_back({i, mesh, triangle});
     }
   });
 }
 
-// --- what is near --------------------------------------------------------------------------------
+// --- boundary planes -----------------------------------------------------------------------------
 
-// Of points at the same distance, those on one edge or vertex, the triangle that faces the particle most says
-// whether it is inside: the others' planes may have it on the wrong side.
-void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start, float reach,
-                       std::vector<NearPlane>& planes) const {
+// At a shared edge or vertex several triangles have the same distance. The triangle that faces the particle
+// most decides whether it is inside: the planes of the other triangles may have it on the wrong side.
+void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start,
+                       float search_radius, std::vector<BoundaryPlane>& planes) const {
   for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
-    const std::uint32_t s = candidates_[c].skin;
-    const Skin& skin = skins_[s];
+    const std::uint32_t s = candidates_[c].mesh;
+    const BoundaryMesh& mesh = meshes_[s];
     const State& state = states_[s];
     struct {
       float distance = 0, facing = 0;
-      std::uint32_t triangle = NearPlane::nobody;
-      Vec3f weights{}, way{}, normal{};
+      std::uint32_t triangle = BoundaryPlane::none;
+      Vec3f weights{}, offset{}, normal{};
     } best;
-    best.distance = reach + skin.half_thickness;
-    for (; c < first_[i + 1] && candidates_[c].skin == s; ++c) {
-      const Triangle& t = skin.triangles[candidates_[c].triangle];
+    best.distance = search_radius + mesh.half_thickness;
+    for (; c < first_[i + 1] && candidates_[c].mesh == s; ++c) {
+      const Triangle& t = mesh.triangles[candidates_[c].triangle];
       const TrianglePoint nearest = closest_on_triangle(Vec3d(x), Vec3d(state.now[t[0]]),
                                                         Vec3d(state.now[t[1]]), Vec3d(state.now[t[2]]));
       const Vec3f weights{static_cast<float>(nearest.a), static_cast<float>(nearest.b),
                           static_cast<float>(nearest.c)};
-      const Vec3f way = x - corner_mix(t, weights, state.now);
-      const float distance = length(way);
-      const float same = 1e-4f * reach;
+      const Vec3f offset = x - corner_mix(t, weights, state.now);
+      const float distance = length(offset);
+      const float same = 1e-4f * search_radius;
       if (distance > best.distance + same) continue;
       const Vec3f normal = area_normal(t, state.now);
       const float size = length(normal);
       if (!(size > 0)) continue;
-      const float facing = std::fabs(dot(normal, way)) / size;
-      if (distance > best.distance - same && best.triangle != NearPlane::nobody && facing <= best.facing)
+      const float facing = std::fabs(dot(normal, offset)) / size;
+      if (distance > best.distance - same && best.triangle != BoundaryPlane::none && facing <= best.facing)
         continue;
       best = {std::min(distance, best.distance),
               facing,
               candidates_[c].triangle,
               weights,
-              way,
+              offset,
               normal * (1 / size)};
     }
-    if (best.triangle == NearPlane::nobody || meets_[fluid * skins_.size() + s] == 0) continue;
-    const Triangle& t = skin.triangles[best.triangle];
+    if (best.triangle == BoundaryPlane::none || collides_[fluid * meshes_.size() + s] == 0) continue;
+    const Triangle& t = mesh.triangles[best.triangle];
     Vec3f outward = best.normal;
-    if (!skin.closed) {
-      // Cloth has water on both sides: a particle stays on that where it was.
+    if (!mesh.closed) {
+      // Cloth may have fluid on both sides: a particle stays on the side where it was.
       const Vec3f before = area_normal(t, state.start);
       if (dot(before, start - corner_mix(t, best.weights, state.start)) < 0) outward = -outward;
     }
-    const float side = dot(outward, best.way) < 0 ? -1.0f : 1.0f;
-    const float distance = length(best.way);
-    const bool on_it = !(distance > 1e-3f * reach);
-    NearPlane plane;
-    plane.normal = on_it ? outward : best.way * (side / distance);
+    const float side = dot(outward, best.offset) < 0 ? -1.0f : 1.0f;
+    const float distance = length(best.offset);
+    const bool on_it = !(distance > 1e-3f * search_radius);
+    BoundaryPlane plane;
+    plane.normal = on_it ? outward : best.offset * (side / distance);
     plane.motion = corner_mix(t, best.weights, state.now) - corner_mix(t, best.weights, state.start);
-    plane.skin = s;
+    plane.mesh = s;
     plane.triangle = best.triangle;
     plane.weights = best.weights;
     follow(plane);
-    // What a body has swallowed it does not feel: all around is body, and nothing says where the way out is.
+    // Deep inside a body a particle ignores it: the direction out is ambiguous there.
     const float apart = dot(plane.normal, x) - plane.offset;
-    if (apart < reach && apart > -deepest * reach) planes.push_back(plane);
+    if (apart < search_radius && apart > -max_depth * search_radius) planes.push_back(plane);
   }
 }
 
-void FluidBodies::follow(NearPlane& plane) const {
-  if (plane.skin == NearPlane::nobody) return;
-  plane.offset = dot(plane.normal, point(plane, states_[plane.skin].now)) + skins_[plane.skin].half_thickness;
+void FluidBodies::follow(BoundaryPlane& plane) const {
+  if (plane.mesh == BoundaryPlane::none) return;
+  plane.offset =
+      dot(plane.normal, point(plane, states_[plane.mesh].now)) + meshes_[plane.mesh].half_thickness;
 }
 
-Vec3f FluidBodies::point(const NearPlane& plane, const std::vector<Vec3f>& vertices) const {
-  return corner_mix(skins_[plane.skin].triangles[plane.triangle], plane.weights, vertices);
+Vec3f FluidBodies::point(const BoundaryPlane& plane, const std::vector<Vec3f>& vertices) const {
+  return corner_mix(meshes_[plane.mesh].triangles[plane.triangle], plane.weights, vertices);
 }
 
-// --- how bodies give way -------------------------------------------------------------------------
+// --- response of bodies --------------------------------------------------------------------------
 
-void FluidBodies::weigh(const Surroundings& surroundings, std::span<const Vec4f> x, CoarsePressure& coarse) {
+void FluidBodies::find_response(const LocalBoundary& local_boundary, std::span<const Vec4f> x,
+                                CoarsePressure& coarse) {
   for (State& state : states_) {
     std::fill(state.slopes.begin(), state.slopes.end(), 0.0f);
     state.slope_sum = 0;
   }
-  coarse.begin_movers(skins_.size());
-  for (std::size_t s = 0; s < skins_.size(); ++s)
+  coarse.begin_movers(meshes_.size());
+  for (std::size_t s = 0; s < meshes_.size(); ++s)
     if (states_[s].inverse_mass > 0) coarse.set_mover(s, states_[s].inverse_mass, states_[s].inverse_inertia);
-  for (const std::uint32_t k : surroundings.near()) {
-    for (const NearPlane& plane : surroundings.of(k)) {
-      if (plane.skin == NearPlane::nobody) continue;
-      State& state = states_[plane.skin];
-      if (!state.moves) continue;
+  for (const std::uint32_t k : local_boundary.near()) {
+    for (const BoundaryPlane& plane : local_boundary.of(k)) {
+      if (plane.mesh == BoundaryPlane::none) continue;
+      State& state = states_[plane.mesh];
+      if (!state.movable) continue;
       const float slope = length(plane.slope);
       if (state.inverse_mass > 0) {
         state.slope_sum += slope;
-        coarse.add_touch(plane.skin, k, x[k], Vec3d(plane.slope),
-                         cross(Vec3d(point(plane, state.now)) - state.center, Vec3d(plane.slope)));
+        coarse.add_contact(plane.mesh, k, x[k], Vec3d(plane.slope),
+                           cross(Vec3d(point(plane, state.now)) - state.center, Vec3d(plane.slope)));
         continue;
       }
-      const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+      const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
       for (int c = 0; c < 3; ++c) state.slopes[t[static_cast<std::size_t>(c)]] += plane.weights[c] * slope;
     }
   }
 }
 
-void FluidBodies::respond(std::span<const NearPlane> planes, BoundarySums& sums) const {
-  for (const NearPlane& plane : planes) {
-    if (plane.skin == NearPlane::nobody) continue;
-    const State& state = states_[plane.skin];
+void FluidBodies::add_response(std::span<const BoundaryPlane> planes, BoundarySums& sums) const {
+  for (const BoundaryPlane& plane : planes) {
+    if (plane.mesh == BoundaryPlane::none) continue;
+    const State& state = states_[plane.mesh];
     const float slope = length(plane.slope);
     if (state.inverse_mass > 0) {
       sums.response += slope * state.slope_sum * static_cast<float>(state.inverse_mass);
       continue;
     }
-    const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+    const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t v = t[static_cast<std::size_t>(c)];
-      const float gives = slope * plane.weights[c] * state.gives[v] * state.slopes[v];
-      sums.response += gives;
-      sums.local_response += gives;
+      const float response = slope * plane.weights[c] * state.vertex_inverse_mass[v] * state.slopes[v];
+      sums.response += response;
+      sums.local_response += response;
     }
   }
 }
 
-void FluidBodies::yield(const Surroundings& surroundings, std::span<const float> change) {
-  pushes_.assign(skins_.size(), {});
-  for (const std::uint32_t k : surroundings.near()) {
-    for (const NearPlane& plane : surroundings.of(k)) {
-      if (!moves(plane)) continue;
-      State& state = states_[plane.skin];
+void FluidBodies::displace(const LocalBoundary& local_boundary, std::span<const float> change) {
+  pushes_.assign(meshes_.size(), {});
+  for (const std::uint32_t k : local_boundary.near()) {
+    for (const BoundaryPlane& plane : local_boundary.of(k)) {
+      if (!is_movable(plane)) continue;
+      State& state = states_[plane.mesh];
       const Vec3f push = plane.slope * -change[k];
       if (state.inverse_mass > 0) {
         const Vec3d arm = Vec3d(point(plane, state.now)) - state.center;
-        pushes_[plane.skin].force += Vec3d(push);
-        pushes_[plane.skin].torque += cross(arm, Vec3d(push));
+        pushes_[plane.mesh].force += Vec3d(push);
+        pushes_[plane.mesh].torque += cross(arm, Vec3d(push));
         continue;
       }
-      const Triangle& t = skins_[plane.skin].triangles[plane.triangle];
+      const Triangle& t = meshes_[plane.mesh].triangles[plane.triangle];
       for (int c = 0; c < 3; ++c) {
         const std::uint32_t v = t[static_cast<std::size_t>(c)];
-        state.now[v] += push * (plane.weights[c] * state.gives[v]);
+        state.now[v] += push * (plane.weights[c] * state.vertex_inverse_mass[v]);
       }
     }
   }
-  for (std::size_t s = 0; s < skins_.size(); ++s) {
+  for (std::size_t s = 0; s < meshes_.size(); ++s) {
     State& state = states_[s];
     if (!(state.inverse_mass > 0)) continue;
     const Vec3f moved(pushes_[s].force * state.inverse_mass),
@@ -289,18 +292,18 @@ void FluidBodies::yield(const Surroundings& surroundings, std::span<const float>
   }
 }
 
-void FluidBodies::apply(const Surroundings& surroundings, const ParticleView& particles) const {
-  for (const std::uint32_t k : surroundings.near()) {
-    for (const NearPlane& plane : surroundings.of(k)) {
-      if (!moves(plane)) continue;
+void FluidBodies::apply(const LocalBoundary& local_boundary, const ParticleView& particles) const {
+  for (const std::uint32_t k : local_boundary.near()) {
+    for (const BoundaryPlane& plane : local_boundary.of(k)) {
+      if (!is_movable(plane)) continue;
       for_carriers(plane, [&](std::uint32_t i, float share) {
-        particles.correct(i, plane.pushed * (-share * particles.inverse_mass(i)));
+        particles.correct(i, plane.push_sum * (-share * particles.inverse_mass(i)));
       });
     }
   }
 }
 
-FluidBodies::Carriers FluidBodies::carriers_of(const NearPlane& plane) const {
+FluidBodies::Carriers FluidBodies::carriers_of(const BoundaryPlane& plane) const {
   Carriers carriers;
   for_carriers(plane, [&](std::uint32_t i, float share) {
     const auto begin = carriers.particle.begin();
@@ -315,19 +318,19 @@ FluidBodies::Carriers FluidBodies::carriers_of(const NearPlane& plane) const {
 
 //   C = n . (x_i - sum_c share_c x_c) - half_thickness - radius >= 0
 //   s = -C / (w_i + sum_c share_c^2 w_c),   dx_i = w_i s n,   dx_c = -share_c w_c s n
-void FluidBodies::keep_apart(const NearPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
+void FluidBodies::keep_apart(const BoundaryPlane& plane, std::uint32_t i, const Vec3f& x, float radius,
                              const ParticleView& particles) const {
   const Vec3f& n = plane.normal;
   if (dot(n, x) - plane.offset > 2 * radius) return;
   const Carriers carriers = carriers_of(plane);
-  Vec3d way = souple::place(particles, i);
+  Vec3d offset = souple::place(particles, i);
   float w = particles.inverse_mass(i);
   for (std::size_t c = 0; c < carriers.count; ++c) {
     const float share = carriers.share[c];
-    way -= souple::place(particles, carriers.particle[c]) * static_cast<double>(share);
+    offset -= souple::place(particles, carriers.particle[c]) * static_cast<double>(share);
     w += share * share * particles.inverse_mass(carriers.particle[c]);
   }
-  const float C = dot(n, Vec3f(way)) - skins_[plane.skin].half_thickness - radius;
+  const float C = dot(n, Vec3f(offset)) - meshes_[plane.mesh].half_thickness - radius;
   if (C >= 0 || !(w > 0)) return;
   const Vec3f push = n * (-C / w);
   particles.correct(i, push * particles.inverse_mass(i));

@@ -7,31 +7,31 @@
 
 namespace souple {
 
-/// A fluid's particles by place, as forces see them. Both arrays have one record more than there are
-/// particles: what pads lists of neighbors, with x far away and v zero.
+/// A fluid's particles by sorted index, as input of forces. Both arrays have one extra record that pads
+/// neighbor lists: its x is far away and its v is zero.
 struct FluidView {
   std::span<const Vec4f> x;  ///< x, y, z [m] and the inverse mass w > 0 [1/kg]
-  std::span<Vec4f> v;        ///< velocity [m/s] and the dynamic viscosity mu >= 0 [Pa s]
+  std::span<Vec4f> v;  ///< velocity [m/s] and dynamic viscosity mu >= 0 [Pa s]
   const Neighbors& neighbors;
   const Smoothing& smoothing;
 
   std::size_t size() const { return x.size() - 1; }
 
-  /// f(place, its padded list), for all places.
+  /// f(sorted index, its padded list), for all particles.
   template <class Function>
   void for_lists(Threads& threads, const Function& f) const {
     const auto blocks = neighbors.blocks();
     threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t b = first; b < last; ++b)
-        for (std::uint32_t place = blocks[b].begin; place < blocks[b].end; ++place)
-          f(place, blocks[b].padded(place));
+        for (std::uint32_t index = blocks[b].begin; index < blocks[b].end; ++index)
+          f(index, blocks[b].padded(index));
     });
   }
 };
 
-/// f(k) for k in [0, n).
+/// f(k) for k in [0, n), in parallel.
 template <class Function>
-void for_places(std::size_t n, Threads& threads, const Function& f) {
+void for_each_index(std::size_t n, Threads& threads, const Function& f) {
   threads.for_each(n, 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) f(k);
   });

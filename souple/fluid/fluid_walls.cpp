@@ -6,12 +6,12 @@
 
 namespace souple {
 
-void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> meets,
+void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const std::uint8_t> collides,
                             const Vec3d& origin, std::size_t particles, double time) {
-  colliders_ = colliders, meets_ = meets, origin_ = origin;
-  looked_.assign(particles, {});
-  still_.clear();
-  moving_.clear();
+  colliders_ = colliders, collides_ = collides, origin_ = origin;
+  clearances_.assign(particles, {});
+  static_walls_.clear();
+  moving_walls_.clear();
   for (std::uint32_t c = 0; c < colliders.size(); ++c) {
     if (!colliders[c].enabled) continue;
     Wall wall;
@@ -26,27 +26,27 @@ void FluidWalls::begin_step(std::span<const Collider> colliders, std::span<const
       wall.normal = wall.after.rotation * Vec3d(plane->normal) / size;
       wall.offset = double{plane->offset} / size + dot(wall.normal, wall.after.translation - origin);
     }
-    (wall.moves ? moving_ : still_).push_back(wall);
+    (wall.moves ? moving_walls_ : static_walls_).push_back(wall);
   }
 }
 
 void FluidWalls::begin_substep(double time, double h) {
-  for (Wall& wall : moving_) {
+  for (Wall& wall : moving_walls_) {
     const auto [before, after] = poses_between(colliders_[wall.collider].motion, time, time + h);
     wall.before = before, wall.after = after;
     wall.center = after.to_world(wall.ball.center);
   }
 }
 
-double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, float reach,
-                        std::vector<NearPlane>& planes) const {
-  if (!meets(wall, fluid)) return std::numeric_limits<double>::infinity();
-  const double clear = at_least(wall, Vec3d(x));
-  if (clear > double{reach}) return clear;
+double FluidWalls::add_plane(const Wall& wall, std::size_t fluid, const Vec3f& x, float search_radius,
+                             std::vector<BoundaryPlane>& planes) const {
+  if (!collides_with(wall, fluid)) return std::numeric_limits<double>::infinity();
+  const double clear = distance_bound(wall, Vec3d(x));
+  if (clear > double{search_radius}) return clear;
   const Vec3d world = origin_ + Vec3d(x);
   const SurfaceDistance surface =
       surface_distance(colliders_[wall.collider].shape, wall.after.to_local(world));
-  if (surface.distance > double{reach}) return surface.distance;
+  if (surface.distance > double{search_radius}) return surface.distance;
   const Vec3f normal(wall.after.rotation * surface.normal);
   Vec3f motion{};
   if (wall.moves) {
@@ -60,8 +60,8 @@ double FluidWalls::meet(const Wall& wall, std::size_t fluid, const Vec3f& x, flo
   return surface.distance;
 }
 
-// In the wall's own frame, where it stands still. A particle that touches on its way goes on along the plane
-// it touched.
+// Computed in the wall's frame, where the wall is static. A particle that touches the wall on its path slides
+// along the plane of the contact.
 Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& x, double radius) const {
   if (length(x - wall.center) - wall.ball.radius >
       radius + length(x - start) + length(wall.after.translation - wall.before.translation))
@@ -80,11 +80,11 @@ Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& 
   return wall.after.to_world(to + end.normal * (radius - end.distance));
 }
 
-// Both ends of the way in a ball that is free of walls: so is the way.
+// If both ends of the path lie in a ball free of static walls, so does the path.
 Vec3f FluidWalls::keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x,
                            float radius) const {
-  const Looked& looked = looked_[i];
-  const bool clear = max(length(x - looked.at), length(start - looked.at)) + radius < looked.clear;
+  const Clearance& clearance = clearances_[i];
+  const bool clear = max(length(x - clearance.at), length(start - clearance.at)) + radius < clearance.clear;
   return keep_out(fluid, start, x, radius, clear);
 }
 
@@ -92,35 +92,36 @@ Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x
   return keep_out(fluid, start, x, radius, false);
 }
 
-// `clear`: of walls that stand still.
+// `clear`: no static wall is near the path.
 Vec3f FluidWalls::keep_out(std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius,
                            bool clear) const {
-  if (clear && moving_.empty()) return x;
+  if (clear && moving_walls_.empty()) return x;
   const Vec3d before = origin_ + Vec3d(start), predicted = origin_ + Vec3d(x);
   Vec3d at = predicted;
   if (!clear) {
-    // A wall further from the way's end than the way is long is not on it.
-    double room = double{radius} + length(at - before);
-    for (const Wall& wall : still_) {
-      if (!meets(wall, fluid) || at_least(wall, at - origin_) > room) continue;
+    // A wall further from the path's end than the path's length cannot touch the path.
+    double range = double{radius} + length(at - before);
+    for (const Wall& wall : static_walls_) {
+      if (!collides_with(wall, fluid) || distance_bound(wall, at - origin_) > range) continue;
       at = stopped_by(wall, before, at, double{radius});
-      room = double{radius} + length(at - before);
+      range = double{radius} + length(at - before);
     }
   }
-  for (const Wall& wall : moving_)
-    if (meets(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
+  for (const Wall& wall : moving_walls_)
+    if (collides_with(wall, fluid)) at = stopped_by(wall, before, at, double{radius});
   return at == predicted ? x : Vec3f(at - origin_);
 }
 
-void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float reach,
-                      std::vector<NearPlane>& planes) {
-  Looked& looked = looked_[i];
-  if (!(length(x - looked.at) + reach < looked.clear)) {
+void FluidWalls::find(std::size_t i, std::size_t fluid, const Vec3f& x, float search_radius,
+                      std::vector<BoundaryPlane>& planes) {
+  Clearance& clearance = clearances_[i];
+  if (!(length(x - clearance.at) + search_radius < clearance.clear)) {
     double clear = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : still_) clear = min(clear, meet(wall, fluid, x, reach, planes));
-    looked = {x, static_cast<float>(min(clear, 1e30))};
+    for (const Wall& wall : static_walls_)
+      clear = min(clear, add_plane(wall, fluid, x, search_radius, planes));
+    clearance = {x, static_cast<float>(min(clear, 1e30))};
   }
-  for (const Wall& wall : moving_) meet(wall, fluid, x, reach, planes);
+  for (const Wall& wall : moving_walls_) add_plane(wall, fluid, x, search_radius, planes);
 }
 
 }  // namespace souple

@@ -9,16 +9,16 @@ namespace souple {
 
 namespace {
 
-/// Numbers that depend on a key and a count alone: the finalizer of SplitMix64 (Steele, Lea and Flood 2014).
+/// Hash of a counter: the finalizer of SplitMix64 (Steele, Lea and Flood 2014).
 std::uint64_t mix(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return z ^ (z >> 31);
 }
 
-class Chance {
+class RandomSequence {
  public:
-  explicit Chance(std::uint64_t key) : key_(mix(key)) {}
+  explicit RandomSequence(std::uint64_t key) : key_(mix(key)) {}
   /// In [0, 1).
   float next() { return static_cast<float>(mix(key_ + 0x9e3779b97f4a7c15u * ++count_) >> 40) * 0x1p-24f; }
 
@@ -26,7 +26,7 @@ class Chance {
   std::uint64_t key_, count_ = 0;
 };
 
-/// How fast what is made moves away from the middle of the flow that made it, for each meter it is off [1/s].
+/// Radial speed of a new particle per meter of distance from the axis of its cylinder [1/s].
 constexpr float spread = 10;
 
 float ramp(float value, const FoamRange& range) {
@@ -34,10 +34,10 @@ float ramp(float value, const FoamRange& range) {
   return min(max(part, 0.0f), 1.0f);
 }
 
-/// Two unit vectors across a unit vector, and across each other (Duff et al. 2017).
-struct Across {
+/// Two unit vectors that form an orthonormal basis with the unit vector n (Duff et al. 2017).
+struct TangentBasis {
   Vec3f a, b;
-  explicit Across(const Vec3f& n) {
+  explicit TangentBasis(const Vec3f& n) {
     const float sign = n.z < 0 ? -1.0f : 1.0f, s = -1 / (sign + n.z), t = n.x * n.y * s;
     a = {1 + sign * n.x * n.x * s, sign * t, -sign * n.x};
     b = {t, sign + n.y * n.y * s, -n.y};
@@ -74,7 +74,7 @@ void Foam::shift(const Vec3f& by) {
 
 std::size_t Foam::bytes() const {
   return bytes_of(state_.position, state_.velocity, state_.life, state_.age, state_.kind, start_, normals_,
-                  made_, share_, makers_) +
+                  made_, share_, spawners_) +
          order_.bytes();
 }
 
@@ -83,8 +83,8 @@ void Foam::find_cells(const FluidView& fluid, Threads& threads) {
   order_.build(fluid.x.first(fluid.size()), cell_size_, threads);
 }
 
-// The fluid's mean velocity, by the weights of smoothing, and how many particles are within two spacings.
-Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
+// The kernel-weighted mean velocity of the fluid, and the number of fluid particles within two spacings.
+Foam::Neighborhood Foam::neighborhood(const FluidView& fluid, const Vec3f& at) const {
   std::int32_t cell[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double where =
@@ -95,7 +95,7 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
   const auto rows = order_.rows();
   const auto cells = order_.cells();
   const float inverse_h = 1 / cell_size_, counted = 2 * fluid.smoothing.spacing();
-  Around result;
+  Neighborhood result;
   float weights = 0;
   const float *x = order_.component(0), *y = order_.component(1), *z = order_.component(2);
   const auto add = [&](std::uint32_t k) {
@@ -125,9 +125,9 @@ Foam::Around Foam::around(const FluidView& fluid, const Vec3f& at) const {
   return result;
 }
 
-FoamKind Foam::kind_of(const Around& around, const FoamParameters& parameters) {
-  if (around.neighbors < parameters.spray_neighbors) return FoamKind::spray;
-  return around.neighbors > parameters.bubble_neighbors ? FoamKind::bubble : FoamKind::foam;
+FoamKind Foam::kind_of(const Neighborhood& neighborhood, const FoamParameters& parameters) {
+  if (neighborhood.neighbors < parameters.spray_neighbors) return FoamKind::spray;
+  return neighborhood.neighbors > parameters.bubble_neighbors ? FoamKind::bubble : FoamKind::foam;
 }
 
 void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads& threads) {
@@ -136,8 +136,8 @@ void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads&
   const float dt = step.dt, kept = std::exp(-parameters.drag * dt);
   FoamState& s = state_;
   start_.assign(s.position.begin(), s.position.end());
-  for_places(size(), threads, [&](std::size_t k) {
-    const Around here = around(step.fluid, s.position[k]);
+  for_each_index(size(), threads, [&](std::size_t k) {
+    const Neighborhood here = neighborhood(step.fluid, s.position[k]);
     Vec3f& v = s.velocity[k];
     const Vec3f before = v;
     s.kind[k] = kind_of(here, parameters);
@@ -169,8 +169,8 @@ void Foam::dissolve() {
   s.resize(kept);
 }
 
-// Outwards, of length 1, where a particle is at the surface: in the top layer of a pool 2 d |V sum grad W| is
-// about 1, in the second it is 0, and about 0.3 where particles lie in disorder.
+// Outward unit normals of surface particles. h |V sum grad W| is about 1 in the top layer of a pool, 0 in the
+// second layer, and about 0.3 where particles are disordered.
 void Foam::find_normals(const FoamStep& step, Threads& threads) {
   const FluidView& fluid = step.fluid;
   const Smoothing& smoothing = fluid.smoothing;
@@ -179,7 +179,7 @@ void Foam::find_normals(const FoamStep& step, Threads& threads) {
     Vec3f n =
         kernels_->sums(fluid.x.data(), fluid.x[k], list.data(), list.size(), smoothing.factors()).gradient *
         smoothing.volume();
-    // Half of a wall's slope: it is that of a mirrored fluid which moves when the particle does.
+    // Half of a wall's slope: the full slope includes the motion of the mirrored fluid.
     if (!step.wall_slopes.empty()) n += step.wall_slopes[k] * 0.5f;
     n *= -smoothing.support();
     const float size = length(n);
@@ -187,7 +187,7 @@ void Foam::find_normals(const FoamStep& step, Threads& threads) {
   });
 }
 
-// The sum over a crest's surface behind a place of 1 - n_i . n_j.
+// Sum of 1 - n_i . n_j over surface particles behind the surface at i.
 float Foam::bend(const FluidView& fluid, std::uint32_t i, std::span<const std::uint32_t> list) const {
   const Vec3f n = normals_[i];
   const float inverse_h = 1 / fluid.smoothing.support();
@@ -208,11 +208,11 @@ Foam::Potential Foam::potential(const FoamStep& step, std::uint32_t i, std::span
   const Vec3f v = fluid.v[i].xyz();
   const float energy = ramp(0.5f * dot(v, v), parameters.energy);
   if (!(energy * part > 0)) return {0, 0};
-  const float meeting = velocity_->meeting(fluid.x.data(), fluid.v.data(), fluid.x[i], fluid.v[i],
-                                           list.data(), list.size(), fluid.smoothing.factors());
+  const float closing_speed = velocity_->closing_speed(fluid.x.data(), fluid.v.data(), fluid.x[i], fluid.v[i],
+                                                       list.data(), list.size(), fluid.smoothing.factors());
   const Vec3f n = normals_[i];
   const float bent = dot(v, n) > 0.6f * length(v) ? bend(fluid, i, list) : 0;
-  const float rate = energy * (parameters.trapped_air_rate * ramp(meeting, parameters.trapped_air) +
+  const float rate = energy * (parameters.trapped_air_rate * ramp(closing_speed, parameters.trapped_air) +
                                parameters.wave_crest_rate * ramp(bent, parameters.wave_crest));
   return {part * rate * step.dt, rate / (parameters.trapped_air_rate + parameters.wave_crest_rate)};
 }
@@ -225,53 +225,53 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
   step.fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     const Potential here = potential(step, k, list, parameters);
     const float whole = std::floor(here.made);
-    made_[k] = whole + (Chance(key_of(k)).next() < here.made - whole ? 1.0f : 0.0f);
+    made_[k] = whole + (RandomSequence(key_of(k)).next() < here.made - whole ? 1.0f : 0.0f);
     share_[k] = here.share;
   });
-  makers_.clear();
-  makers_.reserve(n);
+  spawners_.clear();
+  spawners_.reserve(n);
   std::uint64_t total = 0;
   for (std::uint32_t k = 0; k < n; ++k) {
     if (!(made_[k] > 0)) continue;
-    makers_.push_back({k, total, share_[k]});
+    spawners_.push_back({k, total, share_[k]});
     total += static_cast<std::uint64_t>(made_[k]);
   }
-  const std::uint64_t room =
+  const std::uint64_t capacity =
       std::min<std::uint64_t>(total, parameters.max_particles - std::min(parameters.max_particles, size()));
-  report_.made = room;
-  report_.thinned = total - room;
-  // Of all that is made, number k stays where k room / total steps up: evenly among the places.
-  const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * room / total : 0; };
+  report_.made = capacity;
+  report_.thinned = total - capacity;
+  // New particle k stays if k capacity / total reaches a new integer: thins evenly over all spawners.
+  const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * capacity / total : 0; };
   start_.clear();
-  for (const Maker& maker : makers_) {
-    const std::uint64_t end = maker.first + static_cast<std::uint64_t>(made_[maker.place]);
-    begin(step, maker, static_cast<std::uint32_t>(kept_before(end) - kept_before(maker.first)),
-          key_of(maker.place) + 1, parameters);
+  for (const Spawner& spawner : spawners_) {
+    const std::uint64_t end = spawner.first + static_cast<std::uint64_t>(made_[spawner.index]);
+    begin(step, spawner, static_cast<std::uint32_t>(kept_before(end) - kept_before(spawner.first)),
+          key_of(spawner.index) + 1, parameters);
   }
 }
 
-void Foam::begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
+void Foam::begin(const FoamStep& step, const Spawner& spawner, std::uint32_t count, std::uint64_t key,
                  const FoamParameters& parameters) {
-  const Vec3f x = step.fluid.x[maker.place].xyz(), v = step.fluid.v[maker.place].xyz();
-  const Across across(normalized(v));
+  const Vec3f x = step.fluid.x[spawner.index].xyz(), v = step.fluid.v[spawner.index].xyz();
+  const TangentBasis basis(normalized(v));
   const float radius = 0.5f * step.fluid.smoothing.spacing();
-  Chance chance(key);
+  RandomSequence random(key);
   for (std::uint32_t k = 0; k < count; ++k) {
     float a = 0, b = 0;
     do {
-      a = 2 * chance.next() - 1, b = 2 * chance.next() - 1;
+      a = 2 * random.next() - 1, b = 2 * random.next() - 1;
     } while (a * a + b * b > 1);
-    const Vec3f off = (across.a * a + across.b * b) * radius;
+    const Vec3f off = (basis.a * a + basis.b * b) * radius;
     start_.push_back(x);
-    add(x + off - v * (step.dt * chance.next()), v + off * spread,
-        parameters.life.low + (parameters.life.high - parameters.life.low) * maker.share);
+    add(x + off - v * (step.dt * random.next()), v + off * spread,
+        parameters.life.low + (parameters.life.high - parameters.life.low) * spawner.share);
   }
 }
 
 void Foam::find_kinds(const FluidView& fluid, const FoamParameters& parameters, std::size_t first,
                       Threads& threads) {
-  for_places(size() - first, threads, [&](std::size_t k) {
-    state_.kind[first + k] = kind_of(around(fluid, state_.position[first + k]), parameters);
+  for_each_index(size() - first, threads, [&](std::size_t k) {
+    state_.kind[first + k] = kind_of(neighborhood(fluid, state_.position[first + k]), parameters);
   });
 }
 

@@ -13,7 +13,7 @@ namespace souple {
 /// The particles of a Foam.
 struct FoamState {
   std::vector<Vec3f> position, velocity;  ///< [m], [m/s]
-  std::vector<float> life;                ///< left, as foam [s]
+  std::vector<float> life;                ///< remaining life as foam [s]
   std::vector<float> age;                 ///< [s]
   std::vector<FoamKind> kind;
 
@@ -22,22 +22,23 @@ struct FoamState {
   void reserve(std::size_t count);
 };
 
-/// A step of a fluid, as foam sees it.
+/// Input of a foam step: the fluid's state and parameters of the step.
 struct FoamStep {
   const FluidView& fluid;
-  std::span<const std::uint32_t> particle;  ///< of each place: a number for chance to go by
-  std::span<const Vec3f> wall_slopes{};  ///< by place, or empty: BoundarySums::slope, which keeps walls from
-                                         ///< looking like a surface [1/m]
-  std::span<const float> share{};        ///< by place, or empty: how much of the rates it makes
-  Vec3f gravity{};                       ///< m/s^2
-  float dt = 0;                          ///< s
-  std::uint64_t seed = 0;                ///< of chance: another one in every step
+  std::span<const std::uint32_t> particle;  ///< by sorted index: particle number, part of the random key
+  /// By sorted index, or empty: BoundarySums::slope, so that walls do not count as a free surface [1/m].
+  std::span<const Vec3f> wall_slopes{};
+  std::span<const float> share{};  ///< by sorted index, or empty: factor of the rates [-]
+  Vec3f gravity{};                 ///< m/s^2
+  float dt = 0;                    ///< s
+  std::uint64_t seed = 0;          ///< random seed; must differ in each step
 };
 
-/// Spray, foam and bubbles: particles that a fluid makes and carries, and that do nothing to it (Ihmsen,
+/// Spray, foam and bubbles: particles that the fluid emits and advects, without effect on the fluid (Ihmsen,
 /// Akinci, Akinci and Teschner 2012, "Unified spray, foam and air bubbles for particle-based fluids").
 ///
-/// Where they come from, with hat(r) = 1 - r / 2d and Phi(I) = (min(I, high) - min(I, low)) / (high - low):
+/// Emission, with hat(r) = 1 - r / h, h the support, and Phi(I) = (min(I, high) - min(I, low)) / (high -
+/// low):
 ///
 ///   I_ta = Phi(sum_j |v_ij| (1 - cos(v_ij, x_ij)) hat(r))                                        (eq. 2)
 ///   I_wc = Phi(sum_j (1 - n_i . n_j) hat(r)  over surface particles j behind the surface at i), 0 where
@@ -45,9 +46,10 @@ struct FoamStep {
 ///   I_k  = Phi(v^2 / 2)                                                                           (eq. 7)
 ///   new  = I_k (k_ta I_ta + k_wc I_wc) dt                                                         (eq. 8)
 ///
-/// They begin in the cylinder that the fluid particle, as wide as d, has swept in the step. Then spray flies,
-/// foam goes with the fluid, and bubbles rise through it; foam dissolves. Chance is a function of the seed
-/// and the fluid particle: the same for any number of threads.
+/// New particles start in the cylinder of diameter d that the fluid particle has swept in the step. Spray
+/// then moves ballistically, foam moves with the fluid until it dissolves, and bubbles rise through the
+/// fluid. Random numbers depend only on the seed and the fluid particle, so results do not depend on the
+/// number of threads.
 class Foam {
  public:
   struct Report {
@@ -59,8 +61,9 @@ class Foam {
       : kernels_(&kernels::find_density_kernels(instruction_set(), shape)),
         velocity_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}
 
-  /// One step, after the fluid's. `keep_out(starts, positions, velocities)`, spans of equal size, puts what
-  /// goes into a wall on its way from its start before it, and lets it not move into it.
+  /// One foam step, after the fluid's step. `keep_out(starts, positions, velocities)` takes spans of equal
+  /// size. It moves each particle whose path enters a wall in front of this wall and removes its velocity
+  /// into the wall.
   template <class KeepOut>
   Report step(const FoamStep& step, const FoamParameters& parameters, const KeepOut& keep_out,
               Threads& threads) {
@@ -77,49 +80,49 @@ class Foam {
     find_kinds(step.fluid, parameters, old, threads);
     return count();
   }
-  /// Room for so many, so that growing to them allocates nothing.
+  /// Reserves capacity: growth up to `count` particles then allocates nothing.
   void reserve(std::size_t count);
 
   std::size_t size() const { return state_.size(); }
   std::span<const Vec3f> positions() const { return state_.position; }   ///< [m]
   std::span<const Vec3f> velocities() const { return state_.velocity; }  ///< [m/s]
   std::span<const FoamKind> kinds() const { return state_.kind; }
-  /// One more, beside what the fluid makes [m], [m/s], [s].
+  /// Adds a particle besides those that the fluid emits [m], [m/s], [s].
   void add(const Vec3f& x, const Vec3f& v, float life);
   void clear() { state_.resize(0); }
-  /// All there is to it: what has this state goes on the same.
+  /// The complete state: a Foam with an equal state continues identically.
   const FoamState& state() const { return state_; }
   void set_state(FoamState state) { state_ = std::move(state); }
-  void shift(const Vec3f& by);  ///< all positions [m]
+  void shift(const Vec3f& by);  ///< translates all positions [m]
   std::size_t bytes() const;
 
  private:
-  struct Around {
+  struct Neighborhood {
     Vec3f velocity{};
     int neighbors = 0;
   };
   struct Potential {
     float made;   // expected number in the step
-    float share;  // of the largest
+    float share;  // emission rate over its maximum
   };
-  /// A fluid particle that makes some, and what of all it makes.
-  struct Maker {
-    std::uint32_t place;
+  /// A fluid particle that emits foam; `first` is the number of its first new particle.
+  struct Spawner {
+    std::uint32_t index;
     std::uint64_t first;
     float share;
   };
 
   void find_cells(const FluidView& fluid, Threads& threads);
-  static FoamKind kind_of(const Around& around, const FoamParameters& parameters);
-  Around around(const FluidView& fluid, const Vec3f& at) const;
+  static FoamKind kind_of(const Neighborhood& neighborhood, const FoamParameters& parameters);
+  Neighborhood neighborhood(const FluidView& fluid, const Vec3f& at) const;
   void move(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
   void dissolve();
   void find_normals(const FoamStep& step, Threads& threads);
-  float bend(const FluidView& fluid, std::uint32_t place, std::span<const std::uint32_t> list) const;
-  Potential potential(const FoamStep& step, std::uint32_t place, std::span<const std::uint32_t> list,
+  float bend(const FluidView& fluid, std::uint32_t index, std::span<const std::uint32_t> list) const;
+  Potential potential(const FoamStep& step, std::uint32_t index, std::span<const std::uint32_t> list,
                       const FoamParameters& parameters) const;
   void make(const FoamStep& step, const FoamParameters& parameters, Threads& threads);
-  void begin(const FoamStep& step, const Maker& maker, std::uint32_t count, std::uint64_t key,
+  void begin(const FoamStep& step, const Spawner& spawner, std::uint32_t count, std::uint64_t key,
              const FoamParameters& parameters);
   void find_kinds(const FluidView& fluid, const FoamParameters& parameters, std::size_t first,
                   Threads& threads);
@@ -128,12 +131,12 @@ class Foam {
   const kernels::DensityKernels* kernels_;
   const kernels::VelocityKernels* velocity_;
   FoamState state_;
-  std::vector<Vec3f> start_;  // of what moves now, or is new: where it begins
-  CellOrder order_;           // of the fluid
+  std::vector<Vec3f> start_;  // path start of each particle that moves or is new
+  CellOrder order_;           // cells of the fluid
   float cell_size_ = 0;
-  std::vector<Vec3f> normals_;  // of the fluid's surface, by place; zero within
+  std::vector<Vec3f> normals_;  // fluid surface normals by sorted index; zero inside the fluid
   std::vector<float> made_, share_;
-  std::vector<Maker> makers_;
+  std::vector<Spawner> spawners_;
   Report report_;
 };
 

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t chunk_size = 512;
 
 Bounds grown(const Bounds& box, float by) {
-  const Vec3f room{by, by, by};
-  return {box.lo - room, box.hi + room};
+  const Vec3f margin{by, by, by};
+  return {box.lo - margin, box.hi + margin};
 }
 
 }  // namespace
@@ -33,16 +33,17 @@ void FoamBodies::build(Threads& threads) {
   hash_.build(boxes_, SpatialHash::choose_cell_size(boxes_), threads);
 }
 
-// Which way is out is the way from the nearest point when they meet, not the triangle's normal: it is right
-// at edges as well, and for either side.
-FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f& start, const Vec3f& x) {
+// The normal is the direction from the nearest point at the time of impact, not the triangle's normal: so it
+// is right at edges too, and on either side.
+FoamBodies::Impact FoamBodies::find_impact(const MovingTriangle& triangle, const Vec3f& start,
+                                           const Vec3f& x) {
   Moving4 motion;
   motion.x[0] = Vec3d{}, motion.p[0] = Vec3d(x - start);
   for (std::size_t c = 0; c < 3; ++c) {
     motion.x[c + 1] = Vec3d(triangle.start[c] - start);
     motion.p[c + 1] = Vec3d(triangle.end[c] - start);
   }
-  Touch result;
+  Impact result;
   result.gap = static_cast<double>(triangle.gap);
   result.time = vertex_triangle_time(motion, result.gap);
   if (!(result.time < 1)) return result;
@@ -50,29 +51,29 @@ FoamBodies::Touch FoamBodies::touch(const MovingTriangle& triangle, const Vec3f&
   for (std::size_t k = 0; k < 4; ++k) at[k] = motion.x[k] + (motion.p[k] - motion.x[k]) * result.time;
   double weight[3];
   nearest_on_triangle(at[0], at[1], at[2], at[3], weight);
-  const Vec3d way = at[0] - (at[1] * weight[0] + at[2] * weight[1] + at[3] * weight[2]);
-  const double distance = length(way);
-  result.normal = distance > 1e-9 ? way / distance : normalized(cross(at[2] - at[1], at[3] - at[1]));
+  const Vec3d offset = at[0] - (at[1] * weight[0] + at[2] * weight[1] + at[3] * weight[2]);
+  const double distance = length(offset);
+  result.normal = distance > 1e-9 ? offset / distance : normalized(cross(at[2] - at[1], at[3] - at[1]));
   result.point = Vec3d(start) + motion.p[1] * weight[0] + motion.p[2] * weight[1] + motion.p[3] * weight[2];
   return result;
 }
 
-// What one triangle pushes may meet another. What is still stopped after some rounds, in a fold, stays at the
-// triangle that it meets first. Who only grazes a triangle goes on.
+// A push by one triangle may cause an impact on another. A particle that still crosses a triangle after all
+// rounds, as in a fold, stays at its first impact. A particle that grazes a triangle is not stopped.
 Vec3f FoamBodies::stopped(const Vec3f& start, const Vec3f& x, std::vector<std::uint32_t>& near) const {
   constexpr int rounds = 4;
-  constexpr double slack = 1e-3;  // of the gap: floats cannot hold it exactly
+  constexpr double tolerance = 1e-3;  // of the gap: float precision
   Vec3f at = x;
   for (int round = 0;; ++round) {
     near.clear();
     hash_.find(united({start, start}, {at, at}), near);
-    Touch first;
+    Impact first;
     double missing = 0;
     for (const std::uint32_t t : near) {
-      const Touch touched = touch(triangles_[t], start, at);
-      if (!(touched.time < first.time)) continue;
-      const double depth = touched.gap - dot(touched.normal, Vec3d(at) - touched.point);
-      if (depth > touched.gap * slack) first = touched, missing = depth;
+      const Impact impact = find_impact(triangles_[t], start, at);
+      if (!(impact.time < first.time)) continue;
+      const double depth = impact.gap - dot(impact.normal, Vec3d(at) - impact.point);
+      if (depth > impact.gap * tolerance) first = impact, missing = depth;
     }
     if (!(first.time < 1)) return at;
     if (round == rounds) return Vec3f(first.point + first.normal * first.gap);

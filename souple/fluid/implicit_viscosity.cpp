@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t chunk = 1024;
 
-// Of (1 - r / 2) r^2 over the lattice of spacing 1: 6 neighbors at 1, 12 at sqrt 2, 8 at sqrt 3.
+// Sum of (1 - r / 2) r^2 over the lattice of spacing 1: 6 neighbors at 1, 12 at sqrt 2, 8 at sqrt 3.
 constexpr float lattice_sum = 3 + 24 * (1 - 0.70710678f) + 24 * (1 - 0.86602540f);
 
 double square(const Vec3f& a) {
@@ -19,7 +19,7 @@ double square(const Vec3f& a) {
 
 }  // namespace
 
-// The impulse that neighbors give a particle within the substep [N s].
+// The impulse of all neighbors on a particle within the substep [N s].
 Vec3f ImplicitViscosity::force(const System& system, std::span<const Vec4f> values, std::uint32_t k,
                                std::span<const std::uint32_t> list) const {
   const Smoothing& smoothing = system.fluid.smoothing;
@@ -30,14 +30,14 @@ Vec3f ImplicitViscosity::force(const System& system, std::span<const Vec4f> valu
   return strain * (10 * V * V * b * system.h);
 }
 
-// What walls take of its velocity, as a mass [kg].
-float ImplicitViscosity::rub(const System& system, std::size_t k) const {
+// Impulse that walls take from a particle per velocity, a mass [kg].
+float ImplicitViscosity::wall_drag(const System& system, std::size_t k) const {
   if (system.walls.empty()) return 0;
   const Smoothing& smoothing = system.fluid.smoothing;
   return system.h * smoothing.volume() * system.fluid.v[k].w * wall_friction(smoothing, system.walls[k].w);
 }
 
-// r = b - A v,  A v = m v - forces' impulse + rub v,  b = m v* + rub v_wall; p = r / m.
+// r = b - A v,  A v = m v - forces' impulse + wall_drag v,  b = m v* + wall_drag v_wall; p = r / m.
 void ImplicitViscosity::begin(const System& system) {
   const FluidView& fluid = system.fluid;
   const std::size_t n = fluid.size();
@@ -47,10 +47,10 @@ void ImplicitViscosity::begin(const System& system) {
   chunks_.resize((n + chunk - 1) / chunk);
   fluid.for_lists(system.threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     Vec3f r = force(system, fluid.v, k, list);
-    if (!system.walls.empty()) r += (system.walls[k].xyz() - fluid.v[k].xyz()) * rub(system, k);
+    if (!system.walls.empty()) r += (system.walls[k].xyz() - fluid.v[k].xyz()) * wall_drag(system, k);
     residual_[k] = r;
   });
-  for_places(n, system.threads, [&](std::size_t k) {
+  for_each_index(n, system.threads, [&](std::size_t k) {
     direction_[k].set_xyz(residual_[k] * fluid.x[k].w);
     direction_[k].w = fluid.v[k].w;
   });
@@ -62,11 +62,11 @@ void ImplicitViscosity::apply_matrix(const System& system) {
   const FluidView& fluid = system.fluid;
   fluid.for_lists(system.threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
     const Vec3f p = direction_[k].xyz();
-    product_[k] = p * (1 / fluid.x[k].w + rub(system, k)) - force(system, direction_, k, list);
+    product_[k] = p * (1 / fluid.x[k].w + wall_drag(system, k)) - force(system, direction_, k, list);
   });
 }
 
-// term(k) over all places: chunks of fixed size, one after the other.
+// Sum of term(k) over all particles: fixed chunks, added in order.
 template <class Term>
 double ImplicitViscosity::sum(const System& system, const Term& term) {
   const std::size_t n = system.fluid.size();
@@ -93,18 +93,18 @@ ImplicitViscosity::Report ImplicitViscosity::apply(const FluidView& fluid, WallF
       first * static_cast<double>(options_.tolerance) * static_cast<double>(options_.tolerance);
   double rz = first;
   Report report;
-  while (report.iterations < options_.most_iterations && rz > enough) {
+  while (report.iterations < options_.max_iterations && rz > enough) {
     apply_matrix(system);
     const double curvature =
         sum(system, [&](std::size_t k) { return dot(Vec3d(direction_[k].xyz()), Vec3d(product_[k])); });
     const auto alpha = static_cast<float>(rz / curvature);
-    for_places(fluid.size(), threads, [&](std::size_t k) {
+    for_each_index(fluid.size(), threads, [&](std::size_t k) {
       fluid.v[k].set_xyz(fluid.v[k].xyz() + direction_[k].xyz() * alpha);
       residual_[k] -= product_[k] * alpha;
     });
     const double next = sum(system, weighted);
     const auto beta = static_cast<float>(next / rz);
-    for_places(fluid.size(), threads, [&](std::size_t k) {
+    for_each_index(fluid.size(), threads, [&](std::size_t k) {
       direction_[k].set_xyz(residual_[k] * fluid.x[k].w + direction_[k].xyz() * beta);
     });
     rz = next;

@@ -11,14 +11,14 @@ namespace souple {
 
 namespace {
 
-using kernels::PlaceRange;
+using kernels::IndexRange;
 
-/// The nine rows around a row, and in each the cells from x - 1 to x + 1 as x goes up.
+/// The nine rows around a row, and in each the cells from x - 1 to x + 1, for increasing x.
 class Windows {
  public:
   explicit Windows(const CellOrder& order) : cells_(order.cells()), rows_(order.rows()) {}
 
-  /// Begins with row `row`, at any x.
+  /// Starts a row, at any x.
   void enter(std::size_t row) {
     count_ = 0;
     const CellOrder::Row& here = rows_[row];
@@ -29,8 +29,8 @@ class Windows {
       }
     }
   }
-  /// Moves on to x, which must not fall; returns how many ranges of places there are.
-  std::size_t move_to(std::int32_t x, PlaceRange* ranges) {
+  /// Advances to x, which must not decrease; returns the number of index ranges.
+  std::size_t move_to(std::int32_t x, IndexRange* ranges) {
     std::size_t found = 0;
     for (std::size_t w = 0; w < count_; ++w) {
       Window& window = windows_[w];
@@ -45,7 +45,7 @@ class Windows {
  private:
   struct Window {
     std::uint32_t first, end;  // cells
-    std::uint32_t last;        // of the row
+    std::uint32_t last;        // end of the row
   };
   std::size_t first_of(std::int32_t y, std::int32_t z) const {
     const auto end = rows_.end() - 1;
@@ -66,21 +66,21 @@ class Windows {
 
 void Neighbors::find(const CellOrder& order, float radius, Threads& threads) {
   if (kernels_ == nullptr) kernels_ = &kernels::find_neighbor_kernels(instruction_set());
-  cut(order);
+  make_blocks(order);
   threads.for_each(block_count_, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t b = first; b < last; ++b) find_in(order, b, radius);
   });
 }
 
-// Whole cells, about 1024 places a block.
-void Neighbors::cut(const CellOrder& order) {
-  constexpr std::uint32_t places = 1024;
+// Blocks of whole cells, with about 1024 particles each.
+void Neighbors::make_blocks(const CellOrder& order) {
+  constexpr std::uint32_t particles_per_block = 1024;
   first_cell_.clear();
   std::uint32_t next = 0;
   for (std::uint32_t c = 0; c < order.cell_count(); ++c) {
     if (order.cells()[c].begin < next) continue;
     first_cell_.push_back(c);
-    next = order.cells()[c].begin + places;
+    next = order.cells()[c].begin + particles_per_block;
   }
   block_count_ = first_cell_.size();
   first_cell_.push_back(static_cast<std::uint32_t>(order.cell_count()));
@@ -106,7 +106,7 @@ void Neighbors::find_in(const CellOrder& order, std::size_t number, float radius
            rows.begin() - 1;
   };
   Windows windows(order);
-  PlaceRange ranges[9];
+  IndexRange ranges[9];
   auto row = static_cast<std::size_t>(row_of(first_cell));
   windows.enter(row);
   for (std::uint32_t c = first_cell; c < last_cell; ++c) {

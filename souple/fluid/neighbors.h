@@ -10,53 +10,54 @@
 
 namespace souple {
 
-/// Who is within a radius of whom: for each place of a CellOrder the places of the others, in the order of
-/// rows of cells and then ascending; nobody is a neighbor of itself. Lists lie one behind the other, in
-/// blocks of places that threads make by themselves. The same lists for any number of threads and with all
-/// instruction sets.
+/// Neighbor lists: for each sorted index of a CellOrder, the sorted indices of all other particles within a
+/// radius. A list is ordered by rows of cells, then ascending. Lists are contiguous within blocks, which
+/// threads fill independently. They do not depend on the number of threads or the instruction set.
 class Neighbors {
  public:
-  /// Lists are padded to whole sixteens, so that loops over registers need no end of their own.
+  /// Lists are padded to multiples of sixteen, so that loops over registers need no remainder.
   static constexpr std::uint32_t padding = 16;
 
-  /// Consecutive places and their lists. An entry is a place times four: where its record of four floats
-  /// begins. What pads a list is the place size(), of a record that is far away from all.
+  /// Consecutive particles and their lists. An entry is four times a sorted index: the offset of the
+  /// neighbor's record of four floats. Padding entries refer to index size(), a record far away from all
+  /// particles.
   struct Block {
-    std::uint32_t begin = 0, end = 0;    ///< places
-    std::vector<std::uint32_t> entry{};  ///< lists, one behind the other; room for a register beyond
-    std::vector<std::uint32_t> first{};  ///< of place begin + k: entry[first[k]] up to entry[first[k + 1]]
-    std::vector<std::uint32_t> count{};  ///< of these, how many are neighbors
+    std::uint32_t begin = 0, end = 0;    ///< range of sorted indices
+    std::vector<std::uint32_t> entry{};  ///< lists, contiguous; spare capacity of one register at the end
+    std::vector<std::uint32_t>
+        first{};  ///< list of index begin + k: entry[first[k]] up to entry[first[k + 1]]
+    std::vector<std::uint32_t> count{};  ///< number of neighbors in each list, without padding
 
-    std::span<const std::uint32_t> of(std::uint32_t place) const {
-      const std::uint32_t k = place - begin;
+    std::span<const std::uint32_t> of(std::uint32_t index) const {
+      const std::uint32_t k = index - begin;
       return {entry.data() + first[k], count[k]};
     }
-    std::span<const std::uint32_t> padded(std::uint32_t place) const {
-      const std::uint32_t k = place - begin;
+    std::span<const std::uint32_t> padded(std::uint32_t index) const {
+      const std::uint32_t k = index - begin;
       return {entry.data() + first[k], first[k + 1] - first[k]};
     }
-    /// Padded, of the places [from, to) of this block.
-    kernels::ListsOfPlaces lists(std::uint32_t from, std::uint32_t to) const {
+    /// Padded lists of the sorted indices [from, to) of this block.
+    kernels::NeighborLists lists(std::uint32_t from, std::uint32_t to) const {
       return {entry.data(), first.data() + (from - begin), from, to};
     }
   };
 
-  /// Replaces what was there. Those closer than `radius`, at most the cell size the order was built with [m].
-  /// Allocates nothing when warm.
+  /// Replaces all lists by those of `radius` [m], at most the cell size of the order. Allocates nothing once
+  /// capacities suffice.
   void find(const CellOrder& order, float radius, Threads& threads);
 
-  /// By ascending places; together they have all.
+  /// Blocks by ascending sorted index; together they cover all particles.
   std::span<const Block> blocks() const { return {blocks_.data(), block_count_}; }
-  /// All lists together.
+  /// Number of neighbors in all lists.
   std::size_t count() const;
   std::size_t bytes() const;
 
  private:
-  void cut(const CellOrder& order);
+  void make_blocks(const CellOrder& order);
   void find_in(const CellOrder& order, std::size_t block, float radius) const;
 
   const kernels::NeighborKernels* kernels_ = nullptr;
-  std::vector<std::uint32_t> first_cell_;  // of each block
+  std::vector<std::uint32_t> first_cell_;  // per block
   mutable std::vector<Block> blocks_;
   std::size_t block_count_ = 0;
 };

@@ -10,13 +10,13 @@ namespace souple {
 
 namespace {
 
-/// A shape's functions of q, its support, and the constants that were measured for it (columns of 25 to 75
-/// layers at rest).
+/// A shape's functions of q, its support, and its measured constants (from columns of 25 to 75 layers at
+/// rest).
 struct Shape {
   double support;  // in spacings
   double (*value)(double q);
   double (*slope)(double q);
-  double density_factor;   // of the packing at rest, over the lattice's
+  double density_factor;   // density of the packing at rest over that of the lattice
   double gradient_factor;  // g
   double mirror;           // a
 };
@@ -42,7 +42,7 @@ Shape find_shape(SmoothingShape shape) {
   return shape_of<kernels::Wendland>(2, 1, 1.04, 2);
 }
 
-/// f(i, r^2) summed over the lattice of spacing 1 within a radius below 3, the origin left out; i is the
+/// Sum of f(i, r^2) over the lattice of spacing 1 within a radius below 3, without the origin; i is the
 /// coordinate along x.
 template <class Function>
 double lattice_sum(double radius, const Function& f) {
@@ -56,7 +56,7 @@ double lattice_sum(double radius, const Function& f) {
   return sum;
 }
 
-/// The integral of f from x to 1, at x = 0, 1 / n, ... 1.
+/// The integrals of f from x to 1, for x = 0, 1 / n, ... 1.
 template <class Function>
 std::vector<double> integrals_to_one(int n, const Function& f) {
   std::vector<double> result(static_cast<std::size_t>(n) + 1, 0);

@@ -7,19 +7,18 @@
 
 namespace souple {
 
-/// The smoothing kernel of a fluid whose particles lie d = spacing apart at rest, support h = 2 d (2.3 d
-/// the wide one), and what a wall adds to it. With V = d^3, factors are such that on the cubic lattice of
-/// that spacing
+/// The smoothing kernel of a fluid with rest spacing d and support h = 2 d (2.3 d for wide_wendland), and the
+/// contribution of walls. With V = d^3 its factors satisfy, on the cubic lattice of this spacing,
 ///
 ///   V sum_j W(r_ij)                              = 1, the particle itself included
 ///   V sum_j grad W(r_ij) . (x_j - x_i)           = 3 g
 ///
-/// Sums differ from the integrals by a per cent or more, and a fluid would rest that much too high or too
-/// low. g is 1.04: at rest particles do not lie on a lattice, and pressures would read 4 % too high with 1.
-/// Other shapes have factors of their own, as measured.
+/// These sums differ from the integrals by one percent or more, and with factors from the integrals a fluid
+/// would rest too high or too low by that much. g is 1.04: particles at rest are not on a lattice, and with g
+/// = 1 pressures would be 4 % too high. Other shapes have their own measured factors.
 class Smoothing {
  public:
-  /// > 0 [m].
+  /// `spacing` > 0 [m].
   explicit Smoothing(float spacing, SmoothingShape shape = SmoothingShape::wendland);
 
   float spacing() const { return spacing_; }
@@ -28,19 +27,20 @@ class Smoothing {
   const kernels::SmoothingFactors& factors() const { return factors_; }
   float center() const { return center_; }  ///< W(0) [1/m^3]
 
-  /// What a wall adds to V sum W, and its derivative along the normal that points away from it [1/m].
+  /// A wall's contribution to V sum W, and its derivative along the normal that points away from the wall
+  /// [1/m].
   struct Wall {
     float value, slope;
   };
-  /// Of a plane wall at a distance [m], also below 0. The fluid behind the wall is the mirror image of that
-  /// before it and moves as that does, so with H the half-space behind a plane
+  /// Contribution of a plane wall at a distance [m], which may be negative. The fluid behind the wall is the
+  /// mirror image of the fluid in front and moves with it. So with H the half-space behind a plane
   ///
   ///   value(s) = H(d/2 + a (s - d/2)),   slope(s) = a H'(d/2 + a (s - d/2)),   a = 2
   ///
-  /// (2.2 for poly6 and the cubic spline, 2.4 for the wide one), H(-z) = 2 H(0) - H(z). A push by lambda
-  /// slope then does as much work as the value gains: one that counts twice, for the fluid behind, stirs the
-  /// fluid for ever. H and H' are scaled such that a layer of the lattice at d/2 has density 1, and that
-  /// equal pressures do not push it.
+  /// (2.2 for poly6 and the cubic spline, 2.4 for the wide kernel), H(-z) = 2 H(0) - H(z). The work of a push
+  /// by lambda slope then equals the gain in value. A push that also counted the fluid behind would stir the
+  /// fluid forever. H and H' are scaled such that a lattice layer at d/2 has density 1 and that equal
+  /// pressures do not push it.
   Wall wall(float distance) const;
 
  private:

@@ -2,13 +2,13 @@
 
 namespace souple {
 
-/// How the weight of a neighbor falls with its distance: W(r) ~ value(r / h), grad W ~ slope(r / h); see
-/// kernels/shapes.h. The support h is two spacings, but for the wide one.
+/// Shape of the smoothing kernel: W(r) ~ value(r / h), grad W ~ slope(r / h); see kernels/shapes.h. The
+/// support h is two spacings, except for wide_wendland.
 enum class SmoothingShape {
   wendland,
   poly6_spiky,
   cubic_spline,
-  wide_wendland  ///< h is 2.3 spacings: half as many neighbors again, and slow flows do not stop so soon
+  wide_wendland  ///< h is 2.3 spacings: half again as many neighbors, and slow flows keep moving longer
 };
 
 }  // namespace souple

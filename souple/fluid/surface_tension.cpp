@@ -8,10 +8,10 @@ namespace souple {
 
 namespace {
 
-// Measured: see surface_tension.h. In units of sigma d, with Wendland's kernel.
+// Measured, see surface_tension.h. In units of sigma d, for Wendland's kernel.
 constexpr float attraction = 0.3f, flattening = 2;
 
-// What other kernels ask for, over that: their slopes make other normals.
+// Factor for other kernels: their slopes give other normals.
 float share_of(SmoothingShape shape) {
   switch (shape) {
     case SmoothingShape::poly6_spiky:
@@ -28,8 +28,8 @@ float share_of(SmoothingShape shape) {
 
 constexpr int wall_steps = 64;
 
-/// What a wall pulls at z = 2 k / wall_steps spacings before it, filled with one particle for each d^3, in
-/// units of a, where the support is two spacings. Of a slice at the distance t:
+/// Attraction of a wall at a distance of z = 2 k / wall_steps spacings, filled with one particle per d^3, in
+/// units of a, for a support of two spacings. A slice at the distance t contributes
 ///
 ///   2 pi t integral_t^2 c(s) ds
 std::vector<float> half_space_pull() {
@@ -54,13 +54,13 @@ SurfaceTension::SurfaceTension(SmoothingShape shape)
       share_(share_of(shape)),
       wall_pull_(half_space_pull()) {}
 
-float SurfaceTension::longest_substep(float sigma, float density, float spacing) {
+float SurfaceTension::max_substep(float sigma, float density, float spacing) {
   const float volume = spacing * spacing * spacing;
   return 0.4f * std::sqrt(density * volume / (2 * static_cast<float>(pi) * sigma));
 }
 
 float SurfaceTension::adhesion_of(float contact_angle) {
-  constexpr float degrees[] = {160, 142, 122, 104, 84, 64, 49, 40, 34};  // at 0, 1/4, ... 2
+  constexpr float degrees[] = {160, 142, 122, 104, 84, 64, 49, 40, 34};  // for adhesion 0, 1/4, ... 2
   const float angle = contact_angle * 180 / static_cast<float>(pi);
   if (angle >= degrees[0]) return 0;
   for (int k = 0; k < 8; ++k)
@@ -80,7 +80,7 @@ void SurfaceTension::find_normals(const FluidView& fluid, std::span<const NearWa
     Vec3f gradient = sums.gradient * V;
     float rho = V * (sums.density + smoothing.center());
     if (!walls.empty() && dot(walls[k].normal, walls[k].normal) > 0) {
-      // Half of the wall's slope: it is that of a mirrored fluid which moves when the particle does.
+      // Half of the wall's slope: the full slope includes the motion of the mirrored fluid.
       const Smoothing::Wall wall = smoothing.wall(walls[k].distance);
       gradient += walls[k].normal * (0.5f * adhesion * wall.slope);
       rho += wall.value;

@@ -4,18 +4,18 @@
 
 namespace souple {
 
-/// The viscosity of a fluid's material, by what it takes: an exchange between neighbors where that is well
-/// within what is stable, the implicit solve above it.
+/// The viscosity of a fluid's material: explicit XSPH well below its stability limit, the implicit solve
+/// above.
 class Viscosity {
  public:
   explicit Viscosity(SmoothingShape shape = SmoothingShape::wendland,
                      const ImplicitViscosity::Options& options = {})
       : xsph_(shape), implicit_(shape, options) {}
 
-  /// Whether h seconds of a kinematic viscosity nu [m^2/s] ask for the implicit solve: h nu > 0.1 d^2.
+  /// Whether a kinematic viscosity nu [m^2/s] needs the implicit solve over h seconds: h nu > 0.1 d^2.
   static bool is_implicit(float nu, float spacing, float h) { return h * nu > 0.1f * spacing * spacing; }
 
-  /// Changes v by what mu and walls say, over h seconds. Nothing happens where mu is 0.
+  /// Updates v by viscosity mu and wall friction over h seconds. Does nothing if mu is 0 everywhere.
   ImplicitViscosity::Report apply(const FluidView& fluid, WallFriction walls, float h, Threads& threads);
 
  private:

@@ -15,7 +15,7 @@ void VorticityConfinement::apply(const FluidView& fluid, float epsilon, float h,
   });
   strength_.back() = fluid.x.back();
   fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
-    // Pushes add the two numbers, where here their difference is wanted.
+    // The push kernel adds q_i + q_j; a negated q_i gives the difference.
     Vec4f at = strength_[k];
     at.w = -at.w;
     const Vec3f eta = V * density_->push(strength_.data(), at, list.data(), list.size(), smoothing.factors());

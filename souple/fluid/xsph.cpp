@@ -10,9 +10,9 @@ float wall_friction(const Smoothing& smoothing, float value) {
 void Xsph::apply(const FluidView& fluid, WallFriction walls, float h, Threads& threads) {
   const Smoothing& smoothing = fluid.smoothing;
   const float V = smoothing.volume(), d = smoothing.spacing();
-  // Of the lattice's layers across an axis only the two at a distance d lie within the support, and each has
-  // V sum W = value(d/2), what a wall there hides: so along each of three axes V sum W x^2 = 2 d^2
-  // value(d/2). The wide kernel reaches into the next ones too, so little that rates stay within 7 %.
+  // Across an axis only the two lattice layers at distance d lie within the support. Each has V sum W =
+  // value(d/2), the part that a wall there would replace. So along each of the three axes V sum W x^2 = 2 d^2
+  // value(d/2). The wide kernel extends slightly into the next layers; rates stay within 7 %.
   const float m2 = 6 * d * d * smoothing.wall(0.5f * d).value;
   next_.resize(fluid.size());
   fluid.for_lists(threads, [&](std::uint32_t k, std::span<const std::uint32_t> list) {
@@ -21,10 +21,10 @@ void Xsph::apply(const FluidView& fluid, WallFriction walls, float h, Threads& t
                                               list.size(), smoothing.factors());
     next_[k] = v.xyz() + exchange * (h * fluid.x[k].w * V * V * 6 / m2);
     if (walls.empty()) return;
-    const float rub = h * fluid.x[k].w * V * v.w * wall_friction(smoothing, walls[k].w);
-    next_[k] = (next_[k] + walls[k].xyz() * rub) * (1 / (1 + rub));
+    const float wall_drag = h * fluid.x[k].w * V * v.w * wall_friction(smoothing, walls[k].w);
+    next_[k] = (next_[k] + walls[k].xyz() * wall_drag) * (1 / (1 + wall_drag));
   });
-  for_places(fluid.size(), threads, [&](std::size_t k) { fluid.v[k].set_xyz(next_[k]); });
+  for_each_index(fluid.size(), threads, [&](std::size_t k) { fluid.v[k].set_xyz(next_[k]); });
 }
 
 }  // namespace souple

@@ -13,20 +13,20 @@ namespace {
 
 constexpr int tet_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-// One use of an edge by an element; sorted, the uses of an edge stand together, the first one leading.
+// A use of an edge by an element. After sorting, the uses of an edge are consecutive, in order of appearance.
 struct EdgeUse {
   std::uint32_t low, high;
-  std::uint64_t place;  // element * sides + side
+  std::uint64_t slot;  // element * sides + side
   friend bool operator<(const EdgeUse& a, const EdgeUse& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.high != b.high) return a.high < b.high;
-    return a.place < b.place;
+    return a.slot < b.slot;
   }
   bool same_edge(const EdgeUse& b) const { return low == b.low && high == b.high; }
 };
 
-EdgeUse edge_use(std::uint32_t a, std::uint32_t b, std::uint64_t place) {
-  return {std::min(a, b), std::max(a, b), place};
+EdgeUse edge_use(std::uint32_t a, std::uint32_t b, std::uint64_t slot) {
+  return {std::min(a, b), std::max(a, b), slot};
 }
 
 std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
@@ -41,20 +41,20 @@ std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
   return uses;
 }
 
-// The end of the run of uses of one edge that starts at `first`.
+// End of the run of uses of one edge that starts at `first`.
 std::size_t run_end(const std::vector<EdgeUse>& uses, std::size_t first) {
   std::size_t last = first + 1;
   while (last < uses.size() && uses[last].same_edge(uses[first])) ++last;
   return last;
 }
 
-Edge edge_at(std::span<const Triangle> triangles, std::uint64_t place) {
-  const Triangle& t = triangles[place / 3];
-  return {t[place % 3], t[(place + 1) % 3]};
+Edge edge_at(std::span<const Triangle> triangles, std::uint64_t slot) {
+  const Triangle& t = triangles[slot / 3];
+  return {t[slot % 3], t[(slot + 1) % 3]};
 }
 
-std::uint32_t opposite_at(std::span<const Triangle> triangles, std::uint64_t place) {
-  return triangles[place / 3][(place + 2) % 3];
+std::uint32_t opposite_at(std::span<const Triangle> triangles, std::uint64_t slot) {
+  return triangles[slot / 3][(slot + 2) % 3];
 }
 
 [[noreturn]] void throw_out_of_range(const std::string& name, const char* kind, std::size_t element,
@@ -71,7 +71,7 @@ void check_range(std::span<const Element> elements, std::size_t vertex_count, co
       if (v >= vertex_count) throw_out_of_range(name, kind, e, v, vertex_count);
 }
 
-// Union by lowest root with path halving: the root of a piece is its lowest vertex.
+// Union by lowest root with path halving: the root of a component is its lowest vertex.
 std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
   while (parent[v] != v) {
     parent[v] = parent[parent[v]];
@@ -102,23 +102,23 @@ Components components_of(std::span<const Element> elements, std::size_t vertex_c
 
 TriangleEdges triangle_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
-  // First write into each side the place where its edge first appears, then number those places in order.
-  std::vector<std::uint64_t> first_place(triangles.size() * 3, ~std::uint64_t(0));
+  // First store in each side the slot where its edge first appears, then number those slots in order.
+  std::vector<std::uint64_t> first_slot(triangles.size() * 3, ~std::uint64_t(0));
   for (std::size_t first = 0; first < uses.size();) {
     const std::size_t last = run_end(uses, first);
-    for (std::size_t u = first; u < last; ++u) first_place[uses[u].place] = uses[first].place;
+    for (std::size_t u = first; u < last; ++u) first_slot[uses[u].slot] = uses[first].slot;
     first = last;
   }
   TriangleEdges result;
   result.of_triangle.resize(triangles.size());
-  for (std::uint64_t place = 0; place < first_place.size(); ++place) {
-    std::uint32_t& edge = result.of_triangle[place / 3][place % 3];
-    const std::uint64_t origin = first_place[place];
+  for (std::uint64_t slot = 0; slot < first_slot.size(); ++slot) {
+    std::uint32_t& edge = result.of_triangle[slot / 3][slot % 3];
+    const std::uint64_t origin = first_slot[slot];
     if (origin == ~std::uint64_t(0)) {
       edge = TriangleEdges::no_edge;
-    } else if (origin == place) {
+    } else if (origin == slot) {
       edge = static_cast<std::uint32_t>(result.edges.size());
-      result.edges.push_back(edge_at(triangles, place));
+      result.edges.push_back(edge_at(triangles, slot));
     } else {
       edge = result.of_triangle[origin / 3][origin % 3];
     }
@@ -139,15 +139,15 @@ std::vector<Edge> unique_edges(std::span<const Tet> tets) {
       if (a != b) uses.push_back(edge_use(a, b, t * 6 + i));
     }
   std::sort(uses.begin(), uses.end());
-  std::vector<std::uint64_t> places;
+  std::vector<std::uint64_t> slots;
   for (std::size_t first = 0; first < uses.size(); first = run_end(uses, first))
-    places.push_back(uses[first].place);
-  std::sort(places.begin(), places.end());
+    slots.push_back(uses[first].slot);
+  std::sort(slots.begin(), slots.end());
   std::vector<Edge> edges;
-  edges.reserve(places.size());
-  for (const std::uint64_t place : places) {
-    const int(&pair)[2] = tet_edge[place % 6];
-    edges.push_back({tets[place / 6][std::size_t(pair[0])], tets[place / 6][std::size_t(pair[1])]});
+  edges.reserve(slots.size());
+  for (const std::uint64_t slot : slots) {
+    const int(&pair)[2] = tet_edge[slot % 6];
+    edges.push_back({tets[slot / 6][std::size_t(pair[0])], tets[slot / 6][std::size_t(pair[1])]});
   }
   return edges;
 }
@@ -156,14 +156,14 @@ std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
   std::vector<std::array<std::uint64_t, 2>> pairs;
   for (std::size_t u = 0; u + 1 < uses.size(); ++u)
-    if (uses[u].same_edge(uses[u + 1])) pairs.push_back({uses[u].place, uses[u + 1].place});
+    if (uses[u].same_edge(uses[u + 1])) pairs.push_back({uses[u].slot, uses[u + 1].slot});
   std::sort(pairs.begin(), pairs.end());
   std::vector<Hinge> hinges;
   hinges.reserve(pairs.size());
   for (const auto& [first, second] : pairs) {
     const Edge edge = edge_at(triangles, first);
     const std::uint32_t c = opposite_at(triangles, first), d = opposite_at(triangles, second);
-    // A triangle laid twice on the same corners, or a needle (a, b, a), has no angle to keep.
+    // Two triangles on the same corners, or a needle (a, b, a), have no hinge angle.
     const bool folded = c == d || c == edge[0] || c == edge[1] || d == edge[0] || d == edge[1];
     if (!folded) hinges.push_back({edge[0], edge[1], c, d});
   }
@@ -172,22 +172,22 @@ std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
 
 std::vector<Edge> boundary_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
-  std::vector<std::uint64_t> places;
+  std::vector<std::uint64_t> slots;
   for (std::size_t first = 0; first < uses.size();) {
     const std::size_t last = run_end(uses, first);
-    if (last - first == 1) places.push_back(uses[first].place);
+    if (last - first == 1) slots.push_back(uses[first].slot);
     first = last;
   }
-  std::sort(places.begin(), places.end());
+  std::sort(slots.begin(), slots.end());
   std::vector<Edge> edges;
-  edges.reserve(places.size());
-  for (const std::uint64_t place : places) edges.push_back(edge_at(triangles, place));
+  edges.reserve(slots.size());
+  for (const std::uint64_t slot : slots) edges.push_back(edge_at(triangles, slot));
   return edges;
 }
 
 VertexTriangles vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count) {
   check_range(triangles, vertex_count, "mesh", "triangle");
-  // A corner that repeats an earlier corner of its triangle is not counted twice.
+  // Counts a repeated corner of a triangle once.
   const auto is_new = [](const Triangle& t, std::size_t i) {
     return i == 0 || (t[i] != t[0] && (i == 1 || t[i] != t[1]));
   };
@@ -221,12 +221,12 @@ Components connected_components(std::span<const Tet> tets, std::size_t vertex_co
 }
 
 std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
-  // Outward faces of a positively oriented tet, each opposite to one corner.
+  // Outward faces of a positively oriented tet; face k is opposite corner k.
   constexpr std::size_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   struct Use {
     Triangle key;
-    std::uint64_t place;
-    bool operator<(const Use& b) const { return key != b.key ? key < b.key : place < b.place; }
+    std::uint64_t slot;
+    bool operator<(const Use& b) const { return key != b.key ? key < b.key : slot < b.slot; }
   };
   std::vector<Use> uses;
   uses.reserve(tets.size() * 4);
@@ -237,19 +237,19 @@ std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
       uses.push_back({key, t * 4 + i});
     }
   std::sort(uses.begin(), uses.end());
-  std::vector<std::uint64_t> places;
+  std::vector<std::uint64_t> slots;
   for (std::size_t first = 0; first < uses.size();) {
     std::size_t last = first + 1;
     while (last < uses.size() && uses[last].key == uses[first].key) ++last;
-    if (last - first == 1) places.push_back(uses[first].place);
+    if (last - first == 1) slots.push_back(uses[first].slot);
     first = last;
   }
-  std::sort(places.begin(), places.end());
+  std::sort(slots.begin(), slots.end());
   std::vector<Triangle> triangles;
-  triangles.reserve(places.size());
-  for (const std::uint64_t place : places) {
-    const Tet& tet = tets[place / 4];
-    const std::size_t(&f)[3] = face[place % 4];
+  triangles.reserve(slots.size());
+  for (const std::uint64_t slot : slots) {
+    const Tet& tet = tets[slot / 4];
+    const std::size_t(&f)[3] = face[slot % 4];
     triangles.push_back({tet[f[0]], tet[f[1]], tet[f[2]]});
   }
   return triangles;

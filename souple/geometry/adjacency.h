@@ -11,8 +11,9 @@
 
 namespace souple {
 
-// Who touches whom. All lists come in order of first appearance in the triangles (tets), corner by corner, so
-// they depend on the mesh alone. Triangles with a repeated corner give no edge from a vertex to itself.
+// Adjacency of mesh elements. All lists are in order of first appearance in the triangles (tets), corner by
+// corner, so they depend on the mesh alone. Triangles with a repeated corner give no edge from a vertex to
+// itself.
 
 /// Two vertices.
 using Edge = std::array<std::uint32_t, 2>;
@@ -20,12 +21,12 @@ using Edge = std::array<std::uint32_t, 2>;
 /// Two triangles that share an edge: [edge a, edge b, opposite c, opposite d].
 using Hinge = std::array<std::uint32_t, 4>;
 
-/// The distinct edges, each written as it first appears (a then b in the triangle's or tet's order).
+/// The distinct edges, oriented as at first appearance (a then b in the triangle's or tet's order).
 std::vector<Edge> unique_edges(std::span<const Triangle> triangles);
 std::vector<Edge> unique_edges(std::span<const Tet> tets);
 
-/// The distinct edges of triangles, and which edge each triangle side is: side i joins corners i and
-/// (i + 1) % 3 (`no_edge` for a side from a vertex to itself).
+/// The distinct edges of triangles, and the edge of each triangle side. Side i joins corners i and (i + 1) %
+/// 3; its edge is `no_edge` if it joins a vertex to itself.
 struct TriangleEdges {
   static constexpr std::uint32_t no_edge = ~std::uint32_t(0);
   std::vector<Edge> edges;
@@ -34,38 +35,36 @@ struct TriangleEdges {
 TriangleEdges triangle_edges(std::span<const Triangle> triangles);
 
 /// Interior edges with their two opposite vertices, for bending. The first triangle is (a, b, c) in its
-/// winding; the second is (b, a, d) where the surface is consistently wound. An edge shared by n > 2
-/// triangles gives n - 1 hinges, between each triangle and the next in mesh order. Flat hinges have their two
-/// normals equal.
+/// winding; the second is (b, a, d) if the surface is consistently wound. An edge shared by n > 2 triangles
+/// gives n - 1 hinges, between consecutive triangles in mesh order. A flat hinge has two equal normals.
 std::vector<Hinge> interior_edges(std::span<const Triangle> triangles);
 
-/// Edges of exactly one triangle, directed as that triangle winds.
+/// Edges of exactly one triangle, in the direction of its winding.
 std::vector<Edge> boundary_edges(std::span<const Triangle> triangles);
 
-/// The triangles around each vertex, ascending: those of v are items[begin[v] .. begin[v + 1]).
+/// The triangles around each vertex, ascending: those of v are items[begin[v]] up to items[begin[v + 1]].
 struct VertexTriangles {
-  std::vector<std::uint32_t> begin;  ///< vertex count + 1
+  std::vector<std::uint32_t> begin;  ///< vertex count + 1 entries
   std::vector<std::uint32_t> items;
   std::span<const std::uint32_t> of(std::size_t vertex) const {
     return std::span(items).subspan(begin[vertex], begin[vertex + 1] - begin[vertex]);
   }
 };
-/// Throws Error if a triangle names a vertex >= vertex_count.
+/// Throws Error if a triangle has a vertex index >= vertex_count.
 VertexTriangles vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count);
 
-/// Pieces that share no vertex, numbered by their lowest vertex. A vertex that nothing uses is a piece of its
-/// own.
+/// Connected components, numbered by their lowest vertex. An unused vertex is a component of its own.
 struct Components {
   std::vector<std::uint32_t> of_vertex;
   std::uint32_t count{};
 };
-/// Throws Error if an element names a vertex >= vertex_count.
+/// Throws Error if an element has a vertex index >= vertex_count.
 Components connected_components(std::span<const Edge> edges, std::size_t vertex_count);
 Components connected_components(std::span<const Triangle> triangles, std::size_t vertex_count);
 Components connected_components(std::span<const Tet> tets, std::size_t vertex_count);
 
-/// The faces of exactly one tet, wound outward for positively oriented tets; vertex indices are the tet
-/// mesh's own.
+/// Faces of exactly one tet, wound outward if tets are positively oriented; vertex indices are those of the
+/// tet mesh.
 std::vector<Triangle> surface_triangles(std::span<const Tet> tets);
 
 /// Throws Error ("NAME: triangle 7 names vertex 12, but there are 10") if an index is out of range.

@@ -27,14 +27,14 @@ void require_length(const char* builder, const char* what, double value) {
   throw Error(fmt::format("{}: {} is {:g}, expected a positive length in meters", builder, what, value));
 }
 
-// `count` is computed in double, where the product of absurd counts cannot overflow.
+// `count` is a double, so that products of huge counts do not overflow.
 void require_total(const char* builder, double count) {
   if (count <= max_built_vertices) return;
-  throw Error(fmt::format("{}: {:.3g} elements are more than the 100 million a builder makes; ask for fewer",
+  throw Error(fmt::format("{}: {:.3g} elements are more than the limit of 100 million; use smaller counts",
                           builder, count));
 }
 
-// Cuts the quad a b / c d (a to b and a to c are neighbors, winding a, c, b) along a-d or b-c.
+// Splits the quad a b / c d (a is adjacent to b and c, winding a, c, b) along a-d or b-c.
 void add_quad(std::vector<Triangle>& triangles, std::uint32_t a, std::uint32_t b, std::uint32_t c,
               std::uint32_t d, bool along_ad) {
   if (along_ad) {
@@ -46,7 +46,7 @@ void add_quad(std::vector<Triangle>& triangles, std::uint32_t a, std::uint32_t b
   }
 }
 
-// The k-th of n evenly spaced places from -size / 2 to size / 2, exactly symmetric.
+// The k-th of n evenly spaced positions from -size / 2 to size / 2, exactly symmetric.
 double centered(int k, int n, double size) {
   return size * (double(2 * std::int64_t(k) - n) / (2.0 * double(n)));
 }
@@ -117,7 +117,7 @@ TriangleMesh icosahedron() {
   return mesh;
 }
 
-// Cuts each triangle in four at the middles of its sides, pushed out to the unit sphere.
+// Splits each triangle into four at the midpoints of its sides, projected to the unit sphere.
 TriangleMesh subdivided(const TriangleMesh& coarse) {
   const TriangleEdges edges = triangle_edges(coarse.triangles);
   TriangleMesh fine;
@@ -151,8 +151,8 @@ TriangleMesh sphere(int subdivisions, double radius) {
 
 namespace {
 
-// The lattice points (i, j, k) on the surface of a box of n cells, numbered layer by layer: the first and
-// last layers are full, those between are rims.
+// The lattice points (i, j, k) on the surface of a box of n cells, numbered layer by layer: the first and the
+// last layer are full, the others are rims.
 struct BoxShell {
   std::array<int, 3> n;
 
@@ -170,7 +170,7 @@ struct BoxShell {
   }
 };
 
-// The two faces of the box across `axis`: points with coordinate 0 or n on it.
+// The two faces of the box across `axis`, at coordinates 0 and n.
 void add_box_faces(std::vector<Triangle>& triangles, const BoxShell& shell, std::size_t axis) {
   const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;  // right-handed: u x v = axis
   const auto at = [&](int level, int iu, int iv) {
@@ -206,7 +206,7 @@ TriangleMesh box(const Vec3d& size, const std::array<int, 3>& divisions) {
   const auto [nx, ny, nz] = divisions;
   for (int k = 0; k <= nz; ++k) {
     const bool full = k == 0 || k == nz;
-    // In the order of BoxShell::index: for a rim the sides j = 0 and j = ny, then i = 0 and i = nx.
+    // In the order of BoxShell::index: of a rim, the sides j = 0 and j = ny, then i = 0 and i = nx.
     const auto add = [&, k](int i, int j) {
       mesh.positions.push_back({centered(i, divisions[0], size.x), centered(j, divisions[1], size.y),
                                 centered(k, divisions[2], size.z)});
@@ -252,13 +252,13 @@ TriangleMesh torus(double major_radius, double minor_radius, int major_segments,
 
 namespace {
 
-// A point of the outline that is turned about the Y axis.
+// A point of a profile that is revolved about the Y axis.
 struct ProfilePoint {
   double radius, height;
 };
 
-// Turns an outline from the bottom pole (first) to the top pole (last) about Y. Vertex 0 is the bottom pole,
-// the last one the top pole, and the rings between them have `segments` vertices each.
+// Revolves a profile from the bottom pole (first) to the top pole (last) about Y. Vertex 0 is the bottom
+// pole, the last vertex is the top pole, and rings between them have `segments` vertices each.
 TriangleMesh revolve(const std::vector<ProfilePoint>& outline, int segments) {
   TriangleMesh mesh;
   const int rings = int(outline.size()) - 2;
@@ -293,7 +293,7 @@ TriangleMesh capsule(double radius, double length, int segments, int rings, int 
   require_count("capsule", "divisions", divisions, 1);
   require_total("capsule", (2.0 * double(rings) + double(divisions)) * double(segments) * 2);
   std::vector<ProfilePoint> outline;
-  const auto add_arc = [&](int k, double side) {  // k rings up from the pole
+  const auto add_arc = [&](int k, double side) {  // k rings from the pole
     const CirclePoint p = circle_point(rings - k, 4 * std::int64_t(rings));
     outline.push_back({radius * p.cosine, side * (length / 2 + radius * p.sine)});
   };
@@ -331,8 +331,8 @@ TetMesh tet_bar(int nx, int ny, int nz, const Vec3d& size) {
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i)
         mesh.positions.push_back({centered(i, nx, size.x), centered(j, ny, size.y), centered(k, nz, size.z)});
-  // Corners of a cell are numbered x + 2 y + 4 z. Four corner tets and the one between them; the second cut
-  // is the first mirrored in x, so that the diagonals of neighboring cells meet on their common face.
+  // Corners of a cell are numbered x + 2 y + 4 z. A cell has four corner tets and a central one. The second
+  // split mirrors the first in x, so that diagonals of neighboring cells coincide on their common face.
   constexpr int cut[2][5][4] = {{{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 1}, {6, 7, 4, 2}, {1, 2, 4, 7}},
                                 {{1, 3, 0, 5}, {2, 0, 3, 6}, {4, 6, 5, 0}, {7, 5, 6, 3}, {0, 5, 3, 6}}};
   const auto at = [&](int i, int j, int k) {
@@ -365,8 +365,8 @@ TetMesh tet_ball(int subdivisions, int layers, double radius) {
   for (Triangle t : skin.triangles) {
     for (int layer = 1; layer < layers; ++layer) {
       const std::uint32_t out = index32(layer - 1) * shell, in = out + shell;
-      // A prism in three tets; each of its sides is cut from the outer end of the lower vertex to the inner
-      // one of the higher, so that neighbors match. Turned so that the lowest comes first.
+      // Splits a prism into three tets. The diagonal of each side joins the outer end of the lower vertex and
+      // the inner end of the higher one, so that neighbors match. Rotated so that the lowest vertex is first.
       while (t[0] > t[1] || t[0] > t[2]) t = {t[1], t[2], t[0]};
       const auto [a, b, c] = t;
       mesh.tets.push_back({in + a, in + b, in + c, out + a});

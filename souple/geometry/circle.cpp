@@ -7,7 +7,7 @@
 namespace souple {
 namespace {
 
-// sin and cos of t in [0, pi/4] by Taylor series; the first term left out is below 1e-18.
+// sin and cos of t in [0, pi/4] by Taylor series; the first omitted term is below 1e-18.
 double small_sine(double t) {
   const double s = t * t;
   double sum = 1;
@@ -25,14 +25,15 @@ double small_cosine(double t) {
 }  // namespace
 
 CirclePoint circle_point(std::int64_t k, std::int64_t n) {
-  // The turn as eighths of n: 8 k / n = octant + rest / n, folded so that the series sees [0, pi/4].
+  // The angle in eighths of a turn: 8 k / n = octant + rest / n, mirrored so that the series argument is in
+  // [0, pi/4].
   const std::int64_t eighths = 8 * (k % n);
   const std::int64_t octant = eighths / n;
   const std::int64_t rest = eighths % n;
   const bool mirrored = octant % 2 != 0;
   const double t = pi / 4 * (double(mirrored ? n - rest : rest) / double(n));
   CirclePoint p{small_cosine(t), small_sine(t)};
-  if (mirrored && rest == 0) p.sine = p.cosine;  // on the diagonal itself
+  if (mirrored && rest == 0) p.sine = p.cosine;  // exactly on the diagonal
   if (octant == 1 || octant == 2 || octant == 5 || octant == 6) std::swap(p.cosine, p.sine);
   if (octant >= 2 && octant <= 5) p.cosine = 0 - p.cosine;
   if (octant >= 4) p.sine = 0 - p.sine;

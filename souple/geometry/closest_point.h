@@ -4,13 +4,13 @@
 
 namespace souple {
 
-/// A point of a triangle a, b, c as barycentric weights; they sum to 1.
+/// A point of a triangle a, b, c as barycentric weights, which sum to 1.
 struct TrianglePoint {
   double a = 0, b = 0, c = 0;
 };
 
 /// The point of triangle a, b, c nearest to p. Ericson, Real-Time Collision Detection (2005), section 5.1.5.
-/// A triangle of no area answers with a point on it.
+/// For a triangle without area it returns some point of the triangle.
 inline TrianglePoint closest_on_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);

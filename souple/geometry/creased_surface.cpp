@@ -29,14 +29,14 @@ bool adjoin(const Triangle& a, const Triangle& b, std::uint32_t vertex) {
   });
 }
 
-/// To which smooth part each triangle of the fan around a vertex belongs; parts are counted from 0 in the
-/// order in which they appear.
+/// The smooth part of each triangle in the fan around a vertex; parts are numbered from 0 in order of
+/// appearance.
 std::vector<std::uint32_t> smooth_parts(std::span<const Triangle> triangles, std::span<const Vec3d> normals,
                                         std::span<const std::uint32_t> fan, std::uint32_t vertex) {
   constexpr std::uint32_t none = ~std::uint32_t(0);
   std::vector<std::uint32_t> part(fan.size(), none);
   std::uint32_t count = 0;
-  std::vector<std::size_t> pending;  // in a part, but their neighbors may not be yet
+  std::vector<std::size_t> pending;  // assigned to a part; their neighbors may not be yet
   for (std::size_t first = 0; first < fan.size(); ++first) {
     if (part[first] != none) continue;
     part[first] = count++;
@@ -67,7 +67,7 @@ CreasedSurface::CreasedSurface(std::span<const Vec3d> rest, std::span<const Tria
     const std::vector<std::uint32_t> part = smooth_parts(triangles, normals, fan, v);
     const auto first_copy = static_cast<std::uint32_t>(source_.size());
     for (std::size_t i = 0; i < fan.size(); ++i) {
-      if (part[i] == 0) continue;  // the first part keeps the vertex itself
+      if (part[i] == 0) continue;  // the first part keeps the original vertex
       const std::uint32_t copy = first_copy + part[i] - 1;
       if (copy == source_.size()) source_.push_back(v);
       triangles_[fan[i]][corner_of(triangles[fan[i]], v)] = copy;

@@ -16,9 +16,9 @@ namespace {
 
 using Weights = std::array<double, 4>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Below this fraction of its longest edge cubed, a tet has no volume to hang a point on.
+// A tet whose volume is below this fraction of its longest edge cubed is degenerate and carries no points.
 constexpr double flat_tet = 1e-12;
-// A point this far (in barycentric weight) outside a tet still counts as inside: rounding on a shared face.
+// Tolerance of barycentric weights for a point on a face, for rounding on shared faces.
 constexpr double on_face = 1e-9;
 
 bool has_volume(const TetMesh& mesh, const Tet& t) {
@@ -43,7 +43,7 @@ double smallest(const Weights& w) {
   return std::min(std::min(w[0], w[1]), std::min(w[2], w[3]));
 }
 
-// Distance from p to the triangle a b c, by the regions of its corners, edges and face.
+// Distance from p to the triangle a b c, by Voronoi regions of its corners, edges and face.
 double triangle_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const auto segment = [&](const Vec3d& s, const Vec3d& e) {
     const double l2 = length_squared(e - s);
@@ -70,7 +70,7 @@ double tet_distance(const TetMesh& mesh, const Tet& t, const Vec3d& p) {
   return best;
 }
 
-// Which tets reach into each cube of a uniform grid over the mesh; about one cube per tet.
+// The tets that overlap each cube of a uniform grid over the mesh; about one cube per tet.
 class TetGrid {
  public:
   explicit TetGrid(const TetMesh& mesh, const std::vector<std::uint32_t>& usable) {
@@ -78,7 +78,7 @@ class TetGrid {
     lo_ = box.lo;
     const Vec3d size = box.size();
     const double largest = std::max({size.x, size.y, size.z});
-    // Flat directions get one layer; the others share the cubes by their length.
+    // Flat directions have one layer; the other axes share the cubes in proportion to their length.
     const double wanted = std::min(double(usable.size()), 4e6);
     cell_ = std::max(std::cbrt(size.x * size.y * size.z / wanted), largest / 256);
     for (std::size_t i = 0; i < 3; ++i)
@@ -98,8 +98,8 @@ class TetGrid {
     return std::span(items_).subspan(begin_[at], begin_[at + 1] - begin_[at]);
   }
 
-  // Calls visit(cell) for the cells of the shell at `ring` cells around `center`; false when it is all
-  // outside.
+  // Calls visit(cell) for the cells of the shell at `ring` cells around `center`; returns false if the whole
+  // shell is outside the grid.
   template <class Visit>
   bool for_shell(const std::array<int, 3>& center, int ring, const Visit& visit) const {
     std::array<int, 3> lo{}, hi{};
@@ -180,7 +180,7 @@ struct Host {
   double distance;
 };
 
-// The first tet of p's cube that contains p, or else the nearest tet of all.
+// The first tet in p's cube that contains p, else the nearest tet of all.
 Host find_host(const TetMesh& mesh, const TetGrid& grid, const Vec3d& p) {
   const std::array<int, 3> center = grid.cell_of(p);
   for (const std::uint32_t t : grid.tets_at(center))
@@ -194,8 +194,7 @@ Host find_host(const TetMesh& mesh, const TetGrid& grid, const Vec3d& p) {
         if (d < best.distance || (d == best.distance && t < best.tet)) best = {t, d};
       }
     });
-    // What lies in farther shells is at least `ring` cubes from the cube that p, or its projection on the
-    // box, is in.
+    // Tets in further shells are at least `ring` cubes from the cube of p, or of its projection on the box.
     if (!more || best.distance <= std::max(double(ring) * grid.cell_size(), to_box)) break;
   }
   return best;

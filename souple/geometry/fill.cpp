@@ -13,9 +13,9 @@ namespace souple {
 
 namespace {
 
-constexpr double most_points = 2e7;
+constexpr double max_points = 2e7;
 
-/// Points origin + (i, j, k) spacing, i < count[0] and so on.
+/// Points origin + (i, j, k) spacing for i < count[0] and so on.
 struct Rows {
   Vec3d origin{};
   std::array<std::size_t, 3> count{};
@@ -39,7 +39,7 @@ Rows rows_of(const Vec3d& lo, const Vec3d& hi, double spacing, const std::string
       throw Error(fmt::format("{}: is {:g} m wide along {}, too small for a fluid with spacing {:g} m", name,
                               hi[axis] - lo[axis], "xyz"[axis], spacing));
     all *= fits;
-    if (all > most_points)
+    if (all > max_points)
       throw Error(
           fmt::format("{}: would take more than 20 million particles of spacing {:g} m; enlarge the spacing",
                       name, spacing));
@@ -49,20 +49,21 @@ Rows rows_of(const Vec3d& lo, const Vec3d& hi, double spacing, const std::string
   return rows;
 }
 
-/// Where a row along x goes through a triangle, and by how much the winding number changes there.
+/// A crossing of a row along x and a triangle, and the change of the winding number there.
 struct Crossing {
   double x;
   int change;
 };
 
-/// Twice the signed area of (a, b, p) in the yz plane; the exact opposite of (b, a, p), so that of two
-/// triangles at an edge exactly one has a point.
+/// Twice the signed area of (a, b, p) in the yz plane; the exact negative of (b, a, p), so that a point on an
+/// edge belongs to exactly one of its two triangles.
 double side(const Vec3d& a, const Vec3d& b, double y, double z) {
   if (b.y < a.y || (b.y == a.y && b.z < a.z)) return -side(b, a, y, z);
   return (b.y - a.y) * (z - a.z) - (b.z - a.z) * (y - a.y);
 }
 
-/// Rows are moved aside by a little that no mesh is made of: none goes through a vertex or along an edge.
+/// Rows are shifted by an offset that meshes do not contain, so that no row passes through a vertex or along
+/// an edge.
 class Crossings {
  public:
   Crossings(const Rows& rows) : rows_(rows), of_row_(rows.count[1] * rows.count[2]) {}

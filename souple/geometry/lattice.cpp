@@ -25,10 +25,10 @@
 //      |  /  \  |       +--> u   u = d + 1, v = d + 2 (mod 3)
 //      p0 --0-- p1
 //
-// The tets fill space, so every point of the surface is in one; the surface's neighborhood is found by
-// testing its triangles against tets, and the rest of space is then either wholly inside or wholly outside: a
-// flood from the lattice's rim finds the outside without any ray that could graze an edge. Only regions that
-// the flood cannot reach (the inside, and cavities) are asked for their winding number, each once.
+// The tets fill space, so every point of the surface is in a tet. Triangle-tet tests find the tets near the
+// surface. The rest of space is entirely inside or entirely outside: a flood fill from the lattice's rim
+// finds the outside, without rays that could graze an edge. Only regions that the flood cannot reach (the
+// inside, and cavities) need a winding number, one per region.
 
 namespace souple {
 namespace {
@@ -38,8 +38,8 @@ using Points3 = std::array<Vec3d, 3>;
 using Points4 = std::array<Vec3d, 4>;
 
 constexpr double max_cubes = 4e6;
-constexpr int margin = 2;         // cubes around the surface, for the flood to pass
-constexpr double contact = 1e-9;  // cubes; closer than this is touching, deeper is crossing
+constexpr int margin = 2;         // cubes around the surface, for the flood fill
+constexpr double contact = 1e-9;  // in cubes; a smaller overlap is a contact, a deeper one a crossing
 
 enum Mark : std::uint8_t { clear, touched, crossed, inside, outside };
 
@@ -59,7 +59,7 @@ struct LatticeIndex {
       if (c[i] < 0 || c[i] >= count[i]) return false;
     return true;
   }
-  // A tet is there when the cubes on both sides of its face are.
+  // A tet exists if the cubes on both sides of its face exist.
   bool has(const TetId& t) const { return has(t.cube) && t.cube[std::size_t(t.axis)] >= 1; }
   std::size_t cube_number(const Cube& c) const {
     return (std::size_t(c[2]) * std::size_t(count[1]) + std::size_t(c[1])) * std::size_t(count[0]) +
@@ -75,7 +75,7 @@ struct LatticeIndex {
     const std::size_t y = cube % std::size_t(count[1]), z = cube / std::size_t(count[1]);
     return {{int(x), int(y), int(z)}, int(number / 4 % 3), int(number % 4)};
   }
-  // Points, corners and centers interleaved so that their order is one of space.
+  // Points, with corners and centers interleaved, so that their order is spatial.
   std::size_t point_count() const {
     return 2 * std::size_t(count[0] + 1) * std::size_t(count[1] + 1) * std::size_t(count[2] + 1);
   }
@@ -101,7 +101,7 @@ Cube moved(Cube c, int axis, int by) {
   return c;
 }
 
-// Positively oriented: center below, two corners counter-clockwise about the axis, center above.
+// Positively oriented: center below, two corners counterclockwise about the axis, center above.
 std::array<LatticePoint, 4> points_of(const TetId& t) {
   const int u = (t.axis + 1) % 3, v = (t.axis + 2) % 3;
   const Cube face[4] = {t.cube, moved(t.cube, u, 1), moved(moved(t.cube, u, 1), v, 1), moved(t.cube, v, 1)};
@@ -116,14 +116,14 @@ Points4 corners_of(const TetId& t) {
   return {p[0].position(), p[1].position(), p[2].position(), p[3].position()};
 }
 
-// The quadrant of the face across `axis` that lies towards the low (-1) or high (+1) side of `towards`.
+// The quadrant of the face across `axis` on the low (-1) or high (+1) side along axis `towards`.
 int quadrant_towards(int axis, int towards, int side) {
   if (towards == (axis + 1) % 3) return side > 0 ? 1 : 3;
   return side > 0 ? 2 : 0;
 }
 
-// The tet that contains q (in cubes): offset from the cube's center, by its largest and second largest
-// component.
+// The tet that contains q (in cubes), by the largest and second largest component of q's offset from the
+// cube's center.
 TetId locate(const Vec3d& q) {
   Cube cube{};
   Vec3d offset;
@@ -144,7 +144,7 @@ TetId locate(const Vec3d& q) {
 std::array<TetId, 4> neighbors_of(const TetId& t) {
   constexpr int side_of_quadrant[4] = {-1, 1, 1, -1};  // low v, high u, high v, low u
   const int e = (t.axis + (t.quadrant % 2 == 1 ? 1 : 2)) % 3, side = side_of_quadrant[t.quadrant];
-  // Within each of the two cubes, the neighbor stands on the face towards (e, side), at the same cube edge.
+  // Within each of the two cubes, the neighbor is on the face toward (e, side), at the same edge of the cube.
   const auto beside = [&](const Cube& cube, int end) {
     return TetId{side > 0 ? moved(cube, e, 1) : cube, e, quadrant_towards(e, t.axis, end)};
   };
@@ -154,7 +154,8 @@ std::array<TetId, 4> neighbors_of(const TetId& t) {
            beside(moved(t.cube, t.axis, -1), 1)}};
 }
 
-// How deep two convex bodies overlap along `axis` (negative: the gap). No bound where the axis has no length.
+// Overlap depth of two convex bodies along `axis`; a negative depth is a gap. Unbounded if the axis has no
+// length.
 double depth_along(const Vec3d& axis, const Points4& tet, const Points3& triangle) {
   const double l = length(axis);
   if (!(l > 1e-12)) return std::numeric_limits<double>::infinity();
@@ -170,9 +171,9 @@ double depth_along(const Vec3d& axis, const Points4& tet, const Points3& triangl
   return std::min(hi_a - lo_b, hi_b - lo_a) / l;
 }
 
-// Separating axes: the tet's face normals, the triangle's, and the products of their edges.
+// Separating axes: the face normals of the tet, the normal of the triangle, and the cross products of edges.
 Mark overlap(Points4 tet, Points3 triangle) {
-  const Vec3d origin = tet[0];  // small numbers: the lattice may be long
+  const Vec3d origin = tet[0];  // relative coordinates keep precision in a long lattice
   for (Vec3d& p : tet) p = p - origin;
   for (Vec3d& p : triangle) p = p - origin;
   double depth = std::numeric_limits<double>::infinity();
@@ -195,7 +196,7 @@ Mark overlap(Points4 tet, Points3 triangle) {
   return depth > contact ? crossed : touched;
 }
 
-/// A surface in units of cubes, with the origin at the lattice's low corner.
+/// A surface in units of cubes, with the origin at the lattice's lower corner.
 struct Scaled {
   std::vector<Vec3d> positions;
   const std::vector<Triangle>* triangles;
@@ -212,7 +213,7 @@ class Marker {
     marks_.assign(index_.tets(), clear);
     for (const Triangle& t : *surface_.triangles) mark_triangle(t);
     flood();
-    settle_touched();
+    classify_touched();
     // Rounding in the overlap test must not leave a vertex uncovered.
     for (const Triangle& t : *surface_.triangles)
       for (const std::uint32_t v : t) {
@@ -233,8 +234,8 @@ class Marker {
     for (int axis = 0; axis < 3; ++axis) mark_along(axis, lo, hi, p);
   }
 
-  // The tets of faces across `axis` whose boxes meet the box lo..hi: they reach half a cube to both sides of
-  // the face, and the face itself lies within its cube.
+  // Tets of faces across `axis` whose boxes overlap the box lo..hi: they extend half a cube to both sides of
+  // the face, and the face is inside its cube.
   void mark_along(int axis, const Vec3d& lo, const Vec3d& hi, const Points3& p) {
     Cube first{}, last{};
     for (int i = 0; i < 3; ++i) {
@@ -258,7 +259,7 @@ class Marker {
     mark = std::max(mark, std::uint8_t(overlap(tet, p)));
   }
 
-  // Gives each region of clear tets, joined by faces, one answer.
+  // Classifies each face-connected region of clear tets once.
   void flood() {
     std::vector<std::size_t> region;
     for (std::size_t seed = 0; seed < marks_.size(); ++seed) {
@@ -280,13 +281,13 @@ class Marker {
     }
   }
 
-  // Tets that the surface only touches lie on one side of it: that of a neighbor it does not touch at all,
+  // Tets that the surface only touches are on one side of it: the side of a neighbor that it does not touch,
   // if there is one.
-  void settle_touched() {
+  void classify_touched() {
     std::vector<std::pair<std::size_t, Mark>> answers;
     for (std::size_t t = 0; t < marks_.size(); ++t)
       if (marks_[t] == touched) answers.push_back({t, side_of(t)});
-    // Written only now: every side that side_of saw was the flood's.
+    // Written last: side_of must see only sides from the flood fill.
     for (const auto& [t, answer] : answers) marks_[t] = answer;
   }
 
@@ -298,8 +299,8 @@ class Marker {
     return is_inside(tet) ? inside : outside;
   }
 
-  // By the winding number about the tet's middle (Jacobson et al. 2013, eq. 5, with van Oosterom's solid
-  // angle): 0 outside, 1 inside. After `budget_` triangles the answer is yes: a body too full rather than one
+  // By the winding number at the tet's center (Jacobson et al. 2013, eq. 5, with van Oosterom's solid angle):
+  // 0 outside, 1 inside. After `budget_` triangles the answer is inside: an overfull body rather than one
   // with holes.
   bool is_inside(std::size_t tet) {
     if (budget_ < surface_.triangles->size()) return true;
@@ -382,8 +383,8 @@ Lattice assemble(const Scaled& surface, const std::vector<std::uint8_t>& marks) 
   return lattice;
 }
 
-// The cell size at which a solid of this volume and area takes about `target` tets: 12 per cube of the
-// inside, and half a cube's layer of tets about the surface (they stick out by about 0.3 cubes on the whole).
+// Cell size at which a solid of this volume and area has about `target` tets: 12 per inner cube, and half a
+// cube's layer of tets around the surface (they extend about 0.3 cubes outside on average).
 double guess_cell_size(const Solid& solid, double target) {
   double lo = solid.box.diagonal() * 1e-6, hi = solid.box.diagonal() * 4;
   for (int i = 0; i < 60; ++i) {
@@ -399,12 +400,12 @@ Lattice lattice_of_size(const Solid& solid, double cell_size) {
   return assemble(surface, Marker(surface).run());
 }
 
-// Tries sizes until the count is within 5 % of the target, at most eight; the nearest count wins.
+// Tries at most eight sizes until the count is within 5 % of the target; the nearest count wins.
 Lattice lattice_of_count(const Solid& solid, int target) {
   double cell_size = guess_cell_size(solid, target), too_fine = 0, too_coarse = 0, best_miss = 0;
   Lattice best;
   for (int attempt = 0; attempt < 8; ++attempt) {
-    double ratio = 4;  // of the count to the target
+    double ratio = 4;  // count over target
     if (cubes_needed(solid, cell_size) <= max_cubes) {
       Lattice lattice = lattice_of_size(solid, cell_size);
       ratio = double(lattice.mesh.tets.size()) / double(target);
@@ -416,8 +417,8 @@ Lattice lattice_of_count(const Solid& solid, int target) {
       if (miss < 0.05) break;
     }
     (ratio > 1 ? too_fine : too_coarse) = cell_size;
-    // The count goes with the power -2 (thin) to -3 (thick) of the size; kept between the sizes tried.
-    // Rounded to a float, because the last bit of pow differs between C libraries.
+    // The count scales with the size to the power -2 (thin) to -3 (thick); the next size stays between tried
+    // ones. Rounded to a float, because the last bit of pow differs between C libraries.
     cell_size *= double(float(std::pow(ratio, 0.4)));
     if (too_fine > 0 && too_coarse > 0 && !(cell_size > too_fine && cell_size < too_coarse))
       cell_size = (too_fine + too_coarse) / 2;
@@ -433,14 +434,14 @@ Solid solid_of(const TriangleMesh& mesh, const std::string& name) {
   TriangleMesh repaired;
   repaired.positions = solid.positions;
   repaired.triangles = solid.triangles;
-  const MeshReport mended = inspect(repaired, 0);
-  if (!mended.is_closed) {
+  const MeshReport report = inspect(repaired, 0);
+  if (!report.is_closed) {
     require_closed(original, name);
-    require_closed(mended, name);
+    require_closed(report, name);
   }
   solid.volume = std::abs(enclosed_volume(solid.positions, solid.triangles));
   solid.area = surface_area(solid.positions, solid.triangles);
-  std::vector<Vec3d> corners;  // not all positions: a stray vertex must not stretch the lattice
+  std::vector<Vec3d> corners;  // of triangles only: an unused vertex must not enlarge the lattice
   for (const Triangle& t : solid.triangles)
     for (const std::uint32_t v : t) corners.push_back(solid.positions[v]);
   solid.box = bounding_box(corners);
@@ -474,12 +475,12 @@ Lattice build_lattice(const TriangleMesh& mesh, const LatticeOptions& options, c
   if (cubes > max_cubes)
     throw Error(
         fmt::format("{}: a lattice of {:.3g} m cells needs {:.3g} cubes, more than 4 million; the surface is "
-                    "{:.3g} m across: take larger cells, or check the unit of its file",
+                    "{:.3g} m across: use larger cells, or check the unit of the file",
                     name, options.cell_size, cubes, solid.box.diagonal()));
   Lattice lattice = options.cell_size > 0 ? lattice_of_size(solid, options.cell_size)
                                           : lattice_of_count(solid, static_cast<int>(options.cells));
   if (lattice.mesh.tets.empty())
-    throw Error(fmt::format("{}: a lattice of {} tets is too fine for this surface; ask for fewer", name,
+    throw Error(fmt::format("{}: a lattice of {} tets is too fine for this surface; use fewer tets", name,
                             options.cells));
   lattice.surface_volume = solid.volume;
   lattice.lattice_volume = tet_volume(lattice.mesh);

@@ -41,7 +41,7 @@ double surface_area(std::span<const Vec3d> positions, std::span<const Triangle> 
 
 double enclosed_volume(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0;
-  // Tets from a vertex of the surface: from the origin, a small body far away would lose its digits.
+  // Tets from a vertex of the surface: with tets from the origin, a small body far away would lose precision.
   const Vec3d apex = positions[triangles[0][0]];
   double sum = 0;
   for (const Triangle& t : triangles)

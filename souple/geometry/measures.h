@@ -19,43 +19,43 @@ struct BoundingBox {
   Vec3d center() const { return lo / 2 + hi / 2; }
   double diagonal() const { return length(hi - lo); }
 };
-/// The box of all finite positions; a point at the origin where there are none.
+/// The box of all finite positions; without any, a point at the origin.
 BoundingBox bounding_box(std::span<const Vec3d> positions);
 
-/// Area of all triangles together [m^2].
+/// Total area of all triangles [m^2].
 double surface_area(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
 
-/// Volume enclosed by a closed surface [m^3], positive when it is wound outward. Without meaning on an open
-/// one.
+/// Volume enclosed by a closed surface [m^3], positive if it is wound outward. Meaningless for an open
+/// surface.
 double enclosed_volume(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
 
 /// Signed volume of each tet [m^3] (positive by the convention of Tet), and their sum.
 std::vector<double> tet_volumes(const TetMesh& mesh);
 double tet_volume(const TetMesh& mesh);
 
-/// Mass of each vertex [kg]: a third of each triangle's mass, areal density in kg/m^2; a quarter of each
-/// tet's, density in kg/m^3. A vertex that nothing uses has mass 0.
+/// Mass per vertex [kg]: a third of the mass of each adjacent triangle (areal density [kg/m^2]), or a quarter
+/// of each adjacent tet's (density [kg/m^3]). An unused vertex has mass 0.
 std::vector<double> lumped_masses(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                                   double areal_density);
 std::vector<double> lumped_masses(const TetMesh& mesh, double density);
 
-/// A sum of triangles' normals brought to length 1; zero where there is none.
+/// Normalizes a sum of triangle normals; zero stays zero.
 template <class T>
 Vec3<T> unit_normal(const Vec3<T>& n) {
-  // Brought to size 1 first: the square of a millimeter triangle's normal is lost in a float.
+  // Scaled to size 1 first: the square of a millimeter triangle's normal underflows in a float.
   const T largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
   return largest > T(0) ? normalized(n / largest) : Vec3<T>{};
 }
 
-/// Unit vertex normals, weighted by triangle area, into `normals` (one per position); zero where there is
-/// none. Allocates nothing.
+/// Unit vertex normals, weighted by triangle area, into `normals` (one per position); zero if undefined.
+/// Allocates nothing.
 template <class T>
 void vertex_normals(std::span<const Vec3<T>> positions, std::span<const Triangle> triangles,
                     std::span<Vec3<T>> normals) {
   for (Vec3<T>& n : normals) n = {};
   for (const Triangle& t : triangles) {
     const Vec3<T>& a = positions[t[0]];
-    const Vec3<T> n = cross(positions[t[1]] - a, positions[t[2]] - a);  // twice the area long
+    const Vec3<T> n = cross(positions[t[1]] - a, positions[t[2]] - a);  // length: twice the area
     for (const std::uint32_t v : t) normals[v] += n;
   }
   for (Vec3<T>& n : normals) n = unit_normal(n);

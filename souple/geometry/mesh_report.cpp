@@ -14,19 +14,19 @@ namespace {
 
 using Indices = std::vector<std::uint32_t>;
 
-// One side of a triangle; `place` = triangle * 3 + side.
+// A side of a triangle; `slot` = triangle * 3 + side.
 struct Side {
   std::uint32_t low, high;
-  std::uint64_t place;
-  bool forward;  // runs from low to high
+  std::uint64_t slot;
+  bool forward;  // from the lower to the higher vertex
   friend bool operator<(const Side& a, const Side& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.high != b.high) return a.high < b.high;
-    return a.place < b.place;
+    return a.slot < b.slot;
   }
 };
 
-// Sides sorted by edge, and where each edge's run starts (one more entry at the end).
+// Sides sorted by edge, and the start of each edge's run (plus one entry at the end).
 struct SideRuns {
   std::vector<Side> sides;
   std::vector<std::size_t> begin;
@@ -149,14 +149,14 @@ std::vector<std::string> describe(const MeshReport& r) {
       vertex(r.unreferenced_vertices));
   add(r.duplicate_vertices, "vertex coincides with an earlier one", "vertices coincide with earlier ones",
       vertex(r.duplicate_vertices));
-  add(r.collapsed_triangles, "triangle has two corners in one place",
-      "triangles have two corners in one place", vertex(r.collapsed_triangles));
+  add(r.collapsed_triangles, "triangle has two coincident corners", "triangles have two coincident corners",
+      vertex(r.collapsed_triangles));
   add(r.zero_area_triangles, "triangle has no area", "triangles have no area", vertex(r.zero_area_triangles));
   add(r.open_edges, "edge is open", "edges are open", edge(r.open_edges));
   add(r.non_manifold_edges, "edge is shared by more than two triangles",
       "edges are shared by more than two triangles", edge(r.non_manifold_edges));
-  add(r.inconsistent_edges, "edge joins triangles that wind against each other",
-      "edges join triangles that wind against each other", edge(r.inconsistent_edges));
+  add(r.inconsistent_edges, "edge joins triangles of opposite winding",
+      "edges join triangles of opposite winding", edge(r.inconsistent_edges));
   return lines;
 }
 
@@ -180,7 +180,7 @@ void require_closed(const MeshReport& r, const std::string& name) {
 
 namespace {
 
-// Which triangles meet across edges of exactly two, and whether they wind alike.
+// The neighbor of a triangle across an edge of exactly two triangles, and whether their windings agree.
 struct Neighbor {
   std::uint32_t triangle;
   bool agrees;
@@ -194,13 +194,13 @@ std::vector<std::array<Neighbor, 3>> neighbors_of(const SideRuns& runs, std::siz
     if (runs.begin[r + 1] - runs.begin[r] != 2) continue;
     const Side &a = runs.sides[runs.begin[r]], &b = runs.sides[runs.begin[r] + 1];
     const bool agrees = a.forward != b.forward;
-    result[a.place / 3][a.place % 3] = {static_cast<std::uint32_t>(b.place / 3), agrees};
-    result[b.place / 3][b.place % 3] = {static_cast<std::uint32_t>(a.place / 3), agrees};
+    result[a.slot / 3][a.slot % 3] = {static_cast<std::uint32_t>(b.slot / 3), agrees};
+    result[b.slot / 3][b.slot % 3] = {static_cast<std::uint32_t>(a.slot / 3), agrees};
   }
   return result;
 }
 
-// Triangles joined through edges of two, and which of them to turn over so that all agree.
+// Triangles connected through edges of exactly two, and those to reverse for a consistent winding.
 struct Patch {
   Indices triangles;
   bool orientable = true;
@@ -235,8 +235,7 @@ std::vector<Patch> find_patches(const SideRuns& runs, std::size_t triangle_count
   return patches;
 }
 
-// Turns the smaller part of a patch, rather than the larger; a patch that has no consistent winding is left
-// alone.
+// Reverses the minority of a patch's triangles; a patch without a consistent winding is unchanged.
 void keep_majority(const Patch& patch, std::vector<char>& flipped) {
   std::size_t turned = 0;
   for (const std::uint32_t t : patch.triangles) turned += flipped[t] ? 1u : 0u;
@@ -261,7 +260,7 @@ bool lies_within(const BoundingBox& inner, const BoundingBox& outer) {
   return true;
 }
 
-// A patch none of whose edges is open or shared with another patch.
+// A patch without open edges and without edges shared with other patches.
 bool is_closed_patch(const Patch& patch, const std::vector<char>& on_rim) {
   return patch.orientable && std::none_of(patch.triangles.begin(), patch.triangles.end(),
                                           [&](std::uint32_t t) { return on_rim[t] != 0; });
@@ -284,7 +283,7 @@ std::vector<ClosedPiece> closed_pieces(const std::vector<Patch>& patches, const 
   return pieces;
 }
 
-// Closed pieces that are inside out, except where they may be the wall of a cavity.
+// Reverses closed pieces that are inside out, except possible walls of cavities.
 std::size_t turn_outward(const std::vector<ClosedPiece>& pieces, std::vector<Triangle>& triangles) {
   std::size_t turned = 0;
   for (const ClosedPiece& piece : pieces) {
@@ -304,7 +303,7 @@ void wind_consistently(RepairedSurface& surface, std::span<const Vec3d> position
   std::vector<char> flipped(surface.triangles.size(), 0), on_rim(surface.triangles.size(), 0);
   for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r)
     if (runs.begin[r + 1] - runs.begin[r] != 2)
-      for (std::size_t s = runs.begin[r]; s < runs.begin[r + 1]; ++s) on_rim[runs.sides[s].place / 3] = 1;
+      for (std::size_t s = runs.begin[r]; s < runs.begin[r + 1]; ++s) on_rim[runs.sides[s].slot / 3] = 1;
   const std::vector<Patch> patches = find_patches(runs, surface.triangles.size(), flipped);
   std::size_t one_sided = 0;
   for (const Patch& patch : patches) {
@@ -318,16 +317,17 @@ void wind_consistently(RepairedSurface& surface, std::span<const Vec3d> position
   const std::size_t outward =
       turn_outward(closed_pieces(patches, on_rim, positions, surface.triangles), surface.triangles);
   if (!turned.empty())
-    surface.sentences.push_back("Turned over " + plural(turned.size(), "triangle", "triangles") +
-                                " to wind like the others.");
+    surface.sentences.push_back("Reversed " + plural(turned.size(), "triangle", "triangles") +
+                                " to match the winding of the others.");
   if (outward > 0)
-    surface.sentences.push_back("Turned " + plural(outward, "closed piece", "closed pieces") + " outward.");
+    surface.sentences.push_back("Reversed " + plural(outward, "closed piece", "closed pieces") +
+                                " to face outward.");
   if (one_sided > 0)
     surface.sentences.push_back("Left " + plural(one_sided, "piece", "pieces") +
                                 " with mixed winding: such a surface has only one side (a Moebius strip).");
 }
 
-// Marks all but the first of triangles with the same three corners.
+// Marks duplicates: all but the first of triangles with equal corners.
 std::vector<char> find_copies(std::span<const Triangle> triangles) {
   std::vector<Triangle> keys(triangles.begin(), triangles.end());
   for (Triangle& key : keys) std::sort(key.begin(), key.end());
@@ -340,7 +340,7 @@ std::vector<char> find_copies(std::span<const Triangle> triangles) {
   return copy;
 }
 
-// Keeps the triangles that `keep` says, and tells how many went and why.
+// Removes the triangles without `keep`, and reports their number and the reason.
 template <class Keep>
 void filter(RepairedSurface& surface, const Keep& keep, const char* why) {
   std::size_t kept = 0;
@@ -377,7 +377,7 @@ RepairedSurface repair(const TriangleMesh& mesh, double tolerance) {
   const std::size_t collapsed = mesh.triangles.size() - welded.triangles.size();
   if (collapsed > 0)
     surface.sentences.push_back("Dropped " + plural(collapsed, "triangle", "triangles") +
-                                " with two corners in one place.");
+                                " with two coincident corners.");
   surface.triangles = std::move(welded.triangles);
   surface.source = std::move(welded.source);
   const std::vector<Vec3d> positions = gather<Vec3d>(surface.weld, mesh.positions);
@@ -386,7 +386,7 @@ RepairedSurface repair(const TriangleMesh& mesh, double tolerance) {
       "with a vertex that is not finite");
   const std::vector<char> copy = find_copies(surface.triangles);
   filter(
-      surface, [&](std::size_t t) { return !copy[t]; }, "laid twice on the same corners");
+      surface, [&](std::size_t t) { return !copy[t]; }, "that duplicate another triangle");
   if (!every_edge_is_even(surface.triangles))
     filter(
         surface, [&](std::size_t t) { return !has_zero_area(positions, surface.triangles[t]); },

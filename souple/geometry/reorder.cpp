@@ -7,8 +7,8 @@
 namespace souple {
 namespace {
 
-// Puts two zeros before each of the low 21 bits.
-std::uint64_t spread(std::uint64_t x) {
+// Inserts two zeros before each of the low 21 bits.
+std::uint64_t spread_bits(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | x << 32) & 0x1f00000000ffff;
   x = (x | x << 16) & 0x1f0000ff0000ff;
@@ -27,8 +27,8 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3d> positions) {
     std::uint32_t vertex;
     bool operator<(const Key& b) const { return code != b.code ? code < b.code : vertex < b.vertex; }
   };
-  // One scale for all axes, so that the curve's cells are cubes. Halves: the extent of extreme numbers
-  // overflows.
+  // One scale for all axes, so that cells of the curve are cubes. Half extents: the full extent of extreme
+  // numbers overflows.
   double half_extent = 0;
   for (int i = 0; i < 3; ++i) half_extent = std::max(half_extent, box.hi[i] / 2 - box.lo[i] / 2);
   std::vector<Key> keys;
@@ -39,7 +39,7 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3d> positions) {
       code = 0;
       for (int i = 0; i < 3; ++i) {
         const double t = half_extent > 0 ? (positions[v][i] / 2 - box.lo[i] / 2) / half_extent : 0;
-        code |= spread(std::uint64_t(std::clamp(t, 0.0, 1.0) * 2097151.0)) << i;
+        code |= spread_bits(std::uint64_t(std::clamp(t, 0.0, 1.0) * 2097151.0)) << i;
       }
     }
     keys.push_back({code, v});

@@ -8,11 +8,11 @@
 
 namespace souple {
 
-// Renumbering for locality: particles that meet in constraints should meet in the cache. An order says which
-// vertex comes k-th: order[k].
+// Renumbering for cache locality: particles that share constraints should be close in memory. order[k] is the
+// vertex at position k.
 
-/// Along the Morton (Z-order) curve through the bounding box, 2^21 steps a side; ties keep their order, and
-/// vertices that are not finite come last.
+/// Order along the Morton (Z-order) curve through the bounding box, with 2^21 steps per side; ties keep their
+/// order, and non-finite vertices come last.
 std::vector<std::uint32_t> morton_order(std::span<const Vec3d> positions);
 
 /// inverse[order[k]] = k: the new number of each vertex.

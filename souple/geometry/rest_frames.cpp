@@ -17,7 +17,7 @@ using CornerUvs = std::array<std::array<float, 2>, 3>;
   throw Error("the mesh's UVs do not fit its faces: " + what);
 }
 
-// Triangles are fans of the faces: corners (0, i + 1, i + 2) of a face.
+// Triangles are fans of faces: corners (0, i + 1, i + 2) of a face.
 std::vector<CornerUvs> fan_uvs(const TriangleMesh& mesh) {
   std::vector<CornerUvs> result;
   result.reserve(mesh.triangles.size());
@@ -32,8 +32,8 @@ std::vector<CornerUvs> fan_uvs(const TriangleMesh& mesh) {
   return result;
 }
 
-// Where U grows: x(u, v) is linear on the triangle, so e1 = x_u du1 + x_v dv1 and e2 = x_u du2 + x_v dv2,
-// whence x_u = (e1 dv2 - e2 dv1) / det. Zero where the UVs have no area.
+// Direction of increasing U: x(u, v) is linear on the triangle, so e1 = x_u du1 + x_v dv1 and e2 = x_u du2 +
+// x_v dv2, hence x_u = (e1 dv2 - e2 dv1) / det. Zero if the UVs have no area.
 Vec3d u_direction(const CornerUvs& uv, const Vec3d& e1, const Vec3d& e2) {
   const double du1 = double(uv[1][0]) - double(uv[0][0]), dv1 = double(uv[1][1]) - double(uv[0][1]);
   const double du2 = double(uv[2][0]) - double(uv[0][0]), dv2 = double(uv[2][1]) - double(uv[0][1]);
@@ -55,7 +55,7 @@ std::optional<std::vector<CornerUvs>> triangle_uvs(const TriangleMesh& mesh) {
   if (mesh.uvs.empty()) return std::nullopt;
   if (!mesh.face_uvs.empty()) return fan_uvs(mesh);
   if (mesh.uvs.size() != mesh.positions.size())
-    throw_mismatch(fmt::format("{} UVs for {} vertices, and no face says which it uses", mesh.uvs.size(),
+    throw_mismatch(fmt::format("{} UVs for {} vertices, and no UV indices of faces", mesh.uvs.size(),
                                mesh.positions.size()));
   check_indices(mesh);
   std::vector<CornerUvs> result;

@@ -12,15 +12,17 @@ namespace souple {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A surface as its file or builder gave it: vertices, order, faces, UVs and groups are kept for the caches.
-/// Triangles are fans of the faces, in their order; a face of a file may have any number of corners >= 3.
+/// A surface as given by its file or builder: vertices, order, faces, UVs and groups are kept for caches.
+/// Triangles are fans of the faces, in order; a face may have any number of corners >= 3.
 struct TriangleMesh {
-  std::vector<Vec3d> positions;           ///< meters, user order
-  std::vector<Triangle> triangles;        ///< vertex indices, counter-clockwise from outside
-  std::vector<std::array<float, 2>> uvs;  ///< empty, or what face_uvs index; one per vertex without them
-  std::vector<std::vector<std::uint32_t>> faces;     ///< polygons as read; empty when all are triangles
-  std::vector<std::vector<std::uint32_t>> face_uvs;  ///< per face corner, index into uvs; empty or like faces
-  std::vector<Vec3f> colors;                         ///< empty, or one per vertex, linear RGB in [0, 1]
+  std::vector<Vec3d> positions;     ///< meters, in user order
+  std::vector<Triangle> triangles;  ///< vertex indices, counterclockwise seen from outside
+  std::vector<std::array<float, 2>>
+      uvs;  ///< empty, or indexed by face_uvs; one per vertex if face_uvs is empty
+  std::vector<std::vector<std::uint32_t>> faces;  ///< polygons as read; empty if all are triangles
+  std::vector<std::vector<std::uint32_t>>
+      face_uvs;               ///< per face corner: index into uvs; empty, or shaped like faces
+  std::vector<Vec3f> colors;  ///< empty, or one per vertex, linear RGB in [0, 1]
   /// Vertex indices of each named group, ascending.
   std::map<std::string, std::vector<std::uint32_t>> groups;
 };

@@ -16,16 +16,15 @@ namespace {
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 using Cell = std::array<std::int64_t, 3>;
 
-// Representatives sorted into cubes no smaller than the tolerance: a partner lies in one of 27 cubes, and a
-// cube holds few representatives, since those are more than a tolerance apart.
+// Representatives in cubes no smaller than the tolerance: a partner is in one of 27 cubes, and a cube holds
+// few representatives, because they are more than a tolerance apart.
 class CellGrid {
  public:
   CellGrid(std::span<const Vec3d> positions, double tolerance) : positions_(positions) {
     const BoundingBox bounds = bounding_box(positions);
     lo_ = bounds.lo;
-    // Half sizes, because the full extent of extreme coordinates is not a finite number. Cubes are two
-    // tolerances wide, so that rounding cannot put partners two cubes apart; at most 2^40 of them a side are
-    // exact numbers.
+    // Half sizes, because the full extent of extreme coordinates overflows. Cubes are two tolerances wide, so
+    // that rounding cannot put partners two cubes apart; at most 2^40 cubes per side are exact in a double.
     double half_extent = 0;
     for (int i = 0; i < 3; ++i) half_extent = std::max(half_extent, bounds.hi[i] / 2 - bounds.lo[i] / 2);
     half_cell_ = std::max(
@@ -74,10 +73,10 @@ class CellGrid {
   double half_cell_{};
   std::vector<Cell> cells_;          // occupied, sorted
   std::vector<std::uint32_t> head_;  // per cell: its last representative
-  std::vector<std::uint32_t> next_;  // per vertex: the representative before it in its cell
+  std::vector<std::uint32_t> next_;  // per vertex: the previous representative in its cell
 };
 
-// For each vertex the lowest one with the same coordinates.
+// Per vertex: the lowest vertex with equal coordinates.
 std::vector<std::uint32_t> exact_representatives(std::span<const Vec3d> positions) {
   std::vector<std::uint32_t> order, representative(positions.size());
   for (std::uint32_t v = 0; v < positions.size(); ++v) {

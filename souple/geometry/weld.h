@@ -9,26 +9,26 @@
 
 namespace souple {
 
-/// A map between the vertices a user sees and the particles that move: files double vertices at UV seams and
-/// creases, and those must move as one. The user's mesh itself is never changed.
+/// A map between user vertices and simulated particles: files duplicate vertices at UV seams and creases, and
+/// the duplicates must move as one. The user's mesh is never changed.
 struct Weld {
   std::vector<std::uint32_t> to_welded;  ///< per user vertex: its welded vertex
-  /// Per welded vertex: the lowest user vertex among those it stands for.
+  /// Per welded vertex: its representative, the lowest of its user vertices.
   std::vector<std::uint32_t> to_vertex;
   std::size_t size() const { return to_vertex.size(); }
   bool is_identity() const { return to_vertex.size() == to_welded.size(); }
 };
 
 /// Joins coincident vertices. In index order, each vertex joins the lowest earlier representative within
-/// `tolerance` meters of it (0: equal coordinates), or becomes one itself; so welded vertices keep the user's
-/// order, chains do not creep, and nothing moves further than the tolerance. Vertices that are not finite
-/// stay alone. Throws Error if the tolerance is negative or not finite.
+/// `tolerance` meters (0: equal coordinates), or becomes a representative. So welded vertices keep the user's
+/// order, chains do not collapse, and no vertex moves further than the tolerance. Non-finite vertices stay
+/// alone. Throws Error if the tolerance is negative or not finite.
 Weld weld_vertices(std::span<const Vec3d> positions, double tolerance = 0);
 
-/// 1e-9 of the bounding box's diagonal: joins what a file's rounding set apart, and no detail.
+/// 1e-9 of the bounding box's diagonal: joins vertices that differ by a file's rounding, but no detail.
 double rounding_tolerance(std::span<const Vec3d> positions);
 
-/// One value per welded vertex, taken from its representative.
+/// One value per welded vertex: that of its representative.
 template <class T>
 std::vector<T> gather(const Weld& weld, std::span<const T> per_vertex) {
   std::vector<T> result;
@@ -37,10 +37,10 @@ std::vector<T> gather(const Weld& weld, std::span<const T> per_vertex) {
   return result;
 }
 
-/// Triangles over welded vertices; those that lost an edge (two corners became one) are left out.
+/// Triangles over welded vertices, without triangles that lost an edge (two corners became one).
 struct WeldedTriangles {
   std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> source;  ///< per triangle: its index among the user's
+  std::vector<std::uint32_t> source;  ///< per triangle: its index in the user's mesh
 };
 WeldedTriangles weld_triangles(const Weld& weld, std::span<const Triangle> triangles);
 

@@ -15,9 +15,9 @@ namespace souple {
 
 namespace {
 
-constexpr double most_grains = 4e6;
+constexpr double max_grains = 4e6;
 
-// --- small converters --------------------------------------------------------------------------------------
+// --- converters --------------------------------------------------------------------------------------------
 
 Quatd rotation_of(const Vec3d& degrees) {
   constexpr double radian = 0.017453292519943295;  // pi / 180
@@ -37,7 +37,7 @@ ColliderMotion motion_of(const std::vector<KeyframeDescription>& keyframes, bool
   return ColliderMotion::keyframes(std::move(keys), loop);
 }
 
-/// What reading a mesh file does to its points; here for files that hold points only.
+/// Applies a mesh file's import options to a point; for files that contain points only.
 Vec3d imported(const Vec3d& x, const MeshImport& import) {
   const Vec3d up =
       import.up == UpAxis::z ? Vec3d{x.x, x.z, -x.y} : (import.up == UpAxis::x ? Vec3d{-x.y, x.x, x.z} : x);
@@ -58,7 +58,7 @@ bool is_tet_mesh(const MeshDescription& mesh) {
 
 // --- meshes ------------------------------------------------------------------------------------------------
 
-/// One overload for each way to make a surface.
+/// Builds a surface mesh: one overload per source.
 struct SurfaceMaker {
   const std::filesystem::path& folder;
   const MeshImport& import;
@@ -76,10 +76,14 @@ struct SurfaceMaker {
   TriangleMesh operator()(const CylinderMesh& m) const {
     return cylinder(m.radius, m.height, m.segments, m.divisions, m.cap_rings);
   }
-  TriangleMesh operator()(const TetBarMesh&) const { throw Error("expected a surface, found tets"); }
-  TriangleMesh operator()(const TetBallMesh&) const { throw Error("expected a surface, found tets"); }
+  TriangleMesh operator()(const TetBarMesh&) const {
+    throw Error("expected a surface mesh, found a tet mesh");
+  }
+  TriangleMesh operator()(const TetBallMesh&) const {
+    throw Error("expected a surface mesh, found a tet mesh");
+  }
   TriangleMesh operator()(const FileMesh& m) const {
-    if (holds_tets(m.file)) throw Error("expected a surface, found a file of tets: " + m.file);
+    if (holds_tets(m.file)) throw Error("expected a surface mesh, found a tet mesh file: " + m.file);
     return read_triangle_mesh(folder / m.file, import);
   }
 };
@@ -98,7 +102,7 @@ TetMesh tets_of(const MeshDescription& mesh, const std::filesystem::path& folder
   return read_tet_mesh(folder / std::get<FileMesh>(mesh.source).file, mesh.import);
 }
 
-/// One overload for what a scene describes otherwise than a Shape does.
+/// Converts a ShapeDescription to a Shape; most shapes need no conversion.
 struct ShapeMaker {
   const std::filesystem::path& folder;
 
@@ -115,7 +119,7 @@ struct ShapeMaker {
 
 // --- maps --------------------------------------------------------------------------------------------------
 
-/// A tet mesh as far as maps are concerned.
+/// A tet mesh reduced to the data of maps: positions and groups.
 TriangleMesh only_groups(const TetMesh& mesh) {
   TriangleMesh result;
   result.positions = mesh.positions;
@@ -132,7 +136,7 @@ std::vector<float> map_values(const MapDescription& map, const TriangleMesh& mes
 
 // --- grains ------------------------------------------------------------------------------------------------
 
-/// SplitMix64 (Steele et al. 2014): the same numbers everywhere.
+/// SplitMix64 (Steele et al. 2014): identical numbers on all platforms.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -150,10 +154,10 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Centers origin + (i, j, k) spacing, each moved by up to `reach` along each axis.
+/// Centers origin + (i, j, k) spacing, each displaced by up to `max_offset` along each axis.
 std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3d& origin, double spacing,
-                                 double reach, std::uint64_t seed) {
-  if (counts[0] * counts[1] * counts[2] > most_grains) {
+                                 double max_offset, std::uint64_t seed) {
+  if (counts[0] * counts[1] * counts[2] > max_grains) {
     throw Error(
         fmt::format("would have {} grains; at most 4000000 are allowed: enlarge the grains or the spacing",
                     counts[0] * counts[1] * counts[2]));
@@ -164,7 +168,7 @@ std::vector<Vec3d> cubic_lattice(const std::array<double, 3>& counts, const Vec3
     for (double j = 0; j < counts[1]; ++j) {
       for (double i = 0; i < counts[0]; ++i) {
         Vec3d center = origin + Vec3d{i, j, k} * spacing;
-        for (int axis = 0; axis < 3; ++axis) center[axis] += reach * random.symmetric();
+        for (int axis = 0; axis < 3; ++axis) center[axis] += max_offset * random.symmetric();
         centers.push_back(center);
       }
     }
@@ -194,15 +198,15 @@ struct GrainMaker {
     }
     return cubic_lattice(counts, origin, step, g.jitter * radius, seed);
   }
-  /// Whole grains fit into the box, as many as can; the lattice is centered in it.
+  /// As many whole grains as fit into the box; the lattice is centered in it.
   std::vector<Vec3d> operator()(const GrainsBox& b) const {
     const double step = spacing(b.spacing, b.jitter), margin = radius * (1 + b.jitter);
     std::array<double, 3> counts{};
     Vec3d origin;
     for (int i = 0; i < 3; ++i) {
-      const double room = b.hi[i] - b.lo[i] - 2 * margin;
-      if (room < 0) throw Error(fmt::format("the box is too small for one grain of radius {} m", radius));
-      const double count = std::floor(room / step + 1e-9) + 1;
+      const double width = b.hi[i] - b.lo[i] - 2 * margin;
+      if (width < 0) throw Error(fmt::format("the box is too small for one grain of radius {} m", radius));
+      const double count = std::floor(width / step + 1e-9) + 1;
       counts[static_cast<std::size_t>(i)] = count;
       origin[i] = 0.5 * (b.lo[i] + b.hi[i]) - 0.5 * step * (count - 1);
     }
@@ -228,10 +232,10 @@ Target keyframed(const World& world, ObjectId object, const std::vector<std::uin
   };
 }
 
-/// Positions of all vertices from files, evaluated once for each moment asked.
-class FollowedSequence {
+/// Positions of all vertices from files, evaluated once per time.
+class SequenceSampler {
  public:
-  FollowedSequence(AnimatedPoints points, const MeshImport& import, const Transform& transform)
+  SequenceSampler(AnimatedPoints points, const MeshImport& import, const Transform& transform)
       : points_(std::move(points)), import_(import), transform_(transform), now_(points_.points()) {}
 
   std::uint64_t points() const { return points_.points(); }
@@ -286,40 +290,39 @@ class Builder {
   }
 
  private:
-  /// Says where in the scene an error comes from.
+  /// Prepends the path in the scene to an error.
   template <class F>
-  void inside(const std::string& place, F f) {
+  void inside(const std::string& path, F f) {
     try {
       f();
     } catch (const Error& error) {
-      throw Error(scene_.source + ": " + place + ": " + error.what());
+      throw Error(scene_.source + ": " + path + ": " + error.what());
     }
   }
 
   void add_object(std::size_t index) {
-    const std::string place = fmt::format("objects[{}]", index);
+    const std::string path = fmt::format("objects[{}]", index);
     const ObjectDescription& shared = common(scene_.objects[index]);
     ObjectId object{};
-    inside(place, [&] {
+    inside(path, [&] {
       seed_ = scene_.settings.seed * 1000003u + index;
       object = std::visit([&](const auto& kind) { return add(kind); }, scene_.objects[index]);
     });
     for (std::size_t i = 0; i < shared.pins.size(); ++i) {
-      inside(fmt::format("{}.pins[{}]", place, i), [&] {
+      inside(fmt::format("{}.pins[{}]", path, i), [&] {
         const PinDescription& pin = shared.pins[i];
         world_.pin(object, pin.where, target(object, pin, scene_.objects[index]));
       });
     }
     for (std::size_t i = 0; i < shared.attachments.size(); ++i) {
-      inside(fmt::format("{}.attachments[{}]", place, i), [&] {
+      inside(fmt::format("{}.attachments[{}]", path, i), [&] {
         const AttachmentDescription& attachment = shared.attachments[i];
         world_.attach(object, attachment.where, target(object, attachment, scene_.objects[index]),
                       attachment.compliance);
       });
     }
-    // After the pins: tethers start at them.
-    inside(place,
-           [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
+    // After the pins: tethers start at pins.
+    inside(path, [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
   }
 
   // --- objects
@@ -337,7 +340,7 @@ class Builder {
     return options;
   }
 
-  void take_maps(const MapsDescription& maps, const TriangleMesh& mesh, ObjectOptions& options) {
+  void read_maps(const MapsDescription& maps, const TriangleMesh& mesh, ObjectOptions& options) {
     if (maps.stiffness) options.stiffness_map = map_values(*maps.stiffness, mesh);
     if (maps.thickness) options.thickness_map = map_values(*maps.thickness, mesh);
     pin_weights_.clear();
@@ -347,20 +350,20 @@ class Builder {
   ObjectId add(const ClothDescription& cloth) {
     const TriangleMesh mesh = surface_of(cloth.mesh, scene_.folder);
     ObjectOptions options = options_of(cloth);
-    take_maps(cloth.maps, mesh, options);
+    read_maps(cloth.maps, mesh, options);
     return world_.add_cloth(mesh, cloth.material, options);
   }
 
   ObjectId add(const SoftBodyDescription& body) {
     ObjectOptions options = options_of(body);
     if (is_tet_mesh(body.mesh)) {
-      if (body.lattice) throw Error("lattice: makes sense only for a surface; this mesh already has tets");
+      if (body.lattice) throw Error("lattice: is valid only for a surface mesh; this is a tet mesh");
       const TetMesh mesh = tets_of(body.mesh, scene_.folder);
-      take_maps(body.maps, only_groups(mesh), options);
+      read_maps(body.maps, only_groups(mesh), options);
       return world_.add_soft_body(mesh, body.material, options);
     }
     const TriangleMesh mesh = surface_of(body.mesh, scene_.folder);
-    take_maps(body.maps, mesh, options);
+    read_maps(body.maps, mesh, options);
     return world_.add_soft_body(mesh, body.material, body.lattice.value_or(LatticeOptions{}), options);
   }
 
@@ -442,8 +445,8 @@ class Builder {
   void finish(ObjectId, const GrainsDescription&) {}
   void finish(ObjectId, const ObstacleDescription&) {}
 
-  /// Weight 1 is a pin; w < 1 a spring of compliance (1 - w) / w times that of one half. Weights are cut to
-  /// 255 steps, as colors have them, and vertices of one step share a projector.
+  /// Weight 1 is a pin; w < 1 is a spring of compliance (1 - w) / w times that of weight 1/2. Weights are
+  /// rounded to 255 steps, as in colors; vertices of one step share a projector.
   void pin_by_weight(ObjectId object, const MapsDescription& maps) {
     if (!maps.pin_weight) return;
     constexpr std::size_t steps = 255;
@@ -463,7 +466,7 @@ class Builder {
 
   // --- pins
 
-  /// Empty: the vertices stay where they are.
+  /// Empty: the vertices stay at their start positions.
   Target target(ObjectId object, const PinDescription& pin, const AnyObjectDescription& description) const {
     if (pin.sequence) return sequence_target(object, *pin.sequence, description);
     if (pin.keyframes.empty()) return {};
@@ -473,15 +476,15 @@ class Builder {
   Target sequence_target(ObjectId object, const SequenceDescription& sequence,
                          const AnyObjectDescription& description) const {
     const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
-    auto followed = std::make_shared<FollowedSequence>(
+    auto sampler = std::make_shared<SequenceSampler>(
         AnimatedPoints(scene_.folder / sequence.file, options, read_points), import_of(description),
         transform_of(common(description).transform));
     const std::size_t vertices = world_.positions(object).size();
-    if (followed->points() != vertices) {
+    if (sampler->points() != vertices) {
       throw Error(fmt::format("sequence: {} has {} vertices, but the object has {}", sequence.file,
-                              followed->points(), vertices));
+                              sampler->points(), vertices));
     }
-    return [followed](std::uint32_t vertex, double time) { return followed->at(vertex, time); };
+    return [sampler](std::uint32_t vertex, double time) { return sampler->at(vertex, time); };
   }
 
   static MeshImport import_of(const AnyObjectDescription& object) {
@@ -490,7 +493,7 @@ class Builder {
     return {};
   }
 
-  // --- the rest
+  // --- colliders, connections, drains
 
   void add_collider(const ColliderDescription& collider) {
     ColliderOptions options;
@@ -504,7 +507,7 @@ class Builder {
     world_.add_collider(std::visit(ShapeMaker{scene_.folder}, collider.shape), options);
   }
 
-  /// The vertices of one end; those that are listed keep the order of the list.
+  /// Vertices of one end; listed vertices keep the order of the list.
   std::vector<VertexRef> end(const EndDescription& description) const {
     const ObjectId object = world_.find_object(description.object);
     std::vector<std::uint32_t> chosen = world_.select(object, description.where);
@@ -542,8 +545,8 @@ class Builder {
     const bool in_order = connection.pairing == Pairing::in_order;
     if (in_order && from.size() != to.size() && from.size() != 1 && to.size() != 1) {
       throw Error(
-          fmt::format("\"from\" means {} vertices and \"to\" {}; in_order needs as many on both sides, or "
-                      "one on one side (or use pairing nearest)",
+          fmt::format("\"from\" selects {} vertices and \"to\" {}; pairing \"in_order\" needs equal numbers, "
+                      "or one vertex on one side; use pairing \"nearest\" otherwise",
                       from.size(), to.size()));
     }
     std::vector<std::pair<VertexRef, VertexRef>> pairs;
@@ -559,7 +562,7 @@ class Builder {
   const SceneLog& log_;
   World world_;
   std::uint64_t seed_ = 0;
-  std::vector<float> pin_weights_;  ///< of the object that is being added
+  std::vector<float> pin_weights_;  ///< of the current object
 };
 
 }  // namespace

@@ -23,39 +23,39 @@ template CodecPtr<Vec3f> vector3(const Range& range);
 
 namespace {
 
-/// A key may be anything; a message is one line.
+/// A key may contain any characters; a message must stay on one line.
 std::string printable(std::string_view key) {
-  constexpr std::size_t longest = 60;
-  std::string out(key.substr(0, longest));
+  constexpr std::size_t max_length = 60;
+  std::string out(key.substr(0, max_length));
   for (char& c : out) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
   }
-  return key.size() > longest ? out + "..." : out;
+  return key.size() > max_length ? out + "..." : out;
 }
 
 }  // namespace
 
-std::string Place::path() const {
+std::string JsonPath::to_string() const {
   std::string path;
-  std::vector<const Place*> chain;
-  for (const Place* place = this; place->parent_ != nullptr; place = place->parent_) chain.push_back(place);
-  for (auto place = chain.rbegin(); place != chain.rend(); ++place) {
-    if ((*place)->name_.empty()) {
-      path += fmt::format("[{}]", (*place)->index_);
+  std::vector<const JsonPath*> chain;
+  for (const JsonPath* part = this; part->parent_ != nullptr; part = part->parent_) chain.push_back(part);
+  for (auto part = chain.rbegin(); part != chain.rend(); ++part) {
+    if ((*part)->name_.empty()) {
+      path += fmt::format("[{}]", (*part)->index_);
     } else {
-      path += (path.empty() ? "" : ".") + printable((*place)->name_);
+      path += (path.empty() ? "" : ".") + printable((*part)->name_);
     }
   }
   return path;
 }
 
-void Place::fail(const std::string& message) const {
-  const std::string where = path();
+void JsonPath::fail(const std::string& message) const {
+  const std::string where = to_string();
   throw Error(reading_->source + ": " + (where.empty() ? "" : where + ": ") + message);
 }
 
-void Place::fail_length(std::size_t least, std::size_t most, std::size_t found) const {
-  fail(fmt::format("expected a list of {} to {} entries, found {}", least, most, found));
+void JsonPath::fail_length(std::size_t min_count, std::size_t max_count, std::size_t found) const {
+  fail(fmt::format("expected a list of {} to {} entries, found {}", min_count, max_count, found));
 }
 
 std::string Range::text(const std::string& noun) const {
@@ -74,17 +74,17 @@ Json Range::schema(const char* type) const {
 
 namespace {
 
-Json string_schema(std::int64_t longest) {
+Json string_schema(std::int64_t max_length) {
   Json schema = Json::object();
   schema.set("type", Json::of("string"));
-  schema.set("maxLength", Json::whole(longest));
+  schema.set("maxLength", Json::whole(max_length));
   return schema;
 }
 
 class Boolean : public Codec<bool> {
  public:
-  void read(const Json& json, const Place& place, bool& value) const override {
-    if (!json.is(Json::Kind::boolean)) place.unexpected("true or false", json);
+  void read(const Json& json, const JsonPath& path, bool& value) const override {
+    if (!json.is(Json::Kind::boolean)) path.unexpected("true or false", json);
     value = json.boolean;
   }
   Json write(const bool& value) const override { return Json::of(value); }
@@ -97,26 +97,26 @@ class Boolean : public Codec<bool> {
 
 class Text : public Codec<std::string> {
  public:
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    if (!json.is(Json::Kind::text)) place.unexpected("text in quotes", json);
-    if (json.text.size() > longest) place.fail("expected at most 1000 bytes of text, found " + brief(json));
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    if (!json.is(Json::Kind::text)) path.unexpected("text in quotes", json);
+    if (json.text.size() > max_length) path.fail("expected at most 1000 bytes of text, found " + brief(json));
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
-  TypeInfo describe(Format&) const override { return {"text", string_schema(longest)}; }
+  TypeInfo describe(Format&) const override { return {"text", string_schema(max_length)}; }
 
  private:
-  static constexpr int longest = 1000;
+  static constexpr int max_length = 1000;
 };
 
 class HexColor : public Codec<std::uint32_t> {
  public:
-  void read(const Json& json, const Place& place, std::uint32_t& value) const override {
+  void read(const Json& json, const JsonPath& path, std::uint32_t& value) const override {
     const std::string_view text = json.text;
     const bool shaped = json.is(Json::Kind::text) && text.size() == 7 && text[0] == '#';
     std::uint32_t read = 0;
     if (!shaped || std::from_chars(text.data() + 1, text.data() + 7, read, 16).ptr != text.data() + 7)
-      place.unexpected("a color such as \"#d04a3f\" (red, green and blue, as in HTML)", json);
+      path.unexpected("a color such as \"#d04a3f\" (red, green and blue, as in HTML)", json);
     value = read;
   }
   Json write(const std::uint32_t& value) const override {
@@ -133,8 +133,8 @@ class HexColor : public Codec<std::uint32_t> {
 
 class Name : public Codec<std::string> {
  public:
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    if (!json.is(Json::Kind::text) || !valid(json.text)) place.unexpected(expected, json);
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    if (!json.is(Json::Kind::text) || !valid(json.text)) path.unexpected(expected, json);
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
@@ -159,31 +159,31 @@ class Name : public Codec<std::string> {
 class File : public Codec<std::string> {
  public:
   explicit File(bool or_folder) : or_folder_(or_folder) {}
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= longest &&
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= max_length &&
                         json.text.find('\0') == std::string::npos;
-    if (!usable) place.unexpected("a file's name", json);
-    if (place.reading().files_exist) require_file(place, json);
+    if (!usable) path.unexpected("a file's name", json);
+    if (path.reading().files_exist) require_file(path, json);
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
   TypeInfo describe(Format&) const override {
     return {std::string(or_folder_ ? "file or folder" : "file") + ", relative to the scene's folder",
-            string_schema(longest)};
+            string_schema(max_length)};
   }
 
  private:
-  void require_file(const Place& place, const Json& json) const {
-    const std::filesystem::path path = place.reading().base / json.text;
+  void require_file(const JsonPath& path, const Json& json) const {
+    const std::filesystem::path file = path.reading().base / json.text;
     std::error_code error;
-    if (!or_folder_ && std::filesystem::is_directory(path, error)) {
-      place.fail("expected a file, but " + brief(json) + " is a folder: " + path.string());
+    if (!or_folder_ && std::filesystem::is_directory(file, error)) {
+      path.fail("expected a file, but " + brief(json) + " is a folder: " + file.string());
     }
-    if (!std::filesystem::exists(path, error)) {
-      place.fail("there is no file " + brief(json) + "; looked for " + path.string());
+    if (!std::filesystem::exists(file, error)) {
+      path.fail("file " + brief(json) + " not found; looked for " + file.string());
     }
   }
-  static constexpr int longest = 1000;
+  static constexpr int max_length = 1000;
   bool or_folder_;
 };
 
@@ -191,10 +191,10 @@ class Word : public Codec<std::string> {
  public:
   Word(std::string noun, std::vector<std::string> known) : noun_(std::move(noun)), known_(std::move(known)) {}
 
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    if (!json.is(Json::Kind::text)) place.unexpected("the name of a " + noun_, json);
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    if (!json.is(Json::Kind::text)) path.unexpected("the name of a " + noun_, json);
     if (std::find(known_.begin(), known_.end(), json.text) == known_.end()) {
-      place.fail("no " + noun_ + " is called " + brief(json) + suggestion(json.text, known_));
+      path.fail("unknown " + noun_ + " " + brief(json) + suggestion(json.text, known_));
     }
     value = json.text;
   }

@@ -17,60 +17,59 @@
 #include <utility>
 #include <vector>
 
-// A codec knows everything about one kind of JSON value: how it is read into C++, written back, and described
-// in the schema and in the manual. Reader, writer, schema and manual therefore cannot disagree.
+// A codec defines one kind of JSON value: reading into C++, writing back, and its description in the schema
+// and the manual. So reader, writer, schema and manual cannot disagree.
 
 namespace souple::scene_format {
 
-/// The scene being read.
+/// Context of the scene being read.
 struct Reading {
-  std::string source;          ///< how messages call it
-  std::filesystem::path base;  ///< where its relative files are looked for
-  bool files_exist = true;     ///< and have to be there
+  std::string source;          ///< name of the scene in messages
+  std::filesystem::path base;  ///< base folder of relative files
+  bool files_exist = true;     ///< whether files must exist
 };
 
-/// Where in a scene a value stands. Lives on the stack of the reader; the path is spelled out only for a
-/// message.
-class Place {
+/// Path of a value in a scene. Lives on the reader's stack; the text is built only for messages.
+class JsonPath {
  public:
-  explicit Place(const Reading& reading) : reading_(&reading) {}
-  Place key(std::string_view name) const { return Place(*this, name, 0); }
-  Place item(std::size_t index) const { return Place(*this, {}, index); }
+  explicit JsonPath(const Reading& reading) : reading_(&reading) {}
+  JsonPath key(std::string_view name) const { return JsonPath(*this, name, 0); }
+  JsonPath item(std::size_t index) const { return JsonPath(*this, {}, index); }
 
   const Reading& reading() const { return *reading_; }
   /// `objects[2].material.density`
-  std::string path() const;
+  std::string to_string() const;
   /// Throws Error: `file: path: message`.
   [[noreturn]] void fail(const std::string& message) const;
   [[noreturn]] void unexpected(const std::string& expected, const Json& found) const {
     fail("expected " + expected + ", found " + brief(found));
   }
-  [[noreturn]] void fail_length(std::size_t least, std::size_t most, std::size_t found) const;
+  [[noreturn]] void fail_length(std::size_t min_count, std::size_t max_count, std::size_t found) const;
 
  private:
-  Place(const Place& parent, std::string_view name, std::size_t index)
+  JsonPath(const JsonPath& parent, std::string_view name, std::size_t index)
       : reading_(parent.reading_), parent_(&parent), name_(name), index_(index) {}
 
   const Reading* reading_;
-  const Place* parent_ = nullptr;
+  const JsonPath* parent_ = nullptr;
   std::string_view name_;
   std::size_t index_ = 0;
 };
 
-/// What the manual and the schema say of one key.
+/// Description of a key for the manual and the schema.
 struct KeyInfo {
   std::string name, type, doc;
   bool required = false;
-  std::optional<Json> fallback;  ///< its default
+  std::optional<Json> fallback;  ///< default value
   Json schema;
 };
 
-/// ... and of one JSON object.
+/// Description of a JSON object for the manual and the schema.
 struct TableInfo {
   std::string name, doc;
   std::vector<KeyInfo> keys;
-  std::vector<std::vector<std::string>> exactly_one, at_most_one;  ///< of each of these lists of keys
-  std::vector<std::pair<std::string, std::string>> needs;          ///< the first key only beside the second
+  std::vector<std::vector<std::string>> exactly_one, at_most_one;  ///< rules for these lists of keys
+  std::vector<std::pair<std::string, std::string>> needs;          ///< the first key requires the second
 };
 
 struct Format {
@@ -78,17 +77,17 @@ struct Format {
 };
 
 struct TypeInfo {
-  std::string text;  ///< for the manual, Markdown
+  std::string text;  ///< type in the manual, Markdown
   Json schema;
 };
 
-/// A codec whose type tables do not need to know: templates per key would cost half a minute of compilation.
+/// A codec with its type erased, for tables: templates per key would cost half a minute of compilation.
 class AnyCodec {
  public:
   virtual ~AnyCodec() = default;
-  virtual void read_any(const Json& json, const Place& place, void* value) const = 0;
+  virtual void read_any(const Json& json, const JsonPath& path, void* value) const = 0;
   virtual Json write_any(const void* value) const = 0;
-  /// Adds the tables it refers to.
+  /// Adds the tables that the type refers to.
   virtual TypeInfo describe(Format& format) const = 0;
 };
 using AnyCodecPtr = std::shared_ptr<const AnyCodec>;
@@ -96,10 +95,10 @@ using AnyCodecPtr = std::shared_ptr<const AnyCodec>;
 template <class T>
 class Codec : public AnyCodec {
  public:
-  virtual void read(const Json& json, const Place& place, T& value) const = 0;
+  virtual void read(const Json& json, const JsonPath& path, T& value) const = 0;
   virtual Json write(const T& value) const = 0;
-  void read_any(const Json& json, const Place& place, void* value) const final {
-    read(json, place, *static_cast<T*>(value));
+  void read_any(const Json& json, const JsonPath& path, void* value) const final {
+    read(json, path, *static_cast<T*>(value));
   }
   Json write_any(const void* value) const final { return write(*static_cast<const T*>(value)); }
 };
@@ -108,11 +107,11 @@ using CodecPtr = std::shared_ptr<const Codec<T>>;
 
 // --- numbers ---------------------------------------------------------------------------------------------
 
-/// Which numbers are allowed. Every range has an end: a huge number is a slip.
+/// Allowed numbers. Every range is bounded: a huge number is a typing error.
 struct Range {
   double lowest, highest;
-  bool open_low = false;   ///< lowest itself is not allowed
-  bool open_high = false;  ///< highest itself is not allowed
+  bool open_low = false;   ///< excludes `lowest`
+  bool open_high = false;  ///< excludes `highest`
 
   bool contains(double x) const {
     return (open_low ? x > lowest : x >= lowest) && (open_high ? x < highest : x <= highest);
@@ -130,11 +129,11 @@ constexpr Range from_zero(double highest) {
 constexpr Range within(double lowest, double highest) {
   return {lowest, highest};
 }
-/// Zero allowed, one not.
+/// From zero to below `highest`.
 constexpr Range below(double highest) {
   return {0, highest, false, true};
 }
-/// A coordinate, a speed: either sign.
+/// Either sign, for coordinates and speeds.
 constexpr Range signed_range(double highest) {
   return {-highest, highest};
 }
@@ -144,14 +143,14 @@ class Number : public Codec<T> {
  public:
   explicit Number(const Range& range) : range_(range) {}
 
-  void read(const Json& json, const Place& place, T& value) const override {
+  void read(const Json& json, const JsonPath& path, T& value) const override {
     const std::string noun = std::is_integral_v<T> ? "a whole number" : "a number";
-    if (!json.is(Json::Kind::number)) place.unexpected(range_.text(noun), json);
+    if (!json.is(Json::Kind::number)) path.unexpected(range_.text(noun), json);
     const bool whole = !std::is_integral_v<T> || std::floor(json.number) == json.number;
-    if (!whole || !range_.contains(json.number)) place.unexpected(range_.text(noun), json);
+    if (!whole || !range_.contains(json.number)) path.unexpected(range_.text(noun), json);
     const T converted = static_cast<T>(json.number);
-    // A float may round onto the forbidden end.
-    if (!range_.contains(static_cast<double>(converted))) place.unexpected(range_.text(noun), json);
+    // A float may round to an excluded bound.
+    if (!range_.contains(static_cast<double>(converted))) path.unexpected(range_.text(noun), json);
     value = converted;
   }
   Json write(const T& value) const override {
@@ -179,10 +178,10 @@ class Vector3 : public Codec<Vec3<T>> {
  public:
   explicit Vector3(const Range& range) : number_(range), range_(range) {}
 
-  void read(const Json& json, const Place& place, Vec3<T>& value) const override {
-    if (!json.is(Json::Kind::array) || json.items.size() != 3) place.unexpected("[x, y, z]", json);
+  void read(const Json& json, const JsonPath& path, Vec3<T>& value) const override {
+    if (!json.is(Json::Kind::array) || json.items.size() != 3) path.unexpected("[x, y, z]", json);
     Vec3<T> read{};
-    for (std::size_t i = 0; i < 3; ++i) number_.read(json.items[i], place.item(i), read[static_cast<int>(i)]);
+    for (std::size_t i = 0; i < 3; ++i) number_.read(json.items[i], path.item(i), read[static_cast<int>(i)]);
     value = read;
   }
   Json write(const Vec3<T>& value) const override {
@@ -207,7 +206,7 @@ CodecPtr<Vec3<T>> vector3(const Range& range) {
   return std::make_shared<Vector3<T>>(range);
 }
 
-// Compiled once, in codec.cpp: every table has some of them.
+// Compiled once, in codec.cpp: every table uses some of these.
 extern template class Number<double>;
 extern template class Number<float>;
 extern template class Number<int>;
@@ -221,20 +220,20 @@ extern template CodecPtr<std::uint32_t> number(const Range& range);
 extern template CodecPtr<Vec3d> vector3(const Range& range);
 extern template CodecPtr<Vec3f> vector3(const Range& range);
 
-// --- words -----------------------------------------------------------------------------------------------
+// --- text ------------------------------------------------------------------------------------------------
 
 CodecPtr<bool> boolean();
 /// Any text, at most 1000 bytes.
 CodecPtr<std::string> text();
 /// "#rrggbb", sRGB as in HTML, to 0xRRGGBB.
 CodecPtr<std::uint32_t> color();
-/// The name of an object or collider: it becomes a file's name. Letters, digits, _ and -, at most 64 bytes.
+/// The name of an object or collider, also used in file names: letters, digits, _ and -, at most 64 bytes.
 CodecPtr<std::string> name();
-/// A file that exists, looked for beside the scene.
+/// An existing file, relative to the scene.
 CodecPtr<std::string> file();
-/// The same, or a folder.
+/// An existing file or folder, relative to the scene.
 CodecPtr<std::string> file_or_folder();
-/// One word of a list known by `known`; `noun` says of what, e.g. "preset".
+/// One word of the list `known`; `noun` names its kind in messages, e.g. "preset".
 CodecPtr<std::string> word(std::string noun, std::vector<std::string> known);
 
 template <class E>
@@ -242,7 +241,7 @@ class Enumeration : public Codec<E> {
  public:
   explicit Enumeration(std::vector<std::pair<std::string, E>> words) : words_(std::move(words)) {}
 
-  void read(const Json& json, const Place& place, E& value) const override {
+  void read(const Json& json, const JsonPath& path, E& value) const override {
     for (const auto& [text, meaning] : words_) {
       if (json.is(Json::Kind::text) && json.text == text) {
         value = meaning;
@@ -252,8 +251,8 @@ class Enumeration : public Codec<E> {
     std::vector<std::string> known;
     for (const auto& entry : words_) known.push_back(entry.first);
     const std::string best = json.is(Json::Kind::text) ? nearest_word(json.text, known) : "";
-    place.fail("expected " + list() + ", found " + brief(json) +
-               (best.empty() ? "" : "; did you mean \"" + best + "\"?"));
+    path.fail("expected " + list() + ", found " + brief(json) +
+              (best.empty() ? "" : "; did you mean \"" + best + "\"?"));
   }
   Json write(const E& value) const override {
     for (const auto& [text, meaning] : words_) {
@@ -290,16 +289,16 @@ CodecPtr<E> enumeration(std::vector<std::pair<std::string, E>> words) {
 template <class T>
 class List : public Codec<std::vector<T>> {
  public:
-  List(CodecPtr<T> item, std::size_t least, std::size_t most)
-      : item_(std::move(item)), least_(least), most_(most) {}
+  List(CodecPtr<T> item, std::size_t min_count, std::size_t max_count)
+      : item_(std::move(item)), min_count_(min_count), max_count_(max_count) {}
 
-  void read(const Json& json, const Place& place, std::vector<T>& value) const override {
-    if (!json.is(Json::Kind::array)) place.unexpected("a list: [ ... ]", json);
-    if (json.items.size() < least_ || json.items.size() > most_) {
-      place.fail_length(least_, most_, json.items.size());
+  void read(const Json& json, const JsonPath& path, std::vector<T>& value) const override {
+    if (!json.is(Json::Kind::array)) path.unexpected("a list: [ ... ]", json);
+    if (json.items.size() < min_count_ || json.items.size() > max_count_) {
+      path.fail_length(min_count_, max_count_, json.items.size());
     }
     std::vector<T> read(json.items.size());
-    for (std::size_t i = 0; i < read.size(); ++i) item_->read(json.items[i], place.item(i), read[i]);
+    for (std::size_t i = 0; i < read.size(); ++i) item_->read(json.items[i], path.item(i), read[i]);
     value = std::move(read);
   }
   Json write(const std::vector<T>& value) const override {
@@ -312,28 +311,28 @@ class List : public Codec<std::vector<T>> {
     Json schema = Json::object();
     schema.set("type", Json::of("array"));
     schema.set("items", item.schema);
-    if (least_ > 0) schema.set("minItems", Json::whole(static_cast<std::int64_t>(least_)));
-    schema.set("maxItems", Json::whole(static_cast<std::int64_t>(most_)));
+    if (min_count_ > 0) schema.set("minItems", Json::whole(static_cast<std::int64_t>(min_count_)));
+    schema.set("maxItems", Json::whole(static_cast<std::int64_t>(max_count_)));
     return {"list of " + item.text, schema};
   }
 
  private:
   CodecPtr<T> item_;
-  std::size_t least_, most_;
+  std::size_t min_count_, max_count_;
 };
 template <class T>
-CodecPtr<std::vector<T>> list(CodecPtr<T> item, std::size_t least = 0, std::size_t most = 1000000) {
-  return std::make_shared<List<T>>(std::move(item), least, most);
+CodecPtr<std::vector<T>> list(CodecPtr<T> item, std::size_t min_count = 0, std::size_t max_count = 1000000) {
+  return std::make_shared<List<T>>(std::move(item), min_count, max_count);
 }
 
-/// A key that may be absent: std::optional says whether it was there.
+/// A key that may be absent; std::nullopt if so.
 template <class T>
 class Optional : public Codec<std::optional<T>> {
  public:
   explicit Optional(CodecPtr<T> inner) : inner_(std::move(inner)) {}
-  void read(const Json& json, const Place& place, std::optional<T>& value) const override {
+  void read(const Json& json, const JsonPath& path, std::optional<T>& value) const override {
     T read{};
-    inner_->read(json, place, read);
+    inner_->read(json, path, read);
     value = std::move(read);
   }
   Json write(const std::optional<T>& value) const override { return value ? inner_->write(*value) : Json{}; }

@@ -8,15 +8,15 @@
 #include <cstdlib>
 
 #include <fmt/core.h>
-// The only file of the folder that sees nlohmann: it costs seconds.
+// The only file of this folder that includes nlohmann's header, which takes seconds to compile.
 #include <nlohmann/json.hpp>
 
 namespace souple::scene_format {
 
 namespace {
 
-constexpr std::size_t deepest = 64;
-constexpr std::size_t most_keys = 1000;  // of one object; the search for duplicates is quadratic
+constexpr std::size_t max_depth = 64;
+constexpr std::size_t max_keys = 1000;  // of one object; the search for duplicates is quadratic
 
 std::string line_and_column(std::string_view text, std::size_t position) {
   position = std::min(position, text.size());
@@ -26,21 +26,21 @@ std::string line_and_column(std::string_view text, std::size_t position) {
   return fmt::format("{}:{}", line, std::max<std::size_t>(position - start, 1));
 }
 
-/// nlohmann says "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
+/// nlohmann writes "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
 std::string reason_of(std::string what) {
   const std::size_t bracket = what.find("] ");
   if (bracket != std::string::npos) what.erase(0, bracket + 2);
-  const std::size_t place = what.find(": ");
-  if (what.rfind("parse error", 0) == 0 && place != std::string::npos) what.erase(0, place + 2);
+  const std::size_t position = what.find(": ");
+  if (what.rfind("parse error", 0) == 0 && position != std::string::npos) what.erase(0, position + 2);
   for (char& c : what) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
-  constexpr std::size_t longest = 200;
-  if (what.size() > longest) what = what.substr(0, longest) + "...";
+  constexpr std::size_t max_length = 200;
+  if (what.size() > max_length) what = what.substr(0, max_length) + "...";
   return what;
 }
 
-/// Builds the tree; refuses duplicate keys and depths that would be trouble later.
+/// Builds the tree; rejects duplicate keys and excessive depth.
 class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
   Builder(std::string_view text, std::string_view source) : text_(text), source_(source) {}
@@ -63,10 +63,10 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     Json& object = *open_.back();
     if (object.find(name) != nullptr) {
       throw Error(std::string(source_) + ": " + path_to(name) +
-                  ": the key stands here twice; keep one of the two");
+                  ": the key appears twice; keep one of the two");
     }
-    if (object.members.size() >= most_keys) {
-      throw Error(fmt::format("{}: {}: more than {} keys in one object", source_, path_to(name), most_keys));
+    if (object.members.size() >= max_keys) {
+      throw Error(fmt::format("{}: {}: more than {} keys in one object", source_, path_to(name), max_keys));
     }
     key_ = std::move(name);
     return true;
@@ -86,17 +86,17 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   bool add(Json value) {
-    place(std::move(value));
+    append(std::move(value));
     return true;
   }
 
   bool open(Json value) {
-    if (open_.size() >= deepest) {
+    if (open_.size() >= max_depth) {
       throw Error(
-          fmt::format("{}: nested deeper than {} levels; a scene needs fewer than 10", source_, deepest));
+          fmt::format("{}: nested deeper than {} levels; a scene needs fewer than 10", source_, max_depth));
     }
-    // Addresses of open containers stay: only the innermost one grows.
-    open_.push_back(&place(std::move(value)));
+    // Addresses of open containers are stable: only the innermost one grows.
+    open_.push_back(&append(std::move(value)));
     return true;
   }
 
@@ -105,7 +105,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  Json& place(Json value) {
+  Json& append(Json value) {
     if (open_.empty()) return root_ = std::move(value);
     Json& parent = *open_.back();
     if (parent.is(Json::Kind::array)) return parent.items.emplace_back(std::move(value));
@@ -171,12 +171,12 @@ void write_line(const Json& value, std::string& out) {
   }
 }
 
-/// Short things stand on one line.
+/// Short values without objects in lists fit on one line.
 bool fits_line(const Json& value, const std::string& line) {
-  constexpr std::size_t widest = 100;
+  constexpr std::size_t max_width = 100;
   const bool plain = std::none_of(value.items.begin(), value.items.end(),
                                   [](const Json& item) { return item.is(Json::Kind::object); });
-  return line.size() <= widest && plain;
+  return line.size() <= max_width && plain;
 }
 
 void write_lines(const Json& value, const std::string& indent, std::string& out) {
@@ -203,11 +203,11 @@ void write_lines(const Json& value, const std::string& indent, std::string& out)
   out += "\n" + indent + (value.is(Json::Kind::array) ? "]" : "}");
 }
 
-/// The decimal with the fewest digits that reads back as the same float.
+/// The decimal with the fewest digits that parses to the same float.
 double shortest_decimal(float value) {
   for (int digits = 6; digits <= 9; ++digits) {
     char text[40];
-    // Written and read in the same locale, so a decimal comma does no harm.
+    // Printed and parsed in the same locale, so a decimal comma does no harm.
     std::snprintf(text, sizeof(text), "%.*g", digits, static_cast<double>(value));
     const double decimal = std::strtod(text, nullptr);
     if (static_cast<float>(decimal) == value) return decimal;
@@ -311,11 +311,12 @@ std::string dump_line(const Json& value) {
 }
 
 std::string brief(const Json& value) {
-  constexpr std::size_t longest = 60;
+  constexpr std::size_t max_length = 60;
   std::string text = dump_line(value);
-  if (text.size() <= longest) return text;
-  std::size_t end = longest;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside a character
+  if (text.size() <= max_length) return text;
+  std::size_t end = max_length;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
+    --end;  // not inside a UTF-8 character
   return text.substr(0, end) + "...";
 }
 

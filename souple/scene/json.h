@@ -11,7 +11,7 @@ namespace souple::scene_format {
 
 struct Member;
 
-/// A JSON value. Members keep the order of their file; a parsed object has no key twice.
+/// A JSON value. Members keep the order of the file; a parsed object has no duplicate keys.
 struct Json {
   enum class Kind { null, boolean, number, text, array, object };
 
@@ -25,7 +25,7 @@ struct Json {
 
   static Json of(bool value);
   static Json of(double value);
-  /// The shortest decimal that reads back as this float.
+  /// The shortest decimal that parses to this float.
   static Json of(float value);
   static Json whole(std::int64_t value);
   static Json of(std::string value);
@@ -35,10 +35,10 @@ struct Json {
   static Json object();
 
   bool is(Kind wanted) const { return kind == wanted; }
-  /// The member of that name, or nullptr.
+  /// The member of this name, or nullptr.
   const Json* find(std::string_view key) const;
   Json* find(std::string_view key);
-  /// Appends, or replaces the member of that name.
+  /// Appends a member, or replaces the member of this name.
   Json& set(std::string key, Json value);
 };
 
@@ -47,18 +47,18 @@ struct Member {
   Json value;
 };
 
-/// Values are equal when they are written the same.
+/// Values are equal if their text is equal.
 bool operator==(const Json& a, const Json& b);
 
-/// Reads one JSON text, strictly: no comments, no trailing commas or garbage, UTF-8, no duplicate keys, at
-/// most 64 levels deep, numbers a double can hold. Throws Error: `source:line:column: ...`.
+/// Parses one JSON text strictly: UTF-8, no comments, no trailing commas or garbage, no duplicate keys, at
+/// most 64 levels deep, numbers within the range of double. Throws Error: `source:line:column: ...`.
 Json parse_json(std::string_view text, std::string_view source);
 
-/// Writes JSON on several lines, arrays of numbers on one. Ends with a line feed.
+/// Writes JSON on several lines, with short values on one line. Ends with a line feed.
 std::string dump_json(const Json& value);
 /// Writes JSON on one line.
 std::string dump_line(const Json& value);
-/// `dump_line` cut to a length fit for a message.
+/// `dump_line`, truncated for messages.
 std::string brief(const Json& value);
 std::string number_text(double value);
 

@@ -13,67 +13,67 @@ namespace {
 
 CodecPtr<CameraDescription> camera_codec() {
   using C = CameraDescription;
-  auto keys = table<C>("camera", "From where the scene is best seen; used by viewers.");
-  keys->key<&C::from>("from", vector3<double>(meters), "where it stands [m]")
-      .key<&C::to>("to", vector3<double>(meters), "what it looks at [m]")
-      .key<&C::fov>("fov", number<double>(within(1, 170)), "vertical angle of view [degrees]")
-      .check([](const C& camera, const Place& place) {
-        if (camera.from == camera.to) place.fail("\"from\" and \"to\" are the same point");
+  auto keys = table<C>("camera", "A good viewpoint for the scene; viewers start there.");
+  keys->key<&C::from>("from", vector3<double>(meters), "position of the camera [m]")
+      .key<&C::to>("to", vector3<double>(meters), "point that the camera looks at [m]")
+      .key<&C::fov>("fov", number<double>(within(1, 170)), "vertical field of view [degrees]")
+      .check([](const C& camera, const JsonPath& path) {
+        if (camera.from == camera.to) path.fail("\"from\" and \"to\" are the same point");
       });
   return keys;
 }
 
-/// Gives a name to what has none, by the rule of the world; fails on names used twice.
+/// Gives default names to unnamed items, by the world's rule; fails on duplicate names.
 template <class Items, class NameOf, class Base>
-void complete_names(Items& items, const char* list_key, const Place& place, NameOf name_of, Base base,
-                    std::set<std::string>& taken) {
-  const Place list_place = place.key(list_key);
+void complete_names(Items& items, const char* list_key, const JsonPath& path, NameOf name_of, Base base,
+                    std::set<std::string>& used) {
+  const JsonPath list_path = path.key(list_key);
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::string& given = name_of(items[i]);
-    if (given.empty() || taken.insert(given).second) continue;
-    const Place item = list_place.item(i);
-    item.key("name").fail("the name \"" + given + "\" is taken; names are unique");
+    if (given.empty() || used.insert(given).second) continue;
+    const JsonPath item = list_path.item(i);
+    item.key("name").fail("the name \"" + given + "\" is used twice; names must be unique");
   }
   for (auto& item : items) {
     if (!name_of(item).empty()) continue;
     std::string name = base(item);
-    for (int number = 2; !taken.insert(name).second; ++number) name = fmt::format("{}{}", base(item), number);
+    for (int number = 2; !used.insert(name).second; ++number) name = fmt::format("{}{}", base(item), number);
     name_of(item) = name;
   }
 }
 
-void check_name(const std::string& name, const std::vector<std::string>& known, const Place& place,
+void check_name(const std::string& name, const std::vector<std::string>& known, const JsonPath& path,
                 const char* noun) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  place.fail("there is no " + std::string(noun) + " called \"" + name + "\"" + suggestion(name, known));
+  path.fail("there is no " + std::string(noun) + " called \"" + name + "\"" + suggestion(name, known));
 }
 
-void complete_and_check(SceneDescription& scene, const Place& place) {
-  std::set<std::string> taken;
+void complete_and_check(SceneDescription& scene, const JsonPath& path) {
+  std::set<std::string> used;
   complete_names(
-      scene.objects, "objects", place,
+      scene.objects, "objects", path,
       [](AnyObjectDescription& object) -> std::string& { return common(object).name; },
-      [](const AnyObjectDescription& object) { return std::string(kind_name(kind_of(object))); }, taken);
+      [](const AnyObjectDescription& object) { return std::string(kind_name(kind_of(object))); }, used);
   complete_names(
-      scene.colliders, "colliders", place,
+      scene.colliders, "colliders", path,
       [](ColliderDescription& collider) -> std::string& { return collider.name; },
-      [](const ColliderDescription&) { return std::string("collider"); }, taken);
+      [](const ColliderDescription&) { return std::string("collider"); }, used);
 
   std::vector<std::string> objects;
   for (const AnyObjectDescription& object : scene.objects) objects.push_back(common(object).name);
   std::vector<std::string> all = objects;
   for (const ColliderDescription& collider : scene.colliders) all.push_back(collider.name);
 
-  const Place pairs = place.key("pairs");
+  const JsonPath pairs = path.key("pairs");
   for (std::size_t i = 0; i < scene.pairs.size(); ++i) {
-    const Place pair = pairs.item(i), between = pair.key("between");
+    const JsonPath pair = pairs.item(i), between = pair.key("between");
     for (std::size_t side = 0; side < 2; ++side) {
       check_name(scene.pairs[i].between[side], all, between.item(side), "object or collider");
     }
   }
-  const Place connections = place.key("connections");
+  const JsonPath connections = path.key("connections");
   for (std::size_t i = 0; i < scene.connections.size(); ++i) {
-    const Place connection = connections.item(i), from = connection.key("from"), to = connection.key("to");
+    const JsonPath connection = connections.item(i), from = connection.key("from"), to = connection.key("to");
     check_name(scene.connections[i].from.object, objects, from.key("object"), "object");
     check_name(scene.connections[i].to.object, objects, to.key("object"), "object");
   }
@@ -82,9 +82,9 @@ void complete_and_check(SceneDescription& scene, const Place& place) {
 /// The key "souple": the version of the format.
 class FormatVersion : public Codec<std::string> {
  public:
-  void read(const Json& json, const Place& place, std::string&) const override {
+  void read(const Json& json, const JsonPath& path, std::string&) const override {
     if (!json.is(Json::Kind::number) || json.number != 1) {
-      place.unexpected("1, the only version of the scene format this Souple knows", json);
+      path.unexpected("1, the only version of the scene format that this Souple reads", json);
     }
   }
   Json write(const std::string&) const override { return Json::whole(1); }
@@ -95,13 +95,13 @@ class FormatVersion : public Codec<std::string> {
   }
 };
 
-/// Names are completed after everything has been read.
+/// Completes names after all keys have been read.
 class SceneTable : public Table<SceneDescription> {
  public:
   using Table::Table;
-  void read(const Json& json, const Place& place, SceneDescription& value) const override {
-    Table::read(json, place, value);
-    complete_and_check(value, place);
+  void read(const Json& json, const JsonPath& path, SceneDescription& value) const override {
+    Table::read(json, path, value);
+    complete_and_check(value, path);
   }
 };
 
@@ -109,23 +109,25 @@ class SceneTable : public Table<SceneDescription> {
 
 CodecPtr<SceneDescription> scene_codec() {
   using S = SceneDescription;
-  auto keys = std::make_shared<SceneTable>("scene",
-                                           "The whole file. Meters, kilograms, seconds; Y is up, axes are "
-                                           "right-handed.");
+  auto keys = std::make_shared<SceneTable>(
+      "scene", "The whole file. Units are meters, kilograms and seconds; Y is up, axes are right-handed.");
   keys->required<&S::source>("souple", CodecPtr<std::string>(std::make_shared<FormatVersion>()),
                              "version of the format")
-      .key<&S::description>("description", text(), "one line that says what is to be seen")
-      .key<&S::frame_rate>("frame_rate", number<double>(positive(1e5)), "frames a second")
-      .key<&S::frames>("frames", number<std::uint32_t>(within(1, 1e7)), "how many to simulate");
+      .key<&S::description>("description", text(), "one line that describes the scene")
+      .key<&S::frame_rate>("frame_rate", number<double>(positive(1e5)), "frames per second")
+      .key<&S::frames>("frames", number<std::uint32_t>(within(1, 1e7)), "number of frames to simulate");
   add_setting_keys(*keys);
-  keys->key<&S::camera>("camera", camera_codec(), "from where the scene is best seen")
+  keys->key<&S::camera>("camera", camera_codec(), "a good viewpoint for the scene")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
-      .key<&S::objects>("objects", list(object_codec(), 0, 10000), "what moves")
-      .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "what it touches")
-      .key<&S::pairs>("pairs", list(pair_codec(), 0, 100000),
-                      "friction and restitution of two things by name, or that they do not collide")
-      .key<&S::connections>("connections", list(connection_codec(), 0, 10000), "ties between objects")
-      .key<&S::drains>("drains", list(drain_codec(), 0, 10000), "where fluids cease to exist");
+      .key<&S::objects>("objects", list(object_codec(), 0, 10000),
+                        "cloth, soft bodies, ropes, grains, fluids and obstacles")
+      .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "solids that objects collide with")
+      .key<&S::pairs>(
+          "pairs", list(pair_codec(), 0, 100000),
+          "friction and restitution between two named objects or colliders, or that they do not collide")
+      .key<&S::connections>("connections", list(connection_codec(), 0, 10000),
+                            "distance joints between vertices")
+      .key<&S::drains>("drains", list(drain_codec(), 0, 10000), "regions that remove fluid");
   return keys;
 }
 

@@ -5,7 +5,7 @@
 
 namespace souple::scene_format {
 
-/// The keys of a scene: the one place where names, units, ranges, defaults and meanings stand.
+/// All keys of a scene: the single definition of names, units, ranges, defaults and texts.
 CodecPtr<SceneDescription> scene_codec();
 
 }  // namespace souple::scene_format

@@ -18,7 +18,7 @@ Json properties_of(const TableInfo& table) {
   Json properties = Json::object();
   for (const KeyInfo& key : table.keys) {
     Json schema = key.schema;
-    // Beside a reference, which draft 2020-12 allows.
+    // Next to a $ref, which draft 2020-12 allows.
     schema.set("description", Json::of(key.doc));
     if (key.fallback) schema.set("default", *key.fallback);
     properties.set(key.name, std::move(schema));
@@ -32,7 +32,7 @@ Json requires_key(const std::string& key) {
   return json;
 }
 
-/// {"oneOf": [{"required": ["a"]}, {"required": ["b"]}]}, and for "at most one" also neither.
+/// {"oneOf": [{"required": ["a"]}, {"required": ["b"]}]}; for "at most one" also neither key.
 Json one_of(const std::vector<std::string>& keys, bool none_allowed) {
   Json choices = Json::array();
   Json any = Json::array();
@@ -100,10 +100,11 @@ std::string section(const TableInfo& table) {
 
 constexpr const char* introduction = R"(# Scene files
 
-<!-- Made from the tables of the reader (souple/scene/keys.cpp) by `souple info --scene-format`; do not edit. -->
+<!-- Generated from the reader's tables (souple/scene/keys.cpp) by `souple info --scene-format`; do not edit. -->
 
-A scene is one JSON file: what there is, what it is made of, how it is simulated. Meters, kilograms, seconds;
-angles in degrees; Y is up, axes are right-handed. Files that a scene names are found relative to its own folder.
+A scene is one JSON file: its objects, their materials, and the settings of the simulation. Units are meters,
+kilograms and seconds; angles are in degrees; Y is up, axes are right-handed. File names are relative to the
+scene's folder.
 
 ```json
 {
@@ -120,15 +121,15 @@ angles in degrees; Y is up, axes are right-handed. Files that a scene names are 
 }
 ```
 
-Reading is strict: a key that does not exist, stands twice or has a wrong type or a value out of range is an
-error that names the file, the path inside it and the value, and suggests the nearest key. JSON only: no comments,
-no trailing commas.
+Reading is strict. An unknown key, a duplicate key, a wrong type or a value out of range is an error. Its message
+names the file, the path inside it and the value, and suggests the nearest key. JSON only: no comments, no
+trailing commas.
 
-Any value can be changed from the command line: `--set substeps=20`, `--set objects.flag.material.damping=0.1`,
-`--set objects[0].transform.translate=[0,3,0]`. Entries of a list are named by their `name` or their index from 0.
+The command line can change any value: `--set substeps=20`, `--set objects.flag.material.damping=0.1`,
+`--set objects[0].transform.translate=[0,3,0]`. A list entry is given by its `name`, or by its index from 0.
 
-`souple check SCENE` reads a scene and says what it holds; [scene.schema.json](scene.schema.json) is a JSON schema
-with which an editor completes and checks scenes while they are written.
+`souple check SCENE` reads a scene and lists its contents. [scene.schema.json](scene.schema.json) is a JSON schema,
+with which editors complete and check scenes while you type.
 
 )";
 

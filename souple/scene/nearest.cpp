@@ -27,7 +27,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> renamed{{
     {"spray_neighbours", "spray_neighbors"},
 }};
 
-/// Optimal string alignment distance, three rows at a time.
+/// Optimal string alignment distance, with three rows.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -49,13 +49,13 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_word(std::string_view word, std::span<const std::string> known) {
-  constexpr std::size_t longest = 100;
-  if (word.size() > longest) return {};
+  constexpr std::size_t max_length = 100;
+  if (word.size() > max_length) return {};
   std::string best;
-  std::size_t least = 1 + word.size() / 2;  // more changes than that, and it is another word
+  std::size_t least = 1 + word.size() / 2;  // with more changes it is a different word
   for (const std::string& candidate : known) {
     std::size_t distance = edit_distance(word, candidate);
-    // "densty" for "areal_density": the last words of a name may stand for it.
+    // "densty" for "areal_density": a user may write only the last words of a name.
     for (std::size_t i = candidate.find('_'); i != std::string::npos; i = candidate.find('_', i + 1)) {
       distance = std::min(distance, 1 + edit_distance(word, std::string_view(candidate).substr(i + 1)));
     }

@@ -12,7 +12,7 @@ namespace souple::scene_format {
 
 namespace {
 
-constexpr std::size_t longest_path = 16;
+constexpr std::size_t max_parts = 16;
 
 /// "objects[0].mesh" -> objects, 0, mesh
 std::vector<std::string> split_path(std::string_view path) {
@@ -27,20 +27,21 @@ std::vector<std::string> split_path(std::string_view path) {
   return parts;
 }
 
-/// What the reader will call each entry of a list of objects or colliders; others have no names.
+/// The names that the reader will give to entries of a list of objects or colliders; other lists have no
+/// names.
 std::vector<std::string> names_of(const Json& list, const std::string& key) {
-  std::set<std::string> taken;
+  std::set<std::string> used;
   std::vector<std::string> names(list.items.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* name = list.items[i].find("name");
-    if (name != nullptr && name->is(Json::Kind::text)) taken.insert(names[i] = name->text);
+    if (name != nullptr && name->is(Json::Kind::text)) used.insert(names[i] = name->text);
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* kind = list.items[i].find("kind");
     const std::string base = key == "colliders" ? "collider" : (kind != nullptr ? kind->text : "");
     if (!names[i].empty() || base.empty()) continue;
     names[i] = base;
-    for (int number = 2; !taken.insert(names[i]).second; ++number)
+    for (int number = 2; !used.insert(names[i]).second; ++number)
       names[i] = fmt::format("{}{}", base, number);
   }
   return names;
@@ -56,7 +57,7 @@ class Override {
       fail("expected PATH=VALUE, such as substeps=20 or objects.flag.material.damping=0.1");
     }
     const std::vector<std::string> parts = split_path(setting_.substr(0, equals));
-    if (parts.size() > longest_path) fail("the path has too many parts");
+    if (parts.size() > max_parts) fail("the path has too many parts");
     Json* here = &scene;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (parts[i].empty()) fail("the path has an empty part");
@@ -72,7 +73,7 @@ class Override {
 
   Json& descend(Json& from, const std::string& part, const std::string& before) const {
     if (from.is(Json::Kind::array)) return from.items[index_of(from, part, before)];
-    if (from.is(Json::Kind::null)) from = Json::object();  // what a longer path makes on its way
+    if (from.is(Json::Kind::null)) from = Json::object();  // created by a longer path
     if (!from.is(Json::Kind::object)) {
       fail(quoted(before) + " is " + brief(from) + ", which has no " + quoted(part) + " inside");
     }
@@ -91,10 +92,10 @@ class Override {
                      quoted(part), suggestion(part, names)));
   }
 
-  /// Whatever was typed, a message is one line.
+  /// A message must stay on one line, whatever the user typed.
   static std::string quoted(const std::string& text) { return brief(Json::of(text)); }
 
-  /// JSON, or else text as it stands: mode=xpbd needs no quotes.
+  /// JSON, else the text itself: mode=xpbd needs no quotes.
   Json value(const std::string& text) const {
     try {
       return parse_json(text, source_);

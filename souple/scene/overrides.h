@@ -8,9 +8,9 @@
 namespace souple::scene_format {
 
 /// Applies `path=value` to a scene: "substeps=20", "objects.flag.material.damping=0.1",
-/// "objects[0].name=flag". Entries of lists are found by name, else by index; missing objects on the way are
-/// made. The value is JSON, or text if it is not. Whether the result makes sense is for the reader to say.
-/// Throws Error.
+/// "objects[0].name=flag". List entries are found by name, else by index; missing objects on the path are
+/// created. The value is JSON, or text if it does not parse. The reader validates the result later. Throws
+/// Error.
 void apply_override(Json& scene, const std::string& setting, std::string_view source);
 
 }  // namespace souple::scene_format

@@ -8,11 +8,11 @@ namespace scene_format {
 
 namespace {
 
-/// Text of any length, unlike what people write into scenes.
+/// Text of any length, unlike texts in scenes.
 class LongText : public Codec<std::string> {
  public:
-  void read(const Json& json, const Place& place, std::string& value) const override {
-    if (!json.is(Json::Kind::text)) place.unexpected("text in quotes", json);
+  void read(const Json& json, const JsonPath& path, std::string& value) const override {
+    if (!json.is(Json::Kind::text)) path.unexpected("text in quotes", json);
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
@@ -52,7 +52,7 @@ std::string run_record_text(const RunRecord& record) {
 RunRecord parse_run_record(std::string_view text, std::string_view source) {
   const scene_format::Reading reading{std::string(source), {}};
   RunRecord record;
-  scene_format::record_codec()->read(scene_format::parse_json(text, source), scene_format::Place(reading),
+  scene_format::record_codec()->read(scene_format::parse_json(text, source), scene_format::JsonPath(reading),
                                      record);
   return record;
 }

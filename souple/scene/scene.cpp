@@ -9,7 +9,7 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t largest_file = std::size_t(256) << 20;  // bytes
+constexpr std::size_t max_file_size = std::size_t(256) << 20;  // bytes
 
 std::string read_text(const std::filesystem::path& path) {
   std::error_code error;
@@ -22,7 +22,7 @@ std::string read_text(const std::filesystem::path& path) {
   std::vector<char> piece(std::size_t(1) << 16);
   while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())), file.gcount() > 0) {
     text.append(piece.data(), static_cast<std::size_t>(file.gcount()));
-    if (text.size() > largest_file) throw Error(path.string() + ": is larger than 256 MiB; not a scene");
+    if (text.size() > max_file_size) throw Error(path.string() + ": is larger than 256 MiB; not a scene");
   }
   if (file.bad()) throw Error(path.string() + ": cannot be read");
   return text;
@@ -51,7 +51,7 @@ namespace {
 
 SceneDescription read_scene(const scene_format::Json& json, const scene_format::Reading& reading) {
   SceneDescription scene;
-  scene_format::scene_codec()->read(json, scene_format::Place(reading), scene);
+  scene_format::scene_codec()->read(json, scene_format::JsonPath(reading), scene);
   scene.source = reading.source;
   scene.folder = reading.base;
   return scene;

@@ -19,8 +19,8 @@
 #include <variant>
 #include <vector>
 
-// A scene file in C++: plain data, one struct per JSON object, one field per key, by the same names.
-// docs/scene-format.md says what each means; it is made from the same tables that read the file.
+// A scene file in C++: plain data, one struct per JSON object, one field per key, with equal names.
+// docs/scene-format.md explains the keys; it is generated from the reader's tables.
 
 namespace souple {
 
@@ -81,11 +81,11 @@ struct MeshDescription {
   std::variant<GridMesh, DiskMesh, SphereMesh, BoxMesh, TorusMesh, CapsuleMesh, CylinderMesh, TetBarMesh,
                TetBallMesh, FileMesh>
       source;
-  MeshImport import{};  ///< of a file
+  MeshImport import{};  ///< import options of a file
 };
 
-// --- what holds vertices
-/// Positions of all of an object's vertices over time, from a .pc2, a .mdd or a sequence of meshes
+// --- pins and maps
+/// Positions of all vertices of an object over time, from a .pc2 file, a .mdd file or a sequence of meshes
 /// (one of its files, or its folder).
 struct SequenceDescription {
   std::string file;
@@ -97,7 +97,7 @@ struct PinDescription {
   Selector where{};
   std::vector<KeyframeDescription> keyframes;
   bool loop = false;
-  /// Center of the keyframes' rotations; the middle of the vertices if not given.
+  /// Center of rotation of the keyframes; if not given, the mean of the vertices.
   std::optional<Vec3d> about;
   std::optional<SequenceDescription> sequence;
 };
@@ -106,15 +106,15 @@ struct AttachmentDescription : PinDescription {
   float compliance = 0;  ///< m/N
 };
 
-/// A number per vertex: `fallback` outside and `value` inside a group, or blended by a color of the
-/// vertices.
+/// A number per vertex: `value` inside a group and `fallback` outside, or a blend by a channel of the vertex
+/// colors.
 struct MapDescription {
   std::variant<std::string, ColorChannel> source;
   float value = 1, fallback = 0;
 };
-/// How strongly vertices are held: 1 is a pin, 0 free, between them a spring.
+/// Pin weight per vertex: 1 is a pin, 0 is free, between them a spring.
 struct PinMapDescription : MapDescription {
-  float compliance = 1e-3f;  ///< of a vertex of weight one half [m/N]
+  float compliance = 1e-3f;  ///< compliance of a vertex of weight 1/2 [m/N]
 };
 struct MapsDescription {
   std::optional<PinMapDescription> pin_weight;
@@ -130,7 +130,7 @@ struct EnclosedVolumeDescription {
 };
 
 // --- objects
-/// A material as a preset, if one is named, with changes.
+/// A material, optionally based on a preset.
 template <class Material>
 struct MaterialDescription : Material {
   std::string preset;
@@ -141,10 +141,10 @@ struct ObjectDescription {
   TransformDescription transform;
   Vec3f velocity{};                    ///< m/s
   Vec3f angular_velocity{};            ///< rad/s
-  std::optional<std::uint32_t> color;  ///< 0xRRGGBB (sRGB), for those who show it
-  bool self_collision = false;         ///< not of grains
-  int layer = 0;                       ///< not of ropes and grains
-  CollisionFilter collision{};         ///< groups and mask
+  std::optional<std::uint32_t> color;  ///< 0xRRGGBB (sRGB), for viewers and pictures
+  bool self_collision = false;         ///< not for grains
+  int layer = 0;                       ///< not for ropes and grains
+  CollisionFilter collision{};         ///< collision groups and mask
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;
 };
@@ -172,13 +172,13 @@ struct RopeDescription : ObjectDescription {
   std::optional<TethersDescription> tethers;
 };
 
-/// Grains that fill a box on a cubic lattice, each moved at random.
+/// Grains that fill a box on a cubic lattice, with random displacements.
 struct GrainsBox {
   Vec3d lo{}, hi{};               ///< m
-  std::optional<double> spacing;  ///< m; 2 radius (1 + jitter) if not given
-  double jitter = 0;              ///< fraction of a radius by which a center may be moved along each axis
+  std::optional<double> spacing;  ///< m; if not given, 2 radius (1 + jitter)
+  double jitter = 0;  ///< largest displacement of a center along each axis, as a fraction of the radius
 };
-/// Grains on a cubic lattice about the origin.
+/// Grains on a cubic lattice centered at the origin.
 struct GrainsGrid {
   std::array<int, 3> counts{1, 1, 1};
   std::optional<double> spacing;
@@ -195,8 +195,8 @@ struct EmitterDescription {
   float radius = 0.05f;                        ///< m
   float speed = 1;                             ///< m/s
   double start = 0;                            ///< s
-  std::optional<double> end;                   ///< s; never if not given
-  std::vector<KeyframeDescription> keyframes;  ///< of poses applied to the position and direction
+  std::optional<double> end;                   ///< s; if not given, never
+  std::vector<KeyframeDescription> keyframes;  ///< poses applied to position and direction
   bool loop = false;
 };
 struct FluidBox {
@@ -206,13 +206,13 @@ struct FluidDescription : ObjectDescription {
   std::variant<std::vector<Vec3d>, FluidBox, MeshDescription> filling;
   MaterialDescription<FluidMaterial> material;
   std::vector<EmitterDescription> emitters;
-  std::uint32_t max_particles = 0;  ///< 0: as many as it begins with
+  std::uint32_t max_particles = 0;  ///< 0: as many as at the start
 };
 
 struct ObstacleSequenceDescription : SequenceDescription {
   bool loop = false;
 };
-/// Of what all objects share it has a name, a transform, a color and collision groups.
+/// Of the common fields it uses the name, transform, color, layer and collision groups.
 struct ObstacleDescription : ObjectDescription {
   MeshDescription mesh;
   ObstacleMaterial material;
@@ -223,19 +223,19 @@ struct ObstacleDescription : ObjectDescription {
 
 using AnyObjectDescription = std::variant<ClothDescription, SoftBodyDescription, RopeDescription,
                                           GrainsDescription, ObstacleDescription, FluidDescription>;
-/// What all kinds share.
+/// The fields that all kinds share.
 const ObjectDescription& common(const AnyObjectDescription& object);
 ObjectDescription& common(AnyObjectDescription& object);
 ObjectKind kind_of(const AnyObjectDescription& object);
 
-// --- the rest
-/// The solid inside a closed surface, as a grid of distances.
+// --- colliders, connections, the scene
+/// The solid inside a closed surface, as a grid of signed distances.
 struct SignedDistanceFieldDescription {
   MeshDescription mesh;
   std::optional<double> spacing;  ///< of the grid [m]
   int resolution = 64;            ///< cells along the mesh's longest side, if no spacing is given
 };
-/// The alternatives of Shape, by the same names.
+/// The alternatives of Shape, with equal names.
 using ShapeDescription = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceFieldDescription>;
 
 struct ColliderDescription {
@@ -243,27 +243,27 @@ struct ColliderDescription {
   ShapeDescription shape{};
   float friction = 0.5f;
   float restitution = 0;
-  CollisionFilter collision{};                 ///< as of an object
-  std::optional<std::uint32_t> color;          ///< the same
-  bool show = true;                            ///< in pictures; it collides all the same
-  TransformDescription transform;              ///< its scale is 1
+  CollisionFilter collision{};                 ///< collision groups and mask
+  std::optional<std::uint32_t> color;          ///< 0xRRGGBB (sRGB), for viewers and pictures
+  bool show = true;                            ///< in pictures; a hidden collider still collides
+  TransformDescription transform;              ///< with scale 1
   std::vector<KeyframeDescription> keyframes;  ///< instead of the transform
   bool loop = false;
 };
 
 struct DrainDescription {
   ShapeDescription shape{};
-  TransformDescription transform;  ///< its scale is 1
-  std::optional<float> rate;       ///< m^3/s; all that comes if not given
+  TransformDescription transform;  ///< with scale 1
+  std::optional<float> rate;       ///< m^3/s; if not given, all fluid in the region
   double start = 0;                ///< s
-  std::optional<double> end;       ///< s; never if not given
+  std::optional<double> end;       ///< s; if not given, never
 };
 
 struct PairDescription {
   std::array<std::string, 2> between;  ///< names of objects or colliders
   bool collide = true;
-  std::optional<float> friction;  ///< what the materials say if not given; then `collide` is false
-  float restitution = 0;          ///< counts only beside a friction
+  std::optional<float> friction;  ///< if not given, that of the materials; then `collide` is false
+  float restitution = 0;          ///< used only with a friction
 };
 
 struct EndDescription {
@@ -271,13 +271,13 @@ struct EndDescription {
   Selector where{};
 };
 enum class Pairing { in_order, nearest };
-/// Ties vertices of one object to vertices of another, or of the same.
+/// Distance joints between vertices of two objects, or of one.
 struct ConnectionDescription {
   EndDescription from, to;
   Pairing pairing = Pairing::in_order;
-  std::optional<float> rest_length;  ///< m; the distance at the start if not given
+  std::optional<float> rest_length;  ///< m; if not given, the distance at the start
   float compliance = 0;              ///< m/N
-  std::optional<double> until;       ///< s; for ever if not given
+  std::optional<double> until;       ///< s; if not given, never released
 };
 
 struct CameraDescription {
@@ -287,7 +287,7 @@ struct CameraDescription {
 
 struct SceneDescription {
   std::string description;  ///< one line for `souple list`
-  double frame_rate = 60;   ///< frames a second
+  double frame_rate = 60;   ///< frames per second
   std::uint32_t frames = 240;
   Settings settings{};
   CameraDescription camera;
@@ -297,39 +297,39 @@ struct SceneDescription {
   std::vector<ConnectionDescription> connections;
   std::vector<DrainDescription> drains;
 
-  // Where it came from; not part of the file.
-  std::string source;            ///< how messages call the scene
-  std::filesystem::path folder;  ///< its files are found relative to this
+  // Origin of the scene; not part of the file.
+  std::string source;            ///< name of the scene in messages
+  std::filesystem::path folder;  ///< base folder of its relative files
 };
 
-/// Reads a scene file. `overrides` are `path=value` texts, e.g.
-/// "objects.flag.material.bending_stiffness=1e-5" or "substeps=20", applied before anything is checked; an
-/// entry of a list is named by its name or its index. Every object and collider of the result has a name.
-/// Throws Error, one line: file, path inside it, the value, what was expected. Nothing but the scene's own
-/// text is read; its mesh files must exist.
+/// Reads a scene file. `overrides` are `path=value` texts, such as
+/// "objects.flag.material.bending_stiffness=1e-5" or "substeps=20", applied before validation; a list entry
+/// is given by its name or its index. Every object and collider of the result has a name. Throws Error, one
+/// line: file, path inside it, the value, and the expected value. Reads the scene's text only; its mesh files
+/// must exist.
 SceneDescription load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {});
 
-/// The same from memory. `source` stands for the file's name in messages.
+/// Parses a scene in memory. `source` replaces the file's name in messages.
 SceneDescription parse_scene(std::string_view text, const std::filesystem::path& folder,
                              std::string_view source, std::span<const std::string> overrides = {});
 
-/// The scene that a run.json embeds, to look at rather than to build: its mesh files may be gone.
+/// Parses the scene embedded in a run.json, for display, not for building: its mesh files may be gone.
 SceneDescription parse_recorded_scene(std::string_view text, std::string_view source);
 
-/// Writes a scene back, normalized: keys in a fixed order, defaults left out, every object named.
+/// Writes a scene in normalized form: fixed order of keys, no defaults, all objects named.
 std::string to_json(const SceneDescription& scene);
 
-/// "plane", "sphere", ... as shape_name of the shape that is built from it.
+/// "plane", "sphere", ...: shape_name of the Shape built from it.
 std::string_view shape_name(const ShapeDescription& shape);
 
 using SceneLog = std::function<void(LogLevel, std::string_view)>;
 
-/// Reads the meshes and adds everything to a new world. What is found in meshes (mended or doubtful) goes to
-/// `log`, one line each. Throws Error: file, path inside it, what is wrong.
+/// Reads the meshes and builds a world. Repairs and warnings about meshes go to `log`, one line each. Throws
+/// Error: file, path inside it, the problem.
 World build_world(const SceneDescription& scene, const SceneLog& log = {});
 
-/// JSON schema (draft 2020-12) of scene files, and the manual page docs/scene-format.md; both are made from
-/// the tables of the reader.
+/// The JSON schema (draft 2020-12) of scene files, and the manual page docs/scene-format.md; both are
+/// generated from the reader's tables.
 std::string scene_schema();
 std::string scene_manual();
 

@@ -6,8 +6,8 @@ namespace souple::scene_format {
 
 namespace {
 
-/// Access functions only compute addresses; what is behind them is not written to.
-const void* look(Access access, const void* object) {
+/// Access functions only compute addresses; the object is not modified.
+const void* member_of(Access access, const void* object) {
   return access(const_cast<void*>(object));
 }
 
@@ -17,8 +17,8 @@ std::string quoted_list(const std::vector<std::string>& words) {
   return out;
 }
 
-/// Empty things say nothing as a default.
-bool says_something(const Json& json) {
+/// Empty values are not shown as defaults.
+bool is_informative(const Json& json) {
   switch (json.kind) {
     case Json::Kind::null:
     case Json::Kind::object:
@@ -44,14 +44,14 @@ Key::Key(std::string name, Access access, AnyCodecPtr codec, std::string doc, bo
       required_(required) {}
 
 Json Key::written(const void* object) const {
-  return codec_->write_any(look(access_, object));
+  return codec_->write_any(member_of(access_, object));
 }
 
-void Key::read(const Json& json, const Place& place, void* object) const {
+void Key::read(const Json& json, const JsonPath& path, void* object) const {
   if (const Json* value = json.find(name_)) {
-    codec_->read_any(*value, place.key(name_), access_(object));
+    codec_->read_any(*value, path.key(name_), access_(object));
   } else if (required_) {
-    place.fail("the key \"" + name_ + "\" is missing: " + doc_);
+    path.fail("the key \"" + name_ + "\" is missing: " + doc_);
   }
 }
 
@@ -65,7 +65,7 @@ void Key::describe(Format& format, const void* fallback, TableInfo& info) const 
   TypeInfo type = codec_->describe(format);
   KeyInfo key{name_, type.text, doc_, required_, std::nullopt, std::move(type.schema)};
   Json value = written(fallback);
-  if (!required_ && says_something(value)) key.fallback = std::move(value);
+  if (!required_ && is_informative(value)) key.fallback = std::move(value);
   info.keys.push_back(std::move(key));
 }
 
@@ -77,24 +77,23 @@ std::vector<std::string> Choice::keys() const {
   return names;
 }
 
-void Choice::read(const Json& json, const Place& place, void* object) const {
+void Choice::read(const Json& json, const JsonPath& path, void* object) const {
   const Alternative* chosen = nullptr;
   for (const Alternative& option : options_) {
     if (json.find(option.name) == nullptr) continue;
     if (chosen != nullptr) {
-      place.fail("\"" + chosen->name + "\" and \"" + option.name + "\" exclude each other; keep one");
+      path.fail("\"" + chosen->name + "\" and \"" + option.name + "\" exclude each other; keep one");
     }
     chosen = &option;
   }
-  if (chosen == nullptr) place.fail("expected one of the keys " + quoted_list(keys()));
-  chosen->codec->read_any(*json.find(chosen->name), place.key(chosen->name),
-                          chosen->emplace(access_(object)));
+  if (chosen == nullptr) path.fail("expected one of the keys " + quoted_list(keys()));
+  chosen->codec->read_any(*json.find(chosen->name), path.key(chosen->name), chosen->emplace(access_(object)));
 }
 
 void Choice::write(const void* object, const void*, Json& json) const {
   for (const Alternative& option : options_) {
-    const void* held = option.get(look(access_, object));
-    if (held != nullptr) json.set(option.name, option.codec->write_any(held));
+    const void* current = option.get(member_of(access_, object));
+    if (current != nullptr) json.set(option.name, option.codec->write_any(current));
   }
 }
 
@@ -124,22 +123,22 @@ void TableCore::add_choice(Access access, std::vector<Alternative> options) {
   entries_.push_back(std::make_unique<Choice>(access, std::move(options)));
 }
 
-void TableCore::read_object(const Json& json, const Place& place, void* object) const {
-  if (!json.is(Json::Kind::object)) place.unexpected("an object: { ... }", json);
-  refuse_strangers(json, place);
-  if (before_) before_(json, place, object);
-  for (const auto& entry : entries_) entry->read(json, place, object);
+void TableCore::read_object(const Json& json, const JsonPath& path, void* object) const {
+  if (!json.is(Json::Kind::object)) path.unexpected("an object: { ... }", json);
+  reject_unknown_keys(json, path);
+  if (before_) before_(json, path, object);
+  for (const auto& entry : entries_) entry->read(json, path, object);
   for (const auto& [key, other] : needs_) {
     if (json.find(key) != nullptr && json.find(other) == nullptr) {
-      place.key(key).fail("makes sense only together with \"" + other + "\"");
+      path.key(key).fail("is valid only together with \"" + other + "\"");
     }
   }
   for (const auto& [key, other] : excludes_) {
     if (json.find(key) != nullptr && json.find(other) != nullptr) {
-      place.fail("\"" + key + "\" and \"" + other + "\" exclude each other; keep one");
+      path.fail("\"" + key + "\" and \"" + other + "\" exclude each other; keep one");
     }
   }
-  for (const auto& rule : rules_) rule(object, place);
+  for (const auto& rule : rules_) rule(object, path);
 }
 
 Json TableCore::write_object(const void* object, const void* fallback) const {
@@ -164,7 +163,7 @@ TypeInfo TableCore::describe_object(Format& format, const void* fallback) const 
   return type;
 }
 
-void TableCore::refuse_strangers(const Json& json, const Place& place) const {
+void TableCore::reject_unknown_keys(const Json& json, const JsonPath& path) const {
   const std::vector<std::string> known = keys();
   for (const Member& member : json.members) {
     if (std::find(known.begin(), known.end(), member.key) != known.end()) continue;
@@ -173,31 +172,31 @@ void TableCore::refuse_strangers(const Json& json, const Place& place) const {
       if (key == member.key && hint.empty()) hint = "; it belongs to " + owner;
     }
     if (hint.empty()) hint = suggestion(member.key, known);
-    place.key(member.key).fail("there is no such key here (its value is " + brief(member.value) + ")" + hint);
+    path.key(member.key).fail("unknown key (its value is " + brief(member.value) + ")" + hint);
   }
 }
 
 // --- Kinds -------------------------------------------------------------------------------------------------
 
-void KindsCore::read_kind(const Json& json, const Place& place, void* variant) const {
-  if (!json.is(Json::Kind::object)) place.unexpected("an object: { ... }", json);
+void KindsCore::read_kind(const Json& json, const JsonPath& path, void* variant) const {
+  if (!json.is(Json::Kind::object)) path.unexpected("an object: { ... }", json);
   std::vector<std::string> known;
   for (const Alternative& option : kinds_) known.push_back(option.name);
   const Json* kind = json.find("kind");
-  if (kind == nullptr) place.fail("the key \"kind\" is missing; expected one of " + quoted_list(known));
+  if (kind == nullptr) path.fail("the key \"kind\" is missing; expected one of " + quoted_list(known));
   for (const Alternative& option : kinds_) {
     if (kind->is(Json::Kind::text) && kind->text == option.name) {
-      option.codec->read_any(json, place, option.emplace(variant));
+      option.codec->read_any(json, path, option.emplace(variant));
       return;
     }
   }
   const std::string word = kind->is(Json::Kind::text) ? kind->text : "";
-  place.key("kind").fail("no kind of object is called " + brief(*kind) + suggestion(word, known));
+  path.key("kind").fail("no kind of object is called " + brief(*kind) + suggestion(word, known));
 }
 
 Json KindsCore::write_kind(const void* variant) const {
   for (const Alternative& option : kinds_) {
-    if (const void* held = option.get(variant)) return option.codec->write_any(held);
+    if (const void* current = option.get(variant)) return option.codec->write_any(current);
   }
   return {};
 }

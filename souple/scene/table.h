@@ -10,24 +10,24 @@
 
 namespace souple::scene_format {
 
-/// From an object to what one of its members holds; addresses only.
+/// Maps an object's address to the address of one of its members.
 using Access = void* (*)(void*);
 
-/// The member reached through `Members`, one after the other: <&Scene::settings, &Settings::gravity>. Of a
-/// variant read through no member, the variant itself.
+/// The member reached through `Members`, one after the other: <&Scene::settings, &Settings::gravity>. Without
+/// members, the object itself, which is how a variant reads itself.
 template <class T, auto... Members>
-void* reach(void* object) {
+void* member_address(void* object) {
   return &(*static_cast<T*>(object).*....*Members);
 }
 template <class T, auto... Members>
-using Reached = std::remove_reference_t<decltype((std::declval<T&>().*....*Members))>;
+using MemberType = std::remove_reference_t<decltype((std::declval<T&>().*....*Members))>;
 
-/// One alternative of a variant: how to make it current, and where it is when it is.
+/// One alternative of a variant: how to make it current, and its address if it is current.
 struct Alternative {
   std::string name, doc;
   AnyCodecPtr codec;
   void* (*emplace)(void* variant);
-  const void* (*get)(const void* variant);  ///< nullptr when the variant holds another
+  const void* (*get)(const void* variant);  ///< nullptr if another alternative is current
 };
 
 template <class V, class A>
@@ -37,23 +37,23 @@ Alternative alternative(const char* name, CodecPtr<A> codec, const char* doc) {
           [](const void* variant) -> const void* { return std::get_if<A>(static_cast<const V*>(variant)); }};
 }
 
-/// One entry of a table: what it reads from a JSON object, whatever the number of keys.
+/// One entry of a table: reads one or several keys of a JSON object.
 class Entry {
  public:
   virtual ~Entry() = default;
   virtual std::vector<std::string> keys() const = 0;
-  virtual void read(const Json& json, const Place& place, void* object) const = 0;
-  /// Appends what differs from `fallback`.
+  virtual void read(const Json& json, const JsonPath& path, void* object) const = 0;
+  /// Appends the values that differ from `fallback`.
   virtual void write(const void* object, const void* fallback, Json& json) const = 0;
   virtual void describe(Format& format, const void* fallback, TableInfo& info) const = 0;
 };
 
-/// A key of its own.
+/// A single key.
 class Key : public Entry {
  public:
   Key(std::string name, Access access, AnyCodecPtr codec, std::string doc, bool required);
   std::vector<std::string> keys() const override { return {name_}; }
-  void read(const Json& json, const Place& place, void* object) const override;
+  void read(const Json& json, const JsonPath& path, void* object) const override;
   void write(const void* object, const void* fallback, Json& json) const override;
   void describe(Format& format, const void* fallback, TableInfo& info) const override;
 
@@ -67,12 +67,12 @@ class Key : public Entry {
   bool required_;
 };
 
-/// Keys of which exactly one stands in the object; it decides which alternative of a variant is meant.
+/// Keys of which exactly one must be present; it selects the alternative of a variant.
 class Choice : public Entry {
  public:
   Choice(Access access, std::vector<Alternative> options) : access_(access), options_(std::move(options)) {}
   std::vector<std::string> keys() const override;
-  void read(const Json& json, const Place& place, void* object) const override;
+  void read(const Json& json, const JsonPath& path, void* object) const override;
   void write(const void* object, const void* fallback, Json& json) const override;
   void describe(Format& format, const void* fallback, TableInfo& info) const override;
 
@@ -81,88 +81,88 @@ class Choice : public Entry {
   std::vector<Alternative> options_;
 };
 
-/// What a table does, whatever its type.
+/// The part of a table that does not depend on its type.
 class TableCore {
  public:
-  /// `name` is the heading in the manual and the definition in the schema.
+  /// `name` is the heading in the manual and the definition's name in the schema.
   TableCore(const char* name, const char* doc) : name_(name), doc_(doc) {}
 
   std::vector<std::string> keys() const;
 
  protected:
-  // Not templates, and text as plain pointers: a hundred keys cost ten seconds of compilation otherwise.
+  // No templates, and text as plain pointers: otherwise a hundred keys take ten seconds to compile.
   void add_key(const char* name, Access access, AnyCodecPtr codec, const char* doc, bool required);
   void add_choice(Access access, std::vector<Alternative> options);
-  void read_object(const Json& json, const Place& place, void* object) const;
+  void read_object(const Json& json, const JsonPath& path, void* object) const;
   Json write_object(const void* object, const void* fallback) const;
   TypeInfo describe_object(Format& format, const void* fallback) const;
 
   std::string name_, doc_;
   std::vector<std::unique_ptr<Entry>> entries_;
   std::vector<std::pair<std::string, std::string>> needs_, excludes_, foreign_;
-  std::vector<std::function<void(const void*, const Place&)>> rules_;
-  std::function<void(const Json&, const Place&, void*)> before_;
+  std::vector<std::function<void(const void*, const JsonPath&)>> rules_;
+  std::function<void(const Json&, const JsonPath&, void*)> before_;
 
  private:
-  void refuse_strangers(const Json& json, const Place& place) const;
+  void reject_unknown_keys(const Json& json, const JsonPath& path) const;
 };
 
-/// The keys of one JSON object. Read in the order they are declared here; unknown keys are errors.
+/// The keys of one JSON object, read in the order of declaration; unknown keys are errors.
 template <class T>
 class Table : public Codec<T>, public TableCore {
  public:
   using TableCore::TableCore;
 
   template <auto... Members>
-  Table& key(const char* name, const CodecPtr<Reached<T, Members...>>& codec, const char* doc) {
-    add_key(name, &reach<T, Members...>, codec, doc, false);
+  Table& key(const char* name, const CodecPtr<MemberType<T, Members...>>& codec, const char* doc) {
+    add_key(name, &member_address<T, Members...>, codec, doc, false);
     return *this;
   }
   template <auto... Members>
-  Table& required(const char* name, const CodecPtr<Reached<T, Members...>>& codec, const char* doc) {
-    add_key(name, &reach<T, Members...>, codec, doc, true);
+  Table& required(const char* name, const CodecPtr<MemberType<T, Members...>>& codec, const char* doc) {
+    add_key(name, &member_address<T, Members...>, codec, doc, true);
     return *this;
   }
-  /// The variant at `Members` is decided by which of these keys is there.
+  /// The variant at `Members`; the key that is present selects its alternative.
   template <auto... Members>
   Table& choice(std::vector<Alternative> options) {
-    add_choice(&reach<T, Members...>, std::move(options));
+    add_choice(&member_address<T, Members...>, std::move(options));
     return *this;
   }
-  /// `key` makes sense only beside `other`.
+  /// `key` requires `other`.
   Table& needs(const char* key, const char* other) {
     needs_.emplace_back(key, other);
     return *this;
   }
-  /// Not both.
+  /// At most one of the two keys.
   Table& excludes(const char* key, const char* other) {
     excludes_.emplace_back(key, other);
     return *this;
   }
-  /// Rules that no single key can tell; run last and fail through their place.
-  Table& check(void (*rule)(const T&, const Place&)) {
+  /// Rules over several keys; run last and fail through their path.
+  Table& check(void (*rule)(const T&, const JsonPath&)) {
     rules_.push_back(
-        [rule](const void* object, const Place& place) { rule(*static_cast<const T*>(object), place); });
+        [rule](const void* object, const JsonPath& path) { rule(*static_cast<const T*>(object), path); });
     return *this;
   }
-  /// What the keys start from, when it is not T{}: `before` sees the JSON first, e.g. to start from a preset;
-  /// `fallback` turns a T{} into what defaults are for a given value.
-  // NOLINTNEXTLINE(performance-unnecessary-value-param): it is moved from; tidy does not see it in a template
-  Table& start(std::function<void(const Json&, const Place&, void*)> before,
+  /// Initial values other than T{}. `before` sees the JSON first, e.g. to start from a preset; `fallback`
+  /// turns a T{} into the defaults for a given value.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): moved from; clang-tidy misses that in a template
+  Table& start(std::function<void(const Json&, const JsonPath&, void*)> before,
                std::function<void(const T& value, T& fallback)> fallback) {
     before_ = std::move(before);
     fallback_ = std::move(fallback);
     return *this;
   }
-  /// Keys that other tables know, and whose they are: a stray one gets a better message.
-  // NOLINTNEXTLINE(performance-unnecessary-value-param): the same
+  /// Keys of other tables and their owners, for better messages.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): moved from
   Table& foreign(std::vector<std::pair<std::string, std::string>> keys) {
     foreign_ = std::move(keys);
     return *this;
   }
 
-  void read(const Json& json, const Place& place, T& value) const override {
-    read_object(json, place, &value);
+  void read(const Json& json, const JsonPath& path, T& value) const override {
+    read_object(json, path, &value);
   }
   Json write(const T& value) const override {
     const T fallback = fallback_of(value);
@@ -182,13 +182,13 @@ class Table : public Codec<T>, public TableCore {
   std::function<void(const T&, T&)> fallback_;
 };
 
-/// An object whose key "kind" decides which table of a variant reads it.
+/// An object whose key "kind" selects the table of a variant.
 class KindsCore {
  public:
   explicit KindsCore(std::vector<Alternative> kinds) : kinds_(std::move(kinds)) {}
 
  protected:
-  void read_kind(const Json& json, const Place& place, void* variant) const;
+  void read_kind(const Json& json, const JsonPath& path, void* variant) const;
   Json write_kind(const void* variant) const;
   TypeInfo describe_kinds(Format& format) const;
 
@@ -199,7 +199,9 @@ template <class V>
 class Kinds : public Codec<V>, public KindsCore {
  public:
   using KindsCore::KindsCore;
-  void read(const Json& json, const Place& place, V& value) const override { read_kind(json, place, &value); }
+  void read(const Json& json, const JsonPath& path, V& value) const override {
+    read_kind(json, path, &value);
+  }
   Json write(const V& value) const override { return write_kind(&value); }
   TypeInfo describe(Format& format) const override { return describe_kinds(format); }
 };

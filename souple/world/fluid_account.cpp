@@ -14,7 +14,7 @@ void FluidAccount::begin_step(std::size_t particles) {
 
 //   p_i = -lambda_i / (V h^2),   sqrt(p / rho) with rho = m / V
 // Sums are of chunks, combined in order: the same for any number of threads.
-FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const Surroundings& surroundings,
+FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const LocalBoundary& local_boundary,
                                          std::size_t colliders, float h, Threads& threads) {
   constexpr std::size_t chunk_size = 2048;
   const std::size_t places = solver.size(), chunks = (places + chunk_size - 1) / chunk_size;
@@ -35,9 +35,9 @@ FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const Surr
         const float error = std::max(0.0f, solver.density_error(k));
         noted.errors += static_cast<double>(error);
         noted.largest_error = std::max(noted.largest_error, error);
-        for (const NearPlane& plane : surroundings.of(k))
-          if (plane.collider != NearPlane::nobody)
-            pushed_[chunk * colliders + plane.collider] += Vec3d(plane.pushed);
+        for (const BoundaryPlane& plane : local_boundary.of(k))
+          if (plane.collider != BoundaryPlane::none)
+            pushed_[chunk * colliders + plane.collider] += Vec3d(plane.push_sum);
       }
     }
   });
@@ -47,9 +47,9 @@ FluidAccount::Noted FluidAccount::sum_up(const DensitySolver& solver, const Surr
 }
 
 // A push by slope lambda in a substep is an impulse of slope lambda / h on the particle.
-void FluidAccount::note_pressures(const DensitySolver& solver, const Surroundings& surroundings,
+void FluidAccount::note_pressures(const DensitySolver& solver, const LocalBoundary& local_boundary,
                                   std::size_t colliders, float h, int substeps, Threads& threads) {
-  const Noted all = sum_up(solver, surroundings, colliders, h, threads);
+  const Noted all = sum_up(solver, local_boundary, colliders, h, threads);
   const double H = h, spacing = solver.smoothing().spacing();
   force_.resize(colliders);
   for (std::size_t n = 0; n < pushed_.size(); ++n)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/fluid/density_solver.h"
-#include "souple/fluid/surroundings.h"
+#include "souple/fluid/local_boundary.h"
 #include "souple/world/report.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class FluidAccount {
  public:
   void begin_step(std::size_t particles);
   /// After the solver has pushed them in a substep of h seconds, one of `substeps`.
-  void note_pressures(const DensitySolver& solver, const Surroundings& surroundings, std::size_t colliders,
+  void note_pressures(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders,
                       float h, int substeps, Threads& threads);
   /// The largest speed at its end [m/s], of particles a spacing [m] apart.
   void note_speed(double fastest, double h, double spacing);
@@ -42,8 +42,8 @@ class FluidAccount {
     }
   };
 
-  Noted sum_up(const DensitySolver& solver, const Surroundings& surroundings, std::size_t colliders, float h,
-               Threads& threads);
+  Noted sum_up(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders,
+               float h, Threads& threads);
 
   FluidReport report_;
   int substeps_ = 0;             // so far

@@ -63,16 +63,16 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
 void FluidFoam::find_bodies(const WorldState& world, const Source& source, float gap, Threads& threads) {
   bodies_.clear();
   const Particles& particles = world.particles;
-  for (std::size_t s = 0; s < source.skins.size(); ++s) {
+  for (std::size_t s = 0; s < source.meshes.size(); ++s) {
     if (source.feels[s] == 0) continue;
-    const Skin& skin = source.skins[s];
-    start_.resize(skin.particles.size());
-    end_.resize(skin.particles.size());
-    for_places(skin.particles.size(), threads, [&](std::size_t v) {
+    const BoundaryMesh& mesh = source.meshes[s];
+    start_.resize(mesh.particles.size());
+    end_.resize(mesh.particles.size());
+    for_each_index(mesh.particles.size(), threads, [&](std::size_t v) {
       Vec3d before{}, after{};
       for (std::size_t k = 0; k < 4; ++k) {
-        const std::uint32_t i = skin.particles[v][k];
-        const auto weight = static_cast<double>(skin.weights[v][k]);
+        const std::uint32_t i = mesh.particles[v][k];
+        const auto weight = static_cast<double>(mesh.weights[v][k]);
         if (weight == 0) continue;
         before +=
             (Vec3d(world.good_position[i].xyz()) + Vec3d(world.good_offset[i].xyz()) - origin_) * weight;
@@ -81,8 +81,8 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
       start_[v] = Vec3f(before);
       end_[v] = Vec3f(after);
     });
-    for (const auto& [a, b, c] : skin.triangles)
-      bodies_.add({start_[a], start_[b], start_[c]}, {end_[a], end_[b], end_[c]}, skin.half_thickness + gap);
+    for (const auto& [a, b, c] : mesh.triangles)
+      bodies_.add({start_[a], start_[b], start_[c]}, {end_[a], end_[b], end_[c]}, mesh.half_thickness + gap);
   }
   if (!bodies_.none()) bodies_.build(threads);
 }
@@ -92,7 +92,7 @@ void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::
                          float dt, Threads& threads) {
   wanted_.assign(x.begin(), x.end());
   const auto out_of_walls = [&] {
-    for_places(x.size(), threads, [&](std::size_t k) {
+    for_each_index(x.size(), threads, [&](std::size_t k) {
       if (is_finite(x[k])) x[k] = walls_.keep_out(0, start[k], x[k], gap);
     });
   };
@@ -101,7 +101,7 @@ void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::
     bodies_.keep_out(start, x, threads);
     out_of_walls();
   }
-  for_places(x.size(), threads, [&](std::size_t k) {
+  for_each_index(x.size(), threads, [&](std::size_t k) {
     const Vec3f push = x[k] - wanted_[k];
     const float size = length(push);
     if (!(size > 0)) return;
@@ -159,10 +159,10 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
   source.particle.resize(order.size());
   source.share.resize(order.size());
   source.wall_slopes.resize(order.size());
-  for_places(order.size(), *world.threads, [&](std::size_t k) {
+  for_each_index(order.size(), *world.threads, [&](std::size_t k) {
     source.particle[k] = tables_.particle[order[k]];
     source.share[k] = tables_.materials[tables_.fluid[order[k]]].foam;
-    source.wall_slopes[k] = look_at(surroundings_.of(k), x[k].xyz(), solver_->smoothing()).slope;
+    source.wall_slopes[k] = sample_planes(local_boundary_.of(k), x[k].xyz(), solver_->smoothing()).slope;
   });
   const auto some = [](const std::vector<std::uint8_t>& of_each, std::size_t count,
                        std::vector<std::uint8_t>& result) {
@@ -170,8 +170,8 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
     for (std::size_t n = 0; n < of_each.size(); ++n) result[n % count] |= of_each[n];
   };
   some(tables_.meets, world.tables.colliders.size(), source.meets);
-  some(tables_.feels, tables_.skinned.size(), source.feels);
-  source.skins = bodies_.skins();
+  some(tables_.feels, tables_.with_boundary.size(), source.feels);
+  source.meshes = bodies_.meshes();
   source.origin = origin_;
   foam_.step(world, view(), source, time, dt);
 }

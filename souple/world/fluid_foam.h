@@ -25,9 +25,9 @@ class FluidFoam {
     std::vector<std::uint32_t> particle;  ///< the world's
     std::vector<Vec3f> wall_slopes;       ///< 1/m
     std::vector<float> share;             ///< FluidMaterial::foam
-    // Of each collider and skin: whether some fluid meets it.
+    // Of each collider and mesh: whether some fluid meets it.
     std::vector<std::uint8_t> meets, feels;
-    std::span<const Skin> skins;
+    std::span<const BoundaryMesh> meshes;
     Vec3d origin;  ///< of the fluid's positions [m]
   };
 
@@ -60,7 +60,7 @@ class FluidFoam {
   Foam::Report report_;
   FluidWalls walls_;
   FoamBodies bodies_;
-  std::vector<Vec3f> start_, end_;  // of a skin's vertices, from the origin [m]
+  std::vector<Vec3f> start_, end_;  // of a mesh's vertices, from the origin [m]
   std::vector<Vec3f> wanted_;       // where particles go if nothing stops them
   std::vector<Vec3f> positions_;
 };

@@ -17,21 +17,21 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
   const auto x = solver_->positions();
   const auto order = solver_->order();
   wall_friction_.resize(x.size());
-  for_places(x.size(), threads, [&](std::size_t k) {
+  for_each_index(x.size(), threads, [&](std::size_t k) {
     Vec3f motion{};
     float sum = 0, led = 0, left = 1;
-    for (NearPlane& plane : surroundings_.of(k)) {
-      plane.hold = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
-      sum += plane.hold;
-      left *= 1 - plane.hold;
-      if (bodies_.moves(plane)) continue;
-      motion += plane.motion * plane.hold;
-      led += plane.hold;
+    for (BoundaryPlane& plane : local_boundary_.of(k)) {
+      plane.friction = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
+      sum += plane.friction;
+      left *= 1 - plane.friction;
+      if (bodies_.is_movable(plane)) continue;
+      motion += plane.motion * plane.friction;
+      led += plane.friction;
     }
     const Vec3f speed = led > 0 ? motion * (1 / (led * h)) : Vec3f{};
     const float all = (1 - left) * tables_.materials[tables_.fluid[order[k]]].friction;
     const float share = sum > 0 ? all / sum : 0;
-    for (NearPlane& plane : surroundings_.of(k)) plane.hold *= share;
+    for (BoundaryPlane& plane : local_boundary_.of(k)) plane.friction *= share;
     wall_friction_[k] = {speed.x, speed.y, speed.z, led == sum ? all : led * share};
   });
 }
@@ -39,13 +39,13 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
 namespace {
 
 struct Nearest {
-  const NearPlane* plane = nullptr;
+  const BoundaryPlane* plane = nullptr;
   float distance = std::numeric_limits<float>::max();  // m
 };
 
-Nearest nearest_of(std::span<const NearPlane> planes, const Vec3f& x) {
+Nearest nearest_of(std::span<const BoundaryPlane> planes, const Vec3f& x) {
   Nearest nearest;
-  for (const NearPlane& plane : planes)
+  for (const BoundaryPlane& plane : planes)
     if (const float distance = dot(plane.normal, x) - plane.offset; distance < nearest.distance)
       nearest = {&plane, distance};
   return nearest;
@@ -56,8 +56,8 @@ Nearest nearest_of(std::span<const NearPlane> planes, const Vec3f& x) {
 void Fluids::find_near_walls(Threads& threads) {
   const auto x = solver_->positions();
   near_walls_.resize(x.size());
-  for_places(x.size(), threads, [&](std::size_t k) {
-    const Nearest nearest = nearest_of(surroundings_.of(k), x[k].xyz());
+  for_each_index(x.size(), threads, [&](std::size_t k) {
+    const Nearest nearest = nearest_of(local_boundary_.of(k), x[k].xyz());
     near_walls_[k] = nearest.plane ? NearWall{nearest.plane->normal, nearest.distance} : NearWall{};
   });
 }
@@ -67,8 +67,8 @@ void Fluids::pull_bodies(WorldState& world) {
   const auto x = solver_->positions();
   const auto pulls = surface_tension_.wall_pulls();
   for (std::size_t k = 0; k < x.size(); ++k) {
-    const Nearest nearest = nearest_of(surroundings_.of(k), x[k].xyz());
-    if (nearest.plane && bodies_.moves(*nearest.plane))
+    const Nearest nearest = nearest_of(local_boundary_.of(k), x[k].xyz());
+    if (nearest.plane && bodies_.is_movable(*nearest.plane))
       push_carriers(bodies_, *nearest.plane, nearest.plane->normal * pulls[k], world.particles.velocity,
                     world.particles.position);
   }
@@ -87,24 +87,24 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   find_wall_friction(substep.h, threads);
   const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
   account_.note_viscosity(viscous.iterations);
-  if (bodies_.skin_count() > 0)
-    body_friction_.apply(view, surroundings_, bodies_, substep.h, world.particles.velocity,
+  if (bodies_.mesh_count() > 0)
+    body_friction_.apply(view, local_boundary_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
-  if (!small_bodies_.none())
-    small_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h, world.particles.velocity,
-                       world.particles.position, threads);
+  if (!sub_resolution_bodies_.none())
+    sub_resolution_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h,
+                                world.particles.velocity, world.particles.position, threads);
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
     const float angle = tables_.materials[0].contact_angle * static_cast<float>(pi) / 180;
     surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h,
                            threads);
-    if (bodies_.skin_count() > 0) pull_bodies(world);
+    if (bodies_.mesh_count() > 0) pull_bodies(world);
   }
   if (const float epsilon = most(&FluidMaterial::vorticity); epsilon > 0)
     vorticity_.apply(view, epsilon, substep.h, threads);
   if (const float coefficient = most(&FluidMaterial::air_drag); coefficient > 0) {
     covered_.resize(view.size());
-    for_places(view.size(), threads, [&](std::size_t k) { covered_[k] = 1 + solver_->density_error(k); });
+    for_each_index(view.size(), threads, [&](std::size_t k) { covered_[k] = 1 + solver_->density_error(k); });
     const AirDrag air{wind_at(world.settings, world.time), world.settings.wind.air_density, coefficient};
     apply_air_drag(view, covered_, air, substep.h, threads);
   }
@@ -118,7 +118,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   velocity_.resize(order.size() + 1);
   velocity_.back() = {};
   const float exchange = spacing_ * spacing_ * solver_->smoothing().wall(spacing_ / 2).value;
-  for_places(order.size(), threads, [&](std::size_t k) {
+  for_each_index(order.size(), threads, [&](std::size_t k) {
     const FluidMaterial& material = tables_.materials[tables_.fluid[order[k]]];
     velocity_[k] = velocity[tables_.particle[order[k]]];
     if (led_.is_led(order[k])) velocity_[k].set_xyz(led_.velocity(order[k]));
@@ -129,7 +129,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   for (std::size_t k = 0; k < order.size(); ++k)
     fastest = std::max(fastest, static_cast<double>(length_squared(velocity_[k].xyz())));
   account_.note_speed(std::sqrt(fastest), static_cast<double>(substep.h), static_cast<double>(spacing_));
-  for_places(order.size(), threads, [&](std::size_t k) {
+  for_each_index(order.size(), threads, [&](std::size_t k) {
     const std::uint32_t i = order[k];
     velocity[tables_.particle[i]].set_xyz(led_.is_led(i) ? led_.velocity(i) : velocity_[k].xyz());
   });

@@ -42,34 +42,34 @@ TriangleMesh halved(const TriangleMesh& mesh) {
 
 // What pushes a triangle pushes the tets its corners lie in: with large triangles, as of a box of twelve,
 // these corners would bear all. They are cut until none is longer than three spacings.
-Skin embedded_skin(const Object& object, float spacing) {
+BoundaryMesh embedded_boundary(const Object& object, float spacing) {
   TriangleMesh mesh;
   mesh.positions = object.mesh.positions;
   mesh.triangles = object.mesh.triangles;
   while (longest_edge(mesh) > 3 * static_cast<double>(spacing) && 4 * mesh.triangles.size() <= most_triangles)
     mesh = halved(mesh);
   const Embedding embedding = embed(mesh.positions, object.tets);
-  Skin skin;
-  skin.triangles = mesh.triangles;
+  BoundaryMesh boundary;
+  boundary.triangles = mesh.triangles;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    auto& particles = skin.particles.emplace_back();
-    auto& weights = skin.weights.emplace_back();
+    auto& particles = boundary.particles.emplace_back();
+    auto& weights = boundary.weights.emplace_back();
     for (std::size_t k = 0; k < 4; ++k) {
       particles[k] = object.begin + embedding.vertices[v][k];
       weights[k] = static_cast<float>(embedding.weights[v][k]);
     }
   }
-  return skin;
+  return boundary;
 }
 
-Skin particle_skin(const Object& object) {
-  Skin skin;
-  skin.triangles = object.surface;
+BoundaryMesh particle_boundary(const Object& object) {
+  BoundaryMesh boundary;
+  boundary.triangles = object.surface;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    skin.particles.push_back({i, i, i, i});
-    skin.weights.push_back({1, 0, 0, 0});
+    boundary.particles.push_back({i, i, i, i});
+    boundary.weights.push_back({1, 0, 0, 0});
   }
-  return skin;
+  return boundary;
 }
 
 /// Points inside a ball about a spacing apart; its center where it is smaller.
@@ -89,7 +89,7 @@ std::vector<Vec3f> points_in_ball(float radius, float spacing) {
 
 // The points of a large one have together its section, by which it drags.
 void append_grains(const Object& object, float spacing, float radius, std::span<const float> mass,
-                   std::uint32_t number, std::vector<SmallBody>& bodies) {
+                   std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   const std::vector<Vec3f> points = points_in_ball(radius, spacing);
   const float part = 1 / static_cast<float>(points.size());
   const float volume = 4 * static_cast<float>(pi) / 3 * radius * radius * radius;
@@ -106,7 +106,7 @@ void append_grains(const Object& object, float spacing, float radius, std::span<
 
 // Pieces no longer than the spacing, each in the middle of its part of a segment.
 void append_rope(const Object& object, float spacing, float radius, std::span<const float> mass,
-                 std::uint32_t number, std::vector<SmallBody>& bodies) {
+                 std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   constexpr double most_pieces = 64;  // of a segment
   double all = 0, weight = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i) weight += static_cast<double>(mass[i]);
@@ -130,23 +130,23 @@ void append_rope(const Object& object, float spacing, float radius, std::span<co
 
 }  // namespace
 
-void append_small_bodies(const Object& object, float spacing, std::span<const float> mass,
-                         std::uint32_t number, std::vector<SmallBody>& bodies) {
+void append_sub_resolution_bodies(const Object& object, float spacing, std::span<const float> mass,
+                                  std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   const float radius = contact_radius(object.material);
   if (object.kind == ObjectKind::grains) append_grains(object, spacing, radius, mass, number, bodies);
   if (object.kind == ObjectKind::rope) append_rope(object, spacing, radius, mass, number, bodies);
 }
 
-std::optional<Skin> fluid_skin(const Object& object, float spacing) {
+std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing) {
   if (object.kind == ObjectKind::fluid || (!object.embedding && object.surface.empty())) return std::nullopt;
-  Skin skin = object.embedding ? embedded_skin(object, spacing) : particle_skin(object);
+  BoundaryMesh boundary = object.embedding ? embedded_boundary(object, spacing) : particle_boundary(object);
   const bool solid = object.kind == ObjectKind::soft_body;
-  skin.begin = object.begin;
-  skin.end = object.end;
-  skin.half_thickness = contact_radius(object.material);
-  skin.closed = solid;
-  skin.yielding = solid ? Yielding::rigidly : Yielding::locally;
-  return skin;
+  boundary.begin = object.begin;
+  boundary.end = object.end;
+  boundary.half_thickness = contact_radius(object.material);
+  boundary.closed = solid;
+  boundary.compliance = solid ? BodyCompliance::rigid : BodyCompliance::per_vertex;
+  return boundary;
 }
 
 }  // namespace souple

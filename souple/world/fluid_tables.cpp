@@ -8,27 +8,28 @@
 
 namespace souple {
 
-void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies, SmallBodies& small_bodies) {
-  skinned.clear();
+void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies,
+                              SubResolutionBodies& sub_resolution_bodies) {
+  with_boundary.clear();
   small.clear();
-  std::vector<Skin> skins;
-  std::vector<SmallBody> pieces;
+  std::vector<BoundaryMesh> boundaries;
+  std::vector<SubResolutionBody> pieces;
   float spacing = 0;
   for (const auto& object : world.objects)
     if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
   for (std::uint32_t o = 0; spacing > 0 && o < world.objects.size(); ++o) {
-    if (std::optional<Skin> skin = fluid_skin(*world.objects[o], spacing)) {
-      skins.push_back(std::move(*skin));
-      skinned.push_back(o);
+    if (std::optional<BoundaryMesh> boundary = boundary_mesh_of(*world.objects[o], spacing)) {
+      boundaries.push_back(std::move(*boundary));
+      with_boundary.push_back(o);
       continue;
     }
     const std::size_t before = pieces.size();
-    append_small_bodies(*world.objects[o], spacing, world.particles.mass,
-                        static_cast<std::uint32_t>(small.size()), pieces);
+    append_sub_resolution_bodies(*world.objects[o], spacing, world.particles.mass,
+                                 static_cast<std::uint32_t>(small.size()), pieces);
     if (pieces.size() > before) small.push_back(o);
   }
-  bodies.set_skins(std::move(skins));
-  small_bodies.set_bodies(std::move(pieces));
+  bodies.set_meshes(std::move(boundaries));
+  sub_resolution_bodies.set_bodies(std::move(pieces));
 }
 
 void FluidTables::find_particles(const WorldState& world) {
@@ -48,7 +49,7 @@ void FluidTables::find_particles(const WorldState& world) {
       particle.push_back(i);
       fluid.push_back(static_cast<std::uint16_t>(materials.size()));
     }
-    for (const std::uint32_t body : skinned)
+    for (const std::uint32_t body : with_boundary)
       feels.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
     for (const std::uint32_t body : small)
       feels_small.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/fluid/fluid_bodies.h"
-#include "souple/fluid/small_bodies.h"
+#include "souple/fluid/sub_resolution_bodies.h"
 #include "souple/world/materials.h"
 
 #include <cstdint>
@@ -19,13 +19,13 @@ struct FluidTables {
   std::vector<FluidMaterial> materials;
   std::vector<float> viscosities;  ///< Pa s
   // Objects.
-  std::vector<std::uint32_t> skinned;  ///< that are bodies to fluids
-  std::vector<std::uint32_t> small;    ///< that are made of small bodies
+  std::vector<std::uint32_t> with_boundary;  ///< that are bodies to fluids
+  std::vector<std::uint32_t> small;          ///< that are made of small bodies
   // Of each fluid and then each collider, skinned object, small object: whether they meet.
   std::vector<std::uint8_t> meets, feels, feels_small;
 
   /// Which objects are skinned or small, and how fluids feel them: after objects came, went or changed.
-  void find_bodies(const WorldState& world, FluidBodies& bodies, SmallBodies& small_bodies);
+  void find_bodies(const WorldState& world, FluidBodies& bodies, SubResolutionBodies& sub_resolution_bodies);
   /// All the others: before each step.
   void find_particles(const WorldState& world);
 };

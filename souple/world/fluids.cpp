@@ -15,44 +15,44 @@ constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps pa
 
 /// What the density solver asks.
 struct Boundary {
-  Surroundings& surroundings;
+  LocalBoundary& local_boundary;
   FluidBodies& bodies;
-  const SmallBodies& small_bodies;
+  const SubResolutionBodies& sub_resolution_bodies;
   const Smoothing& smoothing;
 
   template <class Function>
-  void for_near(std::size_t places, Threads& threads, const Function& f) const {
-    if (!small_bodies.none()) return for_places(places, threads, f);
-    const std::span<const std::uint32_t> near = surroundings.near();
-    for_places(near.size(), threads, [&](std::size_t k) { f(near[k]); });
+  void for_near(std::size_t count, Threads& threads, const Function& f) const {
+    if (!sub_resolution_bodies.none()) return for_each_index(count, threads, f);
+    const std::span<const std::uint32_t> near = local_boundary.near();
+    for_each_index(near.size(), threads, [&](std::size_t k) { f(near[k]); });
   }
-  BoundarySums look(std::size_t place, const Vec3f& x) const {
-    const std::span<NearPlane> planes = surroundings.of(place);
-    for (NearPlane& plane : planes) bodies.follow(plane);
-    BoundarySums sums = look_at(planes, x, smoothing);
-    if (!small_bodies.none()) sums.value += small_bodies.taken(place);
+  BoundarySums sample(std::size_t index, const Vec3f& x) const {
+    const std::span<BoundaryPlane> planes = local_boundary.of(index);
+    for (BoundaryPlane& plane : planes) bodies.follow(plane);
+    BoundarySums sums = sample_planes(planes, x, smoothing);
+    if (!sub_resolution_bodies.none()) sums.value += sub_resolution_bodies.displaced_fraction(index);
     return sums;
   }
-  void looked(std::span<const Vec4f> x, CoarsePressure& coarse) const {
-    if (bodies.skin_count() > 0) bodies.weigh(surroundings, x, coarse);
+  void after_sampling(std::span<const Vec4f> x, CoarsePressure& coarse) const {
+    if (bodies.mesh_count() > 0) bodies.find_response(local_boundary, x, coarse);
   }
-  void respond(std::size_t place, BoundarySums& sums) const {
-    if (bodies.skin_count() > 0) bodies.respond(surroundings.of(place), sums);
+  void add_response(std::size_t index, BoundarySums& sums) const {
+    if (bodies.mesh_count() > 0) bodies.add_response(local_boundary.of(index), sums);
   }
-  void push(std::size_t place, float change) const {
-    for (NearPlane& plane : surroundings.of(place)) plane.pushed += plane.slope * change;
+  void add_push(std::size_t index, float change) const {
+    for (BoundaryPlane& plane : local_boundary.of(index)) plane.push_sum += plane.slope * change;
   }
-  void pushed(std::span<const float> change) const {
-    if (bodies.skin_count() > 0) bodies.yield(surroundings, change);
+  void after_pushes(std::span<const float> change) const {
+    if (bodies.mesh_count() > 0) bodies.displace(local_boundary, change);
   }
 };
 
 /// What is missing to `radius` before the walls near x. [m]
-Vec3f out_of_walls(const Vec3f& x, std::span<const NearPlane> planes, float radius) {
+Vec3f out_of_walls(const Vec3f& x, std::span<const BoundaryPlane> planes, float radius) {
   Vec3f way{};
-  for (const NearPlane& plane : planes) {
+  for (const BoundaryPlane& plane : planes) {
     const float distance = dot(plane.normal, x + way) - plane.offset;
-    if (plane.skin == NearPlane::nobody && distance < radius) way += plane.normal * (radius - distance);
+    if (plane.mesh == BoundaryPlane::none && distance < radius) way += plane.normal * (radius - distance);
   }
   return way;
 }
@@ -71,7 +71,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   const Vec3d first = world.exact_position(tables_.particle[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
   bodies_.begin_step(tables_.feels, origin_);
-  small_bodies_.begin_step(tables_.feels_small, tables_.small.size(), tables_.fluid, origin_);
+  sub_resolution_bodies_.begin_step(tables_.feels_small, tables_.small.size(), tables_.fluid, origin_);
   world.guarded("a collider's motion", [&] {
     walls_.begin_step(world.tables.colliders, tables_.meets, origin_, tables_.particle.size(), world.time);
   });
@@ -116,19 +116,20 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
       placed_[k] = {kept.x, kept.y, kept.z, x.w};
     }
   });
-  solver_->place(placed_, threads);
+  solver_->set_positions(placed_, threads);
 }
 
-void Fluids::look_around(Threads& threads) {
-  const float reach = Surroundings::reach(solver_->smoothing());
+void Fluids::sample_boundary(Threads& threads) {
+  const float search_radius = LocalBoundary::search_radius(solver_->smoothing());
   const auto order = solver_->order();
   const auto x = solver_->positions();
-  surroundings_.look(
+  local_boundary_.gather(
       x.size(),
-      [&](std::size_t k, std::vector<NearPlane>& planes) {
+      [&](std::size_t k, std::vector<BoundaryPlane>& planes) {
         const std::uint32_t i = order[k];
-        walls_.find(i, tables_.fluid[i], x[k].xyz(), reach, planes);
-        if (bodies_.skin_count() > 0) bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], reach, planes);
+        walls_.find(i, tables_.fluid[i], x[k].xyz(), search_radius, planes);
+        if (bodies_.mesh_count() > 0)
+          bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], search_radius, planes);
       },
       threads);
 }
@@ -140,15 +141,17 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   place(world, substep.h, threads);
   const Smoothing& smoothing = solver_->smoothing();
   const ParticleView particles = world.view();
-  if (bodies_.skin_count() > 0)
-    bodies_.begin_substep(particles, world.particles.mass, placed_, Surroundings::reach(smoothing), threads);
-  look_around(threads);
-  if (!small_bodies_.none())
-    small_bodies_.find(solver_->positions(), solver_->order(), surroundings_, smoothing, particles, threads);
-  Boundary boundary{surroundings_, bodies_, small_bodies_, smoothing};
+  if (bodies_.mesh_count() > 0)
+    bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::search_radius(smoothing),
+                          threads);
+  sample_boundary(threads);
+  if (!sub_resolution_bodies_.none())
+    sub_resolution_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles,
+                                threads);
+  Boundary boundary{local_boundary_, bodies_, sub_resolution_bodies_, smoothing};
   solver_->solve(boundary, threads, substep.h);
   move(particles, threads);
-  account_.note_pressures(*solver_, surroundings_, world.tables.colliders.size(), substep.h, substep.count,
+  account_.note_pressures(*solver_, local_boundary_, world.tables.colliders.size(), substep.h, substep.count,
                           threads);
 }
 
@@ -156,29 +159,30 @@ void Fluids::press(WorldState& world, const Substep& substep) {
 void Fluids::move(const ParticleView& particles, Threads& threads) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();
-  const auto given = small_bodies_.none() ? std::span<const Vec3f>{}
-                                          : small_bodies_.press(solver_->positions(), moved, particles);
+  const auto given = sub_resolution_bodies_.none()
+                         ? std::span<const Vec3f>{}
+                         : sub_resolution_bodies_.apply_pressure(solver_->positions(), moved, particles);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (led_.is_led(order[k])) continue;
       const std::uint32_t i = tables_.particle[order[k]];
       const Vec3f at = solver_->positions()[k].xyz();
-      particles.correct(i, moved[k] + out_of_walls(at, surroundings_.of(k), nearest_to_walls * spacing_));
+      particles.correct(i, moved[k] + out_of_walls(at, local_boundary_.of(k), nearest_to_walls * spacing_));
       if (!given.empty()) particles.correct(i, given[k] * -solver_->positions()[k].w);
     }
   });
-  if (bodies_.skin_count() == 0) return;
-  bodies_.apply(surroundings_, particles);
+  if (bodies_.mesh_count() == 0) return;
+  bodies_.apply(local_boundary_, particles);
   keep_out_of_bodies(particles);
 }
 
 void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
   const auto order = solver_->order();
-  for (const std::uint32_t k : surroundings_.near()) {
+  for (const std::uint32_t k : local_boundary_.near()) {
     if (led_.is_led(order[k])) continue;
     const Vec3f x = solver_->positions()[k].xyz();
-    for (const NearPlane& plane : surroundings_.of(k))
-      if (plane.skin != NearPlane::nobody)
+    for (const BoundaryPlane& plane : local_boundary_.of(k))
+      if (plane.mesh != BoundaryPlane::none)
         bodies_.keep_apart(plane, tables_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
   }
 }

@@ -3,7 +3,7 @@
 #include "souple/fluid/body_friction.h"
 #include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/fluid_walls.h"
-#include "souple/fluid/small_bodies.h"
+#include "souple/fluid/sub_resolution_bodies.h"
 #include "souple/fluid/surface_tension.h"
 #include "souple/fluid/viscosity.h"
 #include "souple/fluid/vorticity.h"
@@ -25,7 +25,7 @@ struct WorldState;
 class Fluids {
  public:
   /// After objects came, went or changed.
-  void build(const WorldState& world) { tables_.find_bodies(world, bodies_, small_bodies_); }
+  void build(const WorldState& world) { tables_.find_bodies(world, bodies_, sub_resolution_bodies_); }
   /// Finds out which particles there are. Nothing of the last step is used again.
   void begin_step(WorldState& world, double dt);
   bool none() const { return tables_.particle.empty(); }
@@ -47,7 +47,7 @@ class Fluids {
  private:
   void choose_solver(const WorldState& world);
   void place(WorldState& world, float h, Threads& threads);
-  void look_around(Threads& threads);
+  void sample_boundary(Threads& threads);
   void move(const ParticleView& particles, Threads& threads);
   void keep_out_of_bodies(const ParticleView& particles) const;
   void find_wall_friction(float h, Threads& threads);
@@ -60,10 +60,10 @@ class Fluids {
   std::unique_ptr<DensitySolver> solver_;
   float spacing_ = 0;  // of solver_
   DensitySolver::Options options_{};
-  Surroundings surroundings_;
+  LocalBoundary local_boundary_;
   FluidWalls walls_;
   FluidBodies bodies_;
-  SmallBodies small_bodies_;
+  SubResolutionBodies sub_resolution_bodies_;
   LedParticles led_;
   Vec3d origin_{};             // of the fluids' positions [m]
   std::vector<Vec4f> placed_;  // x, y, z from the origin and inverse mass

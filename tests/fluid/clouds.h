@@ -17,7 +17,8 @@ inline std::vector<Vec4f> random_cloud(std::size_t count, double side, std::uint
   return points;
 }
 
-/// What a fluid may become: a lake, a drop a kilometer away, many points in one place, and a lost one.
+/// Positions that a fluid may reach: a lake, a drop a kilometer away, many points at one position, and
+/// non-finite ones.
 inline std::vector<Vec4f> ragged_cloud() {
   std::vector<Vec4f> points = random_cloud(1500, 0.7, 3);
   for (const Vec4f& far : random_cloud(40, 0.2, 4))

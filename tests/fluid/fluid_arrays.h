@@ -8,7 +8,7 @@
 
 namespace souple::test {
 
-/// Particles by place with lists of neighbors, without a solver of their pressure.
+/// Particles by sorted index with neighbor lists, without a pressure solver.
 struct FluidArrays {
   float mass;
   Smoothing smoothing;
@@ -59,7 +59,8 @@ struct FluidArrays {
   }
 };
 
-/// A block of a lattice from the origin on, each particle up to `jitter` spacings off along each axis.
+/// A lattice block with a corner at the origin; each particle is displaced by up to `jitter` spacings along
+/// each axis.
 inline std::vector<Vec4f> block_of(int nx, int ny, int nz, float d, float jitter = 0) {
   Random random(7);
   std::vector<Vec4f> result;
@@ -73,7 +74,7 @@ inline std::vector<Vec4f> block_of(int nx, int ny, int nz, float d, float jitter
   return result;
 }
 
-/// Positions within `radius` of the origin.
+/// Lattice positions within `radius` of the origin.
 inline std::vector<Vec4f> ball_of(float radius, float d) {
   std::vector<Vec4f> result;
   const int n = static_cast<int>(radius / d) + 1;

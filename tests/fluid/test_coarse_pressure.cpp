@@ -31,7 +31,7 @@ struct Case {
     CoarsePressure coarse;
     std::vector<float> lambda(positions.size());
     coarse.begin_step(positions, cell, *pool);
-    // It begins where it ended, and comes closer.
+    // Each solve starts from the last solution and comes closer.
     for (int again = 0; again < 6; ++again) coarse.solve(positions, samples, surface, *pool);
     coarse.interpolate(positions, samples, surface, lambda, *pool);
     return lambda;
@@ -40,7 +40,7 @@ struct Case {
 
 using Node = std::array<int, 3>;
 
-/// The same by a dense matrix that follows the formula word by word.
+/// The multipliers by a dense matrix, straight from the formula.
 std::vector<float> by_dense_matrix(const Case& c) {
   std::map<Node, int> number;
   std::vector<std::array<std::pair<int, double>, 8>> weights;

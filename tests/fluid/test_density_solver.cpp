@@ -10,7 +10,7 @@ namespace {
 
 constexpr float d = 0.02f, gravity = 9.81f, density = 1000;
 
-/// Water in a box without lid, from the corner (0, 0, 0) on.
+/// Water in a box without lid, with a corner at (0, 0, 0).
 struct Pool {
   int nx, ny, nz;
   std::unique_ptr<Threads> threads;
@@ -30,7 +30,7 @@ struct Pool {
     smoothed.resize(positions.size());
   }
   float mass() const { return density * solver.smoothing().volume(); }
-  /// The product rule of five walls: what one of them hides the others do not add.
+  /// The product rule for five walls: overlapping walls are not counted twice.
   BoundarySums walls(const Vec3f& x) const {
     const float distance[] = {x.x, float(nx) * d - x.x, x.y, x.z, float(nz) * d - x.z};
     const Vec3f normal[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -47,14 +47,14 @@ struct Pool {
   struct Walls : FixedBoundary {
     explicit Walls(const Pool& p) : pool(p) {}
     const Pool& pool;
-    BoundarySums look(std::size_t, const Vec3f& x) const { return pool.walls(x); }
+    BoundarySums sample(std::size_t, const Vec3f& x) const { return pool.walls(x); }
   };
   void substep(float h) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
       velocity[i].y -= gravity * h;
       positions[i].set_xyz(positions[i].xyz() + velocity[i] * h);
     }
-    solver.place(positions, *threads);
+    solver.set_positions(positions, *threads);
     Walls boundary{*this};
     solver.solve(boundary, *threads, h);
     for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -65,7 +65,7 @@ struct Pool {
     }
     smooth();
   }
-  /// XSPH: velocities come a twentieth closer to those around.
+  /// XSPH: velocities move a twentieth toward those of neighbors.
   void smooth() {
     for (const Neighbors::Block& block : solver.neighbors().blocks()) {
       for (std::uint32_t k = block.begin; k < block.end; ++k) {
@@ -87,13 +87,13 @@ struct Pool {
     for (const Vec3f& v : velocity) sum += double{dot(v, v)};
     return std::sqrt(sum / double(velocity.size()));
   }
-  double fill_height() const {  // center of the top layer, and half a spacing
+  double fill_height() const {  // center of the top layer plus half a spacing
     std::vector<float> y;
     for (const Vec4f& p : positions) y.push_back(p.y);
     std::sort(y.begin(), y.end());
     return double{y[y.size() - 1 - std::size_t(nx * nz) / 2]} + 0.5 * double{d};
   }
-  double pressure(float from, float to, float h) const {  // mean over heights [Pa]
+  double pressure(float from, float to, float h) const {  // mean between two heights [Pa]
     double sum = 0;
     int count = 0;
     for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -106,8 +106,8 @@ struct Pool {
   }
 };
 
-// A pool of 25 layers after two seconds: it stands where it stood, still, and its pressure is what lies
-// above.
+// A pool of 25 layers after two seconds: its height is unchanged, it is at rest, and its pressure is the
+// weight above.
 TEST(DensitySolver, AColumnRests) {
   Pool pool(10, 25, 10, 2);
   constexpr float h = 1.0f / 360;
@@ -129,27 +129,27 @@ TEST(DensitySolver, AColumnRests) {
 }
 
 struct Nothing : FixedBoundary {
-  BoundarySums look(std::size_t, const Vec3f&) const { return {}; }
+  BoundarySums sample(std::size_t, const Vec3f&) const { return {}; }
 };
 
-// Two particles at rest in a pair: nothing compresses them, and artificial pressure alone parts them.
+// Two particles at rest: their density does not compress them, so only artificial pressure separates them.
 TEST(DensitySolver, ArtificialPressureKeepsParticlesFromMeeting) {
   const auto threads = make_threads(Threading::serial, 1);
-  const auto way = [&](float pressure, float apart, float h) {
+  const auto displacement = [&](float pressure, float apart, float h) {
     DensitySolver solver(d, {.artificial_pressure = pressure});
     const float w = 1 / (density * d * d * d);
-    solver.place(std::vector<Vec4f>{{0, 0, 0, w}, {apart, 0, 0, w}}, *threads);
+    solver.set_positions(std::vector<Vec4f>{{0, 0, 0, w}, {apart, 0, 0, w}}, *threads);
     Nothing nothing;
     solver.solve(nothing, *threads, h);
     EXPECT_EQ(solver.moved()[0], solver.moved()[1] * -1.0f);
     return solver.moved()[solver.order()[0] == 0 ? 1 : 0].x;
   };
-  const float near = way(1000, 0.4f * d, 0.002f);
-  EXPECT_EQ(way(0, 0.4f * d, 0.002f), 0);
+  const float near = displacement(1000, 0.4f * d, 0.002f);
+  EXPECT_EQ(displacement(0, 0.4f * d, 0.002f), 0);
   EXPECT_GT(near, 0);
-  EXPECT_NEAR(way(2000, 0.4f * d, 0.002f) / near, 2, 1e-3);
-  EXPECT_NEAR(way(1000, 0.4f * d, 0.004f) / near, 4, 1e-3);  // an acceleration
-  EXPECT_LT(way(1000, d, 0.002f), 0.01f * near);
+  EXPECT_NEAR(displacement(2000, 0.4f * d, 0.002f) / near, 2, 1e-3);
+  EXPECT_NEAR(displacement(1000, 0.4f * d, 0.004f) / near, 4, 1e-3);  // an acceleration
+  EXPECT_LT(displacement(1000, d, 0.002f), 0.01f * near);
 }
 
 TEST(DensitySolver, IsTheSameForAnyNumberOfThreads) {
@@ -167,9 +167,9 @@ TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {
   double largest = 0;
   for (std::size_t i = 0; i < pool.positions.size(); ++i) {
     pool.positions[i].set_xyz(pool.positions[i].xyz() * 0.9f);
-    if (i % 3 == 0) pool.positions[i].w *= 2;  // lighter ones among the others
+    if (i % 3 == 0) pool.positions[i].w *= 2;  // some lighter particles
   }
-  pool.solver.place(pool.positions, *pool.threads);
+  pool.solver.set_positions(pool.positions, *pool.threads);
   Nothing nothing;
   pool.solver.solve(nothing, *pool.threads);
   Vec3d sum{};

@@ -27,7 +27,7 @@ Foam::Report step(Foam& foam, FluidArrays& fluid, const FoamParameters& paramete
       parameters, no_walls, *fluid.threads);
 }
 
-/// A pool of 20 x 16 x 20 spacings that moves as a whole, its middle column at x = z = 10 d.
+/// A pool of 20 x 16 x 20 spacings with a uniform velocity, its middle column at x = z = 10 d.
 FluidArrays pool(const Vec3f& velocity) {
   FluidArrays fluid(test::block_of(20, 16, 20, d, 0.1f), d, 1000, 0);
   fluid.set_velocities([&](const Vec3f&) { return velocity; });
@@ -67,7 +67,7 @@ TEST(Foam, MovesWithTheSurfaceAndDissolves) {
   EXPECT_EQ(foam.size(), 0);
 }
 
-// Upwards with buoyancy g / drag, and along with the fluid; what comes up is foam.
+// Bubbles rise at buoyancy g / drag relative to the fluid; at the surface they become foam.
 TEST(Foam, BubblesRise) {
   FluidArrays fluid = pool({0.1f, 0, 0});
   Foam foam;
@@ -81,7 +81,7 @@ TEST(Foam, BubblesRise) {
   EXPECT_NEAR(foam.positions()[0].y, 16 * d, d);
 }
 
-// Streams that meet trap air; that part do not.
+// Colliding streams trap air; separating streams do not.
 TEST(Foam, StreamsThatMeetMakeIt) {
   for (const float speed : {3.0f, -3.0f}) {
     FluidArrays fluid = pool({});
@@ -97,7 +97,7 @@ TEST(Foam, StreamsThatMeetMakeIt) {
   }
 }
 
-// A crest is where the surface bends and the flow goes outwards; a flat surface has none.
+// A crest is a curved surface with outward flow; a flat surface has none.
 TEST(Foam, CrestsMakeIt) {
   const auto made = [](const Vec3f& velocity, const std::vector<Vec4f>& particles) {
     FluidArrays fluid(particles, d, 1000, 0);
@@ -116,11 +116,11 @@ TEST(Foam, CrestsMakeIt) {
   EXPECT_EQ(step(foam, flat, {.trapped_air_rate = 0, .wave_crest = {1, 4}}).made, 0);
 }
 
-/// For water of half a meter: more foam at lower speeds than from farther away.
+/// For water of half a meter: more foam, at lower speeds.
 constexpr FoamParameters small_scale{
     .trapped_air = {5, 20}, .wave_crest = {1, 4}, .energy = {0.125f, 3}, .life = {1, 4}};
 
-/// Water behind a gate that opens: a block of 20 x 20 x 8 spacings in a box of 40 x 8.
+/// A dam break: a block of 20 x 20 x 8 spacings in a box of 40 x 8.
 struct DamBreak {
   static constexpr int nx = 20, ny = 20, nz = 8, width = 40;
   std::unique_ptr<Threads> threads;
@@ -142,7 +142,7 @@ struct DamBreak {
   struct Box : FixedBoundary {
     explicit Box(const Smoothing& s) : smoothing(s) {}
     const Smoothing& smoothing;
-    BoundarySums look(std::size_t, const Vec3f& at) const {
+    BoundarySums sample(std::size_t, const Vec3f& at) const {
       const float distance[] = {at.x, width * d - at.x, at.y, at.z, nz * d - at.z};
       const Vec3f normal[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
       BoundarySums sums;
@@ -170,7 +170,7 @@ struct DamBreak {
       keep_in(at, velocity[i]);
       positions[i].set_xyz(at);
     }
-    solver.place(positions, *threads);
+    solver.set_positions(positions, *threads);
     Box box{solver.smoothing()};
     solver.solve(box, *threads);
     for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -185,7 +185,7 @@ struct DamBreak {
   void frame(const FoamParameters& parameters) {
     for (int s = 0; s < 6; ++s) substep(dt / 6);
     const Box box{solver.smoothing()};
-    for (std::size_t k = 0; k < positions.size(); ++k) slopes[k] = box.look(k, x[k].xyz()).slope;
+    for (std::size_t k = 0; k < positions.size(); ++k) slopes[k] = box.sample(k, x[k].xyz()).slope;
     const FluidView view{x, v, solver.neighbors(), solver.smoothing()};
     const auto keep_all_in = [](auto, std::span<Vec3f> at, std::span<Vec3f> speed) {
       for (std::size_t k = 0; k < at.size(); ++k) keep_in(at[k], speed[k]);
@@ -200,7 +200,7 @@ struct DamBreak {
   }
 };
 
-// It foams where it hits the far wall, not before; all stays in the box and within the bound.
+// Foam appears at the impact on the far wall, not before; all particles stay in the box and within the limit.
 TEST(Foam, ADamBreakFoamsWhenItHitsTheWall) {
   DamBreak dam(2);
   FoamParameters parameters = small_scale;

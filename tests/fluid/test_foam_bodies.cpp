@@ -12,7 +12,7 @@ namespace {
 
 constexpr float gap = 0.002f;
 
-/// A square of two triangles in the plane y = height, a meter wide, that rises by `rise`.
+/// A square of two triangles in the plane y = height, one meter wide, that rises by `rise`.
 void add_square(FoamBodies& bodies, float height, float rise) {
   const auto corner = [&](float x, float z, float y) { return Vec3f(x, y, z); };
   for (const bool first : {true, false}) {
@@ -27,23 +27,23 @@ void add_square(FoamBodies& bodies, float height, float rise) {
   }
 }
 
-struct Ways {
+struct Paths {
   std::vector<Vec3f> start, end;
 };
 
-/// From one side of the plane y = 0 to the other or along it, up to three meters.
-Ways ways(int side) {
+/// Paths up to three meters long that start on one side of the plane y = 0.
+Paths paths(int side) {
   test::Random random(4);
-  Ways result;
+  Paths result;
   for (int k = 0; k < 4000; ++k) {
-    const Vec3d from = random.point(-0.4, 0.4), way = random.point(-1, 1);
+    const Vec3d from = random.point(-0.4, 0.4), path = random.point(-1, 1);
     result.start.push_back(Vec3f(Vec3d(from.x, side * (0.003 + std::abs(from.y)), from.z)));
-    result.end.push_back(result.start.back() + Vec3f(way * std::pow(3.0, 1 - k % 8)));
+    result.end.push_back(result.start.back() + Vec3f(path * std::pow(3.0, 1 - k % 8)));
   }
   return result;
 }
 
-// Who comes out on the other side went around the edge.
+// A particle that ends on the opposite side must have passed the sheet's edge.
 TEST(FoamBodies, NothingGoesThroughASheetThatMoves) {
   const auto threads = make_threads(Threading::pool, 2);
   for (const int side : {1, -1})
@@ -51,12 +51,12 @@ TEST(FoamBodies, NothingGoesThroughASheetThatMoves) {
       FoamBodies bodies;
       add_square(bodies, 0, rise);
       bodies.build(*threads);
-      Ways w = ways(side);
+      Paths w = paths(side);
       const std::vector<Vec3f> wanted = w.end;
       bodies.keep_out(w.start, w.end, *threads);
       int stopped = 0;
       for (std::size_t k = 0; k < wanted.size(); ++k) {
-        // Where the way crosses the sheet, if it does.
+        // The crossing of the path and the sheet's plane, if any.
         const float before = w.start[k].y, after = w.end[k].y - rise;
         if (before * after < 0) {
           const float t = before / (before - after);
@@ -71,7 +71,7 @@ TEST(FoamBodies, NothingGoesThroughASheetThatMoves) {
     }
 }
 
-// A roof of two sheets that meet at an angle: nothing gets out between them.
+// A roof of two sheets that join at an angle: no particle escapes through the edge.
 TEST(FoamBodies, NothingGetsThroughAnEdge) {
   const auto threads = make_threads(Threading::pool, 2);
   FoamBodies bodies;
@@ -84,7 +84,7 @@ TEST(FoamBodies, NothingGetsThroughAnEdge) {
   }
   bodies.build(*threads);
   test::Random random(7);
-  Ways w;
+  Paths w;
   for (int k = 0; k < 2000; ++k) {
     const Vec3d from = random.point(-0.05, 0.05);
     w.start.push_back(Vec3f(from));
@@ -99,7 +99,7 @@ TEST(FoamBodies, WhatMeetsNothingStaysAsItIs) {
   FoamBodies bodies;
   add_square(bodies, 10, 0);
   bodies.build(*threads);
-  Ways w = ways(1);
+  Paths w = paths(1);
   const std::vector<Vec3f> wanted = w.end;
   bodies.keep_out(w.start, w.end, *threads);
   EXPECT_EQ(w.end, wanted);

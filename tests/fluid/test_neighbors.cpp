@@ -12,7 +12,7 @@ namespace {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-/// Of each particle as it was given, ascending.
+/// Lists by input particle, ascending.
 Lists lists_of(const CellOrder& order, const Neighbors& neighbors) {
   Lists lists(order.size());
   std::uint32_t next = 0;
@@ -32,7 +32,7 @@ Lists lists_of(const CellOrder& order, const Neighbors& neighbors) {
   return lists;
 }
 
-Lists by_looking_at_all(const std::vector<Vec4f>& points, float radius) {
+Lists brute_force(const std::vector<Vec4f>& points, float radius) {
   Lists lists(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     for (std::uint32_t j = 0; j < points.size(); ++j) {
@@ -54,25 +54,25 @@ Lists found(const std::vector<Vec4f>& points, float cell_size, float radius, int
 
 TEST(Neighbors, AreThoseOfLookingAtAll) {
   const std::vector<Vec4f> points = test::random_cloud(4000, 1, 1);
-  const Lists expected = by_looking_at_all(points, 0.12f);
+  const Lists expected = brute_force(points, 0.12f);
   EXPECT_EQ(found(points, 0.12f, 0.12f), expected);
   EXPECT_EQ(found(points, 0.2f, 0.12f), expected);
   std::size_t sum = 0;
   for (const auto& list : expected) sum += list.size();
-  EXPECT_NEAR(double(sum) / 4000, 4000 * 4.18879 * std::pow(0.12, 3), 6);  // less at the cube's walls
+  EXPECT_NEAR(double(sum) / 4000, 4000 * 4.18879 * std::pow(0.12, 3), 6);  // fewer at the cube's walls
 }
 
 TEST(Neighbors, OfAFluidThatFlewApart) {
   const std::vector<Vec4f> points = test::ragged_cloud();
-  EXPECT_EQ(found(points, 0.1f, 0.1f), by_looking_at_all(points, 0.1f));
+  EXPECT_EQ(found(points, 0.1f, 0.1f), brute_force(points, 0.1f));
   EXPECT_TRUE(found({}, 0.1f, 0.1f).empty());
 }
 
-// A million cells away and more, coordinates end: what is beyond shares cells, and is found all the same.
+// Coordinates end a million cells away: points beyond share cells, and their neighbors are still found.
 TEST(Neighbors, BeyondTheGrid) {
   std::vector<Vec4f> points = test::random_cloud(200, 1, 2);
   for (const Vec4f& far : test::random_cloud(200, 1, 3)) points.push_back({far.x + 3e5f, far.y, far.z, 0});
-  EXPECT_EQ(found(points, 0.1f, 0.1f), by_looking_at_all(points, 0.1f));
+  EXPECT_EQ(found(points, 0.1f, 0.1f), brute_force(points, 0.1f));
 }
 
 TEST(Neighbors, InTheSameOrderForAnyNumberOfThreads) {
@@ -88,9 +88,9 @@ TEST(Neighbors, WithAllInstructionSets) {
   order.build(points, 1, *threads);
   const kernels::PointColumns columns{{order.component(0), order.component(1), order.component(2)}};
   const auto near = [&](const kernels::NeighborKernels& k, std::uint32_t i) {
-    // Ranges of every length around a register's.
+    // Ranges shorter, equal and longer than a register.
     std::vector<std::uint32_t> list(600);
-    const kernels::PlaceRange ranges[] = {{3, 3}, {5, 6}, {10, 27}, {40, 56}, {100, 133}, {490, 500}};
+    const kernels::IndexRange ranges[] = {{3, 3}, {5, 6}, {10, 27}, {40, 56}, {100, 133}, {490, 500}};
     list.resize(k.near_point(columns, i, ranges, 6, 0.3f, list.data()));
     return list;
   };

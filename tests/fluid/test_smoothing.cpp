@@ -16,8 +16,8 @@ constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::p
 
 constexpr float d = 0.02f;  // m
 
-/// V sum_j W, and V d sum_j grad W, of a particle of the lattice at rest that has those neighbors which
-/// `has` says, by their place in it.
+/// V sum_j W, and V d sum_j grad W, of a particle of the lattice at rest, over the neighbors with has(i), i
+/// their lattice coordinate along x.
 template <class Has>
 std::pair<float, Vec3f> sums_on_lattice(const Smoothing& smoothing, SmoothingShape shape, const Has& has) {
   std::vector<Vec4f> records;
@@ -41,7 +41,7 @@ double density_at_rest(SmoothingShape shape) {
   return shape == SmoothingShape::poly6_spiky ? 1.01 : 1;
 }
 
-/// What is left of a wall's push on a lattice: its mirror a is above 2 where columns at rest ask for it.
+/// Tolerance of a wall's push on a lattice: mirror factors a above 2 fit columns at rest instead.
 double pushed_by_wall(SmoothingShape shape) {
   if (shape == SmoothingShape::wide_wendland) return 0.25;
   return shape == SmoothingShape::wendland ? 5e-3 : 0.15;
@@ -55,19 +55,19 @@ TEST(Smoothing, ALatticeAtRestHasDensityOne) {
   }
 }
 
-// What is behind a wall stands for the half of the lattice that is not there.
+// The fluid behind a wall replaces the missing half of the lattice.
 TEST(Smoothing, AWallStandsForTheOtherHalf) {
   for (const SmoothingShape shape : shapes) {
     const Smoothing smoothing(d, shape);
     const auto [density, gradient] = sums_on_lattice(smoothing, shape, [](int i) { return i >= 0; });
     const Smoothing::Wall wall = smoothing.wall(d / 2);
     EXPECT_NEAR(density + wall.value, density_at_rest(shape), 2e-3);
-    // Equal pressures do not push: the fluid has a multiplier at either end, the wall one.
+    // Equal pressures do not push: a pair of particles has two multipliers, a wall only one.
     EXPECT_NEAR(2 * gradient.x + wall.slope * d, 0, pushed_by_wall(shape));
   }
 }
 
-// The nearer, the more; nothing beyond the support.
+// The contribution grows toward the wall and is zero beyond the support.
 TEST(Smoothing, AWallPushesAwayFromIt) {
   for (const SmoothingShape shape : shapes) {
     const Smoothing smoothing(1, shape);
@@ -89,14 +89,14 @@ TEST(Smoothing, SlopesAreDerivatives) {
       EXPECT_NEAR(S::slope(q) * q, scale * (S::value(q + 0.001) - S::value(q - 0.001)), 1e-4) << q;
   };
   check(kernels::Wendland{});
-  check(kernels::CubicSpline{});  // poly6 and spiky are not each other's
+  check(kernels::CubicSpline{});  // poly6 and spiky are different kernels: spiky is not the slope of poly6
 }
 
-// Lists of a cloud: all instruction sets and the plain loop give the same bits.
+// Lists of a cloud: all instruction sets and the scalar loop give identical bits.
 TEST(DensityKernels, GiveTheSameBits) {
   std::vector<Vec4f> records = test::random_cloud(300, 1, 1);
   for (std::size_t i = 0; i < records.size(); ++i) records[i].w = 0.01f * static_cast<float>(i);
-  records[7] = records[8];  // two in one place
+  records[7] = records[8];  // two at one position
   std::vector<std::uint32_t> list;
   for (std::uint32_t i = 0; i < 300; ++i) list.push_back(4 * i);
   while (list.size() % 16 != 0) list.push_back(4 * 300);
@@ -108,9 +108,9 @@ TEST(DensityKernels, GiveTheSameBits) {
          {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
       if (set > instruction_set()) continue;
       const auto& packed = kernels::find_density_kernels(set, shape);
-      // Places 0 to 2 with what the list begins with.
+      // Particles 0 to 2, with ranges of the list.
       const std::uint32_t first[] = {0, 64, 64, 304};
-      const kernels::ListsOfPlaces lists{list.data(), first, 0, 3};
+      const kernels::NeighborLists lists{list.data(), first, 0, 3};
       std::array<kernels::DensitySums, 3> sums_a{}, sums_b{};
       std::array<Vec3f, 3> push_a{}, push_b{}, repel_a{}, repel_b{};
       const kernels::Repulsion repulsion{-0.3f, 2};
@@ -147,7 +147,7 @@ TEST(DensityKernels, GiveTheSameBits) {
   }
 }
 
-// The same for the kernels of velocities, with values of every kind.
+// The velocity kernels, with values of every kind.
 TEST(VelocityKernels, GiveTheSameBits) {
   std::vector<Vec4f> records = test::random_cloud(300, 1, 1), values = test::random_cloud(300, 1, 2);
   for (std::size_t i = 0; i < values.size(); ++i) values[i].w = 0.1f + 0.01f * static_cast<float>(i);
@@ -173,8 +173,8 @@ TEST(VelocityKernels, GiveTheSameBits) {
         EXPECT_EQ(sum(plain.exchange), sum(packed.exchange));
         EXPECT_EQ(sum(plain.strain), sum(packed.strain));
         EXPECT_EQ(sum(plain.curl), sum(packed.curl));
-        EXPECT_EQ(sum(plain.meeting), sum(packed.meeting));
-        EXPECT_GT(sum(plain.meeting), 0);
+        EXPECT_EQ(sum(plain.closing_speed), sum(packed.closing_speed));
+        EXPECT_GT(sum(plain.closing_speed), 0);
         EXPECT_EQ(sum(plain.cohesion, cohesion), sum(packed.cohesion, cohesion));
         EXPECT_TRUE(is_finite(sum(plain.strain)) && is_finite(sum(plain.cohesion, cohesion)));
         EXPECT_GT(length(sum(plain.curl)), 0);

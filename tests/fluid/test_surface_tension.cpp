@@ -14,19 +14,19 @@ namespace {
 
 constexpr float d = 0.001f, density = 1000, sigma = 0.072f;
 
-/// Water without gravity, with a floor at y = 0 or without.
+/// Water without gravity, with or without a floor at y = 0.
 struct Drop {
   std::unique_ptr<Threads> threads;
   DensitySolver solver;
   SurfaceTension tension;
   Viscosity viscosity;
   float adhesion, nu;  // -, m^2/s
-  float h = 0.8f * SurfaceTension::longest_substep(sigma, density, d);
+  float h = 0.8f * SurfaceTension::max_substep(sigma, density, d);
   std::vector<Vec4f> positions, x, v;
   std::vector<Vec3f> velocity;
   std::vector<NearWall> walls;
   std::vector<Vec4f> friction;
-  double rms_speed = 0;  // after pressure, before the forces that it will answer [m/s]
+  double rms_speed = 0;  // after the pressure solve, before the forces it will balance [m/s]
 
   /// `adhesion` below 0: no floor.
   Drop(std::vector<Vec4f> particles, float adhesion_, float nu_, int thread_count = 2,
@@ -48,18 +48,18 @@ struct Drop {
   struct Floor : FixedBoundary {
     explicit Floor(const Drop& which) : drop(which) {}
     const Drop& drop;
-    BoundarySums look(std::size_t, const Vec3f& at) const {
+    BoundarySums sample(std::size_t, const Vec3f& at) const {
       if (drop.walls.empty()) return {};
       const Smoothing::Wall wall = drop.solver.smoothing().wall(at.y);
       return {wall.value, {0, wall.slope, 0}};
     }
   };
-  /// Of a ball as large as all particles [m].
+  /// Radius of a ball with the volume of all particles [m].
   double radius() const { return std::cbrt(0.75 / pi * double(positions.size())) * double{d}; }
   void substep() {
     for (std::size_t i = 0; i < positions.size(); ++i)
       positions[i].set_xyz(positions[i].xyz() + velocity[i] * h);
-    solver.place(positions, *threads);
+    solver.set_positions(positions, *threads);
     Floor floor{*this};
     solver.solve(floor, *threads);
     for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -90,7 +90,7 @@ struct Drop {
     for (const Vec4f& p : positions) sum += Vec3d(p.xyz());
     return sum * (1 / double(positions.size()));
   }
-  /// Mean in the inner half [Pa].
+  /// Mean pressure in the inner half [Pa].
   double pressure() const {
     const Vec3d c = center();
     double sum = 0;
@@ -102,8 +102,8 @@ struct Drop {
     }
     return sum / count;
   }
-  /// Standard deviation of the radius over its mean, in 300 directions: how far the outermost particle is
-  /// within a spacing of each ray.
+  /// Standard deviation of the radius over its mean, in 300 directions: the radius is that of the outermost
+  /// particle within a spacing of the ray.
   double roughness() const {
     const Vec3d c = center();
     double sum = 0, squared = 0;
@@ -121,13 +121,14 @@ struct Drop {
     }
     return std::sqrt(squared - sum * sum) / sum;
   }
-  /// How much longer than wide it is [m^2].
+  /// Elongation along y, a second moment [m^2].
   double length_over_width() const {
     double sum = 0;
     for (const Vec4f& p : positions) sum += double{p.y * p.y - 0.5f * (p.x * p.x + p.z * p.z)};
     return sum / double(positions.size());
   }
-  /// Between the floor and the drop's surface, within it, of a cap of a sphere as high and as wide [degrees].
+  /// Angle between the floor and the drop's surface, inside the drop, from a spherical cap of equal height
+  /// and width [degrees].
   double contact_angle() const {
     double top = 0, squared = 0;
     int count = 0;
@@ -179,7 +180,7 @@ TEST(SurfaceTension, PressesASmallDropMoreByLaplacesLaw) {
   EXPECT_NEAR(slope / (2 * double{sigma}), 1, 0.2);
 }
 
-// A drop that was longer than wide swings: omega^2 = 8 sigma / (rho R^3) (Rayleigh 1879).
+// An elongated drop oscillates: omega^2 = 8 sigma / (rho R^3) (Rayleigh 1879).
 TEST(SurfaceTension, ADropSwingsAsRayleighSays) {
   std::vector<Vec4f> egg = test::ball_of(10 * d, d);
   for (Vec4f& p : egg) p.set_xyz({p.x * 0.945f, p.y * 1.12f, p.z * 0.945f});
@@ -201,7 +202,7 @@ TEST(SurfaceTension, ADropSwingsAsRayleighSays) {
   }
 }
 
-// The more the floor attracts, the flatter the drop lies on it; and it lies still.
+// More adhesion gives a flatter drop, and the drop comes to rest.
 TEST(SurfaceTension, ADropMeetsTheFloorAtItsAngle) {
   for (const double degrees : {150.0, 110.0, 70.0}) {
     const float adhesion = SurfaceTension::adhesion_of(float(degrees * pi / 180));

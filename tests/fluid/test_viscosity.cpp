@@ -13,20 +13,21 @@ using test::FluidArrays;
 
 constexpr float d = 0.01f, density = 1000;
 
-/// A box of 16^3 that repeats itself, within a shell of its own copies eight spacings thick: so a wave of
-/// shear has no end.
+/// A periodic box of 16^3 particles, inside a shell of its own copies eight spacings thick: a shear wave in
+/// it has no end.
 struct Periodic {
   static constexpr int n = 16, shell = 8, all = n + 2 * shell;
   FluidArrays fluid;
-  std::vector<std::uint32_t> copy_of;  // by place
+  std::vector<std::uint32_t> copy_of;  // by sorted index
 
   explicit Periodic(float mu, float jitter, SmoothingShape shape = SmoothingShape::wendland)
       : fluid(positions(jitter), d, density, mu, 2, shape) {
-    std::vector<std::uint32_t> place(fluid.size());
-    for (std::uint32_t k = 0; k < fluid.size(); ++k) place[fluid.order.order()[k]] = k;
+    std::vector<std::uint32_t> sorted_index(fluid.size());
+    for (std::uint32_t k = 0; k < fluid.size(); ++k) sorted_index[fluid.order.order()[k]] = k;
     const auto inner = [](std::uint32_t i) { return (i + n - shell) % n + shell; };
     for (const std::uint32_t i : fluid.order.order())
-      copy_of.push_back(place[inner(i % all) + all * (inner(i / all % all) + all * inner(i / all / all))]);
+      copy_of.push_back(
+          sorted_index[inner(i % all) + all * (inner(i / all % all) + all * inner(i / all / all))]);
   }
   static std::vector<Vec4f> positions(float jitter) {
     const std::vector<Vec4f> box = test::block_of(n, n, n, d, jitter);
@@ -43,7 +44,7 @@ struct Periodic {
   }
   float wave_number() const { return 2 * float(pi) / (float(n) * d); }
   Vec3f wave(const Vec3f& x) const { return {0, std::sin(wave_number() * x.x), 0}; }
-  /// How much of the wave there is.
+  /// Amplitude of the wave.
   double amplitude() const {
     double sum = 0, whole = 0;
     for (std::uint32_t k = 0; k < fluid.size(); ++k) {
@@ -54,7 +55,7 @@ struct Periodic {
     }
     return sum / whole;
   }
-  /// The rate of decay over nu k^2, measured over a number of substeps of h seconds.
+  /// The decay rate over nu k^2, measured over a number of substeps of h seconds.
   template <class Apply>
   double rate(float h, int substeps, const Apply& apply) {
     fluid.set_velocities([&](const Vec3f& x) { return wave(x); });
@@ -69,7 +70,7 @@ struct Periodic {
 
 constexpr auto shape = SmoothingShape::wendland;
 
-// v ~ exp(-nu k^2 t) sin(k x), on a lattice and on one that is stirred, whatever the substep.
+// v ~ exp(-nu k^2 t) sin(k x), on a lattice and on a jittered one, for any substep.
 TEST(Viscosity, LetsAWaveOfShearDecayAtItsRate) {
   for (const float jitter : {0.0f, 0.2f}) {
     for (const float nu : {1e-6f, 1e-3f, 4e-3f}) {
@@ -91,7 +92,7 @@ TEST(Viscosity, LetsAWaveOfShearDecayAtItsRate) {
         EXPECT_LE(report.iterations, 35);
         EXPECT_LE(report.residual, 1e-3f);
       });
-      // An implicit substep divides by 1 + h nu k^2 where the wave decays by exp(-h nu k^2).
+      // An implicit substep divides by 1 + h nu k^2; the exact wave decays by exp(-h nu k^2).
       const double once = double{h} * double{nu} * double{box.wave_number()} * double{box.wave_number()};
       EXPECT_NEAR(std::expm1(rate * once) / once, 1, 0.1) << nu;
     }
@@ -110,7 +111,7 @@ TEST(Xsph, HasTheSameRateWithAllKernels) {
   }
 }
 
-/// A stirred block of the given viscosity [Pa s], one side of it a hundredth of that, in disorder.
+/// A disordered block of the given viscosity [Pa s]; one side has a hundredth of it.
 FluidArrays disorder(float mu, int threads = 2) {
   FluidArrays fluid(test::block_of(12, 12, 12, d, 0.2f), d, density, mu, threads);
   test::Random random(3);
@@ -131,7 +132,7 @@ TEST(Viscosity, KeepsMomentumAndLosesEnergy) {
     EXPECT_LT(report.residual, 0.011f);
     EXPECT_LT(fluid.energy(), 0.9 * energy);
     EXPECT_LT(length(fluid.momentum() - linear) / size, 1e-6);
-    // Forces of the implicit solve are central; those of XSPH are not.
+    // Forces of the implicit solve are central; XSPH forces are not.
     const double turned = length(fluid.angular_momentum() - angular) / (size * 12 * double{d});
     if (mu > 1)
       EXPECT_LT(turned, 1e-6);
@@ -140,7 +141,7 @@ TEST(Viscosity, KeepsMomentumAndLosesEnergy) {
   }
 }
 
-// A drop of honey that turns goes on turning: there is no strain in it.
+// A rotating drop of honey keeps rotating: it has no strain.
 TEST(ImplicitViscosity, LetsADropTurn) {
   FluidArrays fluid(test::ball_of(8 * d, d), d, density, 100);
   fluid.set_velocities([](const Vec3f& x) { return cross(Vec3f(0, 5, 0), x); });
@@ -149,7 +150,7 @@ TEST(ImplicitViscosity, LetsADropTurn) {
   EXPECT_NEAR(fluid.energy() / energy, 1, 1e-4);
 }
 
-/// A film of 8 layers on a floor that slopes, or on one that moves at 1 m/s without gravity.
+/// A film of 8 layers on an inclined floor, or on a floor that moves at 1 m/s without gravity.
 struct Film {
   FluidArrays fluid;
   std::vector<Vec4f> walls;
@@ -178,7 +179,7 @@ struct Film {
   }
 };
 
-// Nusselt's film: u(y) = g / nu (H y - y^2 / 2), at rest where it touches the floor.
+// Nusselt's film: u(y) = g / nu (H y - y^2 / 2), at rest at the floor.
 TEST(Viscosity, AFilmDoesNotSlipOnTheFloor) {
   for (const float h : {2e-4f, 1e-2f}) {  // explicit and implicit
     const float nu = 0.04f, gravity = 2;

@@ -17,7 +17,7 @@ using test::FluidArrays;
 constexpr float d = 0.02f;
 constexpr auto shape = SmoothingShape::wendland;
 
-/// A whirl around z with a core of 3 spacings (Lamb and Oseen).
+/// A vortex around z with a core of 3 spacings (Lamb and Oseen).
 struct Whirl {
   FluidArrays fluid{test::block_of(24, 24, 8, d, 0.1f), d, 1000, 5};  // nu = 0.005 m^2/s
   static Vec3f flow(const Vec3f& x) {
@@ -26,7 +26,7 @@ struct Whirl {
     return {-dy * turn, dx * turn, 0};
   }
   Whirl() { fluid.set_velocities(flow); }
-  /// How fast particles 2 to 4 spacings from the axis go around it [1/s].
+  /// Mean angular velocity of particles 2 to 4 spacings from the axis [1/s].
   double turn() const {
     double sum = 0;
     int count = 0;
@@ -39,7 +39,7 @@ struct Whirl {
     }
     return sum / count;
   }
-  /// After 0.1 s of viscosity and confinement, over what it was.
+  /// Angular velocity after 0.1 s of viscosity and confinement, over its initial value.
   double left(float epsilon) {
     const double first = turn();
     VorticityConfinement confinement;
@@ -59,7 +59,7 @@ TEST(Vorticity, IsThatOfTheFlow) {
   for (std::size_t k = 0; k < fluid.size(); ++k) {
     const Vec3f& x = fluid.x[k].xyz();
     if (std::max({std::abs(x.x - 6 * d), std::abs(x.y - 6 * d), std::abs(x.z - 6 * d)}) > 3 * d) continue;
-    // Gradients are 1.04 times the lattice's.
+    // Kernel gradients are 1.04 times the exact ones on a lattice.
     EXPECT_LT(length(confinement.vorticity()[k] - Vec3f(2, 4, 6) * 1.04f), 0.01f);
   }
 }
@@ -72,7 +72,7 @@ TEST(Vorticity, AWhirlLastsLongerWithConfinement) {
   EXPECT_LT(more, 1.2);
 }
 
-// Equations 15 and 16 of the paper, particle by particle, also where there is a surface and disorder.
+// Equations 15 and 16 of the paper, for each particle, also at a surface and in disorder.
 TEST(Vorticity, IsAsInThePaper) {
   FluidArrays fluid(test::block_of(6, 6, 6, d, 0.2f), d, 1000, 0);
   fluid.set_velocities([](const Vec3f& x) { return Whirl::flow(x * 3.0f); });
@@ -124,7 +124,7 @@ TEST(Vorticity, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// A drop of 2 mm falls at sqrt(2 m g / (rho C d^2)) in the end, and drifts with the wind.
+// A drop of 2 mm reaches the terminal speed sqrt(2 m g / (rho C d^2)) and drifts with the wind.
 TEST(AirDrag, ADropFallsAtItsTerminalSpeed) {
   constexpr float size = 0.002f, g = 9.81f, h = 1.0f / 240;
   FluidArrays drop({{0, 0, 0, 0}}, size, 1000, 0);
@@ -139,7 +139,7 @@ TEST(AirDrag, ADropFallsAtItsTerminalSpeed) {
   EXPECT_NEAR(drop.v[0].x, 3, 0.05f);
 }
 
-// The wind takes along what it meets, no faster than itself, and nothing within.
+// Wind moves surface particles, at most at its own speed, and no particles inside.
 TEST(AirDrag, OnlyTheSurfaceFeelsTheWind) {
   FluidArrays fluid(test::block_of(8, 8, 8, d), d, 1000, 0);
   std::vector<float> covered(fluid.size(), 1.0f);

@@ -12,7 +12,7 @@
 
 namespace souple::check {
 
-// Written apart from the library, so that a mistake there is not repeated here.
+// Independent of the library, so that its mistakes are not repeated here.
 
 /// Volume enclosed by a closed surface: the sum of signed tets to the origin.
 inline double volume(const TriangleMesh& mesh) {
@@ -37,7 +37,8 @@ inline double tet_volume(const TetMesh& mesh, const Tet& t) {
   return dot(cross(b - a, c - a), d - a) / 6;
 }
 
-/// Every directed edge occurs once and so does its reverse: closed, manifold along edges, consistently wound.
+/// Every directed edge occurs once, and so does its reverse: closed, manifold along edges, consistently
+/// wound.
 inline bool is_watertight(const std::vector<Triangle>& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> directed;
   for (const Triangle& t : triangles)
@@ -49,7 +50,7 @@ inline bool is_watertight(const std::vector<Triangle>& triangles) {
   return !triangles.empty();
 }
 
-/// V - E + F of the vertices in use: 2 for a sphere, 0 for a torus, 1 for a disk.
+/// V - E + F over used vertices: 2 for a sphere, 0 for a torus, 1 for a disk.
 inline long euler_characteristic(const std::vector<Triangle>& triangles) {
   std::set<std::uint32_t> vertices;
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
@@ -61,7 +62,7 @@ inline long euler_characteristic(const std::vector<Triangle>& triangles) {
   return long(vertices.size()) - long(edges.size()) + long(triangles.size());
 }
 
-/// A small generator of its own, the same everywhere (xorshift64*).
+/// A small random generator with equal results on all platforms (xorshift64*).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15u + 1) {}

@@ -53,7 +53,7 @@ TEST(Hinges, KeepOrientation) {
 TEST(Hinges, OfANonManifoldEdgePairNeighbors) {
   const std::vector<Triangle> book{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
   EXPECT_EQ(interior_edges(book), (std::vector<Hinge>{{0, 1, 2, 3}, {1, 0, 3, 4}}));
-  // The same triangle twice has no hinge angle.
+  // Two triangles on the same corners have no hinge angle.
   EXPECT_TRUE(interior_edges(std::vector<Triangle>{{0, 1, 2}, {1, 0, 2}}).empty());
 }
 
@@ -66,7 +66,7 @@ TEST(Edges, DegenerateTrianglesGiveNoLoop) {
 TEST(VertexTriangles, AreThoseAroundAVertex) {
   const TriangleMesh sheet = grid(3, 3, 1);
   const VertexTriangles around = vertex_triangles(sheet.triangles, 9);
-  EXPECT_EQ(around.of(4).size(), 8u);  // the diagonals of a 3 x 3 grid meet in the middle
+  EXPECT_EQ(around.of(4).size(), 8u);  // the diagonals of a 3 x 3 grid meet in the center
   std::size_t sum = 0;
   for (std::size_t v = 0; v < 9; ++v)
     for (const std::uint32_t t : around.of(v)) {

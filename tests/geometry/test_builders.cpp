@@ -48,7 +48,7 @@ TEST(Grid, HasTheStatedOrderSizeAndNormals) {
   EXPECT_FLOAT_EQ(mesh.uvs[14][1], 0.5f);
 }
 
-// Directions of the diagonals: +1 along x = z, -1 across.
+// Directions of the diagonals: +1 along x = z, -1 across it.
 std::vector<int> diagonals(const TriangleMesh& mesh) {
   std::vector<int> result;
   for (const Edge& e : unique_edges(mesh.triangles)) {
@@ -145,11 +145,11 @@ TEST(TetBar, FillsItsBoxWithPositiveTetsThatMatchAtEveryFace) {
     sum += check::tet_volume(mesh, t);
   }
   EXPECT_NEAR(sum, 0.36, 1e-14);
-  TriangleMesh skin{mesh.positions, surface_triangles(mesh.tets), {}, {}, {}, {}, {}};
-  EXPECT_TRUE(is_watertight(skin.triangles));
-  EXPECT_NEAR(volume(skin), 0.36, 1e-14);
-  // Faces that failed to match would stay on the "surface" inside the box and add to its area.
-  EXPECT_NEAR(area(skin), 2 * (2.0 * 0.6 + 0.6 * 0.3 + 0.3 * 2.0), 1e-13);
+  TriangleMesh boundary{mesh.positions, surface_triangles(mesh.tets), {}, {}, {}, {}, {}};
+  EXPECT_TRUE(is_watertight(boundary.triangles));
+  EXPECT_NEAR(volume(boundary), 0.36, 1e-14);
+  // Faces without a match would stay in the boundary inside the box and add to its area.
+  EXPECT_NEAR(area(boundary), 2 * (2.0 * 0.6 + 0.6 * 0.3 + 0.3 * 2.0), 1e-13);
 }
 
 TEST(TetBall, FillsTheSphereWithPositiveTetsThatMatchAtEveryFace) {
@@ -162,12 +162,12 @@ TEST(TetBall, FillsTheSphereWithPositiveTetsThatMatchAtEveryFace) {
       sum += check::tet_volume(mesh, t);
     }
     EXPECT_GT(least, 0) << layers;
-    const TriangleMesh skin = sphere(2, 0.5);
-    EXPECT_NEAR(sum, volume(skin), 1e-14);
+    const TriangleMesh boundary = sphere(2, 0.5);
+    EXPECT_NEAR(sum, volume(boundary), 1e-14);
     const TriangleMesh surface{mesh.positions, surface_triangles(mesh.tets), {}, {}, {}, {}, {}};
     EXPECT_TRUE(is_watertight(surface.triangles));
-    EXPECT_NEAR(area(surface), area(skin), 1e-13);
-    EXPECT_NEAR(volume(surface), volume(skin), 1e-14);
+    EXPECT_NEAR(area(surface), area(boundary), 1e-13);
+    EXPECT_NEAR(volume(surface), volume(boundary), 1e-14);
   }
 }
 

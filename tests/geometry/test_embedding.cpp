@@ -14,7 +14,7 @@
 namespace souple {
 namespace {
 
-// Any affine motion of the tets must carry the points along exactly, inside or outside.
+// Any affine motion of the tets must move the points exactly, inside or outside.
 void expect_affine_exact(const std::vector<Vec3d>& points, TetMesh mesh, const Embedding& embedding) {
   const Mat3d a{{1.2, 0.3, -0.1}, {0.4, 0.8, 0.2}, {-0.5, 0.1, 1.5}};
   const Vec3d b{10, -3, 2};
@@ -48,7 +48,7 @@ TEST(Embedding, OutsidePointsHangOnTheNearestTet) {
   EXPECT_EQ(embedding.outside, 3u);
   EXPECT_NEAR(embedding.largest_distance, 39, 1e-12);
   expect_affine_exact(points, bar, embedding);
-  // The host of (3, 0.1, 0.2) touches the bar's face x = 1 where the point projects on it.
+  // The host tet of (3, 0.1, 0.2) touches the bar's face x = 1 at the point's projection.
   const Tet& host = embedding.vertices[0];
   int on_face = 0;
   for (const std::uint32_t v : host) on_face += bar.positions[v].x == 1.0 ? 1 : 0;
@@ -65,7 +65,7 @@ TEST(Embedding, NearestAgreesWithTryingAllTets) {
   const Embedding embedding = embed(points, mesh);
   EXPECT_GT(embedding.outside, 100u);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // The nearest of a fine sampling of all tets cannot be nearer than the chosen host's own nearest point.
+    // No point of a fine sampling of all tets may be nearer than the host's nearest point.
     const auto sampled = [&](const Tet& t) {
       double best = 1e300;
       for (int a = 0; a <= 6; ++a)
@@ -80,7 +80,7 @@ TEST(Embedding, NearestAgreesWithTryingAllTets) {
     double best = 1e300;
     for (const Tet& t : mesh.tets) best = std::min(best, sampled(t));
     EXPECT_LE(sampled(embedding.vertices[i]), best + 0.15 / 6);
-    if (i >= 20) break;  // a few dozen are enough for this slow check
+    if (i >= 20) break;  // a few dozen suffice for this slow check
   }
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double pi_ = 3.14159265358979323846;
 
-// What every lattice must be: congruent positive tets that match at their faces, in one piece, over all the
-// surface.
+// Requirements on every lattice: congruent positive tets that match at their faces, in one piece, and cover
+// the surface.
 void expect_covers(const TriangleMesh& surface, const Lattice& lattice) {
   const double a = lattice.cell_size, tet = a * a * a / 12;
   ASSERT_FALSE(lattice.mesh.tets.empty());
@@ -29,7 +29,7 @@ void expect_covers(const TriangleMesh& surface, const Lattice& lattice) {
   EXPECT_GT(sum, check::volume(surface) * (1 - 1e-9));
   EXPECT_EQ(lattice.inner + lattice.crossed, lattice.mesh.tets.size());
   EXPECT_EQ(lattice.pieces, 1u);
-  // Points all over the surface, not its vertices only.
+  // Points all over the surface, not only its vertices.
   std::vector<Vec3d> points = surface.positions;
   for (const Triangle& t : surface.triangles)
     for (int i = 0; i <= 3; ++i)
@@ -47,7 +47,7 @@ TEST(Lattice, CoversASphereAtEverySize) {
     const Lattice lattice = build_lattice(ball, {.cell_size = 0.21 * radius});
     expect_covers(ball, lattice);
     EXPECT_NEAR(lattice.surface_volume, check::volume(ball), 1e-12 * check::volume(ball));
-    // Nothing far outside: every vertex is within a cell of the ball.
+    // No vertex is further outside than a cell.
     for (const Vec3d& p : lattice.mesh.positions) EXPECT_LT(length(p), radius + 1.2 * lattice.cell_size);
     EXPECT_GT(lattice.inner, 0u);
   }
@@ -75,7 +75,7 @@ TEST(Lattice, VolumeTendsToThatOfTheSolid) {
 }
 
 TEST(Lattice, OfABoxThatLiesInTheLatticePlanes) {
-  // Sides that are whole and half cells: the surface runs along tets' faces, edges and vertices.
+  // Sides of whole and half cells: the surface is on faces, edges and vertices of tets.
   for (const double size : {0.5, 0.25, 0.2, 1.0 / 3, 0.125})
     for (const int divisions : {1, 4}) {
       const TriangleMesh cube = box({1, 1, 1}, divisions);
@@ -87,8 +87,8 @@ TEST(Lattice, OfABoxThatLiesInTheLatticePlanes) {
 }
 
 TEST(Lattice, OfAnOctahedronInTheDiagonalPlanes) {
-  // The faces of tets lie in planes such as x + y = const: a square prism turned by 45 degrees lies in them
-  // exactly.
+  // The faces of tets are in planes such as x + y = const: a square prism rotated by 45 degrees is exactly in
+  // them.
   TriangleMesh prism = box({std::sqrt(2.0), 1, std::sqrt(2.0)}, 2);
   for (Vec3d& p : prism.positions) p = {(p.x + p.z) / std::sqrt(2.0), p.y, (p.z - p.x) / std::sqrt(2.0)};
   for (Vec3d& p : prism.positions)
@@ -142,18 +142,20 @@ TEST(Lattice, SeparateBodiesStaySeparate) {
   EXPECT_EQ(build_lattice(pair, {.cell_size = 0.2}).pieces, 2u);
 }
 
-TEST(Lattice, AcceptsSoupAndWrongWinding) {
+TEST(Lattice, AcceptsTriangleSoupAndWrongWinding) {
   const TriangleMesh ball = sphere(3, 1);
-  TriangleMesh soup;
+  TriangleMesh triangle_soup;
   for (std::size_t t = 0; t < ball.triangles.size(); ++t) {
-    const std::uint32_t first = std::uint32_t(soup.positions.size());
-    for (const std::uint32_t v : ball.triangles[t]) soup.positions.push_back(ball.positions[v]);
-    soup.triangles.push_back({first, first + (t % 3 == 0 ? 2u : 1u), first + (t % 3 == 0 ? 1u : 2u)});
+    const std::uint32_t first = std::uint32_t(triangle_soup.positions.size());
+    for (const std::uint32_t v : ball.triangles[t]) triangle_soup.positions.push_back(ball.positions[v]);
+    triangle_soup.triangles.push_back(
+        {first, first + (t % 3 == 0 ? 2u : 1u), first + (t % 3 == 0 ? 1u : 2u)});
   }
-  const Lattice a = build_lattice(ball, {.cell_size = 0.25}), b = build_lattice(soup, {.cell_size = 0.25});
+  const Lattice a = build_lattice(ball, {.cell_size = 0.25}),
+                b = build_lattice(triangle_soup, {.cell_size = 0.25});
   EXPECT_EQ(a.mesh.positions, b.mesh.positions);
   EXPECT_EQ(a.mesh.tets, b.mesh.tets);
-  EXPECT_EQ(embed(soup.positions, b.mesh).outside, 0u);
+  EXPECT_EQ(embed(triangle_soup.positions, b.mesh).outside, 0u);
 }
 
 std::string message_of(const TriangleMesh& mesh, const LatticeOptions& options) {
@@ -181,7 +183,7 @@ TEST(Lattice, RefusesWithClearWords) {
   EXPECT_NE(message_of(TriangleMesh{}, {.cell_size = 0.1}).find("no triangles"), std::string::npos);
 }
 
-// Closed surfaces that cross themselves, with needles, slivers and copies, now and then of extreme size.
+// Closed surfaces that intersect themselves, with needles, slivers and duplicates, sometimes of extreme size.
 TEST(Lattice, OfRandomSurfacesCoversThemOrSaysWhyNot) {
   check::Random random(11);
   int built = 0;
@@ -190,7 +192,7 @@ TEST(Lattice, OfRandomSurfacesCoversThemOrSaysWhyNot) {
     const double noise = random.unit(), scale = round % 10 == 9 ? 1e160 : 1;
     for (Vec3d& p : mesh.positions) {
       p = (p + random.in_cube() * noise) * scale;
-      // Snapped to a coarse raster, so that vertices meet and triangles collapse or lie in the lattice's
+      // Snapped to a coarse raster, so that vertices coincide and triangles collapse or lie in the lattice's
       // planes.
       if (round % 4 >= 2)
         for (int i = 0; i < 3; ++i) p[i] = std::round(p[i] * 4) / 4;

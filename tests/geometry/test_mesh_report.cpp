@@ -29,12 +29,12 @@ TEST(MeshReport, BuiltMeshesAreClean) {
 TEST(MeshReport, CountsWhatIsBroken) {
   TriangleMesh mesh = sphere(2, 1);
   const std::uint32_t n = std::uint32_t(mesh.positions.size());
-  mesh.positions.push_back(mesh.positions[5]);                                // a double
+  mesh.positions.push_back(mesh.positions[5]);                                // a duplicate
   mesh.positions.push_back({9, 9, 9});                                        // in no triangle
   mesh.positions.push_back({std::numeric_limits<double>::infinity(), 0, 0});  // not finite, in no triangle
-  mesh.triangles.push_back({5, n, 7});                                        // collapsed by the double
+  mesh.triangles.push_back({5, n, 7});                                        // collapsed by the duplicate
   mesh.triangles.erase(mesh.triangles.begin() + 10);                          // a hole of three edges
-  std::swap(mesh.triangles[100][0], mesh.triangles[100][1]);                  // three edges wound wrongly
+  std::swap(mesh.triangles[100][0], mesh.triangles[100][1]);  // three edges with inconsistent winding
   const MeshReport report = inspect(mesh);
   EXPECT_EQ(report.duplicate_vertices, (std::vector<std::uint32_t>{n}));
   EXPECT_EQ(report.unreferenced_vertices, (std::vector<std::uint32_t>{n + 1, n + 2}));
@@ -74,24 +74,24 @@ TEST(Repair, TurnsTheFewAndTheClosedOutward) {
   TriangleMesh mixed = ball;
   for (std::size_t t = 0; t < mixed.triangles.size(); t += 5)
     std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
-  const RepairedSurface mended = repair(mixed);
-  EXPECT_TRUE(check::is_watertight(mended.triangles));
-  EXPECT_NEAR(enclosed_volume(mixed.positions, mended.triangles), check::volume(ball), 1e-12);
-  ASSERT_EQ(mended.sentences.size(), 1u);
-  EXPECT_EQ(mended.sentences[0], "Turned over 256 triangles to wind like the others.");
+  const RepairedSurface repaired = repair(mixed);
+  EXPECT_TRUE(check::is_watertight(repaired.triangles));
+  EXPECT_NEAR(enclosed_volume(mixed.positions, repaired.triangles), check::volume(ball), 1e-12);
+  ASSERT_EQ(repaired.sentences.size(), 1u);
+  EXPECT_EQ(repaired.sentences[0], "Reversed 256 triangles to match the winding of the others.");
 
   TriangleMesh inward = ball;
   for (Triangle& t : inward.triangles) std::swap(t[0], t[1]);
   EXPECT_NEAR(enclosed_volume(ball.positions, repair(inward).triangles), check::volume(ball), 1e-12);
-  EXPECT_EQ(repair(inward).sentences, (std::vector<std::string>{"Turned 1 closed piece outward."}));
-  // An open sheet has no outside: its winding stays.
+  EXPECT_EQ(repair(inward).sentences, (std::vector<std::string>{"Reversed 1 closed piece to face outward."}));
+  // An open sheet has no outside: its winding is unchanged.
   TriangleMesh sheet = grid(4, 4, 1);
   for (Triangle& t : sheet.triangles) std::swap(t[0], t[1]);
   EXPECT_EQ(repair(sheet).triangles, sheet.triangles);
 }
 
 TEST(Repair, LeavesAMoebiusStripAndSaysSo) {
-  // Five triangles around, the last turned against the first.
+  // A ring of five triangles, the last reversed relative to the first.
   TriangleMesh strip;
   for (int i = 0; i < 5; ++i) strip.positions.push_back({double(i % 3), double(i), double(i * i)});
   for (std::uint32_t i = 0; i < 5; ++i) strip.triangles.push_back({i, (i + 1) % 5, (i + 2) % 5});
@@ -116,7 +116,7 @@ TEST(Repair, DropsWhatCannotMove) {
 }
 
 TEST(Repair, ZeroAreaTrianglesOfAClosedSurfaceStay) {
-  // A tetrahedron, one face of which is cut at the middle of an edge on one side only: the needle closes it.
+  // A tetrahedron with one face split at the midpoint of an edge on one side only: the needle closes it.
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}};
   mesh.triangles = {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}};
@@ -157,7 +157,7 @@ TEST(Repair, OfRandomTrianglesIsSound) {
         ASSERT_TRUE(is_finite(mesh.positions[surface.weld.to_vertex[v]]));
       }
     }
-    // Mended once, there is nothing left to mend.
+    // A repaired mesh needs no further repair.
     TriangleMesh again;
     again.positions = gather<Vec3d>(surface.weld, mesh.positions);
     again.triangles = surface.triangles;

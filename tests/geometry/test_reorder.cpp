@@ -12,7 +12,7 @@
 namespace souple {
 namespace {
 
-// A grid whose vertices were shuffled, as meshes come out of modeling programs.
+// A grid with shuffled vertices, like meshes from modeling programs.
 TriangleMesh shuffled_grid(int n) {
   TriangleMesh mesh = grid(n, n, 1);
   std::vector<std::uint32_t> order(mesh.positions.size());

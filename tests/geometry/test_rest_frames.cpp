@@ -21,7 +21,7 @@ TEST(RestFrames, FollowTheUvsRound) {
     expect_orthonormal(f);
     EXPECT_NEAR(length(f.warp - Vec3d{1, 0, 0}), 0, 1e-6);
   }
-  // The pattern turned by 30 degrees, and mirrored: warp follows U in space.
+  // The pattern rotated by 30 degrees, and mirrored: warp follows U in space.
   const double c = std::cos(0.5), s = std::sin(0.5);
   for (const float mirror : {1.0f, -1.0f}) {
     for (std::size_t v = 0; v < mesh.uvs.size(); ++v) {
@@ -56,7 +56,7 @@ TEST(RestFrames, WithoutUvsTheGrainIsOneAllOver) {
     expect_orthonormal(f);
     EXPECT_GT(f.warp.x, 0);
   }
-  // Upright on the fallback: the first edge.
+  // Perpendicular to the fallback: the first edge.
   TriangleMesh wall;
   wall.positions = {{0, 0, 0}, {0, 2, 0}, {0, 0, 3}};
   wall.triangles = {{0, 1, 2}, {0, 1, 1}};

@@ -11,7 +11,7 @@
 namespace souple {
 namespace {
 
-// Each triangle with three vertices of its own, as an STL file has them.
+// Each triangle with three vertices of its own, as in an STL file.
 TriangleMesh exploded(const TriangleMesh& mesh) {
   TriangleMesh result;
   for (const Triangle& t : mesh.triangles) {
@@ -23,13 +23,13 @@ TriangleMesh exploded(const TriangleMesh& mesh) {
 }
 
 TEST(Weld, ClosesAnExplodedSphere) {
-  const TriangleMesh ball = sphere(3, 1), soup = exploded(ball);
-  const Weld weld = weld_vertices(soup.positions);
+  const TriangleMesh ball = sphere(3, 1), triangle_soup = exploded(ball);
+  const Weld weld = weld_vertices(triangle_soup.positions);
   EXPECT_EQ(weld.size(), ball.positions.size());
-  const WeldedTriangles welded = weld_triangles(weld, soup.triangles);
+  const WeldedTriangles welded = weld_triangles(weld, triangle_soup.triangles);
   EXPECT_TRUE(check::is_watertight(welded.triangles));
-  for (std::size_t v = 0; v < soup.positions.size(); ++v)
-    EXPECT_EQ(soup.positions[weld.to_vertex[weld.to_welded[v]]], soup.positions[v]);
+  for (std::size_t v = 0; v < triangle_soup.positions.size(); ++v)
+    EXPECT_EQ(triangle_soup.positions[weld.to_vertex[weld.to_welded[v]]], triangle_soup.positions[v]);
 }
 
 TEST(Weld, KeepsTheOrderOfTheUser) {

@@ -35,8 +35,8 @@ inline std::vector<std::filesystem::path> shipped_scenes() {
   return files;
 }
 
-/// What reading the text complains of; empty if nothing.
-inline std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
+/// The error message of parsing `text`; empty if parsing succeeds.
+inline std::string error_message(const std::string& text, const std::vector<std::string>& overrides = {}) {
   try {
     parse_scene(text, scenes_folder(), "test.json", overrides);
   } catch (const Error& error) {
@@ -50,7 +50,7 @@ inline std::string with_object(const std::string& keys) {
   return R"({"souple": 1, "objects": [{)" + keys + "}]}";
 }
 
-/// One of each kind, all simple.
+/// One simple object of each kind.
 inline const char* small_scene = R"({
   "souple": 1, "frames": 10,
   "objects": [

@@ -1,4 +1,4 @@
-// What a scene file asks for happens: maps, sequences, tethers, gas, springs, pairs.
+// Effects of scene keys: maps, sequences, tethers, gas, springs, pairs.
 #include "scene_test.h"
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
@@ -32,10 +32,10 @@ class Behavior : public testing::Test {
 };
 
 constexpr int strip_rows = 17;
-constexpr int first_lower_row = 9;  ///< rows 0 to 8 are the upper half, group and red; the others are not
+constexpr int first_lower_row = 9;  ///< rows 0 to 8 are the upper half: in the group, and red
 
-/// A strip two vertices wide, from y = 0 down to -1, rows 1/16 apart. Its upper half is a group and red, all
-/// of it is half green.
+/// A strip two vertices wide, from y = 0 down to -1, with rows 1/16 apart. Its upper half is a group and red;
+/// all of it is half green.
 void write_strip(const fs::path& path, double shift = 0) {
   std::ofstream obj(path);
   for (int row = 0; row < strip_rows; ++row) {
@@ -63,7 +63,7 @@ std::span<const Vec3f> positions_of_only(const World& world) {
 }
 
 // --- maps
-// The same tension pulls at a strip whose upper half is three times stiffer.
+// Equal tension on a strip whose upper half is three times stiffer.
 std::string stretched_strip(const std::string& source) {
   return R"({"souple": 1, "gravity": [0, 0, 0], "objects": [{"kind": "cloth", "mesh": {"file": "strip.obj"},
     "material": {"areal_density": 1, "membrane_stiffness": 20, "bending": "none", "damping": 3},
@@ -76,7 +76,7 @@ std::string stretched_strip(const std::string& source) {
 void expect_stiff_upper_half(World world) {
   run(world, 400);
   const auto x = positions_of_only(world);
-  // Of both sides' mean: the diagonals all lean the same way and make them differ.
+  // Mean of both sides: all diagonals lean the same way, which makes the sides differ.
   const auto strain = [&](std::size_t from, std::size_t to) {
     const float apart = x[2 * from].y - x[2 * to].y + x[2 * from + 1].y - x[2 * to + 1].y;
     return static_cast<double>(apart) / (2 * static_cast<double>(to - from) / 16) - 1;
@@ -122,8 +122,8 @@ TEST_F(Behavior, PinWeightOfAGroup) {
 
 TEST_F(Behavior, HalfAPinWeightIsASpring) {
   write_strip(file("strip.obj"));
-  // Green is 0.5 everywhere: each vertex hangs on a spring of 0.05 m/N. What they carry together is the
-  // weight; edges only pass it on.
+  // Green is 0.5 everywhere, so each vertex has a spring of 0.05 m/N. The springs together carry the weight;
+  // edges only redistribute it.
   World world = built(R"({"souple": 1, "substeps": 20, "drag": 4, "objects": [{"kind": "cloth",
     "mesh": {"file": "strip.obj"}, "material": {"areal_density": 2, "membrane_stiffness": 100, "air_drag": 0},
     "maps": {"pin_weight": {"color": "green", "value": 1, "default": 0, "compliance": 0.05}}}]})");
@@ -138,7 +138,7 @@ TEST_F(Behavior, HalfAPinWeightIsASpring) {
 
 // --- sequences
 constexpr int sequence_frames = 3;
-constexpr double sequence_rise = 0.1;  ///< a frame [m]
+constexpr double sequence_rise = 0.1;  ///< per frame [m]
 
 std::vector<Vec3f> strip_points(double shift) {
   std::vector<Vec3f> points;
@@ -149,8 +149,8 @@ std::vector<Vec3f> strip_points(double shift) {
   return points;
 }
 
-// Ten frames a second from half a second on; the mesh is scaled by 2 and turned so that its Y becomes Z.
-World led_by(const fs::path& folder, const std::string& name) {
+// Ten frames per second, from 0.5 s on. The mesh is scaled by 2 and rotated so that its Y becomes Z.
+World with_sequence(const fs::path& folder, const std::string& name) {
   return build_world(parse_scene(R"({"souple": 1, "gravity": [0, 0, 0], "objects": [{"kind": "cloth",
     "mesh": {"file": "strip.obj", "scale": 2}, "transform": {"translate": [1, 2, 3], "rotate": [90, 0, 0]},
     "material": {"membrane_stiffness": 100},
@@ -159,7 +159,7 @@ World led_by(const fs::path& folder, const std::string& name) {
                                  folder, "test.json"));
 }
 
-void expect_led(World world) {
+void expect_sequence_motion(World world) {
   const auto risen = [&] { return static_cast<double>(positions_of_only(world)[0].z) - 3; };
   EXPECT_NEAR(positions_of_only(world)[1].x, 1 + 2 / 16.0, 1e-6);
   run(world, 30);  // 0.5 s
@@ -174,35 +174,35 @@ void expect_led(World world) {
 
 TEST_F(Behavior, PinsFollowAPc2) {
   write_strip(file("strip.obj"));
-  Pc2Writer writer(file("led.pc2"), std::uint64_t{2} * strip_rows);
+  Pc2Writer writer(file("moved.pc2"), std::uint64_t{2} * strip_rows);
   for (int frame = 0; frame < sequence_frames; ++frame) writer.append(strip_points(frame * sequence_rise));
   writer.finish();
-  expect_led(led_by(file(""), "led.pc2"));
+  expect_sequence_motion(with_sequence(file(""), "moved.pc2"));
 }
 
 TEST_F(Behavior, PinsFollowAnMdd) {
   write_strip(file("strip.obj"));
-  MddWriter writer(file("led.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
+  MddWriter writer(file("moved.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
   for (int frame = 0; frame < sequence_frames; ++frame)
     writer.append(frame / 10.0, strip_points(frame * sequence_rise));
   writer.finish();
-  expect_led(led_by(file(""), "led.mdd"));
+  expect_sequence_motion(with_sequence(file(""), "moved.mdd"));
 }
 
 TEST_F(Behavior, PinsFollowASequenceOfObj) {
   write_strip(file("strip.obj"));
   for (int frame = 0; frame < sequence_frames; ++frame)
-    write_strip(file("led_000" + std::to_string(frame + 1) + ".obj"), frame * sequence_rise);
-  expect_led(led_by(file(""), "led_0001.obj"));
+    write_strip(file("moved_000" + std::to_string(frame + 1) + ".obj"), frame * sequence_rise);
+  expect_sequence_motion(with_sequence(file(""), "moved_0001.obj"));
 }
 
 TEST_F(Behavior, SequenceOfAnotherMeshIsRefused) {
   write_strip(file("strip.obj"));
-  Pc2Writer writer(file("led.pc2"), 5);
+  Pc2Writer writer(file("moved.pc2"), 5);
   writer.append(std::vector<Vec3f>(5));
   writer.finish();
   try {
-    led_by(file(""), "led.pc2");
+    with_sequence(file(""), "moved.pc2");
     FAIL() << "5 points for 34 vertices";
   } catch (const Error& error) {
     const std::string said = error.what();
@@ -228,13 +228,13 @@ TEST_F(Behavior, TethersHoldALimpRope) {
         "material": {"radius": 0.01, "young_modulus": 1e4, "damping": 1}, "pins": [{"vertices": [0]}])" +
                        more);
   };
-  // Its weight stretches it by rho g L^2 / (2 E) = 0.54 m in the end, at first by nearly twice as much.
+  // Its weight stretches it by rho g L^2 / (2 E) = 0.54 m at rest, and first by nearly twice as much.
   EXPECT_GT(longest_rope(built(rope(""))), 1.8);
   EXPECT_NEAR(longest_rope(built(rope(R"(, "tethers": {"slack": 0.05})"))), 1.05, 0.005);
 }
 
 // --- gas
-/// Of the sphere as round as it stays, from the vertices' mean distance to their middle.
+/// The sphere's radius: mean distance of the vertices from their mean.
 double radius_after(World world, int frames) {
   run(world, frames);
   const auto x = positions_of_only(world);
@@ -254,8 +254,8 @@ std::string balloon(const std::string& more) {
 
 TEST_F(Behavior, PressureBlowsUp) {
   EXPECT_NEAR(radius_after(built(balloon("")), 120), 0.5, 1e-3);
-  // Small strain of a membrane with nu = 1/3, which is what springs along triangles have:
-  // dR / R = P R (1 - nu) / (2 Y) = 0.033; finite strain and the coarse mesh add some.
+  // Small strain of a membrane with nu = 1/3, which edge springs have: dR / R = P R (1 - nu) / (2 Y) = 0.033.
+  // Finite strain and the coarse mesh add to it.
   const double swollen = radius_after(built(balloon(R"(, "pressure": 20)")), 300) / 0.5 - 1;
   EXPECT_GT(swollen, 0.025);
   EXPECT_LT(swollen, 0.045);
@@ -291,11 +291,12 @@ TEST_F(Behavior, PairsDecideFrictionAndRestitution) {
       "pairs": [{"between": ["puck", "floor"], )" +
                  pair + "}]}");
   };
-  // Slides v^2 / (2 mu g) = 0.2548 m with the pair's friction of 0.2, not 0.0255 m.
+  // Slides v^2 / (2 mu g) = 0.2548 m with the pair's friction of 0.2; with the material's it would be 0.0255
+  // m.
   World sliding = grain(R"("points": [[0, 0.05, 0]], "velocity": [1, 0, 0])", R"("friction": 0.2)");
   run(sliding, 120);
   EXPECT_NEAR(positions_of_only(sliding)[0].x, 1 / (2 * 0.2 * g), 0.005);
-  // Bounces to e^2 of the height it fell from.
+  // Bounces to e^2 of its initial height.
   World bouncing = grain(R"("points": [[0, 1.05, 0]])", R"("friction": 0, "restitution": 0.5)");
   run(bouncing, 29);  // falls for 0.45 s
   double top = 0;

@@ -1,4 +1,4 @@
-// A scene becomes the world it describes.
+// A world built from a scene matches its description.
 #include "scene_test.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@ World built(const std::string& text, const std::vector<std::string>& overrides =
   return build_world(parse_scene(text, scenes_folder(), "test.json", overrides));
 }
 
-/// What building complains of.
-std::string build_complaint(const std::string& text) {
+/// The error message of building a scene.
+std::string build_error(const std::string& text) {
   try {
     built(text);
   } catch (const Error& error) {
@@ -30,7 +30,7 @@ TEST(BuildWorld, MakesWhatTheSceneSays) {
   EXPECT_EQ(world.positions(flag).size(), 30u);
   EXPECT_EQ(world.pinned(flag), (std::vector<std::uint32_t>{0, 5}));
   EXPECT_FLOAT_EQ(world.cloth_material(flag).damping, 0.25f);
-  // The sheet lies in XZ, first row at -Z; turned 90 degrees about X it hangs with the first row on top.
+  // The sheet is in XZ with its first row at -Z; rotated 90 degrees about X, it hangs from its first row.
   EXPECT_NEAR(world.positions(flag)[0].y, 2 + 0.5 * 0.8, 1e-6);
   EXPECT_NEAR(world.positions(flag)[0].z, 0, 1e-6);
   // 0.2 x 0.1 x 0.1 m of 1000 kg/m^3
@@ -57,8 +57,8 @@ TEST(BuildWorld, ASignedDistanceFieldIsWhatItsMeshIs) {
 }
 
 TEST(BuildWorld, AnOpenMeshMakesNoSignedDistanceField) {
-  const std::string said = build_complaint(
-      with_field(R"({"mesh": {"grid": {"columns": 3, "rows": 3, "size": 1}}, "spacing": 0.1})"));
+  const std::string said =
+      build_error(with_field(R"({"mesh": {"grid": {"columns": 3, "rows": 3, "size": 1}}, "spacing": 0.1})"));
   for (const char* word : {"test.json: colliders[0]: signed distance field", "8 edges are open"})
     EXPECT_NE(said.find(word), std::string::npos) << said;
   EXPECT_THROW(built(with_field(R"({"mesh": {"sphere": {"radius": 1}}, "spacing": 0.1, "resolution": 9})")),
@@ -79,7 +79,7 @@ TEST(BuildWorld, GrainsFillTheirBoxWithoutOverlap) {
   const World world = built(with_object(
       R"("kind": "grains", "box": {"lo": [0, 0, 0], "hi": [1, 0.5, 0.5], "jitter": 0.2}, "material": {"radius": 0.05})"));
   const auto centers = world.positions(world.objects()[0]);
-  // Cells of 0.12 m: 8 x 4 x 4 of them, whatever the jitter.
+  // Cells of 0.12 m: 8 x 4 x 4 of them, for any jitter.
   EXPECT_EQ(centers.size(), 8u * 4u * 4u);
   float nearest = 1;
   for (std::size_t i = 0; i < centers.size(); ++i) {
@@ -109,7 +109,7 @@ TEST(BuildWorld, KeyframedPinsGoWhereTheyAreTold) {
   const auto x = world.positions(world.find_object("flag"));
   EXPECT_NEAR(x[0].x, -0.5, 1e-5);
   EXPECT_NEAR(x[0].y, 0.2, 1e-5);
-  // Vertices 6 and 8 stand at (-0.5, 0, 0.5) and (0.5, 0, 0.5); they turn about their middle, (0, 0, 0.5).
+  // Vertices 6 and 8 are at (-0.5, 0, 0.5) and (0.5, 0, 0.5); they rotate about their mean, (0, 0, 0.5).
   EXPECT_NEAR(x[6].x, 0, 1e-5);
   EXPECT_NEAR(x[6].z, 1, 1e-5);
   EXPECT_NEAR(x[8].z, 0, 1e-5);
@@ -131,19 +131,18 @@ TEST(BuildWorld, ConnectionHoldsARopeToACloth) {
 TEST(BuildWorld, ErrorsNameTheirPlace) {
   const std::string cloth =
       R"("name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 4, "rows": 4, "size": 1}}, )";
-  const std::string pin =
-      build_complaint(with_object(cloth + R"("pins": [{"all": true}, {"vertices": [99]}])"));
+  const std::string pin = build_error(with_object(cloth + R"("pins": [{"all": true}, {"vertices": [99]}])"));
   EXPECT_EQ(pin.find("test.json: objects[0].pins[1]: "), 0u) << pin;
   EXPECT_NE(pin.find("99"), std::string::npos) << pin;
-  const std::string group = build_complaint(with_object(cloth + R"("pins": [{"group": "hem"}])"));
+  const std::string group = build_error(with_object(cloth + R"("pins": [{"group": "hem"}])"));
   EXPECT_EQ(group.find("test.json: objects[0].pins[0]: "), 0u) << group;
   EXPECT_NE(group.find("hem"), std::string::npos) << group;
   const std::string colors =
-      build_complaint(with_object(cloth + R"("maps": {"stiffness": {"color": "red", "value": 2}})"));
+      build_error(with_object(cloth + R"("maps": {"stiffness": {"color": "red", "value": 2}})"));
   EXPECT_EQ(colors.find("test.json: objects[0]: "), 0u) << colors;
-  const std::string open = build_complaint(with_object(cloth + R"("pressure": 10)"));
+  const std::string open = build_error(with_object(cloth + R"("pressure": 10)"));
   EXPECT_EQ(open.find("test.json: objects[0]: "), 0u) << open;
-  const std::string sizes = build_complaint(R"({"souple": 1, "objects": [
+  const std::string sizes = build_error(R"({"souple": 1, "objects": [
       {"name": "a", "kind": "rope", "points": [[0, 0, 0], [1, 0, 0]]}],
       "connections": [{"from": {"object": "a", "vertices": [0, 1]}, "to": {"object": "a", "vertices": [2, 3, 4]}}]})");
   EXPECT_EQ(sizes.find("test.json: connections[0]: "), 0u) << sizes;
@@ -161,7 +160,7 @@ TEST(BuildWorld, SameSceneSameBits) {
   }
 }
 
-/// A normalized scene is the same scene.
+/// A normalized scene builds an identical world.
 TEST(BuildWorld, WrittenSceneBuildsTheSameWorld) {
   for (const auto& file : shipped_scenes()) {
     SCOPED_TRACE(file.filename().string());

@@ -1,5 +1,4 @@
-// Reader, schema and manual say the same. All three come from one table; these tests look at them from
-// outside.
+// Reader, schema and manual agree. All three come from one table; these tests compare their outputs.
 #include "scene_test.h"
 #include "tests/paths.h"
 
@@ -20,12 +19,12 @@ std::filesystem::path documents() {
 
 TEST(Documents, AreUpToDate) {
   EXPECT_EQ(read_file(documents() / "scene.schema.json"), scene_schema())
-      << "write it anew: souple info --schema > docs/scene.schema.json";
+      << "update it: souple info --schema > docs/scene.schema.json";
   EXPECT_EQ(read_file(documents() / "scene-format.md"), scene_manual())
-      << "write it anew: souple info --scene-format > docs/scene-format.md";
+      << "update it: souple info --scene-format > docs/scene-format.md";
 }
 
-/// Lines of the manual's section, which begin with "| `key` |".
+/// Keys of a section of the manual: lines that begin with "| `key` |".
 std::set<std::string> keys_in_manual(const std::string& manual, const std::string& section) {
   std::set<std::string> keys;
   std::istringstream lines(manual);
@@ -52,7 +51,7 @@ TEST(Documents, ManualHasEveryKeyOfTheSchema) {
   }
 }
 
-/// Makes the smallest scene that the schema allows and that holds a wanted key, and asks the reader.
+/// Generates minimal scenes that the schema allows and that contain a wanted key, for the reader.
 class Sampler {
  public:
   explicit Sampler(const json& schema) : definitions_(schema["$defs"]) {}
@@ -74,7 +73,7 @@ class Sampler {
     return sample_number(schema);
   }
 
-  /// A table with what it requires and, unless empty, `wanted`.
+  /// A table with its required keys and, unless empty, `wanted`.
   json sample_table(const std::string& name, const std::string& wanted) const {
     const json& table = definitions_.at(name);
     std::set<std::string> keys;
@@ -94,7 +93,7 @@ class Sampler {
     return reference["$ref"].get<std::string>().substr(std::string("#/$defs/").size());
   }
 
-  /// oneOf of required keys: takes the first if none is there yet.
+  /// oneOf of required keys: adds the first if none is present.
   static void complete(const json& rule, std::set<std::string>& keys) {
     bool none_allowed = false;
     for (const auto& choice : rule["oneOf"]) {
@@ -111,20 +110,19 @@ class Sampler {
     const double high = schema.contains("maximum") ? schema["maximum"].get<double>()
                                                    : schema["exclusiveMaximum"].get<double>();
     const bool one = low <= 1 && high >= 1 && !(schema.contains("exclusiveMaximum") && high == 1);
-    const double value =
-        one ? 1 : (low > 1 ? low : (low + high) / 2);  // the smallest mesh, not a middling one
+    const double value = one ? 1 : (low > 1 ? low : (low + high) / 2);  // the smallest mesh, not a large one
     return integer ? json(static_cast<std::int64_t>(value)) : json(value);
   }
 
   const json& definitions_;
 };
 
-/// Where each table stands in a scene: the way from the root, as functions that wrap a value.
+/// The path of each table from the scene's root, as a function that wraps a value.
 using Wrap = std::function<json(json)>;
 
-void find_places(const json& definitions, const Sampler& sampler, const std::string& name, const Wrap& wrap,
-                 std::map<std::string, Wrap>& places) {
-  if (!places.emplace(name, wrap).second) return;
+void find_paths(const json& definitions, const Sampler& sampler, const std::string& name, const Wrap& wrap,
+                std::map<std::string, Wrap>& paths) {
+  if (!paths.emplace(name, wrap).second) return;
   for (const auto& [key, schema] : definitions[name]["properties"].items()) {
     json inner = schema;
     bool listed = false;
@@ -138,7 +136,7 @@ void find_places(const json& definitions, const Sampler& sampler, const std::str
         table[key] = listed ? json::array({std::move(value)}) : std::move(value);
         return wrap(std::move(table));
       };
-      find_places(definitions, sampler, below, here, places);
+      find_paths(definitions, sampler, below, here, paths);
     }
   }
 }
@@ -146,32 +144,31 @@ void find_places(const json& definitions, const Sampler& sampler, const std::str
 TEST(Documents, ReaderKnowsEveryKeyOfTheSchemaAndNoOther) {
   const json schema = json::parse(scene_schema());
   const Sampler sampler(schema);
-  std::map<std::string, Wrap> places;
-  find_places(
-      schema["$defs"], sampler, "scene", [](json value) { return value; }, places);
-  EXPECT_EQ(places.size(), schema["$defs"].size());
-  for (const auto& [name, wrap] : places) {
+  std::map<std::string, Wrap> paths;
+  find_paths(
+      schema["$defs"], sampler, "scene", [](json value) { return value; }, paths);
+  EXPECT_EQ(paths.size(), schema["$defs"].size());
+  for (const auto& [name, wrap] : paths) {
     for (const auto& [key, value] : schema["$defs"][name]["properties"].items()) {
-      const std::string said = complaint(wrap(sampler.sample_table(name, key)).dump());
-      EXPECT_EQ(said.find("no such key"), std::string::npos) << name << "." << key << ": " << said;
+      const std::string said = error_message(wrap(sampler.sample_table(name, key)).dump());
+      EXPECT_EQ(said.find("unknown key"), std::string::npos) << name << "." << key << ": " << said;
     }
-    json stranger = sampler.sample_table(name, "");
-    stranger["no_key_is_called_so"] = 1;
-    EXPECT_NE(complaint(wrap(stranger).dump()).find("no_key_is_called_so: there is no such key"),
-              std::string::npos)
+    json unknown = sampler.sample_table(name, "");
+    unknown["no_key_is_called_so"] = 1;
+    EXPECT_NE(error_message(wrap(unknown).dump()).find("no_key_is_called_so: unknown key"), std::string::npos)
         << name;
   }
 }
 
-/// Limits of the schema are the limits of the reader: just outside is refused.
+/// The reader has the limits of the schema: it rejects values just outside.
 TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
   const json schema = json::parse(scene_schema());
   const Sampler sampler(schema);
-  std::map<std::string, Wrap> places;
-  find_places(
-      schema["$defs"], sampler, "scene", [](json value) { return value; }, places);
+  std::map<std::string, Wrap> paths;
+  find_paths(
+      schema["$defs"], sampler, "scene", [](json value) { return value; }, paths);
   int numbers = 0;
-  for (const auto& [name, wrap] : places) {
+  for (const auto& [name, wrap] : paths) {
     for (const auto& [key, value] : schema["$defs"][name]["properties"].items()) {
       const std::string type = value.value("type", "");
       if (type != "number" && type != "integer") continue;
@@ -181,11 +178,11 @@ TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
       const double above = value.contains("maximum") ? value["maximum"].get<double>() + 1
                                                      : value["exclusiveMaximum"].get<double>();
       for (const double outside : {below, above}) {
-        // Beyond 1e6 a step of one is lost in a float; a tenth more is not.
+        // Beyond 1e6 a float cannot represent a step of one; a tenth more works.
         const double x = std::abs(outside) > 1e6 ? outside * 1.1 : outside;
         json table = sampler.sample_table(name, key);
         table[key] = x;
-        const std::string said = complaint(wrap(table).dump());
+        const std::string said = error_message(wrap(table).dump());
         EXPECT_NE(said.find(key + ": expected a"), std::string::npos)
             << name << "." << key << " = " << x << ": " << said;
       }
@@ -197,7 +194,7 @@ TEST(Documents, RangesOfTheSchemaAreThoseOfTheReader) {
 TEST(Documents, ManualExampleIsAScene) {
   const std::string manual = scene_manual();
   const std::size_t begin = manual.find("```json\n") + 8;
-  EXPECT_EQ(complaint(manual.substr(begin, manual.find("```", begin) - begin)), "");
+  EXPECT_EQ(error_message(manual.substr(begin, manual.find("```", begin) - begin)), "");
 }
 
 }  // namespace

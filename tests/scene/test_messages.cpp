@@ -1,4 +1,4 @@
-// Every kind of mistake gets one line: file, path inside it, the value, what was expected.
+// Every kind of mistake has a one-line message: file, path inside it, the value, the expected value.
 #include "scene_test.h"
 
 namespace souple::scene_test {
@@ -7,7 +7,7 @@ namespace {
 struct Mistake {
   const char* what;
   std::string text;
-  std::vector<std::string> expected;  ///< parts of the message, beside the file's name
+  std::vector<std::string> expected;  ///< parts of the message, besides the file's name
 };
 
 std::string cloth(const std::string& more) {
@@ -38,7 +38,7 @@ std::vector<Mistake> mistakes() {
       {"other version", R"({"souple": 2})", {"souple: ", "2", "version"}},
       {"unknown key",
        R"({"souple": 1, "substep": 5})",
-       {"substep:", "no such key", "(its value is 5)", "\"substeps\""}},
+       {"substep:", "unknown key", "(its value is 5)", "\"substeps\""}},
       {"unknown key inside",
        cloth(R"(, "material": {"densty": 0.3})"),
        {"objects[0].material.densty", "0.3", "did you mean \"areal_density\""}},
@@ -108,14 +108,14 @@ std::vector<Mistake> mistakes() {
       {"keyframes out of order",
        cloth(R"(, "pins": [{"all": true, "keyframes": [{"time": 1}, {"time": 1}]}])"),
        {"objects[0].pins[0].keyframes[1].time", "later"}},
-      {"name taken",
+      {"duplicate name",
        R"({"souple": 1, "colliders": [{"name": "a", "shape": {"plane": {}}}, {"name": "a", "shape": {"plane": {}}}]})",
        {"colliders[1].name", "\"a\"", "unique"}},
       {"name as a path", with_object(R"("kind": "cloth", "name": "../etc")"), {"objects[0].name", "../etc"}},
-      {"pair of nobody",
+      {"pair with an unknown name",
        R"({"souple": 1, "colliders": [{"name": "floor", "shape": {"plane": {}}}], "pairs": [{"between": ["floor", "flor"], "friction": 1}]})",
        {"pairs[0].between[1]", "\"flor\"", "did you mean \"floor\""}},
-      {"pair without a word",
+      {"pair without a value",
        R"({"souple": 1, "colliders": [{"name": "floor", "shape": {"plane": {}}}], "pairs": [{"between": ["floor", "floor"]}]})",
        {"pairs[0]", "friction", "collide"}},
       {"group out of range",
@@ -126,10 +126,10 @@ std::vector<Mistake> mistakes() {
       {"mask as a number",
        cloth(R"(, "collision_mask": 3)"),
        {"objects[0].collision_mask", "list of group numbers", "\"all\""}},
-      {"connection to nobody",
+      {"connection to an unknown object",
        R"({"souple": 1, "connections": [{"from": {"object": "a", "all": true}, "to": {"object": "b", "all": true}}]})",
        {"connections[0].from.object", "\"a\""}},
-      {"tie until before the start",
+      {"connection until before the start",
        R"({"souple": 1, "connections": [{"from": {"object": "a", "all": true}, "to": {"object": "b", "all": true}, "until": -1}]})",
        {"connections[0].until", "0", "-1"}},
       {"flat camera",
@@ -149,7 +149,7 @@ std::vector<Mistake> mistakes() {
 class Message : public testing::TestWithParam<Mistake> {};
 
 TEST_P(Message, NamesPlaceAndValue) {
-  const std::string said = complaint(GetParam().text);
+  const std::string said = error_message(GetParam().text);
   EXPECT_EQ(said.find("test.json"), 0u) << said;
   for (const std::string& part : GetParam().expected) {
     EXPECT_NE(said.find(part), std::string::npos) << "missing: " << part << "\nin: " << said;
@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(Scene, Message, testing::ValuesIn(mistakes()), [](const
 });
 
 TEST(Message, KeysWithLineFeedsStayOnOneLine) {
-  const std::string said = complaint("{\"souple\": 1, \"a\\nb\": 1}");
+  const std::string said = error_message("{\"souple\": 1, \"a\\nb\": 1}");
   EXPECT_NE(said.find("a?b"), std::string::npos) << said;
   EXPECT_EQ(said.find('\n'), std::string::npos) << said;
 }
@@ -175,7 +175,7 @@ TEST(Message, KeysWithLineFeedsStayOnOneLine) {
 TEST(Message, ManyKeysDoNotTakeForever) {
   std::string text = R"({"souple": 1)";
   for (int i = 0; i < 200000; ++i) text += ", \"k" + std::to_string(i) + "\": 0";
-  EXPECT_NE(complaint(text + "}").find("more than 1000 keys"), std::string::npos);
+  EXPECT_NE(error_message(text + "}").find("more than 1000 keys"), std::string::npos);
 }
 
 TEST(Message, SceneFileThatIsNotThere) {

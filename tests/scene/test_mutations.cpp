@@ -1,4 +1,4 @@
-// Whatever is done to a scene, reading it gives a scene or an Error.
+// Reading a mutated scene gives a scene or an Error.
 #include "scene_test.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace souple::scene_test {
 namespace {
 
-/// Small changes to the text, of the sorts that people and broken disks make.
+/// Small changes of the text, like those of users and damaged files.
 class Mutator {
  public:
   explicit Mutator(unsigned seed) : random_(seed) {}
@@ -19,7 +19,7 @@ class Mutator {
     return text;
   }
 
-  /// Other numbers in the same places: most are read, some cannot be built.
+  /// Replaces numbers by other numbers: most scenes parse, some cannot be built.
   std::string retune(std::string text) {
     static const std::vector<std::string> numbers = {"-1", "0", "1e-30", "1e-6", "0.01", "0.5", "1",
                                                      "2",  "3", "7",     "20",   "90",   "1e5", "1e30"};
@@ -108,7 +108,7 @@ TEST(Mutations, GiveASceneOrAnError) {
     const std::string text = mutator.mutate(seeds[static_cast<std::size_t>(i) % seeds.size()]);
     try {
       const SceneDescription scene = parse_scene(text, scenes_folder(), "mutated.json");
-      // What was accepted can be written and reads the same.
+      // An accepted scene can be written, and parses to an equal scene.
       const std::string written = to_json(scene);
       ASSERT_EQ(to_json(parse_scene(written, scenes_folder(), "again.json")), written) << text;
       ++fine;
@@ -129,14 +129,14 @@ TEST(Mutations, OfOverridesGiveASceneOrAnError) {
   int refused = 0;
   for (int i = 0; i < 3000; ++i) {
     const std::string setting = mutator.mutate(settings[static_cast<std::size_t>(i) % settings.size()]);
-    const std::string said = complaint(small_scene, {setting});
+    const std::string said = error_message(small_scene, {setting});
     if (!said.empty()) ++refused;
     ASSERT_EQ(said.find('\n'), std::string::npos) << said;
   }
   EXPECT_GT(refused, 500);
 }
 
-/// One of everything that a scene can ask for, as small as it goes.
+/// Every feature of scenes, as small as possible.
 const char* const full_scene = R"({
   "souple": 1, "frames": 2, "substeps": 2, "wind": {"velocity": [1, 0, 0], "gust": 0.5}, "drag": 0.1, "fluid": {"iterations": 2},
   "objects": [
@@ -163,7 +163,7 @@ std::size_t product(const std::array<int, 3>& n) {
   return static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]);
 }
 
-/// About how many particles it has, where one number can ask for millions.
+/// Estimated number of particles: one number may request millions.
 std::size_t size_of(const MeshDescription& mesh) {
   if (const auto* grid = std::get_if<GridMesh>(&mesh.source)) return product({grid->columns, grid->rows, 1});
   if (const auto* sphere = std::get_if<SphereMesh>(&mesh.source))
@@ -199,11 +199,11 @@ std::size_t size_of(const FluidDescription& fluid) {
   if (box == nullptr) return 1000;
   const Vec3d across = (box->hi - box->lo) / static_cast<double>(fluid.material.spacing);
   const double count =
-      4 * std::fabs(across.x * across.y * across.z);  // a particle costs as much as a few others
+      4 * std::fabs(across.x * across.y * across.z);  // one particle costs as much as a few others
   return count < 1e9 ? static_cast<std::size_t>(count) : std::size_t{1000000000};
 }
 
-/// Small enough to be built a thousand times. What asks for millions may be fine as well; it is not tested.
+/// Small enough to build a thousand times. Larger scenes may be valid, but are not tested.
 bool is_small(const SceneDescription& scene) {
   if (scene.settings.substeps > 20 || scene.settings.iterations > 20) return false;
   return std::all_of(scene.objects.begin(), scene.objects.end(), [](const AnyObjectDescription& object) {
@@ -224,7 +224,7 @@ TEST(Mutations, BuildAWorldOrGiveAnError) {
       const SceneDescription scene = parse_scene(text, scenes_folder(), "mutated.json");
       if (!is_small(scene)) continue;
       World world = build_world(scene);
-      world.step(1 / scene.frame_rate);  // may go bad, and then says so
+      world.step(1 / scene.frame_rate);  // may become non-finite, and then reports it
       ++stepped;
     } catch (const Error& error) {
       ASSERT_EQ(std::string(error.what()).find("mutated.json"), 0u) << error.what() << "\n" << text;

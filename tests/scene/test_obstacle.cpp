@@ -1,4 +1,4 @@
-// Obstacles of scene files: where their sequences lead them, what they do, and what is said of bad ones.
+// Obstacles of scene files: motion by sequences, collisions, and messages about invalid sequences.
 #include "scene_test.h"
 #include "souple/geometry/builders.h"
 #include "souple/io/mdd.h"
@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int frames = 25;  // the last is the first again
+constexpr int frames = 25;  // the last frame equals the first
 
-/// Factor on the radius of a sphere that breathes once in 24 frames.
+/// Radius factor of a sphere that pulsates once in 24 frames.
 double breath(double frame) {
   return 0.8 + 0.2 * std::cos(2 * std::numbers::pi * frame / (frames - 1));
 }
@@ -62,7 +62,7 @@ class ObstacleScene : public testing::Test {
     }
   }
 
-  /// A ball of radius 1 m at height 2 m that follows a file, and what else the scene has.
+  /// A ball of radius 1 m at height 2 m that follows a file, and further keys of the scene.
   std::string text(const std::string& sequence, const std::string& more = "") const {
     return R"({"souple": 1, "objects": [{"name": "ball", "kind": "obstacle",
       "mesh": {"sphere": {"radius": 0.5, "subdivisions": 2}},
@@ -105,7 +105,7 @@ TEST_F(ObstacleScene, ABallThatBreathesKeepsAClothOutside) {
       "mesh": {"grid": {"columns": 21, "rows": 21, "size": 2.4}}, "transform": {"translate": [0, 3.05, 0]},
       "material": {"preset": "cotton", "thickness": 0.02, "friction": 1}})"));
   const ObjectId cloth = world.find_object("cloth");
-  // A flat triangle of the ball lies within the sphere of its corners.
+  // Flat triangles of the ball are inside the sphere of their corners.
   double inner = 1;
   const TriangleMesh mesh = sphere(2, 1);
   for (const Triangle& t : mesh.triangles)
@@ -117,7 +117,7 @@ TEST_F(ObstacleScene, ABallThatBreathesKeepsAClothOutside) {
       ASSERT_GT(length(Vec3d(x) - Vec3d{0, 2, 0}), radius + 0.01) << frame;
     ASSERT_EQ(report.flags & ~static_cast<std::uint32_t>(Flag::large_strain), 0u) << report.message;
   }
-  // It lies on the ball.
+  // The object rests on the ball.
   EXPECT_FALSE(world.contacts().empty());
   EXPECT_GT(world.center_of_mass(cloth).y, 1.6);
 }

@@ -1,4 +1,4 @@
-// --set path=value: the same checks and the same messages as in a file.
+// --set path=value: with the checks and messages of a file.
 #include "scene_test.h"
 
 namespace souple::scene_test {
@@ -45,7 +45,7 @@ TEST(Override, FindsUnnamedThingsByTheNameTheyWillHave) {
 }
 
 TEST(Override, FailsAsAFileWould) {
-  const auto said = [](const std::string& setting) { return complaint(small_scene, {setting}); };
+  const auto said = [](const std::string& setting) { return error_message(small_scene, {setting}); };
   EXPECT_NE(said("substeps=0").find("test.json: substeps: expected a whole number from 1"),
             std::string::npos);
   EXPECT_NE(said("objects.flag.material.dampign=1").find("did you mean \"damping\""), std::string::npos);

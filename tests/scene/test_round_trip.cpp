@@ -1,10 +1,10 @@
-// What is read is what was written, and it can be written back.
+// Scenes read the values that the text contains, and writing preserves them.
 #include "scene_test.h"
 
 namespace souple::scene_test {
 namespace {
 
-/// The example of the manual, with a value for every sort of key.
+/// The manual's example, with a value for every sort of key.
 TEST(Scene, ReadsEveryValueWhereItBelongs) {
   const SceneDescription scene = parse_scene(R"({
     "souple": 1, "frame_rate": 50, "frames": 100, "substeps": 7, "iterations": 3, "mode": "pbd", "form": "plain",
@@ -80,7 +80,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(flag.material.areal_density, 0.08f);
   EXPECT_EQ(flag.material.stretch, StretchModel::membrane);
   EXPECT_EQ(flag.material.bending, BendingModel::dihedral);
-  // What the preset says and the scene does not change.
+  // Values of the preset that the scene does not override.
   EXPECT_EQ(flag.material.membrane_stiffness, material::silk.membrane_stiffness);
   EXPECT_EQ(std::get<Selector::InBox>(flag.pins[0].where.choice).hi, Vec3f(-0.99f, 3, 1));
   EXPECT_EQ(flag.pins[1].keyframes[1].rotate, Vec3d(0, 90, 0));
@@ -137,7 +137,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(scene.connections[0].rest_length, 0.0f);
   EXPECT_EQ(scene.connections[0].until, 1.25);
 
-  // Nothing is lost on the way back.
+  // Writing preserves all values.
   const SceneDescription again = parse_scene(to_json(scene), scenes_folder(), "again.json");
   EXPECT_EQ(to_json(again), to_json(scene));
   EXPECT_EQ(std::get<ClothDescription>(again.objects[0]).material.areal_density, 0.08f);

@@ -6,8 +6,7 @@
 
 #include <cstring>
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Included only by translation units compiled for one instruction set; every template carries the set's tag.
 
 #define SOUPLE_INLINE __attribute__((always_inline))
 
@@ -16,7 +15,7 @@ namespace souple::kernels {
 typedef float FourLanes __attribute__((vector_size(16)));   // NOLINT(modernize-use-using)
 typedef float EightLanes __attribute__((vector_size(32)));  // NOLINT(modernize-use-using)
 
-/// Lanes of a, 0 to 3, and of b, 4 to 7.
+/// Selects lanes: 0 to 3 are those of a, 4 to 7 those of b.
 template <int I, int J, int K, int L>
 SOUPLE_INLINE inline FourLanes shuffled(FourLanes a, FourLanes b) {
 #if defined(__clang__)
@@ -27,7 +26,7 @@ SOUPLE_INLINE inline FourLanes shuffled(FourLanes a, FourLanes b) {
 #endif
 }
 
-/// Sixteen partial sums, in as many registers as they take.
+/// Sixteen partial sums, in as many registers as needed.
 template <class Isa>
 struct Sixteen {
   static constexpr int registers = 16 / Isa::lanes;
@@ -37,7 +36,7 @@ struct Sixteen {
     for (int r = 0; r < registers; ++r) sum[r] = Isa::broadcast(0);
   }
   SOUPLE_INLINE void add(int r, simd::Pack<Isa> terms) { sum[r] += terms.v; }
-  /// (k, k + 4, k + 8, k + 12) added for k = 0 to 3, pairs that are eight apart first.
+  /// Sums (k, k + 4, k + 8, k + 12) for k = 0 to 3, first the pairs eight apart.
   SOUPLE_INLINE FourLanes four() const {
     if constexpr (Isa::lanes == 4) {
       return (sum[0] + sum[2]) + (sum[1] + sum[3]);
@@ -52,14 +51,14 @@ struct Sixteen {
   }
 };
 
-/// The four lanes of each added, (0 + 2) + (1 + 3).
+/// The sum of each argument's four lanes, (0 + 2) + (1 + 3).
 SOUPLE_INLINE inline FourLanes add_lanes(FourLanes a, FourLanes b, FourLanes c, FourLanes d) {
   const FourLanes ab = shuffled<0, 4, 1, 5>(a, b) + shuffled<2, 6, 3, 7>(a, b);
   const FourLanes cd = shuffled<0, 4, 1, 5>(c, d) + shuffled<2, 6, 3, 7>(c, d);
   return shuffled<0, 1, 4, 5>(ab, cd) + shuffled<2, 3, 6, 7>(ab, cd);
 }
 
-/// The x, y, z and w of `lanes` records whose places times four stand at `list`.
+/// The x, y, z and w of `lanes` records, whose offsets are `list` [floats].
 template <class Isa>
 struct Gathered {
   typename Isa::Vector x, y, z, w;
@@ -74,7 +73,7 @@ struct Gathered {
   }
 };
 
-/// A particle against `lanes` of its neighbors.
+/// A particle and `lanes` of its neighbors.
 template <class Isa>
 struct Near {
   using T = simd::Pack<Isa>;
@@ -83,7 +82,7 @@ struct Near {
   SOUPLE_INLINE Near(const Gathered<Isa>& other, const Vec4f& at, const SmoothingFactors& factors) {
     dx = T(at.x) - T(other.x), dy = T(at.y) - T(other.y), dz = T(at.z) - T(other.z);
     r2 = dx * dx + dy * dy + dz * dz;
-    // Not zero: some slopes are divided by it.
+    // Nonzero: some slopes divide by q.
     q = sqrt(max(r2, T(1e-30f))) * T(factors.inverse_h);
   }
 };
@@ -111,7 +110,7 @@ SOUPLE_INLINE inline DensitySums density_sums_here(const Vec4f* records, const V
   return {factors.value_factor * four[0], (q[0] + q[2]) + (q[1] + q[3]), {four[1], four[2], four[3]}};
 }
 
-/// What a pair adds to q_i + q_j besides.
+/// A pair's extra term besides q_i + q_j.
 struct NoRepulsion {
   template <class Shape, class T>
   SOUPLE_INLINE T operator()(T q_sum, T) const {
@@ -162,7 +161,7 @@ Vec3f density_push(const Vec4f* records, const Vec4f& at, const std::uint32_t* l
 }
 
 template <class Isa, class Shape>
-void density_sums_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+void density_sums_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                      DensitySums* result) {
   const SmoothingFactors factors = given;
   const std::uint32_t *entry = lists.entry, *first = lists.first;
@@ -172,7 +171,7 @@ void density_sums_of(const Vec4f* records, const ListsOfPlaces& lists, const Smo
 }
 
 template <class Isa, class Shape>
-void density_push_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+void density_push_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                      Vec3f* result) {
   const SmoothingFactors factors = given;
   const std::uint32_t *entry = lists.entry, *first = lists.first;
@@ -182,7 +181,7 @@ void density_push_of(const Vec4f* records, const ListsOfPlaces& lists, const Smo
 }
 
 template <class Isa, class Shape>
-void density_repel_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& given,
+void density_repel_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& given,
                       const Repulsion& repulsion, Vec3f* result) {
   const SmoothingFactors factors = given;
   const SomeRepulsion<Isa> repel{repulsion};
@@ -199,9 +198,9 @@ Vec3f density_spread(const Vec4f* records, const Vec4f* values, const Vec4f& at,
   Sixteen<Isa> vx, vy, vz;
   for (std::size_t k = 0; k < count; k += 16) {
     for (int r = 0; r < Sixteen<Isa>::registers; ++r) {
-      const std::uint32_t* places = list + k + static_cast<std::size_t>(r * Isa::lanes);
-      const Near<Isa> near(Gathered<Isa>(&records->x, places), at, factors);
-      const Gathered<Isa> other(&values->x, places);
+      const std::uint32_t* entries = list + k + static_cast<std::size_t>(r * Isa::lanes);
+      const Near<Isa> near(Gathered<Isa>(&records->x, entries), at, factors);
+      const Gathered<Isa> other(&values->x, entries);
       const T weight = T(factors.value_factor) * Shape::value(near.q);
       vx.add(r, weight * (T(other.x) - T(value.x)));
       vy.add(r, weight * (T(other.y) - T(value.y)));

@@ -6,12 +6,11 @@
 #include <array>
 #include <cstring>
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Included only by translation units compiled for one instruction set; every template carries the set's tag.
 
 namespace souple::kernels {
 
-/// For each set of lanes, bit l for lane l, their numbers times four in order; and how many they are.
+/// For each mask of lanes (bit l for lane l): its lane numbers times four, ascending, and their count.
 template <class Isa, class Number>
 struct LaneTable {
   std::array<std::array<Number, Isa::lanes>, 1u << Isa::lanes> lanes{};
@@ -23,7 +22,7 @@ struct LaneTable {
   }
 };
 
-/// Which lanes are set, as bits, and the writing of their numbers.
+/// Conversion of a lane mask to bits, and output of lane numbers.
 template <class Isa>
 struct Hits {
   using Mask = typename Isa::Mask;
@@ -42,7 +41,7 @@ struct Hits {
 #endif
   }
 
-  /// 4 (first + l) for each lane l of `bits`; writes a whole register. Returns how many.
+  /// Writes 4 (first + l) for each lane l of `bits`, as a whole register. Returns their count.
   static std::uint32_t append(std::uint32_t first, std::uint32_t bits, std::uint32_t* found) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
     if constexpr (Isa::lanes == 16) {
@@ -75,7 +74,7 @@ struct Hits {
 };
 
 template <class Isa>
-std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const PlaceRange* ranges,
+std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const IndexRange* ranges,
                          std::size_t range_count, float radius_squared, std::uint32_t* found) {
   using Vector = typename Isa::Vector;
   const float *x = points.component[0], *y = points.component[1], *z = points.component[2];

@@ -3,12 +3,11 @@
 #include "souple/fluid/kernels/compile_density.h"
 #include "souple/fluid/kernels/velocity_kernels.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Included only by translation units compiled for one instruction set; every template carries the set's tag.
 
 namespace souple::kernels {
 
-/// Three sums of sixteen partial sums each.
+/// Three sums, each of sixteen partial sums.
 template <class Isa>
 struct SixteenOfThree {
   using T = simd::Pack<Isa>;
@@ -21,7 +20,7 @@ struct SixteenOfThree {
   }
 };
 
-/// What of a particle's neighbors a term needs.
+/// Data of a particle and `lanes` of its neighbors.
 template <class Isa>
 struct Pair {
   using T = simd::Pack<Isa>;
@@ -39,7 +38,7 @@ struct Pair {
   }
 };
 
-/// f(register, pair) for all of a list.
+/// f(register, pair) for all neighbors of a list.
 template <class Isa, class Function>
 SOUPLE_INLINE inline void for_pairs(const Vec4f* records, const Vec4f* values, const Vec4f& at,
                                     const Vec4f& value, const std::uint32_t* list, std::size_t count,
@@ -93,8 +92,8 @@ Vec3f velocity_curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, 
 }
 
 template <class Isa>
-float velocity_meeting(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
-                       const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+float velocity_closing_speed(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+                             const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
   using T = simd::Pack<Isa>;
   Sixteen<Isa> sum;
   for_pairs<Isa>(records, values, at, value, list, count, factors, [&](int r, const Pair<Isa>& pair) {
@@ -127,7 +126,7 @@ Vec3f velocity_cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& 
 template <class Isa, class Shape>
 const VelocityKernels& velocity_kernels() {
   static constexpr VelocityKernels kernels{velocity_exchange<Isa, Shape>, velocity_strain<Isa>,
-                                           velocity_curl<Isa, Shape>, velocity_meeting<Isa>,
+                                           velocity_curl<Isa, Shape>, velocity_closing_speed<Isa>,
                                            velocity_cohesion<Isa, Shape>};
   return kernels;
 }

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-// Sums over the neighbors of a fluid's particle, a register's worth at a time: compiled once for each
-// instruction set. Every sum goes to sixteen partial sums, term k to the (k mod 16)-th, which are then
-// combined as a tree: the same bits however wide the registers are.
+// Sums over the neighbors of a fluid particle, one register at a time, compiled once per instruction set.
+// Each sum has sixteen partial sums: term k goes to partial sum k mod 16. A fixed tree combines them, so
+// results are identical for all register widths.
 
 namespace souple::kernels {
 
@@ -20,47 +20,47 @@ struct SmoothingFactors {
   float slope_factor = 0;  ///< < 0 [1/m^5]
 };
 
-/// What the density of a particle is made of.
+/// Sums for a particle's density constraint.
 struct DensitySums {
   float density;           ///< sum_j W_ij [1/m^3]
   float gradient_squared;  ///< sum_j w_j |grad W_ij|^2 [1/(kg m^8)]
   Vec3f gradient;          ///< sum_j grad W_ij [1/m^4]
 };
 
-/// A push that keeps particles from meeting: added to q_i + q_j is strength (value(r / h) scale)^4.
+/// Repulsion against clumping: adds strength (value(r / h) scale)^4 to q_i + q_j.
 struct Repulsion {
   float strength = 0, scale = 1;
 };
 
-/// The lists of consecutive places: of place begin + k, entry[first[k]] up to entry[first[k + 1]].
-struct ListsOfPlaces {
+/// The lists of consecutive particles: that of begin + k is entry[first[k]] up to entry[first[k + 1]].
+struct NeighborLists {
   const std::uint32_t *entry, *first;
   std::uint32_t begin, end;
 };
 
-/// Lists hold the place of each neighbor times four, padded to whole sixteens with that of a record so far
-/// away that its terms are zero.
+/// Lists hold four times the sorted index of each neighbor, padded to a multiple of sixteen with a record so
+/// far away that its terms are zero.
 struct DensityKernels {
-  /// `sums` and `push` of place begin + k go to result[k]: without a call for each.
-  void (*sums_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+  /// `sums` and `push` of all particles of `lists`, in one call; begin + k goes to result[k].
+  void (*sums_of)(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
                   DensitySums* result);
-  void (*push_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+  void (*push_of)(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
                   Vec3f* result);
-  /// The same with a repulsion of each pair.
-  void (*repel_of)(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+  /// push_of with a repulsion between each pair.
+  void (*repel_of)(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
                    const Repulsion& repulsion, Vec3f* result);
   /// `records`: x, y, z and the inverse mass w.
   DensitySums (*sums)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                       const SmoothingFactors& factors);
-  /// sum_j (q_i + q_j) grad W_ij; `records`: x, y, z and q, `at` too.
+  /// sum_j (q_i + q_j) grad W_ij; `records` and `at`: x, y, z and q.
   Vec3f (*push)(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                 const SmoothingFactors& factors);
-  /// sum_j (v_j - v_i) W_ij, where `values` has v of each place, `value` its own.
+  /// sum_j (v_j - v_i) W_ij; `values`: v of each particle; `value`: the particle's own.
   Vec3f (*spread)(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
                   const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
 };
 
-/// One neighbor after the other, to compare with.
+/// Tag of the scalar code: one neighbor at a time, also the reference for tests.
 struct PlainLanes;
 
 template <class Isa, class Shape>

@@ -12,7 +12,7 @@ const NeighborKernels& find_neighbor_kernels(InstructionSet set) {
 
 namespace {
 
-/// find(the shape's tag)
+/// find(tag of the shape)
 template <class Find>
 auto find_for_shape(SmoothingShape shape, const Find& find) {
   switch (shape) {

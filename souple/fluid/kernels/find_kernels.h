@@ -8,7 +8,7 @@
 
 namespace souple::kernels {
 
-// Those of an instruction set; scalar code where there are none. Results are the same.
+// The kernels of an instruction set, or scalar code if it has none. All give identical results.
 
 const NeighborKernels& find_neighbor_kernels(InstructionSet set);
 const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape);

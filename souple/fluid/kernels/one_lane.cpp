@@ -3,7 +3,7 @@
 namespace souple::kernels {
 
 template <>
-std::uint32_t near_point<OneLane>(const PointColumns& points, std::uint32_t i, const PlaceRange* ranges,
+std::uint32_t near_point<OneLane>(const PointColumns& points, std::uint32_t i, const IndexRange* ranges,
                                   std::size_t range_count, float radius_squared, std::uint32_t* found) {
   const float *x = points.component[0], *y = points.component[1], *z = points.component[2];
   std::uint32_t count = 0;

@@ -2,7 +2,7 @@
 #include "souple/fluid/kernels/plain_sums.h"
 #include "souple/fluid/kernels/shapes.h"
 
-// What compile_density.h does, one neighbor after the other.
+// Scalar reference of compile_density.h: one neighbor at a time.
 
 namespace souple::kernels {
 
@@ -65,7 +65,7 @@ Vec3f spread(const Vec4f* records, const Vec4f* values, const Vec4f& at, const V
 }
 
 template <class Shape>
-void sums_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+void sums_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
              DensitySums* result) {
   for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
     result[k] = sums<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],
@@ -73,7 +73,7 @@ void sums_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFa
 }
 
 template <class Shape>
-void push_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+void push_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
              Vec3f* result) {
   for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
     result[k] = push<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],
@@ -81,7 +81,7 @@ void push_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFa
 }
 
 template <class Shape>
-void repel_of(const Vec4f* records, const ListsOfPlaces& lists, const SmoothingFactors& factors,
+void repel_of(const Vec4f* records, const NeighborLists& lists, const SmoothingFactors& factors,
               const Repulsion& repulsion, Vec3f* result) {
   for (std::uint32_t k = 0; lists.begin + k < lists.end; ++k)
     result[k] = push<Shape>(records, records[lists.begin + k], lists.entry + lists.first[k],

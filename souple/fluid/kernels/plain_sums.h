@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-// One neighbor after the other: what compile_density.h does in registers.
+// Scalar reference of compile_density.h: one neighbor at a time.
 
 namespace souple::kernels {
 

@@ -2,7 +2,7 @@
 #include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/kernels/velocity_kernels.h"
 
-// What compile_velocity.h does, one neighbor after the other.
+// Scalar reference of compile_velocity.h: one neighbor at a time.
 
 namespace souple::kernels {
 
@@ -12,7 +12,7 @@ float harmonic_mean(float a, float b) {
   return 2 * a * b / max(a + b, 1e-30f);
 }
 
-/// term(near, the other's value) added for all of a list.
+/// Sum of term(near, the neighbor's value) over a list.
 template <class Term>
 Vec3f sum_of(const Vec4f* records, const Vec4f* values, const Vec4f& at, const std::uint32_t* list,
              std::size_t count, const SmoothingFactors& factors, const Term& term) {
@@ -49,8 +49,8 @@ Vec3f curl(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec
   });
 }
 
-float meeting(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
-              const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
+float closing_speed(const Vec4f* records, const Vec4f* values, const Vec4f& at, const Vec4f& value,
+                    const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors) {
   PlainSixteen sum;
   for (std::size_t k = 0; k < count; ++k) {
     const PlainNear near(at, records[list[k] / 4], factors);
@@ -73,7 +73,7 @@ Vec3f cohesion(const Vec4f* records, const Vec4f* values, const Vec4f& at, const
 }
 
 template <class Shape>
-constexpr VelocityKernels plain{exchange<Shape>, strain, curl<Shape>, meeting, cohesion<Shape>};
+constexpr VelocityKernels plain{exchange<Shape>, strain, curl<Shape>, closing_speed, cohesion<Shape>};
 
 }  // namespace
 

@@ -2,23 +2,23 @@
 
 #include "souple/math/scalar.h"
 
-// Smoothing kernels by their shape over q = r / h, h their support; T is float or a register of them. Factors
-// that make them integrate to one are found by sums over a lattice (smoothing.h).
+// Shapes of smoothing kernels over q = r / h, with support h; T is float or a register of floats. smoothing.h
+// finds the normalizing factors by sums over a lattice.
 //
 //   W(r)      = a value(q)
 //   grad W(r) = b slope(q) d,   d = x_i - x_j,  b < 0
 
 namespace souple::kernels {
 
-/// Wendland's C2 (Dehnen and Aly 2012, table 1): (1 - q)^4 (1 + 4 q). The density of a packing hardly depends
-/// on how its particles are packed, so that a fluid keeps its volume as it settles.
+/// Wendland's C2 kernel (Dehnen and Aly 2012, table 1): (1 - q)^4 (1 + 4 q). Its density hardly depends on
+/// the packing of the particles, so that a fluid keeps its volume as it settles.
 struct Wendland {
   template <class T>
   static T value(T q) {
     const T t = max(1.0f - q, T(0.0f)), t2 = t * t;
     return t2 * t2 * (1.0f + 4.0f * q);
   }
-  /// Its own: dW/dr / r = -20 / h^2 (1 - q)^3.
+  /// The kernel's own derivative: dW/dr / r = -20 / h^2 (1 - q)^3.
   template <class T>
   static T slope(T q) {
     const T t = max(1.0f - q, T(0.0f));
@@ -27,7 +27,7 @@ struct Wendland {
 };
 
 /// Müller et al. 2003, "Particle-based fluid simulation for interactive applications", equations 20 and 21,
-/// as Macklin and Müller 2013 take them: poly6 for the density, the gradient of the spiky kernel beside it.
+/// as in Macklin and Müller 2013: poly6 for the density, the gradient of the spiky kernel for corrections.
 struct Poly6Spiky {
   template <class T>
   static T value(T q) {
@@ -41,7 +41,7 @@ struct Poly6Spiky {
   }
 };
 
-/// The cubic spline (Monaghan 1992): (1 - q)^3 - 4 (1/2 - q)^3, each where it is positive.
+/// The cubic spline (Monaghan 1992): (1 - q)^3 - 4 (1/2 - q)^3, each term where it is positive.
 struct CubicSpline {
   template <class T>
   static T value(T q) {
@@ -55,8 +55,8 @@ struct CubicSpline {
   }
 };
 
-/// How strongly particles attract one another (Akinci, Akinci and Teschner 2013, equation 2), 1 where it is
-/// strongest, at q = 1/2: 64 (1 - q)^3 q^3, below 1/2 twice that less 1, so that they do not clump.
+/// Attraction between particles (Akinci, Akinci and Teschner 2013, equation 2), with maximum 1 at q = 1/2: 64
+/// (1 - q)^3 q^3, and below 1/2 twice this minus 1, so that particles do not clump.
 struct Cohesion {
   /// The force over q.
   template <class T>

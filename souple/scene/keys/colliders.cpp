@@ -7,12 +7,12 @@ namespace {
 CodecPtr<SignedDistanceFieldDescription> signed_distance_field_codec() {
   using F = SignedDistanceFieldDescription;
   auto keys = table<F>("signed_distance_field",
-                       "The solid inside a closed surface, as a grid of distances: large things of many "
-                       "triangles that only move as a whole.");
-  keys->required<&F::mesh>("mesh", mesh_codec(MeshUse::surface),
-                           "its surface, closed, in the collider's own frame")
-      .key<&F::spacing>("spacing", maybe(number<double>(size_range)),
-                        "of the grid's points [m]; walls and gaps thinner than two of it are lost")
+                       "The solid inside a closed surface, as a grid of signed distances. For large rigid "
+                       "meshes with many triangles.");
+  keys->required<&F::mesh>("mesh", mesh_codec(MeshUse::surface), "closed surface in the collider's own frame")
+      .key<&F::spacing>(
+          "spacing", maybe(number<double>(size_range)),
+          "distance between grid points [m]; walls and gaps thinner than two of these distances are lost")
       .key<&F::resolution>("resolution", number<int>(within(4, 4096)),
                            "cells along the surface's longest side, instead of `spacing`")
       .excludes("spacing", "resolution");
@@ -25,25 +25,30 @@ CodecPtr<ShapeDescription> shape_codec() {
   using S = ShapeDescription;
   const CodecPtr<Vec3f> center = vector3<float>(meters);
   const CodecPtr<float> size = number<float>(size_range);
-  const char* center_doc = "in the collider's own frame [m]";
+  const char* center_doc = "center in the collider's own frame [m]";
   auto plane = table<Plane>("plane", "The half space normal . x <= offset is solid.");
-  plane->key<&Plane::normal>("normal", vector3<float>(meters), "points out of the solid; any length but zero")
-      .key<&Plane::offset>("offset", number<float>(meters), "[m], times the length of the normal")
-      .check([](const Plane& shape, const Place& place) {
-        if (!(length_squared(Vec3d(shape.normal)) > 1e-12)) place.key("normal").fail("must not be zero");
+  plane
+      ->key<&Plane::normal>("normal", vector3<float>(meters),
+                            "direction out of the solid; any nonzero length")
+      .key<&Plane::offset>(
+          "offset", number<float>(meters),
+          "distance of the plane from the origin along the normal [m], times the normal's length")
+      .check([](const Plane& shape, const JsonPath& path) {
+        if (!(length_squared(Vec3d(shape.normal)) > 1e-12)) path.key("normal").fail("must not be zero");
       });
   auto sphere = table<Sphere>("sphere", "A ball.");
-  sphere->required<&Sphere::radius>("radius", size, "[m]").key<&Sphere::center>("center", center, center_doc);
+  sphere->required<&Sphere::radius>("radius", size, "radius [m]")
+      .key<&Sphere::center>("center", center, center_doc);
   auto box = table<Box>("box", "A box.");
   box->required<&Box::half_extents>("half_extents", vector3<float>(size_range), "half the side lengths [m]")
       .key<&Box::center>("center", center, center_doc);
-  auto capsule = table<Capsule>("capsule", "Everything within `radius` of a segment along Y.");
-  capsule->required<&Capsule::radius>("radius", size, "[m]")
+  auto capsule = table<Capsule>("capsule", "All points within `radius` of a segment along Y.");
+  capsule->required<&Capsule::radius>("radius", size, "radius [m]")
       .required<&Capsule::half_height>("half_height", number<float>(from_zero(far_away)),
-                                       "half the length of the segment, caps not counted [m]")
+                                       "half the length of the segment, without caps [m]")
       .key<&Capsule::center>("center", center, center_doc);
   auto cylinder = table<Cylinder>("cylinder", "A cylinder along Y with flat ends.");
-  cylinder->required<&Cylinder::radius>("radius", size, "[m]")
+  cylinder->required<&Cylinder::radius>("radius", size, "radius [m]")
       .required<&Cylinder::half_height>("half_height", size, "half the height [m]")
       .key<&Cylinder::center>("center", center, center_doc);
   auto keys = table<S>("shape", "The solid of a collider, or the region of a drain.");
@@ -59,22 +64,22 @@ CodecPtr<ShapeDescription> shape_codec() {
 
 CodecPtr<ColliderDescription> collider_codec() {
   using C = ColliderDescription;
-  auto keys = table<C>("collider", "A solid that objects touch and that nothing moves but its keyframes.");
-  keys->key<&C::name>("name", name(), "unique; if not given: collider, collider2, ...")
-      .required<&C::shape>("shape", shape_codec(), "what it is")
+  auto keys = table<C>("collider", "A solid that objects collide with, static or moved by keyframes.");
+  keys->key<&C::name>("name", name(), "unique name; if not given: collider, collider2, ...")
+      .required<&C::shape>("shape", shape_codec(), "the collider's solid")
       .key<&C::friction>("friction", number<float>(friction_range),
-                         "Coulomb coefficient; a contact has the geometric mean of both sides")
-      .key<&C::restitution>(
-          "restitution", number<float>(unit),
-          "how much of the speed a bounce gives back; a contact has the larger of both sides")
-      .key<&C::color>("color", maybe(color()), "how pictures show it, as in HTML; if not given: light gray")
-      .key<&C::show>("show", boolean(), "false: pictures leave it out, it collides all the same")
-      .key<&C::transform>("transform", pose_codec(), "where it stands")
-      .key<&C::keyframes>("keyframes", keyframes_codec(), "where it goes, instead of `transform`")
-      .key<&C::loop>("loop", boolean(), "starts the keyframes over after the last")
+                         "Coulomb friction coefficient; a contact uses the geometric mean of both sides")
+      .key<&C::restitution>("restitution", number<float>(unit),
+                            "coefficient of restitution, the fraction of the speed that a bounce keeps; a "
+                            "contact uses the larger of both sides")
+      .key<&C::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: light gray")
+      .key<&C::show>("show", boolean(), "false: hidden in pictures; it still collides")
+      .key<&C::transform>("transform", pose_codec(), "position and rotation")
+      .key<&C::keyframes>("keyframes", keyframes_codec(), "motion, instead of `transform`")
+      .key<&C::loop>("loop", boolean(), "repeats the keyframes after the last")
       .needs("loop", "keyframes")
       .excludes("transform", "keyframes")
-      .check([](const C& collider, const Place& place) { check_times(collider.keyframes, place); });
+      .check([](const C& collider, const JsonPath& path) { check_times(collider.keyframes, path); });
   add_collision_keys(*keys);
   return keys;
 }

@@ -6,11 +6,11 @@ namespace {
 
 template <class T>
 void add_times(Table<T>& keys) {
-  keys.template key<&T::start>("start", number<double>(from_zero(1e6)), "when it begins [s]")
+  keys.template key<&T::start>("start", number<double>(from_zero(1e6)), "start time [s]")
       .template key<&T::end>("end", maybe(number<double>(from_zero(1e6))),
-                             "when it ends [s]; if not given, never")
-      .check([](const T& value, const Place& place) {
-        if (value.end && *value.end < value.start) place.key("end").fail("is before \"start\"");
+                             "end time [s]; if not given, never")
+      .check([](const T& value, const JsonPath& path) {
+        if (value.end && *value.end < value.start) path.key("end").fail("must not be before \"start\"");
       });
 }
 
@@ -18,23 +18,22 @@ void add_times(Table<T>& keys) {
 
 CodecPtr<EmitterDescription> emitter_codec() {
   using E = EmitterDescription;
-  auto keys =
-      table<E>("emitter",
-               "A round nozzle from which a fluid comes, layer after layer, a spacing apart. It holds "
-               "back what finds other fluid in its way, and what is more than `max_particles`.");
-  keys->required<&E::position>("position", vector3<float>(meters), "of its middle [m]")
-      .key<&E::direction>("direction", vector3<float>(meters), "where the fluid goes; any length but zero")
+  auto keys = table<E>("emitter",
+                       "A round nozzle that emits fluid in layers, one spacing apart. It withholds particles "
+                       "that would overlap other fluid or exceed `max_particles`.");
+  keys->required<&E::position>("position", vector3<float>(meters), "center of the nozzle [m]")
+      .key<&E::direction>("direction", vector3<float>(meters), "direction of the flow; any nonzero length")
       .key<&E::radius>("radius", number<float>(from_zero(far_away)),
-                       "[m]; below the spacing: a thread of one particle after another")
-      .key<&E::speed>("speed", number<float>(positive(1e4)), "[m/s]")
+                       "radius of the nozzle [m]; below the spacing: a single row of particles")
+      .key<&E::speed>("speed", number<float>(positive(1e4)), "speed of the fluid [m/s]")
       .key<&E::keyframes>("keyframes", keyframes_codec(),
-                          "poses that move and turn it; the fluid takes over its velocity")
-      .key<&E::loop>("loop", boolean(), "starts the keyframes over after the last")
+                          "poses that move and rotate the nozzle; the fluid inherits its velocity")
+      .key<&E::loop>("loop", boolean(), "repeats the keyframes after the last")
       .needs("loop", "keyframes")
-      .check([](const E& emitter, const Place& place) {
-        check_times(emitter.keyframes, place);
+      .check([](const E& emitter, const JsonPath& path) {
+        check_times(emitter.keyframes, path);
         if (!(length_squared(Vec3d(emitter.direction)) > 1e-12))
-          place.key("direction").fail("must not be zero");
+          path.key("direction").fail("must not be zero");
       });
   add_times(*keys);
   return keys;
@@ -42,11 +41,11 @@ CodecPtr<EmitterDescription> emitter_codec() {
 
 CodecPtr<DrainDescription> drain_codec() {
   using D = DrainDescription;
-  auto keys = table<D>("drain", "A region in which fluids cease to exist.");
-  keys->required<&D::shape>("shape", shape_codec(), "the region; a plane takes what is below it")
-      .key<&D::transform>("transform", pose_codec(), "where it stands")
+  auto keys = table<D>("drain", "A region that removes fluid.");
+  keys->required<&D::shape>("shape", shape_codec(), "the region; a plane removes all fluid below it")
+      .key<&D::transform>("transform", pose_codec(), "position and rotation")
       .key<&D::rate>("rate", maybe(number<float>(positive(1e9))),
-                     "at most so much a second [m^3/s]; if not given, all that comes");
+                     "maximum rate [m^3/s]; if not given, all fluid in the region");
   add_times(*keys);
   return keys;
 }

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-// What keys.cpp puts together. Each file of this folder holds the keys of one part of a scene.
+// Parts of keys.cpp. Each file of this folder defines the keys of one part of a scene.
 
 namespace souple::scene_format {
 
-constexpr double far_away = 1e6;       // m
-constexpr double most_vertices = 4e6;  // of one built mesh
+constexpr double far_away = 1e6;      // m
+constexpr double max_vertices = 4e6;  // of one generated mesh
 constexpr Range meters = signed_range(far_away);
 constexpr Range size_range = positive(far_away);
 constexpr Range unit = within(0, 1);
@@ -28,17 +28,17 @@ std::shared_ptr<Table<T>> table(const char* name, const char* doc) {
 // --- values.cpp ------------------------------------------------------------------------------------------
 
 /// Three counts, or one for all three axes.
-CodecPtr<std::array<int, 3>> counts(int most);
+CodecPtr<std::array<int, 3>> counts(int max);
 /// A bit mask as the list of the bits that are set, or "all".
 CodecPtr<std::uint32_t> groups();
 
-/// A struct whose only field is written without a name of its own.
+/// A struct written as its only field.
 template <class Outer, class Inner, class Access>
 class Wrapped : public Codec<Outer> {
  public:
   Wrapped(Access access, CodecPtr<Inner> inner) : access_(access), inner_(std::move(inner)) {}
-  void read(const Json& json, const Place& place, Outer& value) const override {
-    inner_->read(json, place, std::invoke(access_, value));
+  void read(const Json& json, const JsonPath& path, Outer& value) const override {
+    inner_->read(json, path, std::invoke(access_, value));
   }
   Json write(const Outer& value) const override { return inner_->write(std::invoke(access_, value)); }
   TypeInfo describe(Format& format) const override { return inner_->describe(format); }
@@ -56,35 +56,35 @@ template <class T>
 void add_collision_keys(Table<T>& keys) {
   const CodecPtr<std::uint32_t> listed = groups();
   keys.template key<&T::collision, &CollisionFilter::groups>("collision_groups", listed,
-                                                             "which of 32 groups it belongs to")
+                                                             "its collision groups, of 32")
       .template key<&T::collision, &CollisionFilter::mask>(
           "collision_mask", listed,
-          "which groups it meets; two things collide when each is in a group that the other meets");
+          "groups it collides with; two objects collide if each is in a group of the other's mask");
 }
 
 // --- motion.cpp ------------------------------------------------------------------------------------------
 
-/// Where an object starts; it may be scaled.
+/// Initial pose and scale of an object.
 CodecPtr<TransformDescription> transform_codec();
-/// Where a collider stands.
+/// Pose of a collider.
 CodecPtr<TransformDescription> pose_codec();
 CodecPtr<std::vector<KeyframeDescription>> keyframes_codec();
-/// Each keyframe must be later than the one before.
-void check_times(const std::vector<KeyframeDescription>& keyframes, const Place& place);
+/// Fails unless each keyframe is later than the previous one.
+void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPath& path);
 CodecPtr<SequenceDescription> sequence_codec();
 CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 
 // --- meshes.cpp ------------------------------------------------------------------------------------------
 
-/// Says which shapes an object of this kind can be made of.
+/// Which kinds of mesh an object may have.
 enum class MeshUse { surface, solid, points };
 CodecPtr<MeshDescription> mesh_codec(MeshUse use);
-/// What is built has at most `most_vertices`.
-void check_count(double vertices, const Place& place);
+/// Fails if a generated mesh has more than `max_vertices`.
+void check_count(double vertices, const JsonPath& path);
 
 // --- pins.cpp --------------------------------------------------------------------------------------------
 
-/// The ways to name vertices of an object.
+/// The alternatives of a vertex selector.
 std::vector<Alternative> selectors();
 CodecPtr<PinDescription> pin_codec();
 CodecPtr<AttachmentDescription> attachment_codec();
@@ -102,7 +102,7 @@ CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec();
 CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec();
 CodecPtr<ObstacleMaterial> obstacle_material_codec();
 
-// --- objects.cpp, colliders.cpp, ties.cpp ----------------------------------------------------------------
+// --- objects.cpp, colliders.cpp, connections.cpp -----------------------------------------------------------
 
 /// The solid of a collider, or the region of a drain.
 CodecPtr<ShapeDescription> shape_codec();
@@ -120,7 +120,7 @@ CodecPtr<DrainDescription> drain_codec();
 // --- settings.cpp ----------------------------------------------------------------------------------------
 
 CodecPtr<Wind> wind_codec();
-/// The keys of the scene that become `Settings`, the wind left out.
+/// The keys of the scene that become `Settings`, except the wind.
 void add_setting_keys(Table<SceneDescription>& keys);
 
 }  // namespace souple::scene_format

@@ -4,11 +4,11 @@ namespace souple::scene_format {
 
 namespace {
 
-/// Exactly `true`: the selector that needs no value.
+/// Exactly `true`: for the selector without a value.
 class True : public Codec<Selector::All> {
  public:
-  void read(const Json& json, const Place& place, Selector::All&) const override {
-    if (!json.is(Json::Kind::boolean) || !json.boolean) place.unexpected("true", json);
+  void read(const Json& json, const JsonPath& path, Selector::All&) const override {
+    if (!json.is(Json::Kind::boolean) || !json.boolean) path.unexpected("true", json);
   }
   Json write(const Selector::All&) const override { return Json::of(true); }
   TypeInfo describe(Format&) const override {
@@ -18,18 +18,18 @@ class True : public Codec<Selector::All> {
   }
 };
 
-/// [[x, y, z], [x, y, z]]: the lower corner and the upper.
+/// [[x, y, z], [x, y, z]]: the lower and the upper corner.
 class BoxCorners : public Codec<Selector::InBox> {
  public:
-  void read(const Json& json, const Place& place, Selector::InBox& value) const override {
+  void read(const Json& json, const JsonPath& path, Selector::InBox& value) const override {
     if (!json.is(Json::Kind::array) || json.items.size() != 2) {
-      place.unexpected("two corners, [[x, y, z], [x, y, z]]", json);
+      path.unexpected("two corners, [[x, y, z], [x, y, z]]", json);
     }
-    corner_.read(json.items[0], place.item(0), value.lo);
-    corner_.read(json.items[1], place.item(1), value.hi);
+    corner_.read(json.items[0], path.item(0), value.lo);
+    corner_.read(json.items[1], path.item(1), value.hi);
     for (int i = 0; i < 3; ++i) {
       if (value.lo[i] > value.hi[i])
-        place.fail("the first corner must be the lower one, found " + brief(json));
+        path.fail("the first corner must be the lower one, found " + brief(json));
     }
   }
   Json write(const Selector::InBox& value) const override {
@@ -52,18 +52,17 @@ template <class T>
 void add_pin_keys(Table<T>& keys) {
   keys.template choice<&PinDescription::where, &Selector::choice>(selectors());
   keys.template key<&PinDescription::keyframes>("keyframes", keyframes_codec(),
-                                                "moves the vertices: `translate` is relative to where they "
-                                                "start, `rotate` turns them about `about`")
-      .template key<&PinDescription::loop>("loop", boolean(), "starts the keyframes over after the last")
-      .template key<&PinDescription::about>(
-          "about", maybe(vector3<double>(meters)),
-          "center of the rotations [m]; the middle of the vertices if not given")
+                                                "moves the vertices: `translate` is relative to their start "
+                                                "positions, `rotate` rotates them about `about`")
+      .template key<&PinDescription::loop>("loop", boolean(), "repeats the keyframes after the last")
+      .template key<&PinDescription::about>("about", maybe(vector3<double>(meters)),
+                                            "center of rotation [m]; if not given, the mean of the vertices")
       .template key<&PinDescription::sequence>("sequence", maybe(sequence_codec()),
-                                               "moves the vertices along with positions from files")
+                                               "moves the vertices to positions from files")
       .needs("loop", "keyframes")
       .needs("about", "keyframes")
       .excludes("keyframes", "sequence")
-      .check([](const T& pin, const Place& place) { check_times(pin.keyframes, place); });
+      .check([](const T& pin, const JsonPath& path) { check_times(pin.keyframes, path); });
 }
 
 }  // namespace
@@ -71,35 +70,34 @@ void add_pin_keys(Table<T>& keys) {
 std::vector<Alternative> selectors() {
   using V = decltype(Selector::choice);
   using S = Selector;
-  return {
-      alternative<V>(
-          "vertices",
-          wrapped<S::Vertices>(&S::Vertices::indices, list(number<std::uint32_t>(from_zero(1e9)), 1)),
-          "these vertices, counted from 0 in the order of the mesh"),
-      alternative<V>("in_box", CodecPtr<S::InBox>(std::make_shared<BoxCorners>()),
-                     "vertices that stand in this box at the start [m], world coordinates, bounds included"),
-      alternative<V>("nearest", wrapped<S::Nearest>(&S::Nearest::point, vector3<float>(meters)),
-                     "the one vertex nearest to this point at the start [m]"),
-      alternative<V>("group", wrapped<S::Group>(&S::Group::name, text()),
-                     "the vertices of this group of the mesh file"),
-      alternative<V>("all", CodecPtr<S::All>(std::make_shared<True>()), "every vertex")};
+  return {alternative<V>(
+              "vertices",
+              wrapped<S::Vertices>(&S::Vertices::indices, list(number<std::uint32_t>(from_zero(1e9)), 1)),
+              "vertex indices, from 0, in the order of the mesh"),
+          alternative<V>("in_box", CodecPtr<S::InBox>(std::make_shared<BoxCorners>()),
+                         "vertices inside this box at the start [m], in world coordinates, bounds included"),
+          alternative<V>("nearest", wrapped<S::Nearest>(&S::Nearest::point, vector3<float>(meters)),
+                         "the vertex nearest to this point at the start [m]"),
+          alternative<V>("group", wrapped<S::Group>(&S::Group::name, text()),
+                         "the vertices of this group of the mesh file"),
+          alternative<V>("all", CodecPtr<S::All>(std::make_shared<True>()), "all vertices")};
 }
 
 CodecPtr<PinDescription> pin_codec() {
   auto keys = table<PinDescription>("pin",
-                                    "Vertices that stay where they start, or go where they are told, "
-                                    "whatever pulls at them.");
+                                    "Vertices that are fixed at their start positions, or follow keyframes "
+                                    "or a sequence. Forces do not move them.");
   add_pin_keys(*keys);
   return keys;
 }
 
 CodecPtr<AttachmentDescription> attachment_codec() {
-  auto keys = table<AttachmentDescription>("attachment",
-                                           "Vertices that springs pull to where they start, or to "
-                                           "where they are told.");
+  auto keys = table<AttachmentDescription>(
+      "attachment",
+      "Vertices with springs to their start positions, or to positions from keyframes or a sequence.");
   add_pin_keys(*keys);
   keys->key<&AttachmentDescription::compliance>("compliance", number<float>(from_zero(1e6)),
-                                                "of the spring of each vertex [m/N]; 0 is rigid");
+                                                "compliance of each vertex's spring [m/N]; 0 is rigid");
   return keys;
 }
 

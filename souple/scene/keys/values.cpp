@@ -7,18 +7,18 @@ namespace {
 /// Three counts, or one for all three axes.
 class Counts : public Codec<std::array<int, 3>> {
  public:
-  explicit Counts(int most) : range_(within(1, most)), count_(range_) {}
-  void read(const Json& json, const Place& place, std::array<int, 3>& value) const override {
+  explicit Counts(int max) : range_(within(1, max)), count_(range_) {}
+  void read(const Json& json, const JsonPath& path, std::array<int, 3>& value) const override {
     if (json.is(Json::Kind::number)) {
       int all = 1;
-      count_.read(json, place, all);
+      count_.read(json, path, all);
       value = {all, all, all};
       return;
     }
     if (!json.is(Json::Kind::array) || json.items.size() != 3) {
-      place.unexpected("a whole number or three of them, [x, y, z]", json);
+      path.unexpected("a whole number or three of them, [x, y, z]", json);
     }
-    for (std::size_t i = 0; i < 3; ++i) count_.read(json.items[i], place.item(i), value[i]);
+    for (std::size_t i = 0; i < 3; ++i) count_.read(json.items[i], path.item(i), value[i]);
   }
   Json write(const std::array<int, 3>& value) const override {
     return Json::array({Json::whole(value[0]), Json::whole(value[1]), Json::whole(value[2])});
@@ -42,17 +42,17 @@ class Counts : public Codec<std::array<int, 3>> {
 /// A bit mask as the list of the bits that are set, or "all".
 class Groups : public Codec<std::uint32_t> {
  public:
-  void read(const Json& json, const Place& place, std::uint32_t& value) const override {
+  void read(const Json& json, const JsonPath& path, std::uint32_t& value) const override {
     if (json.is(Json::Kind::text) && json.text == "all") {
       value = ~0u;
       return;
     }
     if (!json.is(Json::Kind::array))
-      place.unexpected("a list of group numbers from 0 to 31, or \"all\"", json);
+      path.unexpected("a list of group numbers from 0 to 31, or \"all\"", json);
     value = 0;
     for (std::size_t i = 0; i < json.items.size(); ++i) {
       std::uint32_t group = 0;
-      group_.read(json.items[i], place.item(i), group);
+      group_.read(json.items[i], path.item(i), group);
       value |= 1u << group;
     }
   }
@@ -78,8 +78,8 @@ class Groups : public Codec<std::uint32_t> {
 
 }  // namespace
 
-CodecPtr<std::array<int, 3>> counts(int most) {
-  return std::make_shared<Counts>(most);
+CodecPtr<std::array<int, 3>> counts(int max) {
+  return std::make_shared<Counts>(max);
 }
 
 CodecPtr<std::uint32_t> groups() {

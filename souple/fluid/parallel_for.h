@@ -9,18 +9,18 @@
 
 namespace souple {
 
-/// f(i) for i in [0, n), of which each is worth a thread's visit. A thread takes those of its own part first,
-/// in order, as Threads::for_each would give them to it, and then what others have left: parts that take
-/// equally long are rare, and a processor may be away. What f writes must not depend on who calls it.
+/// Calls f(i) for i in [0, n), with work stealing; each i must be worth the cost of an atomic operation. A
+/// thread first runs its own part in order, as with Threads::for_each, then takes items of other parts: parts
+/// rarely take equal time, and a core may be unavailable. Results of f must not depend on the calling thread.
 template <class Function>
-void share_out(std::size_t n, Threads& threads, const Function& f) {
-  constexpr std::size_t most_parts = 64;
+void parallel_for(std::size_t n, Threads& threads, const Function& f) {
+  constexpr std::size_t max_parts = 64;
   struct alignas(64) Part {
     std::atomic<std::size_t> next{0};
     std::size_t end = 0;
   };
-  std::array<Part, most_parts> part;
-  const std::size_t parts = std::min({n, most_parts, static_cast<std::size_t>(std::max(threads.count(), 1))});
+  std::array<Part, max_parts> part;
+  const std::size_t parts = std::min({n, max_parts, static_cast<std::size_t>(std::max(threads.count(), 1))});
   for (std::size_t t = 0; t < parts; ++t) {
     part[t].next.store(n * t / parts, std::memory_order_relaxed);
     part[t].end = n * (t + 1) / parts;
