@@ -2,7 +2,7 @@
 
 #include "souple/collision/queries.h"
 #include "souple/world/add.h"
-#include "souple/world/led_particles.h"
+#include "souple/world/inflow_particles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
 #include "souple/world/validate.h"
@@ -48,7 +48,7 @@ void append_layer(const Emitter& emitter, std::uint64_t k, double t, const Vec3d
                   double now, std::vector<Drop>& drops) {
   const Nozzle nozzle = nozzle_at(emitter, t);
   const auto speed = static_cast<double>(emitter.speed);
-  const double s = now - t, r = std::max(0.0, s - mouth_depth * spacing / speed);
+  const double s = now - t, r = std::max(0.0, s - inflow_depth * spacing / speed);
   const Vec3d v = nozzle.velocity + nozzle.direction * speed;
   const Vec3d middle = nozzle.position + v * s + g * (0.5 * r * r);
   const double radius = static_cast<double>(emitter.radius) / spacing;

@@ -121,7 +121,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   for_each_index(order.size(), threads, [&](std::size_t k) {
     const FluidMaterial& material = tables_.materials[tables_.fluid[order[k]]];
     velocity_[k] = velocity[tables_.particle[order[k]]];
-    if (led_.is_led(order[k])) velocity_[k].set_xyz(led_.velocity(order[k]));
+    if (inflow_.is_inflow(order[k])) velocity_[k].set_xyz(inflow_.velocity(order[k]));
     velocity_[k].w = material.viscosity + material.density * material.xsph * exchange;
   });
   apply_forces(world, substep);
@@ -131,7 +131,7 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   account_.note_speed(std::sqrt(fastest), static_cast<double>(substep.h), static_cast<double>(spacing_));
   for_each_index(order.size(), threads, [&](std::size_t k) {
     const std::uint32_t i = order[k];
-    velocity[tables_.particle[i]].set_xyz(led_.is_led(i) ? led_.velocity(i) : velocity_[k].xyz());
+    velocity[tables_.particle[i]].set_xyz(inflow_.is_inflow(i) ? inflow_.velocity(i) : velocity_[k].xyz());
   });
 }
 

@@ -63,7 +63,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   tables_.find_particles(world);
   account_.begin_step(tables_.particle.size());
   if (none()) return;
-  led_.begin_step(world, dt, tables_.particle);
+  inflow_.begin_step(world, dt, tables_.particle);
   choose_solver(world);
   solver_->begin_step();
   // Coordinates are from the middle of a meter near the first particle: far from the world's origin floats
@@ -94,7 +94,7 @@ void Fluids::choose_solver(const WorldState& world) {
 }
 
 void Fluids::place(WorldState& world, float h, Threads& threads) {
-  led_.begin_substep(world);
+  inflow_.begin_substep(world);
   const std::vector<std::uint32_t>& particle = tables_.particle;
   placed_.resize(particle.size());
   start_.resize(particle.size());
@@ -109,8 +109,8 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
       if (displaced) at += particles.offset[particle[k]].xyz();
       start_[k] = Vec3f(start_place(view, particle[k]) - origin_);
       const Vec3d velocity(particles.velocity[particle[k]].xyz());
-      const bool is_led = led_.decide(k, Vec3d(start_[k]) + origin_, velocity);
-      const Vec3f aim = is_led ? start_[k] + led_.velocity(k) * h : at;
+      const bool is_inflow = inflow_.update(k, Vec3d(start_[k]) + origin_, velocity);
+      const Vec3f aim = is_inflow ? start_[k] + inflow_.velocity(k) * h : at;
       const Vec3f kept = walls_.keep_out(k, tables_.fluid[k], start_[k], aim, radius);
       view.correct(particle[k], kept - at);
       placed_[k] = {kept.x, kept.y, kept.z, x.w};
@@ -164,7 +164,7 @@ void Fluids::move(const ParticleView& particles, Threads& threads) {
                          : sub_resolution_bodies_.apply_pressure(solver_->positions(), moved, particles);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      if (led_.is_led(order[k])) continue;
+      if (inflow_.is_inflow(order[k])) continue;
       const std::uint32_t i = tables_.particle[order[k]];
       const Vec3f at = solver_->positions()[k].xyz();
       particles.correct(i, moved[k] + out_of_walls(at, local_boundary_.of(k), nearest_to_walls * spacing_));
@@ -179,7 +179,7 @@ void Fluids::move(const ParticleView& particles, Threads& threads) {
 void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
   const auto order = solver_->order();
   for (const std::uint32_t k : local_boundary_.near()) {
-    if (led_.is_led(order[k])) continue;
+    if (inflow_.is_inflow(order[k])) continue;
     const Vec3f x = solver_->positions()[k].xyz();
     for (const BoundaryPlane& plane : local_boundary_.of(k))
       if (plane.mesh != BoundaryPlane::none)

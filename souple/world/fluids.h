@@ -11,7 +11,7 @@
 #include "souple/world/fluid_account.h"
 #include "souple/world/fluid_foam.h"
 #include "souple/world/fluid_tables.h"
-#include "souple/world/led_particles.h"
+#include "souple/world/inflow_particles.h"
 
 #include <cstdint>
 #include <memory>
@@ -64,7 +64,7 @@ class Fluids {
   FluidWalls walls_;
   FluidBodies bodies_;
   SubResolutionBodies sub_resolution_bodies_;
-  LedParticles led_;
+  InflowParticles inflow_;
   Vec3d origin_{};             // of the fluids' positions [m]
   std::vector<Vec4f> placed_;  // x, y, z from the origin and inverse mass
   std::vector<Vec3f> start_;   // where they were when the substep began
