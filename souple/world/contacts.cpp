@@ -65,7 +65,8 @@ ContactMaterial contact_material_of(const Material& material) {
   if (const auto* fluid = std::get_if<FluidMaterial>(&material))
     return {.friction = 0, .restitution = fluid->restitution};
   return std::visit(
-      [](const auto& m) { return ContactMaterial{.friction = m.friction, .restitution = m.restitution}; }, material);
+      [](const auto& m) { return ContactMaterial{.friction = m.friction, .restitution = m.restitution}; },
+      material);
 }
 
 void append_event(const WorldState& world, const ContactPush& push, bool against_collider,
@@ -108,7 +109,8 @@ void build_contact_tables(WorldState& world) {
     object_materials.push_back({object->name, contact_material_of(object->material), object->filter});
   }
   for (const ColliderRecord& record : world.colliders) {
-    const ContactMaterial material{.friction = record.options.friction, .restitution = record.options.restitution};
+    const ContactMaterial material{.friction = record.options.friction,
+                                   .restitution = record.options.restitution};
     tables.colliders.push_back({record.options.name, record.shape, record.options.motion, material, true});
     collider_materials.push_back(
         {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});
@@ -162,12 +164,12 @@ bool may_be_tangled(const WorldState& world) {
   constexpr std::uint64_t interval = 8;  // steps
   if (world.look_for_tangles) return true;
   if (world.steps % interval != 0) return false;
-  bool led = false, pinned = false;
+  bool driven = false, pinned = false;
   for (const auto& object : world.objects) {
-    led = led || (object->kind == ObjectKind::obstacle && !is_static(object->motion));
-    for (const PinnedParticle& pin : object->pins) led = led || pin.target, pinned = true;
+    driven = driven || (object->kind == ObjectKind::obstacle && !is_static(object->motion));
+    for (const PinnedParticle& pin : object->pins) driven = driven || pin.target, pinned = true;
   }
-  return led && pinned;
+  return driven && pinned;
 }
 
 void report_tangles(WorldState& world) {
@@ -203,7 +205,7 @@ void find_candidates(WorldState& world, double dt) {
                          .h = static_cast<float>(dt / world.settings.substeps)};
   ContactTables& tables = world.tables;
   Particles& particles = world.particles;
-  foresee_obstacles(world, dt);
+  predict_obstacles(world, dt);
   wake_touched(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();

@@ -19,20 +19,20 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
   wall_friction_.resize(x.size());
   for_each_index(x.size(), threads, [&](std::size_t k) {
     Vec3f motion{};
-    float sum = 0, led = 0, left = 1;
+    float sum = 0, kinematic = 0, left = 1;
     for (BoundaryPlane& plane : local_boundary_.of(k)) {
       plane.friction = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
       sum += plane.friction;
       left *= 1 - plane.friction;
       if (bodies_.is_movable(plane)) continue;
       motion += plane.motion * plane.friction;
-      led += plane.friction;
+      kinematic += plane.friction;
     }
-    const Vec3f speed = led > 0 ? motion * (1 / (led * h)) : Vec3f{};
+    const Vec3f speed = kinematic > 0 ? motion * (1 / (kinematic * h)) : Vec3f{};
     const float all = (1 - left) * tables_.materials[tables_.fluid[order[k]]].friction;
     const float share = sum > 0 ? all / sum : 0;
     for (BoundaryPlane& plane : local_boundary_.of(k)) plane.friction *= share;
-    wall_friction_[k] = {speed.x, speed.y, speed.z, led == sum ? all : led * share};
+    wall_friction_[k] = {speed.x, speed.y, speed.z, kinematic == sum ? all : kinematic * share};
   });
 }
 

@@ -132,7 +132,7 @@ std::vector<Vec3d> obstacle_positions(const Object& object, double time) {
   return result;
 }
 
-void foresee_obstacles(WorldState& world, double dt) {
+void predict_obstacles(WorldState& world, double dt) {
   for (const auto& object : world.objects) {
     if (object->kind != ObjectKind::obstacle || is_static(object->motion) ||
         jumps(object->motion, world.time, world.time + dt))
@@ -143,7 +143,7 @@ void foresee_obstacles(WorldState& world, double dt) {
   }
 }
 
-void lead_obstacles(WorldState& world, const Substep& substep) {
+void drive_obstacles(WorldState& world, const Substep& substep) {
   const double t = world.time + static_cast<double>(substep.h);
   Particles& particles = world.particles;
   const bool plain = world.settings.form == Form::plain;

@@ -18,9 +18,9 @@ std::vector<Vec3d> obstacle_positions(const Object& object, double time);
 bool is_static(const ObstacleMotion& motion);
 
 /// Velocities that take obstacles through the next dt seconds: near pairs are found by them.
-void foresee_obstacles(WorldState& world, double dt);
+void predict_obstacles(WorldState& world, double dt);
 
 /// Leads the particles of obstacles to where they are at the end of the substep.
-void lead_obstacles(WorldState& world, const Substep& substep);
+void drive_obstacles(WorldState& world, const Substep& substep);
 
 }  // namespace souple

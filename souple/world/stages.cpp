@@ -177,7 +177,7 @@ void integrate(WorldState& world, const Substep& substep) {
   if (world.sleep.woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   predict(world, substep);
   drive_pins(world, substep);
-  lead_obstacles(world, substep);
+  drive_obstacles(world, substep);
   drive_attachments(world, substep);
   if (world.settings.integrator != Integrator::semi_implicit) world.predicted = moving(world);
 }
