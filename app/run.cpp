@@ -127,7 +127,7 @@ struct Tally {
   double largest_strain = 0;
 
   static constexpr std::array<Flag, 5> flags{Flag::non_finite, Flag::large_strain, Flag::deep_contact,
-                                             Flag::callback_failed, Flag::tangled};
+                                             Flag::callback_failed, Flag::intersecting};
   void add(const StepReport& report) {
     for (std::size_t i = 0; i < flags.size(); ++i) flagged[i] += report.has(flags[i]) ? 1 : 0;
     largest_strain = std::max(largest_strain, report.largest_strain);

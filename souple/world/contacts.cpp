@@ -129,7 +129,7 @@ void build_contact_tables(WorldState& world) {
   std::vector<ContactSurface> surfaces;
   for (std::uint32_t a = 0; a < world.objects.size(); ++a) surfaces.push_back(contact_surface(world, a));
   world.untangling.set_surfaces(surfaces);
-  world.look_for_tangles = true;
+  world.check_intersections = true;
   world.surface_contacts.set_surfaces(std::move(surfaces));
   world.surface_contacts.set_untangling(&world.untangling);
   std::vector<FeatureContacts::Feature> features;
@@ -160,9 +160,9 @@ namespace {
 
 // Contacts keep apart what is not tangled. So only what is put somewhere can be, or what nothing can hold
 // back: pinned vertices and obstacles that are led through each other, which is seen soon enough.
-bool may_be_tangled(const WorldState& world) {
+bool may_intersect(const WorldState& world) {
   constexpr std::uint64_t interval = 8;  // steps
-  if (world.look_for_tangles) return true;
+  if (world.check_intersections) return true;
   if (world.steps % interval != 0) return false;
   bool driven = false, pinned = false;
   for (const auto& object : world.objects) {
@@ -172,12 +172,12 @@ bool may_be_tangled(const WorldState& world) {
   return driven && pinned;
 }
 
-void report_tangles(WorldState& world) {
+void report_intersections(WorldState& world) {
   std::string words;
-  std::size_t told = 0;
+  std::size_t described = 0;
   for (const TangledPair& pair : world.untangling.pairs()) {
-    world.report.tangles += pair.edges;
-    if (++told > 3) continue;
+    world.report.intersections += pair.edges;
+    if (++described > 3) continue;
     const std::string& one = world.objects[pair.edge_surface]->name;
     const std::string& other = world.objects[pair.surface]->name;
     const bool itself = pair.edge_surface == pair.surface;
@@ -186,14 +186,15 @@ void report_tangles(WorldState& world) {
                          itself ? "its own triangles" : fmt::format("triangles of '{}'", other),
                          pair.held ? ", where nothing can move" : "");
   }
-  if (world.report.tangles > 0) world.complain(Flag::tangled, words + std::string(advice(Flag::tangled)));
+  if (world.report.intersections > 0)
+    world.complain(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
 }
 
-void find_tangles(WorldState& world, const ContactStep& step) {
-  world.untangling.begin_step(world.view(), step, may_be_tangled(world), *world.threads);
-  world.look_for_tangles = false;
-  world.report.misplaced = world.untangling.misplaced().size();
-  report_tangles(world);
+void find_intersections(WorldState& world, const ContactStep& step) {
+  world.untangling.begin_step(world.view(), step, may_intersect(world), *world.threads);
+  world.check_intersections = false;
+  world.report.layer_violations = world.untangling.misplaced().size();
+  report_intersections(world);
 }
 
 }  // namespace
@@ -217,7 +218,7 @@ void find_candidates(WorldState& world, double dt) {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                        tables.colliders, tables.against_colliders, step, *world.threads);
   });
-  find_tangles(world, step);
+  find_intersections(world, step);
   world.surface_contacts.begin_step(view, particles.velocity, particles.radius, particles.contact_margin,
                                     tables.against_objects, step, *world.threads);
   world.particle_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,

@@ -36,7 +36,7 @@ std::string_view advice(Flag flag) {
       return "a contact is deeper than the thickness after the step: raise substeps or the thickness";
     case Flag::callback_failed:
       return "a callback threw an exception: its effect was left out";
-    case Flag::tangled:
+    case Flag::intersecting:
       return "surfaces pass through each other and are being pulled apart as far as they can move: start "
              "with them apart, lead them apart, or let them not meet";
     case Flag::coarse_substeps:

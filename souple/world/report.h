@@ -22,7 +22,8 @@ enum class Flag : std::uint32_t {
       1u << 1,  ///< an edge is stretched more than 10 %: raise substeps, or compliance is what it should be
   deep_contact = 1u << 2,  ///< a contact ends the step deeper than its thickness: raise substeps or thickness
   callback_failed = 1u << 3,  ///< a user's callback threw; its effect was left out
-  tangled = 1u << 4,  ///< edges pass through triangles, and are being pulled apart: start with them apart
+  intersecting =
+      1u << 4,  ///< edges pass through triangles, and are being pulled apart: start with them apart
   coarse_substeps =
       1u << 5  ///< a fluid is too deep or too fast for its spacing and the substep: raise substeps
 };
@@ -59,11 +60,12 @@ struct StepReport {
   int substeps = 0, iterations = 0;
   std::array<double, stage_count> milliseconds{};  ///< per Stage
   std::size_t particles = 0, constraints = 0;
-  std::size_t contacts = 0;    ///< that pushed in the last substep
-  std::size_t asleep = 0;      ///< objects, at the end of the step
-  std::size_t kept_apart = 0;  ///< times that two features were stopped before they passed each other
-  std::size_t tangles = 0;     ///< edges that passed through triangles when the step began
-  std::size_t misplaced = 0;   ///< vertices on the wrong side of another layer then, or near such a place
+  std::size_t contacts = 0;       ///< that pushed in the last substep
+  std::size_t asleep = 0;         ///< objects, at the end of the step
+  std::size_t kept_apart = 0;     ///< times that two features were stopped before they passed each other
+  std::size_t intersections = 0;  ///< edges that passed through triangles when the step began
+  std::size_t layer_violations =
+      0;                       ///< vertices on the wrong side of another layer then, or near such a place
   double deepest_contact = 0;  ///< m, penetration left at the end
   double largest_strain = 0;   ///< (l - l0) / l0 over distance constraints, extension only
   FluidReport fluid;

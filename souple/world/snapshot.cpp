@@ -174,7 +174,7 @@ void World::restore(const Snapshot& snapshot) {
   get(in, friction.data(), friction.size());
   world.particle_contacts.set_friction_cache(friction);
   world.forget_contacts();
-  world.look_for_tangles = true;
+  world.check_intersections = true;
   ++world.version;
 }
 

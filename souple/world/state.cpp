@@ -39,7 +39,7 @@ ColliderRecord& WorldState::collider(ColliderId id) {
 }
 
 void WorldState::place(std::size_t i, const Vec3d& x) {
-  look_for_tangles = true;
+  check_intersections = true;
   set_position(i, x);
 }
 

@@ -178,7 +178,7 @@ struct WorldState {
   SurfaceContacts surface_contacts;
   Untangling untangling;
   Fluids fluids;
-  bool look_for_tangles = true;  ///< something was put where nothing led it
+  bool check_intersections = true;  ///< something was put where nothing led it
   ContactTables tables;
   PairOverrides pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: build before the next step

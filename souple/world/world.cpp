@@ -324,7 +324,7 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
     world.particles.position[i].set_xyz(positions[object.vertex_of[i - object.begin]]);
     world.particles.offset[i] = {};
   }
-  world.look_for_tangles = true;
+  world.check_intersections = true;
   ++world.version;
 }
 
@@ -414,7 +414,8 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   ColliderRecord record{{world.next_id}, options, shape};
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
-  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution}, record.options.name);
+  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
+           record.options.name);
   world.colliders.push_back(std::move(record));
   ++world.next_id;
   world.dirty_tables = true;
@@ -438,7 +439,8 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   world.require_between_steps("set_collider");
   ColliderRecord& record = world.collider(id);
   validate(shape, record.options.name);
-  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution}, record.options.name);
+  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
+           record.options.name);
   const std::string name = record.options.name;
   if (!options.name.empty() && options.name != name) world.require_free_name(options.name);
   record.shape = shape;

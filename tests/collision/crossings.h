@@ -17,7 +17,7 @@
 namespace souple::test {
 
 /// Triangles over the points of several objects put together.
-struct Tangle {
+struct CrossingCounter {
   std::vector<Vec3d> points;
   std::vector<Triangle> triangles;
 

@@ -39,13 +39,13 @@ class CrumpledSheets {
 
   ParticleView view() { return {position_, offset_, offset_, Form::displacement}; }
   std::vector<ContactSurface>& surfaces() { return surfaces_; }
-  const test::Tangle& tangle() const { return tangle_; }
+  const test::CrossingCounter& tangle() const { return tangle_; }
 
  private:
   std::vector<Vec4f> position_, offset_;
   std::vector<std::vector<Triangle>> meshes_;
   std::vector<ContactSurface> surfaces_;
-  test::Tangle tangle_;
+  test::CrossingCounter tangle_;
 };
 
 /// How many that are of two objects, and of one.

@@ -77,7 +77,7 @@ Watched run_untangled(World& world, int frames, int every) {
     watched.kept_apart += report.kept_apart;
     watched.largest_strain = std::max(watched.largest_strain, report.largest_strain);
     if (frame % every != 0 && frame != frames) continue;
-    watched.crossings = tangle_of(world).crossings();
+    watched.crossings = crossing_counter_of(world).crossings();
     if (watched.crossings == 0) continue;
     watched.first_crossed = frame;
     break;

@@ -11,13 +11,13 @@
 namespace souple::test {
 
 /// All surfaces of a world, obstacles among them.
-inline Tangle tangle_of(const World& world) {
-  Tangle tangle;
+inline CrossingCounter crossing_counter_of(const World& world) {
+  CrossingCounter counter;
   for (const ObjectId id : world.objects()) {
     const auto triangles = world.triangles(id);
-    if (!triangles.empty()) tangle.add(world.positions(id), triangles);
+    if (!triangles.empty()) counter.add(world.positions(id), triangles);
   }
-  return tangle;
+  return counter;
 }
 
 /// What a run showed.

@@ -18,7 +18,7 @@ void shoot_and_look(ShotAt what, int n, int grains) {
     ASSERT_TRUE(report.ok()) << report.message;
     contacts += report.contacts;
     ASSERT_EQ(test::grains_that_passed(shot), 0u) << "frame " << frame;
-    ASSERT_EQ(test::tangle_of(world).crossings(), 0u) << "frame " << frame;
+    ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
   }
   EXPECT_GT(contacts, 0u);
   EXPECT_GT(world.momentum(shot.grains).y, -0.1 * 200 * world.total_mass(shot.grains));

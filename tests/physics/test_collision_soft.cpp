@@ -34,7 +34,7 @@ void drop_and_look(int count, double seconds, int every, double calm) {
     ASSERT_TRUE(world.step(1.0 / 60).ok());
     drop = std::max(drop, energy());
     if (frame % every != 0) continue;
-    ASSERT_EQ(test::tangle_of(world).crossings(), 0u) << "frame " << frame;
+    ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
     shared = std::max(shared, test::shared_volume(world, glass.balls, glass.ball));
   }
   EXPECT_LT(shared, 0.01);

@@ -17,9 +17,9 @@ namespace {
 constexpr double frame_time = 1.0 / 60;
 
 std::size_t crossings(const World& world) {
-  test::Tangle tangle;
-  for (const ObjectId id : world.objects()) tangle.add(world.positions(id), world.mesh(id).triangles);
-  return tangle.crossings();
+  test::CrossingCounter counter;
+  for (const ObjectId id : world.objects()) counter.add(world.positions(id), world.mesh(id).triangles);
+  return counter.crossings();
 }
 
 // An open tube around Y, counter-clockwise from outside.
@@ -40,23 +40,23 @@ TriangleMesh tube(int around, int rows, double radius, double height) {
   return mesh;
 }
 
-struct Story {
+struct History {
   std::size_t at_first = 0, at_last = 0;  // edges through triangles; at_last: in any of the last frames
   float top_speed = 0;                    // m/s
 };
 
-Story tell(World& world, int frames) {
+History simulate(World& world, int frames) {
   constexpr int last_frames = 10;
-  Story story;
-  story.at_first = crossings(world);
+  History history;
+  history.at_first = crossings(world);
   for (int frame = 0; frame < frames; ++frame) {
     const StepReport& report = world.step(frame_time);
     EXPECT_TRUE(report.ok()) << report.message;
     for (const ObjectId id : world.objects())
-      for (const Vec3f& v : world.velocities(id)) story.top_speed = std::max(story.top_speed, length(v));
-    if (frame >= frames - last_frames) story.at_last = std::max(story.at_last, crossings(world));
+      for (const Vec3f& v : world.velocities(id)) history.top_speed = std::max(history.top_speed, length(v));
+    if (frame >= frames - last_frames) history.at_last = std::max(history.at_last, crossings(world));
   }
-  return story;
+  return history;
 }
 
 // By how much every vertex of one tube is farther from the axis than the other one there; the least of all.
@@ -110,9 +110,9 @@ Dressed dressed(double shirt_radius, int shirt_layer, const TriangleMesh& coat, 
   return d;
 }
 
-void expect_right(const Story& story) {
-  EXPECT_EQ(story.at_last, 0u);
-  EXPECT_LT(story.top_speed, 3);
+void expect_right(const History& history) {
+  EXPECT_EQ(history.at_last, 0u);
+  EXPECT_LT(history.top_speed, 3);
 }
 
 TEST(Layers, ACoatThatBeginsInsideOfTheShirtComesOut) {
@@ -120,11 +120,11 @@ TEST(Layers, ACoatThatBeginsInsideOfTheShirtComesOut) {
     const TriangleMesh coat = tube(26, 12, 0.155, 0.4);
     Dressed d = dressed(0.165, 1, inside_out ? turned(coat) : coat, {.translation = {0, 0.01, 0}}, 2);
     EXPECT_LT(d.clearance(), -0.008f);
-    const Story story = tell(d.world, 90);
-    EXPECT_EQ(story.at_first, 0u);
-    expect_right(story);
+    const History history = simulate(d.world, 90);
+    EXPECT_EQ(history.at_first, 0u);
+    expect_right(history);
     EXPECT_GT(d.clearance(), 0.004f);
-    EXPECT_EQ(d.world.report().misplaced, 0u);
+    EXPECT_EQ(d.world.report().layer_violations, 0u);
   }
 }
 
@@ -141,8 +141,8 @@ TEST(Layers, NothingIsPushedFromOutside) {
   };
   const Vec3d before = center();
   world.step(frame_time);
-  EXPECT_GT(world.report().misplaced, 100u);
-  expect_right(tell(world, 60));
+  EXPECT_GT(world.report().layer_violations, 100u);
+  expect_right(simulate(world, 60));
   EXPECT_GT(least_clearance(world, shirt, coat), 0.004f);
   EXPECT_LT(length(world.momentum(shirt) + world.momentum(coat)), 1e-5 * mass());
   EXPECT_LT(length(center() - before), 1e-5);
@@ -151,22 +151,22 @@ TEST(Layers, NothingIsPushedFromOutside) {
 TEST(Layers, WithoutThemItStaysInside) {
   for (const int of_both : {0, 3}) {
     Dressed d = dressed(0.165, of_both, tube(26, 12, 0.155, 0.4), {.translation = {0, 0.01, 0}}, of_both);
-    tell(d.world, 60);
+    simulate(d.world, 60);
     EXPECT_LT(d.clearance(), -0.004f);
   }
 }
 
 TEST(Layers, TheLowerOneThatBeginsOutsideGoesIn) {
   Dressed d = dressed(0.165, 7, tube(26, 12, 0.175, 0.4), {.translation = {0, 0.01, 0}}, 2);
-  expect_right(tell(d.world, 90));
+  expect_right(simulate(d.world, 90));
   EXPECT_GT(least_clearance(d.world, d.coat, d.shirt), 0.004f);
 }
 
 TEST(Layers, ACoatHalfSunkIntoTheShirtComesOut) {
   Dressed d = dressed(0.165, 1, tube(26, 12, 0.167, 0.4), {.translation = {0.012, 0.01, 0.007}}, 2);
-  const Story story = tell(d.world, 90);
-  EXPECT_GT(story.at_first, 50u);
-  expect_right(story);
+  const History history = simulate(d.world, 90);
+  EXPECT_GT(history.at_first, 50u);
+  expect_right(history);
   EXPECT_GT(d.clearance(), 0.004f);
 }
 
@@ -187,8 +187,8 @@ TEST(Layers, SheetsOnATableAreSorted) {
   const ObjectId third = world.add_cloth(grid(12, 12, 0.5), cotton, layer("third", 3, at(0.01, 0)));
   const ObjectId second = world.add_cloth(grid(12, 12, 0.5), cotton, layer("second", 2, at(0.03, 0.02)));
   const ObjectId first = world.add_cloth(grid(12, 12, 0.5), cotton, layer("first", 1, at(0.03, 0.02)));
-  const Story story = tell(world, 120);
-  expect_right(story);
+  const History history = simulate(world, 120);
+  expect_right(history);
   EXPECT_GT(mean_height(world, second), mean_height(world, first) + 0.004f);
   EXPECT_GT(mean_height(world, third), mean_height(world, second) + 0.004f);
   EXPECT_GT(least_height(world, first), -1e-3f);
@@ -201,8 +201,8 @@ TEST(Layers, ASheetInsideOfABodyComesOut) {
       world.add_obstacle(sphere(3, 0.2), {.thickness = 0.004f}, {}, {.name = "body", .layer = 1});
   const ObjectId sheet =
       world.add_cloth(grid(14, 14, 0.3), cotton, layer("sheet", 2, {.translation = {0.01, 0.05, 0.02}}));
-  const Story story = tell(world, 150);
-  expect_right(story);
+  const History history = simulate(world, 150);
+  expect_right(history);
   float nearest = 1;
   for (const Vec3f& x : world.positions(sheet)) nearest = std::min(nearest, length(x));
   EXPECT_GT(nearest, 0.19f);
@@ -222,7 +222,7 @@ TEST(Layers, WhatIsSewnTogetherIsNotPulled) {
   world.connect(seam);
   for (int frame = 0; frame < 20; ++frame) {
     world.step(frame_time);
-    EXPECT_EQ(world.report().misplaced, 0u);
+    EXPECT_EQ(world.report().layer_violations, 0u);
   }
   EXPECT_GT(mean_height(world, upper), mean_height(world, lower) + 0.02f);
 }
@@ -251,7 +251,7 @@ TEST(Layers, TheOrderMayBeGivenLater) {
   world.set_layer(one, 2);
   world.set_layer(other, 1);
   EXPECT_EQ(world.layer(one), 2);
-  expect_right(tell(world, 60));
+  expect_right(simulate(world, 60));
   EXPECT_LT(above(), -0.004f);
 }
 

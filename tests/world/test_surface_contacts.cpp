@@ -10,12 +10,12 @@
 namespace souple {
 namespace {
 
-using test::Tangle;
+using test::CrossingCounter;
 
-Tangle tangle_of(const World& world) {
-  Tangle tangle;
-  for (const ObjectId id : world.objects()) tangle.add(world.positions(id), world.mesh(id).triangles);
-  return tangle;
+CrossingCounter crossing_counter_of(const World& world) {
+  CrossingCounter counter;
+  for (const ObjectId id : world.objects()) counter.add(world.positions(id), world.mesh(id).triangles);
+  return counter;
 }
 
 Vec3d total_momentum(const World& world) {
@@ -36,11 +36,11 @@ TEST(Crossings, GridCountsWhatAllPairsCount) {
     };
     for (const Vec3d& p : mesh.positions)
       positions.emplace_back(p + Vec3d{noise(), noise(), noise()} * (4.0 / n));
-    Tangle tangle;
-    tangle.add(positions, mesh.triangles);
-    EXPECT_EQ(tangle.crossings(), tangle.crossings_of_all_pairs()) << n;
+    CrossingCounter counter;
+    counter.add(positions, mesh.triangles);
+    EXPECT_EQ(counter.crossings(), counter.crossings_of_all_pairs()) << n;
     if (n >= 20) {
-      EXPECT_GT(tangle.crossings(), 10u) << n;
+      EXPECT_GT(counter.crossings(), 10u) << n;
     }
   }
 }
@@ -60,11 +60,11 @@ TEST(SurfaceContacts, ASheetThatFallsInAHeapNeverPassesThroughItself) {
   World world = falling_sheet(20, true);
   for (int frame = 0; frame < 60; ++frame) {
     world.step(1.0 / 60);
-    EXPECT_EQ(tangle_of(world).crossings(), 0u) << frame;
+    EXPECT_EQ(crossing_counter_of(world).crossings(), 0u) << frame;
   }
   World without = falling_sheet(20, false);
   for (int frame = 0; frame < 60; ++frame) without.step(1.0 / 60);
-  EXPECT_GT(tangle_of(without).crossings(), 0u);
+  EXPECT_GT(crossing_counter_of(without).crossings(), 0u);
 }
 
 TEST(SurfaceContacts, ThreadsChangeNoBit) {
@@ -95,7 +95,7 @@ TEST(SurfaceContacts, AFastStoneDoesNotPass) {
     std::size_t contacts = 0;
     for (int frame = 0; frame < 6; ++frame) {
       contacts += world.step(1.0 / 60).contacts;
-      EXPECT_EQ(tangle_of(world).crossings(), 0u) << frame;
+      EXPECT_EQ(crossing_counter_of(world).crossings(), 0u) << frame;
     }
     EXPECT_GT(contacts, 0u);
     EXPECT_LT(world.momentum(sheet).y, -0.1);

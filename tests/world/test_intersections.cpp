@@ -17,9 +17,9 @@ constexpr double frame_time = 1.0 / 60;
 constexpr float speed_limit = 15;  // m/s
 
 std::size_t crossings(const World& world) {
-  test::Tangle tangle;
-  for (const ObjectId id : world.objects()) tangle.add(world.positions(id), world.mesh(id).triangles);
-  return tangle.crossings();
+  test::CrossingCounter counter;
+  for (const ObjectId id : world.objects()) counter.add(world.positions(id), world.mesh(id).triangles);
+  return counter.crossings();
 }
 
 float top_speed(const World& world) {
@@ -39,33 +39,33 @@ Vec3d total_momentum(const World& world) {
   return sum;
 }
 
-struct Story {
+struct History {
   std::size_t at_first = 0, at_last = 0;  // edges through triangles
   int apart_after = -1;                   // frames; -1: never
   bool reported = false;
   float top_speed = 0;  // m/s
 };
 
-Story tell(World& world, int frames) {
-  Story story;
-  story.at_first = crossings(world);
+History simulate(World& world, int frames) {
+  History history;
+  history.at_first = crossings(world);
   for (int frame = 0; frame < frames; ++frame) {
     const StepReport& report = world.step(frame_time);
     EXPECT_TRUE(report.ok()) << report.message;
-    EXPECT_EQ(report.has(Flag::tangled), report.tangles > 0);
-    story.reported = story.reported || report.has(Flag::tangled);
-    story.top_speed = std::max(story.top_speed, top_speed(world));
-    story.at_last = crossings(world);
-    if (story.at_last > 0) story.apart_after = -1;
-    if (story.at_last == 0 && story.apart_after < 0) story.apart_after = frame;
+    EXPECT_EQ(report.has(Flag::intersecting), report.intersections > 0);
+    history.reported = history.reported || report.has(Flag::intersecting);
+    history.top_speed = std::max(history.top_speed, top_speed(world));
+    history.at_last = crossings(world);
+    if (history.at_last > 0) history.apart_after = -1;
+    if (history.at_last == 0 && history.apart_after < 0) history.apart_after = frame;
   }
-  return story;
+  return history;
 }
 
-void expect_apart(const Story& story) {
-  EXPECT_TRUE(story.reported);
-  EXPECT_EQ(story.at_last, 0u);
-  EXPECT_LT(story.top_speed, speed_limit);
+void expect_apart(const History& history) {
+  EXPECT_TRUE(history.reported);
+  EXPECT_EQ(history.at_last, 0u);
+  EXPECT_LT(history.top_speed, speed_limit);
 }
 
 Transform upright(double x) {
@@ -79,27 +79,27 @@ ObjectId add_sheet(World& world, const Transform& transform) {
   return world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f}, options);
 }
 
-TEST(Tangles, SheetsThatCrossFromSideToSideComeApart) {
+TEST(Intersections, SheetsThatCrossFromSideToSideComeApart) {
   World world({.gravity = {}});
   add_sheet(world, {});
   add_sheet(world, upright(0.21));
   const Vec3d before = total_momentum(world);
-  const Story story = tell(world, 180);
-  EXPECT_GT(story.at_first, 10u);
-  expect_apart(story);
+  const History history = simulate(world, 180);
+  EXPECT_GT(history.at_first, 10u);
+  expect_apart(history);
   EXPECT_LT(length(total_momentum(world) - before), 1e-3 * world.total_mass(world.objects()[0]));
 }
 
-TEST(Tangles, BoxesThatOverlapByAThirdComeApart) {
+TEST(Intersections, BoxesThatOverlapByAThirdComeApart) {
   World world({.gravity = {}});
   ObjectOptions beside;
   beside.transform.translation = {0.2, 0.02, 0.03};
   const SoftBodyMaterial jelly{.young_modulus = 1e5f, .thickness = 0.01f};
   const ObjectId one = world.add_soft_body(tet_bar(4, 4, 4, {0.3, 0.3, 0.3}), jelly);
   const ObjectId other = world.add_soft_body(tet_bar(4, 4, 4, {0.3, 0.3, 0.3}), jelly, beside);
-  const Story story = tell(world, 180);
-  EXPECT_GT(story.at_first, 10u);
-  expect_apart(story);
+  const History history = simulate(world, 180);
+  EXPECT_GT(history.at_first, 10u);
+  expect_apart(history);
   const double mass = world.total_mass(one);
   EXPECT_LT(length(total_momentum(world)), 1e-3 * mass);
   EXPECT_GT((world.center_of_mass(other) - world.center_of_mass(one)).x, 0.29);
@@ -110,7 +110,7 @@ void hold_corners(World& world, ObjectId sheet) {
 }
 
 // A closed obstacle is suddenly in the way of a sheet, free or held at its corners.
-Story put_into_sheet(const TriangleMesh& mesh, const Vec3d& at, bool free, int frames) {
+History put_into_sheet(const TriangleMesh& mesh, const Vec3d& at, bool free, int frames) {
   World world({.gravity = {0, free ? 0 : -9.81f, 0}});
   const ObjectId sheet = add_sheet(world, {});
   if (!free) hold_corners(world, sheet);
@@ -120,28 +120,28 @@ Story put_into_sheet(const TriangleMesh& mesh, const Vec3d& at, bool free, int f
   for (int frame = 0; frame < 30; ++frame) world.step(frame_time);
   EXPECT_EQ(crossings(world), 0u);
   world.set_motion(obstacle, {.pose = ColliderMotion::fixed({.translation = at + Vec3d{0, 3, 0}})});
-  return tell(world, frames);
+  return simulate(world, frames);
 }
 
 void expect_left(bool free, double height) {
   const TriangleMesh cube = box({0.4, 0.4, 0.4}, 4), ball = sphere(3, 0.2), ring = torus(0.2, 0.06, 24, 12);
   for (const TriangleMesh& mesh : {cube, ball, ring}) {
-    const Story story = put_into_sheet(mesh, {0.03, height, 0.02}, free, free ? 60 : 180);
-    EXPECT_GT(story.at_first, 10u);
-    expect_apart(story);
+    const History history = put_into_sheet(mesh, {0.03, height, 0.02}, free, free ? 60 : 180);
+    EXPECT_GT(history.at_first, 10u);
+    expect_apart(history);
   }
 }
 
-TEST(Tangles, ObstaclesPutIntoAFreeSheetAreLeft) {
+TEST(Intersections, ObstaclesPutIntoAFreeSheetAreLeft) {
   expect_left(true, 0.04);
 }
 
-TEST(Tangles, ObstaclesInAHeldSheetAreLeftSlow) {
+TEST(Intersections, ObstaclesInAHeldSheetAreLeftSlow) {
   expect_left(false, -0.03);
 }
 
 // The loop of an obstacle's keyframes starts again in the middle of a sheet.
-TEST(Tangles, AnObstacleThatJumpsIntoASheetIsLeft) {
+TEST(Intersections, AnObstacleThatJumpsIntoASheetIsLeft) {
   for (const bool sequence : {false, true}) {
     World world;
     const Vec3d away{0, -3, 0};
@@ -158,12 +158,12 @@ TEST(Tangles, AnObstacleThatJumpsIntoASheetIsLeft) {
     world.add_obstacle(sphere(2, 0.15), {.thickness = 0.01f}, motion);
     for (int frame = 0; frame < 340; ++frame) world.step(frame_time);
     hold_corners(world, add_sheet(world, {.translation = {0.02, 0.01, 0.03}}));
-    expect_apart(tell(world, 200));
+    expect_apart(simulate(world, 200));
   }
 }
 
 // An analytic shape has no triangles to be tangled with: what is inside is led out by contacts.
-TEST(Tangles, AColliderThatJumpsIntoASheetIsLeft) {
+TEST(Intersections, AColliderThatJumpsIntoASheetIsLeft) {
   World world;
   const Vec3d away{0, -3, 0};
   ColliderOptions options;
@@ -172,43 +172,43 @@ TEST(Tangles, AColliderThatJumpsIntoASheetIsLeft) {
   world.add_collider(Sphere{.radius = 0.2f}, options);
   for (int frame = 0; frame < 340; ++frame) world.step(frame_time);
   hold_corners(world, add_sheet(world, {.translation = {0.02, 0.01, 0.03}}));
-  const Story story = tell(world, 200);
-  EXPECT_EQ(story.at_last, 0u);
-  EXPECT_LT(story.top_speed, speed_limit);
+  const History history = simulate(world, 200);
+  EXPECT_EQ(history.at_last, 0u);
+  EXPECT_LT(history.top_speed, speed_limit);
   const StepReport& report = world.step(frame_time);
   EXPECT_LT(report.deepest_contact, 0.01);
 }
 
-TEST(Tangles, ARopeThroughASheetIsDrawnOut) {
+TEST(Intersections, ARopeThroughASheetIsDrawnOut) {
   World world({.gravity = {}});
   add_sheet(world, {});
   const std::vector<Vec3d> ends{{0.03, 0.6, 0.02}, {0.05, -0.1, 0.01}};
   const ObjectId rope = world.add_rope(ends, 20, {.radius = 0.01f});
   const StepReport& first = world.step(frame_time);
-  EXPECT_EQ(first.tangles, 1u);
-  EXPECT_TRUE(first.has(Flag::tangled));
+  EXPECT_EQ(first.intersections, 1u);
+  EXPECT_TRUE(first.has(Flag::intersecting));
   EXPECT_NE(first.message.find("1 edge of 'rope' passes through triangles of 'cloth'"), std::string::npos)
       << first.message;
-  tell(world, 180);
-  EXPECT_EQ(world.report().tangles, 0u);
+  simulate(world, 180);
+  EXPECT_EQ(world.report().intersections, 0u);
   for (const Vec3f& x : world.positions(rope)) EXPECT_GT(x.y, 0.0f);
 }
 
-TEST(Tangles, WhatIsHeldIsOnlyReported) {
+TEST(Intersections, WhatIsHeldIsOnlyReported) {
   World world;
   const ObjectId one = add_sheet(world, {}), other = add_sheet(world, upright(0.21));
   world.pin(one, in_box({-9, -9, -9}, {9, 9, 9}));
   world.pin(other, in_box({-9, -9, -9}, {9, 9, 9}));
-  const Story story = tell(world, 60);
-  EXPECT_GT(story.at_first, 10u);
-  EXPECT_EQ(story.at_last, story.at_first);
-  EXPECT_EQ(story.top_speed, 0);
-  EXPECT_TRUE(world.report().has(Flag::tangled));
+  const History history = simulate(world, 60);
+  EXPECT_GT(history.at_first, 10u);
+  EXPECT_EQ(history.at_last, history.at_first);
+  EXPECT_EQ(history.top_speed, 0);
+  EXPECT_TRUE(world.report().has(Flag::intersecting));
   EXPECT_NE(world.report().message.find("where nothing can move"), std::string::npos);
 }
 
 // A sheet that is folded in two at rest, whose upper half bulges through the lower one.
-TEST(Tangles, ABulgeThroughTheOtherHalfOfASheetIsDrawnOut) {
+TEST(Intersections, ABulgeThroughTheOtherHalfOfASheetIsDrawnOut) {
   World world({.gravity = {}});
   ObjectOptions options;
   options.self_collision = true;
@@ -219,13 +219,13 @@ TEST(Tangles, ABulgeThroughTheOtherHalfOfASheetIsDrawnOut) {
     if (x.x > 0.01) x = {0.02 - x.x, 0.05 - bulge, x.z};
   }
   world.add_cloth(mesh, {.thickness = 0.01f}, options);
-  const Story story = tell(world, 180);
-  EXPECT_GT(story.at_first, 10u);
-  expect_apart(story);
-  EXPECT_LT(story.apart_after, 40);  // left alone, it takes twice as long
+  const History history = simulate(world, 180);
+  EXPECT_GT(history.at_first, 10u);
+  expect_apart(history);
+  EXPECT_LT(history.apart_after, 40);  // left alone, it takes twice as long
 }
 
-TEST(Tangles, BoxesInOneAnotherOnTheFloorComeApart) {
+TEST(Intersections, BoxesInOneAnotherOnTheFloorComeApart) {
   World world;
   world.add_collider(Plane{});
   const SoftBodyMaterial jelly{.young_modulus = 1e5f, .thickness = 0.01f};
@@ -234,11 +234,11 @@ TEST(Tangles, BoxesInOneAnotherOnTheFloorComeApart) {
     options.transform.translation = {x, 0.16, 0};
     world.add_soft_body(tet_bar(4, 4, 4, {0.3, 0.3, 0.3}), jelly, options);
   }
-  expect_apart(tell(world, 240));
+  expect_apart(simulate(world, 240));
 }
 
 // Bodies, sheets and obstacles thrown into one place, turned at random.
-TEST(Tangles, WhateverIsThrownTogetherComesApartSlow) {
+TEST(Intersections, WhateverIsThrownTogetherComesApartSlow) {
   test::Random random(3);
   const auto anywhere = [&](double spread) {
     ObjectOptions options;
@@ -260,13 +260,13 @@ TEST(Tangles, WhateverIsThrownTogetherComesApartSlow) {
     ObjectOptions options = anywhere(0.2);
     options.self_collision = false;
     if (kind == 2) world.add_obstacle(torus(0.25, 0.07, 24, 10), {.thickness = 0.01f}, {}, options);
-    const Story story = tell(world, 200);
-    EXPECT_EQ(story.at_last, 0u) << turn;
-    EXPECT_LT(story.top_speed, speed_limit) << turn;
+    const History history = simulate(world, 200);
+    EXPECT_EQ(history.at_last, 0u) << turn;
+    EXPECT_LT(history.top_speed, speed_limit) << turn;
   }
 }
 
-TEST(Tangles, ThreadsChangeNoBit) {
+TEST(Intersections, ThreadsChangeNoBit) {
   const auto hash = [](int threads) {
     World world({.threads = threads});
     add_sheet(world, {});
