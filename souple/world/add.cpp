@@ -243,7 +243,7 @@ void remove_object(WorldState& world, const Object& object) {
     if (i > index) --i;
   for (const auto& other : world.objects)
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
-  for (Extra& extra : world.extras) extra.erase_particles(begin, end);
+  for (UserConstraint& user_constraint : world.user_constraints) user_constraint.erase_particles(begin, end);
   world.particle_contacts.erase_particles(begin, end);
   world.surface_contacts.erase_particles(begin, end);
   world.feature_contacts.erase_particles(begin, end);

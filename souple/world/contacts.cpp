@@ -118,9 +118,10 @@ void build_contact_tables(WorldState& world) {
   tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.pairs);
   tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.pairs);
   std::vector<std::array<std::uint32_t, 2>> tied;
-  for (const Extra& extra : world.extras)
-    for (std::size_t i = 0; extra.tie && extra.holds && i < extra.tie->size(); ++i)
-      tied.push_back(extra.tie->set().indices(i));
+  for (const UserConstraint& user_constraint : world.user_constraints)
+    for (std::size_t i = 0; user_constraint.tie && user_constraint.holds && i < user_constraint.tie->size();
+         ++i)
+      tied.push_back(user_constraint.tie->set().indices(i));
   world.surface_contacts.exclude(tied);
   world.untangling.exclude(tied);
   world.particle_contacts.exclude(std::move(tied));

@@ -49,8 +49,8 @@ void measure(WorldState& world) {
 
 // What users' run-time constraints threw, or returned that is no number.
 void report_custom_errors(WorldState& world) {
-  for (const Extra& extra : world.extras)
-    if (auto* custom = dynamic_cast<CustomProjector*>(extra.projector.get())) {
+  for (const UserConstraint& user_constraint : world.user_constraints)
+    if (auto* custom = dynamic_cast<CustomProjector*>(user_constraint.projector.get())) {
       const std::string error = custom->take_error();
       if (!error.empty()) world.complain(Flag::callback_failed, error);
     }
@@ -121,12 +121,12 @@ namespace {
 // Time is a sum of steps: a billionth of a second too little is no reason to wait for another one.
 void let_go_of_ties(WorldState& world) {
   constexpr double rounding = 1e-9;  // s
-  for (Extra& extra : world.extras) {
-    const bool holds = !extra.until || world.time + rounding < *extra.until;
-    if (holds == extra.holds) continue;
-    extra.holds = holds;
+  for (UserConstraint& user_constraint : world.user_constraints) {
+    const bool holds = !user_constraint.until || world.time + rounding < *user_constraint.until;
+    if (holds == user_constraint.holds) continue;
+    user_constraint.holds = holds;
     world.dirty_tables = world.dirty_solver = true;  // contacts leave tied particles alone
-    wake_held(world, *extra.projector);
+    wake_held(world, *user_constraint.projector);
   }
 }
 

@@ -168,16 +168,17 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
   require_lasting(object, "attach");
   const std::vector<std::uint32_t> chosen = select(id, selector);
   auto projector = std::make_unique<SetProjector<Attachment>>();
-  Extra extra;
-  extra.target = std::move(target);
+  UserConstraint user_constraint;
+  user_constraint.target = std::move(target);
   for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
     const Vec3d x = world.exact_position(object.begin + particle);
     projector->add({object.begin + particle}, {Vec3f(x)}, {compliance});
-    extra.followers.push_back({vertex, object.embedding ? x - Vec3d(positions(id)[vertex]) : Vec3d{}});
+    user_constraint.attached_vertices.push_back(
+        {vertex, object.embedding ? x - Vec3d(positions(id)[vertex]) : Vec3d{}});
   }
-  extra.attachment = projector.get();
+  user_constraint.attachment = projector.get();
   wake_island(world, object);
-  return world.add_extra(std::move(extra), std::move(projector));
+  return world.add_user_constraint(std::move(user_constraint), std::move(projector));
 }
 
 ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pairs, float rest_length,
@@ -199,10 +200,10 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
   }
   for (const auto& [a, b] : pairs)
     wake_island(world, world.object(a.object)), wake_island(world, world.object(b.object));
-  Extra extra;
-  extra.tie = projector.get();
-  extra.until = until;
-  return world.add_extra(std::move(extra), std::move(projector));
+  UserConstraint user_constraint;
+  user_constraint.tie = projector.get();
+  user_constraint.until = until;
+  return world.add_user_constraint(std::move(user_constraint), std::move(projector));
 }
 
 namespace {
@@ -270,7 +271,7 @@ ProjectorId World::add_tethers(ObjectId id, float slack) {
                    {static_cast<float>(reach.distance[i] * (1 + static_cast<double>(slack)))});
   }
   wake_island(world, object);
-  return world.add_extra({}, std::move(projector));
+  return world.add_user_constraint({}, std::move(projector));
 }
 
 ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
@@ -278,26 +279,27 @@ ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
   world.require_between_steps("add_projector");
   if (!projector) throw Error("add_projector: the projector is null");
   projector->prepare(world.particles.size());
-  Extra extra;
-  extra.by_user = true;
+  UserConstraint user_constraint;
+  user_constraint.is_custom = true;
   wake_held(world, *projector);
-  return world.add_extra(std::move(extra), std::move(projector));
+  return world.add_user_constraint(std::move(user_constraint), std::move(projector));
 }
 
-ProjectorId WorldState::add_extra(Extra extra, std::unique_ptr<Projector> projector) {
-  extra.id = {next_id++};
-  extra.projector = std::move(projector);
-  dirty_tables = dirty_tables || extra.tie;  // contacts leave tied particles alone
+ProjectorId WorldState::add_user_constraint(UserConstraint user_constraint,
+                                            std::unique_ptr<Projector> projector) {
+  user_constraint.id = {next_id++};
+  user_constraint.projector = std::move(projector);
+  dirty_tables = dirty_tables || user_constraint.tie;  // contacts leave tied particles alone
   dirty_solver = true;
-  extras.push_back(std::move(extra));
-  return extras.back().id;
+  user_constraints.push_back(std::move(user_constraint));
+  return user_constraints.back().id;
 }
 
 namespace {
 
-std::size_t find_extra(const WorldState& world, ProjectorId id) {
-  for (std::size_t k = 0; k < world.extras.size(); ++k)
-    if (world.extras[k].id.value == id.value) return k;
+std::size_t find_user_constraint(const WorldState& world, ProjectorId id) {
+  for (std::size_t k = 0; k < world.user_constraints.size(); ++k)
+    if (world.user_constraints[k].id.value == id.value) return k;
   throw Error(
       fmt::format("no projector has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -307,16 +309,16 @@ std::size_t find_extra(const WorldState& world, ProjectorId id) {
 void World::remove(ProjectorId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
-  const std::size_t found = find_extra(world, id);
-  world.dirty_tables = world.dirty_tables || world.extras[found].tie;
+  const std::size_t found = find_user_constraint(world, id);
+  world.dirty_tables = world.dirty_tables || world.user_constraints[found].tie;
   world.dirty_solver = true;
-  wake_held(world, *world.extras[found].projector);
-  world.extras.erase(world.extras.begin() + static_cast<std::ptrdiff_t>(found));
+  wake_held(world, *world.user_constraints[found].projector);
+  world.user_constraints.erase(world.user_constraints.begin() + static_cast<std::ptrdiff_t>(found));
 }
 
 Projector& World::projector(ProjectorId id) {
   WorldState& world = impl_->state;
-  Projector& found = *world.extras[find_extra(world, id)].projector;
+  Projector& found = *world.user_constraints[find_user_constraint(world, id)].projector;
   world.dirty_solver = true;  // whoever asks for it may change it
   wake_held(world, found);
   return found;

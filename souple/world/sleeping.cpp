@@ -202,13 +202,13 @@ void find_restless(WorldState& world) {
     for (const PinnedParticle& pin : world.objects[a]->pins)
       if (pin.target) restless[a] = 1;
   const ParticleView view = world.view();
-  for (const Extra& extra : world.extras) {
-    if (extra.attachment && extra.target)
-      for (std::size_t k = 0; k < extra.attachment->set().size(); ++k)
-        mark_held(world, restless, extra.attachment->set().indices(k)[0]);
-    if (!extra.by_user) continue;
-    bool any = extra.projector->size() == 0;
-    extra.projector->visit(view, [&](const ConstraintState& constraint) {
+  for (const UserConstraint& user_constraint : world.user_constraints) {
+    if (user_constraint.attachment && user_constraint.target)
+      for (std::size_t k = 0; k < user_constraint.attachment->set().size(); ++k)
+        mark_held(world, restless, user_constraint.attachment->set().indices(k)[0]);
+    if (!user_constraint.is_custom) continue;
+    bool any = user_constraint.projector->size() == 0;
+    user_constraint.projector->visit(view, [&](const ConstraintState& constraint) {
       any = true;
       for (const std::uint32_t i : constraint.particles) mark_held(world, restless, i);
     });
@@ -246,9 +246,10 @@ void find_islands(WorldState& world) {
   }
   find_touching(world);
   for (const auto& [a, b] : touching.found) unite(parent, a, b);
-  for (const Extra& extra : world.extras)
-    for (std::size_t k = 0; extra.tie && extra.holds && k < extra.tie->set().size(); ++k) {
-      const auto ends = extra.tie->set().indices(k);
+  for (const UserConstraint& user_constraint : world.user_constraints)
+    for (std::size_t k = 0;
+         user_constraint.tie && user_constraint.holds && k < user_constraint.tie->set().size(); ++k) {
+      const auto ends = user_constraint.tie->set().indices(k);
       unite(parent, world.object_of[ends[0]], world.object_of[ends[1]]);
     }
 }

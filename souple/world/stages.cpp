@@ -168,7 +168,8 @@ void drive_pins(WorldState& world, const Substep& substep) {
 
 void drive_attachments(WorldState& world, const Substep& substep) {
   const double t = world.time + static_cast<double>(substep.h);
-  for (Extra& extra : world.extras) world.guarded("an attachment's target", [&] { extra.follow(t); });
+  for (UserConstraint& user_constraint : world.user_constraints)
+    world.guarded("an attachment's target", [&] { user_constraint.update_targets(t); });
 }
 
 }  // namespace

@@ -6,20 +6,22 @@
 
 namespace souple {
 
-void Extra::follow(double t) {
+void UserConstraint::update_targets(double t) {
   if (!attachment || !target) return;
-  for (std::size_t k = 0; k < followers.size(); ++k)
-    attachment->set().set_params(k, {Vec3f(target(followers[k].vertex, t) + followers[k].offset)});
+  for (std::size_t k = 0; k < attached_vertices.size(); ++k)
+    attachment->set().set_params(
+        k, {Vec3f(target(attached_vertices[k].vertex, t) + attached_vertices[k].offset)});
 }
 
-void Extra::erase_particles(std::uint32_t begin, std::uint32_t end) {
+void UserConstraint::erase_particles(std::uint32_t begin, std::uint32_t end) {
   if (attachment) {
-    std::vector<Follower> kept;
-    for (std::size_t k = 0; k < followers.size(); ++k) {  // in this order: one color, one particle each
+    std::vector<AttachedVertex> kept;
+    for (std::size_t k = 0; k < attached_vertices.size();
+         ++k) {  // in this order: one color, one particle each
       const std::uint32_t particle = attachment->set().indices(k)[0];
-      if (particle < begin || particle >= end) kept.push_back(followers[k]);
+      if (particle < begin || particle >= end) kept.push_back(attached_vertices[k]);
     }
-    followers = std::move(kept);
+    attached_vertices = std::move(kept);
   }
   projector->erase_particles(begin, end);
 }

@@ -104,9 +104,9 @@ struct Mirror {
 };
 
 /// A projector that does not come from one object alone: attachments, ties, tethers, the user's own.
-struct Extra {
+struct UserConstraint {
   /// The k-th constraint of an attachment goes where target(vertex, t) + offset is.
-  struct Follower {
+  struct AttachedVertex {
     std::uint32_t vertex = 0;
     Vec3d offset{};
   };
@@ -115,13 +115,13 @@ struct Extra {
   std::unique_ptr<Projector> projector;
   SetProjector<Attachment>* attachment = nullptr;  ///< `projector`, when it has a target
   SetProjector<Distance>* tie = nullptr;           ///< `projector`, when it ties vertices together
-  bool by_user = false;                            ///< it may pull otherwise at any time
+  bool is_custom = false;                          ///< it may pull otherwise at any time
   std::optional<double> until;                     ///< when a tie is let go of [s]
   bool holds = true;                               ///< it was not yet when the last step began
   Target target;
-  std::vector<Follower> followers;
+  std::vector<AttachedVertex> attached_vertices;
 
-  void follow(double t);
+  void update_targets(double t);
   /// Particles [begin, end) cease to exist.
   void erase_particles(std::uint32_t begin, std::uint32_t end);
 };
@@ -168,7 +168,7 @@ struct WorldState {
   std::uint32_t next_id = 1;
 
   std::vector<std::unique_ptr<Projector>> standard;  ///< built from the objects, in the order they are solved
-  std::vector<Extra> extras;
+  std::vector<UserConstraint> user_constraints;
   std::vector<Projector*> order;  ///< all of them, contacts last, as the solver sees them
   std::unique_ptr<Solver> solver;
   std::unique_ptr<Threads> threads;  ///< null: make them before the next step
@@ -223,7 +223,7 @@ struct WorldState {
   void require_free_name(std::string_view name) const;
   void require_between_steps(std::string_view what) const;
 
-  /// Calls f(projector) for all of them in the order they are solved: standard, extras, contacts.
+  /// Calls f(projector) for all of them in the order they are solved: standard, user_constraints, contacts.
   template <class Function>
   void for_each_projector(const Function& f) {
     for_each_constraint_projector(f);
@@ -237,11 +237,11 @@ struct WorldState {
   template <class Function>
   void for_each_constraint_projector(const Function& f) {
     for (const auto& projector : standard) f(*projector);
-    for (const Extra& extra : extras)
-      if (extra.holds) f(*extra.projector);
+    for (const UserConstraint& user_constraint : user_constraints)
+      if (user_constraint.holds) f(*user_constraint.projector);
   }
 
-  ProjectorId add_extra(Extra extra, std::unique_ptr<Projector> projector);
+  ProjectorId add_user_constraint(UserConstraint user_constraint, std::unique_ptr<Projector> projector);
 
   /// Sets a flag of the report and adds a line to its message.
   void complain(Flag flag, std::string_view words);
