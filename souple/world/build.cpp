@@ -293,9 +293,9 @@ void build_constraints(WorldState& world) {
   Kinds kinds;
   for (const auto& object : world.objects)
     std::visit([&](const auto& material) { add_object(*object, material, kinds); }, object->material);
-  world.standard.clear();
+  world.object_constraints.clear();
   const auto keep = [&](auto projector) {
-    if (projector->size() > 0) world.standard.push_back(std::move(projector));
+    if (projector->size() > 0) world.object_constraints.push_back(std::move(projector));
   };
   keep(std::move(kinds.distance));
   keep(std::move(kinds.membrane));

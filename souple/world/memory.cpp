@@ -44,7 +44,7 @@ void add_constraints(const WorldState& world, MemoryReport& report) {
       }
     report.simulation.push_back({std::string(projector.kind()), projector.bytes()});
   };
-  for (const auto& projector : world.standard) add(*projector);
+  for (const auto& projector : world.object_constraints) add(*projector);
   for (const UserConstraint& user_constraint : world.user_constraints) add(*user_constraint.projector);
 }
 

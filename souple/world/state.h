@@ -167,7 +167,8 @@ struct WorldState {
   std::vector<DrainRecord> drains;
   std::uint32_t next_id = 1;
 
-  std::vector<std::unique_ptr<Projector>> standard;  ///< built from the objects, in the order they are solved
+  std::vector<std::unique_ptr<Projector>>
+      object_constraints;  ///< built from the objects, in the order they are solved
   std::vector<UserConstraint> user_constraints;
   std::vector<Projector*> order;  ///< all of them, contacts last, as the solver sees them
   std::unique_ptr<Solver> solver;
@@ -236,7 +237,7 @@ struct WorldState {
   /// All but the contacts, in the same order.
   template <class Function>
   void for_each_constraint_projector(const Function& f) {
-    for (const auto& projector : standard) f(*projector);
+    for (const auto& projector : object_constraints) f(*projector);
     for (const UserConstraint& user_constraint : user_constraints)
       if (user_constraint.holds) f(*user_constraint.projector);
   }
