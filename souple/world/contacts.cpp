@@ -117,14 +117,15 @@ void build_contact_tables(WorldState& world) {
   }
   tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.pairs);
   tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.pairs);
-  std::vector<std::array<std::uint32_t, 2>> tied;
+  std::vector<std::array<std::uint32_t, 2>> joined;
   for (const UserConstraint& user_constraint : world.user_constraints)
-    for (std::size_t i = 0; user_constraint.tie && user_constraint.holds && i < user_constraint.tie->size();
+    for (std::size_t i = 0; user_constraint.distance_joint && user_constraint.is_active &&
+                            i < user_constraint.distance_joint->size();
          ++i)
-      tied.push_back(user_constraint.tie->set().indices(i));
-  world.surface_contacts.exclude(tied);
-  world.untangling.exclude(tied);
-  world.particle_contacts.exclude(std::move(tied));
+      joined.push_back(user_constraint.distance_joint->set().indices(i));
+  world.surface_contacts.exclude(joined);
+  world.untangling.exclude(joined);
+  world.particle_contacts.exclude(std::move(joined));
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
   std::vector<ContactSurface> surfaces;

@@ -25,7 +25,7 @@ void restore_last_good(WorldState& world) {
   particles.position = world.good_position;
   particles.offset = world.good_offset;
   particles.velocity = world.good_velocity;
-  hold_sleepers(world);
+  update_sleeping_masses(world);
   world.complain(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
                                                advice(Flag::non_finite)));
 }
@@ -119,14 +119,14 @@ namespace {
 
 // Whether a tie holds follows from the time alone, so a world that is restored ties again what it has to.
 // Time is a sum of steps: a billionth of a second too little is no reason to wait for another one.
-void let_go_of_ties(WorldState& world) {
+void release_joints(WorldState& world) {
   constexpr double rounding = 1e-9;  // s
   for (UserConstraint& user_constraint : world.user_constraints) {
-    const bool holds = !user_constraint.until || world.time + rounding < *user_constraint.until;
-    if (holds == user_constraint.holds) continue;
-    user_constraint.holds = holds;
+    const bool is_active = !user_constraint.until || world.time + rounding < *user_constraint.until;
+    if (is_active == user_constraint.is_active) continue;
+    user_constraint.is_active = is_active;
     world.dirty_tables = world.dirty_solver = true;  // contacts leave tied particles alone
-    wake_held(world, *user_constraint.projector);
+    wake_particles_of(world, *user_constraint.projector);
   }
 }
 
@@ -149,7 +149,7 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   try {
-    let_go_of_ties(world);
+    release_joints(world);
     bring_up_to_date(world);
   } catch (const Error& error) {
     world.complain(Flag::callback_failed, std::string(error.what()) + "; nothing was done");

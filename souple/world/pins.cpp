@@ -201,7 +201,7 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
   for (const auto& [a, b] : pairs)
     wake_island(world, world.object(a.object)), wake_island(world, world.object(b.object));
   UserConstraint user_constraint;
-  user_constraint.tie = projector.get();
+  user_constraint.distance_joint = projector.get();
   user_constraint.until = until;
   return world.add_user_constraint(std::move(user_constraint), std::move(projector));
 }
@@ -281,7 +281,7 @@ ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
   projector->prepare(world.particles.size());
   UserConstraint user_constraint;
   user_constraint.is_custom = true;
-  wake_held(world, *projector);
+  wake_particles_of(world, *projector);
   return world.add_user_constraint(std::move(user_constraint), std::move(projector));
 }
 
@@ -289,7 +289,7 @@ ProjectorId WorldState::add_user_constraint(UserConstraint user_constraint,
                                             std::unique_ptr<Projector> projector) {
   user_constraint.id = {next_id++};
   user_constraint.projector = std::move(projector);
-  dirty_tables = dirty_tables || user_constraint.tie;  // contacts leave tied particles alone
+  dirty_tables = dirty_tables || user_constraint.distance_joint;  // contacts leave tied particles alone
   dirty_solver = true;
   user_constraints.push_back(std::move(user_constraint));
   return user_constraints.back().id;
@@ -310,9 +310,9 @@ void World::remove(ProjectorId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
   const std::size_t found = find_user_constraint(world, id);
-  world.dirty_tables = world.dirty_tables || world.user_constraints[found].tie;
+  world.dirty_tables = world.dirty_tables || world.user_constraints[found].distance_joint;
   world.dirty_solver = true;
-  wake_held(world, *world.user_constraints[found].projector);
+  wake_particles_of(world, *world.user_constraints[found].projector);
   world.user_constraints.erase(world.user_constraints.begin() + static_cast<std::ptrdiff_t>(found));
 }
 
@@ -320,7 +320,7 @@ Projector& World::projector(ProjectorId id) {
   WorldState& world = impl_->state;
   Projector& found = *world.user_constraints[find_user_constraint(world, id)].projector;
   world.dirty_solver = true;  // whoever asks for it may change it
-  wake_held(world, found);
+  wake_particles_of(world, found);
   return found;
 }
 

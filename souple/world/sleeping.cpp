@@ -188,7 +188,7 @@ bool measure_rest(WorldState& world, double dt) {
   return ready;
 }
 
-void mark_held(const WorldState& world, std::vector<std::uint8_t>& restless, std::uint32_t particle) {
+void mark_object_of(const WorldState& world, std::vector<std::uint8_t>& restless, std::uint32_t particle) {
   restless[world.object_of[particle]] = 1;
 }
 
@@ -205,12 +205,12 @@ void find_restless(WorldState& world) {
   for (const UserConstraint& user_constraint : world.user_constraints) {
     if (user_constraint.attachment && user_constraint.target)
       for (std::size_t k = 0; k < user_constraint.attachment->set().size(); ++k)
-        mark_held(world, restless, user_constraint.attachment->set().indices(k)[0]);
+        mark_object_of(world, restless, user_constraint.attachment->set().indices(k)[0]);
     if (!user_constraint.is_custom) continue;
     bool any = user_constraint.projector->size() == 0;
     user_constraint.projector->visit(view, [&](const ConstraintState& constraint) {
       any = true;
-      for (const std::uint32_t i : constraint.particles) mark_held(world, restless, i);
+      for (const std::uint32_t i : constraint.particles) mark_object_of(world, restless, i);
     });
     if (!any) restless.assign(world.objects.size(), 1);
   }
@@ -247,9 +247,10 @@ void find_islands(WorldState& world) {
   find_touching(world);
   for (const auto& [a, b] : touching.found) unite(parent, a, b);
   for (const UserConstraint& user_constraint : world.user_constraints)
-    for (std::size_t k = 0;
-         user_constraint.tie && user_constraint.holds && k < user_constraint.tie->set().size(); ++k) {
-      const auto ends = user_constraint.tie->set().indices(k);
+    for (std::size_t k = 0; user_constraint.distance_joint && user_constraint.is_active &&
+                            k < user_constraint.distance_joint->set().size();
+         ++k) {
+      const auto ends = user_constraint.distance_joint->set().indices(k);
       unite(parent, world.object_of[ends[0]], world.object_of[ends[1]]);
     }
 }
@@ -318,7 +319,7 @@ void wake_all(WorldState& world) {
   for (const auto& object : world.objects) set_awake(world, *object);
 }
 
-void wake_held(WorldState& world, const Projector& projector) {
+void wake_particles_of(WorldState& world, const Projector& projector) {
   bool any = false;
   projector.visit(world.view(), [&](const ConstraintState& constraint) {
     any = true;
@@ -334,7 +335,7 @@ float inverse_mass_awake(const WorldState& world, const Object& object, std::uin
   return pinned ? 0 : 1 / world.particles.mass[object.begin + particle];
 }
 
-void hold_sleepers(WorldState& world) {
+void update_sleeping_masses(WorldState& world) {
   if (!world.settings.sleeping.enabled) return;
   for (const auto& object : world.objects)
     if (!is_obstacle(*object)) set_inverse_masses(world, *object);

@@ -32,11 +32,11 @@ void fall_asleep(WorldState& world, double dt);
 void wake_island(WorldState& world, const Object& object);
 void wake_all(WorldState& world);
 /// Wakes what a projector holds; all when it does not say what that is.
-void wake_held(WorldState& world, const Projector& projector);
+void wake_particles_of(WorldState& world, const Projector& projector);
 
 /// 1/kg of a particle of the object when it is awake; 0: it is pinned.
 float inverse_mass_awake(const WorldState& world, const Object& object, std::uint32_t particle);
 /// Sets inverse masses by who sleeps.
-void hold_sleepers(WorldState& world);
+void update_sleeping_masses(WorldState& world);
 
 }  // namespace souple

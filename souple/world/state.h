@@ -113,11 +113,11 @@ struct UserConstraint {
 
   ProjectorId id;
   std::unique_ptr<Projector> projector;
-  SetProjector<Attachment>* attachment = nullptr;  ///< `projector`, when it has a target
-  SetProjector<Distance>* tie = nullptr;           ///< `projector`, when it ties vertices together
-  bool is_custom = false;                          ///< it may pull otherwise at any time
-  std::optional<double> until;                     ///< when a tie is let go of [s]
-  bool holds = true;                               ///< it was not yet when the last step began
+  SetProjector<Attachment>* attachment = nullptr;    ///< `projector`, when it has a target
+  SetProjector<Distance>* distance_joint = nullptr;  ///< `projector`, when it ties vertices together
+  bool is_custom = false;                            ///< it may pull otherwise at any time
+  std::optional<double> until;                       ///< when a tie is let go of [s]
+  bool is_active = true;                             ///< it was not yet when the last step began
   Target target;
   std::vector<AttachedVertex> attached_vertices;
 
@@ -239,7 +239,7 @@ struct WorldState {
   void for_each_constraint_projector(const Function& f) {
     for (const auto& projector : object_constraints) f(*projector);
     for (const UserConstraint& user_constraint : user_constraints)
-      if (user_constraint.holds) f(*user_constraint.projector);
+      if (user_constraint.is_active) f(*user_constraint.projector);
   }
 
   ProjectorId add_user_constraint(UserConstraint user_constraint, std::unique_ptr<Projector> projector);
