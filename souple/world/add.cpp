@@ -29,15 +29,15 @@ constexpr std::uint32_t most_of_a_fluid = 50'000'000;  // particles
 
 /// What the adders make of their input: an Object without particles yet, and a mass for each of its
 /// particles.
-struct Draft {
+struct ObjectBuilder {
   std::unique_ptr<Object> object = std::make_unique<Object>();
   std::vector<double> mass;  ///< kg
 };
 
-Draft draft(const WorldState& world, ObjectKind kind, const Material& material,
-            const ObjectOptions& options) {
+ObjectBuilder make_builder(const WorldState& world, ObjectKind kind, const Material& material,
+                           const ObjectOptions& options) {
   world.require_between_steps("adding an object");
-  Draft result;
+  ObjectBuilder result;
   result.object->kind = kind;
   result.object->name = world.unique_name(options.name, kind_name(kind));
   if (kind != ObjectKind::fluid && options.max_particles > 0)
@@ -54,7 +54,7 @@ Draft draft(const WorldState& world, ObjectKind kind, const Material& material,
   return result;
 }
 
-void place_points(std::vector<Vec3d>& points, const Transform& transform, const std::string& name) {
+void transform_points(std::vector<Vec3d>& points, const Transform& transform, const std::string& name) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i] = transform.point(points[i]);
     // A float holds up to 3e38, but squared lengths have to fit as well.
@@ -110,8 +110,8 @@ void shrink(Object& object) {
 
 /// Gives the object its particles and its place in the world. Nothing has changed if anything before this
 /// threw.
-ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
-  Object& object = *draft.object;
+ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectOptions& options) {
+  Object& object = *builder.object;
   object.capacity = std::max(static_cast<std::uint32_t>(object.rest.size()), options.max_particles);
   if (object.capacity == 0) throw Error(object.name + ": there are no vertices");
   object.stiffness_map = gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
@@ -132,7 +132,7 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   particles.resize(object.reserved_end());
   world.object_of.resize(object.reserved_end(), static_cast<std::uint32_t>(world.objects.size()));
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    const double mass = draft.mass[i - object.begin];
+    const double mass = builder.mass[i - object.begin];
     particles.mass[i] = static_cast<float>(mass);
     particles.position[i].w = mass > 0 ? static_cast<float>(1 / mass) : 0.0f;
     world.place(i, object.rest[i - object.begin]);
@@ -141,13 +141,13 @@ ObjectId enter(WorldState& world, Draft draft, const ObjectOptions& options) {
   world.dirty_all();
   world.forget_contacts();
   ++world.version;
-  world.objects.push_back(std::move(draft.object));
+  world.objects.push_back(std::move(builder.object));
   return world.objects.back()->id;
 }
 
 /// Particles in the order of a space-filling curve; particle_of and vertex_of follow.
-void adopt_particles(Object& object, std::vector<Vec3d> rest, const std::vector<std::uint32_t>& to_particle,
-                     const std::vector<std::uint32_t>& to_vertex) {
+void import_particles(Object& object, std::vector<Vec3d> rest, const std::vector<std::uint32_t>& to_particle,
+                      const std::vector<std::uint32_t>& to_vertex) {
   const std::vector<std::uint32_t> order = morton_order(rest);  // order[new] = old
   std::vector<std::uint32_t> new_of(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) new_of[order[i]] = i;
@@ -258,15 +258,15 @@ void remove_object(WorldState& world, const Object& object) {
 namespace {
 
 /// A surface's vertices as particles, welded, and what is sound of its triangles over them.
-void adopt_surface(const WorldState& world, Object& object, const TriangleMesh& mesh,
-                   const Transform& transform) {
+void import_surface(const WorldState& world, Object& object, const TriangleMesh& mesh,
+                    const Transform& transform) {
   check_indices(mesh, object.name.c_str());
   object.mesh = mesh;
-  place_points(object.mesh.positions, transform, object.name);
+  transform_points(object.mesh.positions, transform, object.name);
   const RepairedSurface repaired = repair(object.mesh);
   world.tell(object.name, repaired.sentences);
   const Weld& weld = repaired.weld;
-  adopt_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
+  import_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
   if (repaired.source != identity(object.mesh.triangles.size())) object.surface_source = repaired.source;
   for (const Triangle& triangle : repaired.triangles)
     object.surface.push_back({object.particle_of[weld.to_vertex[triangle[0]]],
@@ -275,8 +275,8 @@ void adopt_surface(const WorldState& world, Object& object, const TriangleMesh& 
 }
 
 /// A lattice's nodes as particles, its tets over them.
-void adopt_tets(Object& object, const TetMesh& mesh) {
-  adopt_particles(object, mesh.positions, identity(mesh.positions.size()), identity(mesh.positions.size()));
+void import_tets(Object& object, const TetMesh& mesh) {
+  import_particles(object, mesh.positions, identity(mesh.positions.size()), identity(mesh.positions.size()));
   object.tets.positions = object.rest;
   for (Tet tet : mesh.tets) {
     for (std::uint32_t& i : tet) i = object.particle_of[i];
@@ -325,24 +325,24 @@ void name_nearest_vertices(Object& object) {
 ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& material,
                           const ObjectOptions& options) {
   WorldState& world = impl_->state;
-  Draft cloth = draft(world, ObjectKind::cloth, material, options);
+  ObjectBuilder cloth = make_builder(world, ObjectKind::cloth, material, options);
   Object& object = *cloth.object;
-  adopt_surface(world, object, mesh, options.transform);
+  import_surface(world, object, mesh, options.transform);
   cloth.mass = lumped_masses(object.rest, object.surface, static_cast<double>(material.areal_density));
   fill_missing_masses(cloth.mass, object.name);
-  return enter(world, std::move(cloth), options);
+  return register_object(world, std::move(cloth), options);
 }
 
 ObjectId World::add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material,
                               const ObjectOptions& options) {
   WorldState& world = impl_->state;
-  Draft body = draft(world, ObjectKind::soft_body, material, options);
+  ObjectBuilder body = make_builder(world, ObjectKind::soft_body, material, options);
   Object& object = *body.object;
   check_indices(mesh, object.name.c_str());
   TetMesh placed = mesh;
-  place_points(placed.positions, options.transform, object.name);
+  transform_points(placed.positions, options.transform, object.name);
   require_volumes(placed, object.name);
-  adopt_tets(object, placed);
+  import_tets(object, placed);
   object.mesh.positions = placed.positions;
   object.mesh.triangles = surface_triangles(placed.tets);
   object.mesh.groups = placed.groups;
@@ -350,22 +350,22 @@ ObjectId World::add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& mater
     object.surface.push_back({object.particle_of[t[0]], object.particle_of[t[1]], object.particle_of[t[2]]});
   body.mass = lumped_masses(object.tets, static_cast<double>(material.density));
   fill_missing_masses(body.mass, object.name);
-  return enter(world, std::move(body), options);
+  return register_object(world, std::move(body), options);
 }
 
 ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMaterial& material,
                               const LatticeOptions& options_of_lattice, const ObjectOptions& options) {
   WorldState& world = impl_->state;
-  Draft body = draft(world, ObjectKind::soft_body, material, options);
+  ObjectBuilder body = make_builder(world, ObjectKind::soft_body, material, options);
   Object& object = *body.object;
   check_indices(surface, object.name.c_str());
   object.mesh = surface;
-  place_points(object.mesh.positions, options.transform, object.name);
+  transform_points(object.mesh.positions, options.transform, object.name);
   LatticeOptions fineness = options_of_lattice;
   if (fineness.cells == 0 && fineness.cell_size == 0) fineness.cells = 2000;
   const Lattice lattice = build_lattice(object.mesh, fineness, object.name);
 
-  adopt_tets(object, lattice.mesh);
+  import_tets(object, lattice.mesh);
   object.embedding = embed(object.mesh.positions, object.tets);
   name_nearest_vertices(object);
   // The lattice is larger than the surface, so its particles would meet the floor before the surface does:
@@ -375,20 +375,20 @@ ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMateria
       static_cast<double>(material.density) * lattice.surface_volume / lattice.lattice_volume;
   body.mass = lumped_masses(object.tets, density);
   fill_missing_masses(body.mass, object.name);
-  return enter(world, std::move(body), options);
+  return register_object(world, std::move(body), options);
 }
 
 ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, const RopeMaterial& material,
                          const ObjectOptions& options) {
   WorldState& world = impl_->state;
-  Draft rope = draft(world, ObjectKind::rope, material, options);
+  ObjectBuilder rope = make_builder(world, ObjectKind::rope, material, options);
   Object& object = *rope.object;
   if (points.size() < 2)
     throw Error(fmt::format("{}: a rope needs at least two points, got {}", object.name, points.size()));
   if (segments < 1 || segments > 10000000)
     throw Error(fmt::format("{}: segments is {}, expected 1 to 10,000,000", object.name, segments));
   std::vector<Vec3d> path(points.begin(), points.end());
-  place_points(path, options.transform, object.name);
+  transform_points(path, options.transform, object.name);
   object.rest = resample_polyline(path, segments);
   const double length_of_all = polyline_length(path);
   if (!(length_of_all > 0)) throw Error(object.name + ": its points coincide, so the rope has no length");
@@ -397,21 +397,21 @@ ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, 
   const double mass = static_cast<double>(material.density) * pi * radius * radius * length_of_all / segments;
   rope.mass.assign(object.rest.size(), mass);
   rope.mass.front() = rope.mass.back() = mass / 2;
-  return enter(world, std::move(rope), options);
+  return register_object(world, std::move(rope), options);
 }
 
 ObjectId World::add_grains(std::span<const Vec3d> centers, const GrainsMaterial& material,
                            const ObjectOptions& options) {
   WorldState& world = impl_->state;
-  Draft grains = draft(world, ObjectKind::grains, material, options);
+  ObjectBuilder grains = make_builder(world, ObjectKind::grains, material, options);
   Object& object = *grains.object;
   object.rest.assign(centers.begin(), centers.end());
-  place_points(object.rest, options.transform, object.name);
+  transform_points(object.rest, options.transform, object.name);
   object.particle_of = object.vertex_of = identity(object.rest.size());
   const auto radius = static_cast<double>(material.radius);
   grains.mass.assign(object.rest.size(),
                      static_cast<double>(material.density) * 4 / 3 * pi * radius * radius * radius);
-  return enter(world, std::move(grains), options);
+  return register_object(world, std::move(grains), options);
 }
 
 namespace {
@@ -441,16 +441,16 @@ void require_fluid_options(const ObjectOptions& options, const std::string& name
 ObjectId World::add_fluid(std::span<const Vec3d> centers, const FluidMaterial& material,
                           const ObjectOptions& options) {
   WorldState& world = impl_->state;
-  Draft fluid = draft(world, ObjectKind::fluid, material, options);
+  ObjectBuilder fluid = make_builder(world, ObjectKind::fluid, material, options);
   Object& object = *fluid.object;
   require_fluid_options(options, object.name);
   require_same_spacing(world, object, material.spacing);
   object.rest.assign(centers.begin(), centers.end());
-  place_points(object.rest, options.transform, object.name);
+  transform_points(object.rest, options.transform, object.name);
   object.particle_of = object.vertex_of = identity(object.rest.size());
   const auto d = static_cast<double>(material.spacing);
   fluid.mass.assign(object.rest.size(), static_cast<double>(material.density) * d * d * d);
-  return enter(world, std::move(fluid), options);
+  return register_object(world, std::move(fluid), options);
 }
 
 ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& material,
@@ -458,10 +458,10 @@ ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& mate
   const std::string name = options.name.empty() ? std::string(kind_name(ObjectKind::fluid)) : options.name;
   validate(material, name);
   TriangleMesh placed = surface;
-  place_points(placed.positions, options.transform, name);
-  ObjectOptions at_place = options;
-  at_place.transform = {};
-  return add_fluid(fill(placed, static_cast<double>(material.spacing), name), material, at_place);
+  transform_points(placed.positions, options.transform, name);
+  ObjectOptions transformed = options;
+  transformed.transform = {};
+  return add_fluid(fill(placed, static_cast<double>(material.spacing), name), material, transformed);
 }
 
 namespace {
@@ -482,17 +482,17 @@ void require_obstacle_options(const ObjectOptions& options, const std::string& n
 ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material,
                              ObstacleMotion motion, const ObjectOptions& options) {
   WorldState& world = impl_->state;
-  Draft obstacle = draft(world, ObjectKind::obstacle, material, options);
+  ObjectBuilder obstacle = make_builder(world, ObjectKind::obstacle, material, options);
   Object& object = *obstacle.object;
   require_obstacle_options(options, object.name);
-  adopt_surface(world, object, mesh, options.transform);
+  import_surface(world, object, mesh, options.transform);
   if (object.surface.empty()) throw Error(object.name + ": there are no triangles to touch");
   validate(motion, object.vertex_count(), object.name);
   object.motion = std::move(motion);
   object.placement = options.transform;
   obstacle.mass.assign(object.rest.size(), 0.0);
   const std::vector<Vec3d> now = obstacle_positions(object, world.time);
-  const ObjectId id = enter(world, std::move(obstacle), options);
+  const ObjectId id = register_object(world, std::move(obstacle), options);
   const std::uint32_t begin = world.object(id).begin;
   for (std::uint32_t k = 0; k < now.size(); ++k) world.place(begin + k, now[k]);
   return id;
