@@ -209,7 +209,7 @@ void find_candidates(WorldState& world, double dt) {
   ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   predict_obstacles(world, dt);
-  wake_touched(world, dt);
+  wake_disturbed(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)

@@ -13,10 +13,10 @@ namespace souple {
 namespace {
 
 // What counts as a touch, in parts of the thickness that contacts keep.
-constexpr float slack = 0.25f;
-constexpr float least_reach = 1e-5f;  // m
+constexpr float margin_ratio = 0.25f;
+constexpr float min_margin = 1e-5f;  // m
 // Obstacles and colliders carry what lies on them: they wake it when they move by this part of the speed.
-constexpr float carried = 0.01f;
+constexpr float carrier_speed_ratio = 0.01f;
 constexpr std::size_t chunk = 2048;  // particles
 
 bool is_obstacle(const Object& object) {
@@ -33,7 +33,7 @@ void set_inverse_masses(WorldState& world, const Object& object) {
 }
 
 void set_awake(WorldState& world, Object& object) {
-  object.still_time = 0;
+  object.rest_time = 0;
   if (object.island == 0) return;
   object.island = 0;
   set_inverse_masses(world, object);
@@ -52,12 +52,12 @@ void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
 
 void set_box(Touching& touching, const WorldState& world, std::uint32_t i, const Vec3f& x, const Vec3f& move,
              float fall) {
-  const float reach = (1 + slack) * max(world.particles.radius[i], 0.0f) + least_reach;
+  const float reach = (1 + margin_ratio) * max(world.particles.radius[i], 0.0f) + min_margin;
   touching.reach[i] = reach;
   touching.way[i] = length(move) + fall;
   const float grown = reach + fall;
-  const Vec3f end = x + move, room{grown, grown, grown};
-  touching.boxes[i] = united({x - room, x + room}, {end - room, end + room});
+  const Vec3f end = x + move, extent{grown, grown, grown};
+  touching.boxes[i] = united({x - extent, x + extent}, {end - extent, end + extent});
 }
 
 // A mover's particles look ahead when they are fast; those of an obstacle that was somewhere else, all.
@@ -65,12 +65,12 @@ bool mark_mover(WorldState& world, const Object& object, float dt) {
   Touching& touching = world.sleep.touching;
   const ParticleView view = world.view();
   const Settings& settings = world.settings;
-  const float least = settings.sleeping.speed * (is_obstacle(object) ? carried : 1.0f);
-  const bool jumped = is_obstacle(object) && object.still_time == 0;
+  const float threshold = settings.sleeping.speed * (is_obstacle(object) ? carrier_speed_ratio : 1.0f);
+  const bool jumped = is_obstacle(object) && object.rest_time == 0;
   bool any = false;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3f v = world.particles.velocity[i].xyz();
-    const bool fast = jumped || length(v) > least;
+    const bool fast = jumped || length(v) > threshold;
     any = any || fast;
     touching.looks[i] = {0, 0, 0, fast ? 1.0f : 0.0f};
     const float fall = world.particles.position[i].w > 0 ? length(settings.gravity) * dt * dt : 0.0f;
@@ -96,7 +96,7 @@ void wake_near_movers(WorldState& world, float dt) {
   bool any = false;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
-    if (object.island != 0 || (object.still_time > 0 && !is_obstacle(object))) continue;
+    if (object.island != 0 || (object.rest_time > 0 && !is_obstacle(object))) continue;
     touching.asks[a] = mark_mover(world, object, dt) ? 1 : 0;
     any = any || touching.asks[a] != 0;
   }
@@ -132,9 +132,9 @@ struct MovingCollider {
     return surface_distance(shape, rotate(conjugate(pose.rotation), x - pose.translation)).distance;
   }
   /// By the motion of its surface there, which is `shift + turn D` at most at a distance D from its center.
-  bool touches(const Vec3d& x, double reach, double least) const {
+  bool touches(const Vec3d& x, double reach, double threshold) const {
     const double motion = shift + turn * length(x - center);
-    if (motion <= least) return false;
+    if (motion <= threshold) return false;
     return std::min(distance(shape, before, x), distance(shape, after, x)) <= reach + motion;
   }
 };
@@ -142,14 +142,14 @@ struct MovingCollider {
 void wake_near_collider(WorldState& world, std::size_t collider, double dt) {
   const ColliderRecord& record = world.colliders[collider];
   const MovingCollider moving(record, world.time, dt);
-  const auto least = static_cast<double>(carried * world.settings.sleeping.speed) * dt;
+  const auto threshold = static_cast<double>(carrier_speed_ratio * world.settings.sleeping.speed) * dt;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
     if (object.island == 0 || !world.tables.against_colliders.collide(a, collider)) continue;
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
       const auto radius = static_cast<double>(max(world.particles.radius[i], 0.0f));
-      const double reach = (1 + double(slack)) * radius + double(least_reach);
-      if (!moving.touches(world.exact_position(i), reach, least)) continue;
+      const double reach = (1 + double(margin_ratio)) * radius + double(min_margin);
+      if (!moving.touches(world.exact_position(i), reach, threshold)) continue;
       wake_island(world, object);
       break;
     }
@@ -158,10 +158,10 @@ void wake_near_collider(WorldState& world, std::size_t collider, double dt) {
 
 // --- islands
 
-float farthest(WorldState& world, const Object& object) {
+float max_displacement(WorldState& world, const Object& object) {
   const Particles& p = world.particles;
   const std::size_t count = object.particle_count(), chunks = (count + chunk - 1) / chunk;
-  std::vector<float>& squared = world.sleep.farthest;
+  std::vector<float>& squared = world.sleep.chunk_displacement_squared;
   squared.assign(chunks, 0);
   world.threads->for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c)
@@ -179,40 +179,42 @@ bool measure_rest(WorldState& world, double dt) {
   bool ready = false;
   for (const auto& object : world.objects) {
     if (object->island != 0) continue;
-    const double limit = static_cast<double>(sleeping.speed * (is_obstacle(*object) ? carried : 1.0f)) * dt;
-    const double before = object->still_time;
-    object->still_time = static_cast<double>(farthest(world, *object)) <= limit ? before + dt : 0;
-    ready = ready || (!is_obstacle(*object) &&
-                      std::floor(object->still_time / seconds) > std::floor(before / seconds));
+    const double limit =
+        static_cast<double>(sleeping.speed * (is_obstacle(*object) ? carrier_speed_ratio : 1.0f)) * dt;
+    const double before = object->rest_time;
+    object->rest_time = static_cast<double>(max_displacement(world, *object)) <= limit ? before + dt : 0;
+    ready = ready ||
+            (!is_obstacle(*object) && std::floor(object->rest_time / seconds) > std::floor(before / seconds));
   }
   return ready;
 }
 
-void mark_object_of(const WorldState& world, std::vector<std::uint8_t>& restless, std::uint32_t particle) {
-  restless[world.object_of[particle]] = 1;
+void mark_object_of(const WorldState& world, std::vector<std::uint8_t>& cannot_sleep,
+                    std::uint32_t particle) {
+  cannot_sleep[world.object_of[particle]] = 1;
 }
 
 // What something may pull at any moment does not sleep.
-void find_restless(WorldState& world) {
-  std::vector<std::uint8_t>& restless = world.sleep.restless;
+void find_sleepless(WorldState& world) {
+  std::vector<std::uint8_t>& cannot_sleep = world.sleep.cannot_sleep;
   const Wind& wind = world.settings.wind;
   const bool gusts = wind.gust > 0 && !(wind.velocity == Vec3f{});
-  restless.assign(world.objects.size(), gusts || !world.force_fields.empty() ? 1 : 0);
+  cannot_sleep.assign(world.objects.size(), gusts || !world.force_fields.empty() ? 1 : 0);
   for (std::size_t a = 0; a < world.objects.size(); ++a)
     for (const PinnedParticle& pin : world.objects[a]->pins)
-      if (pin.target) restless[a] = 1;
+      if (pin.target) cannot_sleep[a] = 1;
   const ParticleView view = world.view();
   for (const UserConstraint& user_constraint : world.user_constraints) {
     if (user_constraint.attachment && user_constraint.target)
       for (std::size_t k = 0; k < user_constraint.attachment->set().size(); ++k)
-        mark_object_of(world, restless, user_constraint.attachment->set().indices(k)[0]);
+        mark_object_of(world, cannot_sleep, user_constraint.attachment->set().indices(k)[0]);
     if (!user_constraint.is_custom) continue;
     bool any = user_constraint.projector->size() == 0;
     user_constraint.projector->visit(view, [&](const ConstraintState& constraint) {
       any = true;
-      for (const std::uint32_t i : constraint.particles) mark_object_of(world, restless, i);
+      for (const std::uint32_t i : constraint.particles) mark_object_of(world, cannot_sleep, i);
     });
-    if (!any) restless.assign(world.objects.size(), 1);
+    if (!any) cannot_sleep.assign(world.objects.size(), 1);
   }
 }
 
@@ -257,17 +259,17 @@ void find_islands(WorldState& world) {
 
 void put_islands_to_sleep(WorldState& world) {
   std::vector<std::uint32_t>& parent = world.sleep.parent;
-  std::vector<std::uint8_t>& restless = world.sleep.restless;
+  std::vector<std::uint8_t>& cannot_sleep = world.sleep.cannot_sleep;
   const auto n = static_cast<std::uint32_t>(world.objects.size());
   const auto seconds = static_cast<double>(world.settings.sleeping.seconds);
   for (std::uint32_t a = n; a-- > 0;) {  // roots are the lowest: they come last
     const Object& object = *world.objects[a];
-    if (object.island == 0 && object.still_time < seconds) restless[a] = 1;
-    if (restless[a] != 0) restless[root(parent, a)] = 1;
+    if (object.island == 0 && object.rest_time < seconds) cannot_sleep[a] = 1;
+    if (cannot_sleep[a] != 0) cannot_sleep[root(parent, a)] = 1;
   }
   for (std::uint32_t a = 0; a < n; ++a) {
     const std::uint32_t first = root(parent, a);
-    if (restless[first] != 0 || is_obstacle(*world.objects[a])) continue;
+    if (cannot_sleep[first] != 0 || is_obstacle(*world.objects[a])) continue;
     set_asleep(world, *world.objects[a], world.objects[first]->id.value);
   }
 }
@@ -284,7 +286,7 @@ void count_sleepers(WorldState& world) {
 
 }  // namespace
 
-void wake_touched(WorldState& world, double dt) {
+void wake_disturbed(WorldState& world, double dt) {
   SleepScratch& sleep = world.sleep;
   sleep.woken = false;
   sleep.all = false;
@@ -302,7 +304,7 @@ void wake_touched(WorldState& world, double dt) {
 void fall_asleep(WorldState& world, double dt) {
   if (!world.settings.sleeping.enabled) return;
   if (measure_rest(world, dt)) {
-    find_restless(world);
+    find_sleepless(world);
     find_islands(world);
     put_islands_to_sleep(world);
   }

@@ -18,13 +18,13 @@ struct SleepScratch {
   bool woken = false;  ///< someone woke in the middle of a step: near pairs are to be found again
   bool all = false;    ///< there are only sleepers and obstacles, so nothing to solve
   Touching touching;
-  std::vector<std::uint32_t> parent;   ///< of each object in its island, while islands are found
-  std::vector<std::uint8_t> restless;  ///< objects that must not sleep; of an island by its first object
-  std::vector<float> farthest;         ///< of each chunk of an object's particles [m]
+  std::vector<std::uint32_t> parent;       ///< of each object in its island, while islands are found
+  std::vector<std::uint8_t> cannot_sleep;  ///< objects that must not sleep; of an island by its first object
+  std::vector<float> chunk_displacement_squared;  ///< of each chunk of an object's particles [m]
 };
 
 /// Before a step: wakes the islands that something may touch in it which moves.
-void wake_touched(WorldState& world, double dt);
+void wake_disturbed(WorldState& world, double dt);
 /// After a step: islands of which nothing has moved for long enough fall asleep.
 void fall_asleep(WorldState& world, double dt);
 

@@ -54,7 +54,7 @@ constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeo
 
 /// Of an object.
 struct Rest {
-  double still_time;
+  double rest_time;
   std::uint32_t island, particles;
 };
 
@@ -108,7 +108,7 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
   for (const auto& object : world.objects) {
     Rest rest{};
     get(in, &rest, 1);
-    object->still_time = rest.still_time;
+    object->rest_time = rest.rest_time;
     object->island = rest.island;
     if (object->kind == ObjectKind::fluid)
       set_count(world, *object, std::min(rest.particles, object->capacity));
@@ -142,7 +142,7 @@ Snapshot World::snapshot() const {
   put(out, particles.contact_margin.data(), particles.size());
   put(out, friction.data(), friction.size());
   for (const auto& object : world.objects) {
-    const Rest rest{object->still_time, object->island, object->particle_count()};
+    const Rest rest{object->rest_time, object->island, object->particle_count()};
     put(out, &rest, 1);
   }
   for (const EmitterRecord& record : world.emitters) put(out, &record.layers, 1);

@@ -74,7 +74,7 @@ struct Object {
   CollisionFilter filter;                                  ///< which other things it meets
   float pressure = 0;                                      ///< Pa
   std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance
-  double still_time = 0;                                   ///< for how long it has been at rest by now [s]
+  double rest_time = 0;                                    ///< for how long it has been at rest by now [s]
   std::uint32_t island = 0;  ///< that it sleeps with, named by one of its objects' ids; 0: awake
   ObstacleMotion motion;     ///< of an obstacle
   Transform placement;       ///< of an obstacle: applied to its sequence
