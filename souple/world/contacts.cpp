@@ -100,7 +100,7 @@ void build_contact_tables(WorldState& world) {
   world.collider_contacts.erase_particles(0, 0);  // they refer to the old tables
   world.forget_contacts();
   ContactTables& tables = world.tables;
-  world.sleep.touching.forget();
+  world.sleep.proximity.invalidate();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedContactMaterial> object_materials, collider_materials;
@@ -154,7 +154,7 @@ void tell_counts(WorldState& world) {
     world.tables.objects[a].end = object.end;
     world.surface_contacts.set_end(a, object.end);
   }
-  world.sleep.touching.forget();
+  world.sleep.proximity.invalidate();
   world.dirty_counts = false;
 }
 

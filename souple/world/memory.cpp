@@ -88,8 +88,8 @@ MemoryReport World::memory() {
   add_constraints(world, report);
   report.simulation.push_back({"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
                                                world.collider_contacts.bytes() +
-                                               world.feature_contacts.bytes() + world.sleep.touching.bytes() +
-                                               world.untangling.bytes()});
+                                               world.feature_contacts.bytes() +
+                                               world.sleep.proximity.bytes() + world.untangling.bytes()});
   if (const std::size_t foam = world.fluids.foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});
   add_objects(world, report);

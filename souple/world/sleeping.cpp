@@ -50,19 +50,19 @@ void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
 
 // --- what touches
 
-void set_box(Touching& touching, const WorldState& world, std::uint32_t i, const Vec3f& x, const Vec3f& move,
-             float fall) {
-  const float reach = (1 + margin_ratio) * max(world.particles.radius[i], 0.0f) + min_margin;
-  touching.reach[i] = reach;
-  touching.way[i] = length(move) + fall;
-  const float grown = reach + fall;
+void set_box(ProximityQuery& proximity, const WorldState& world, std::uint32_t i, const Vec3f& x,
+             const Vec3f& move, float fall) {
+  const float margin = (1 + margin_ratio) * max(world.particles.radius[i], 0.0f) + min_margin;
+  proximity.margin[i] = margin;
+  proximity.motion_bound[i] = length(move) + fall;
+  const float grown = margin + fall;
   const Vec3f end = x + move, extent{grown, grown, grown};
-  touching.boxes[i] = united({x - extent, x + extent}, {end - extent, end + extent});
+  proximity.boxes[i] = united({x - extent, x + extent}, {end - extent, end + extent});
 }
 
 // A mover's particles look ahead when they are fast; those of an obstacle that was somewhere else, all.
 bool mark_mover(WorldState& world, const Object& object, float dt) {
-  Touching& touching = world.sleep.touching;
+  ProximityQuery& proximity = world.sleep.proximity;
   const ParticleView view = world.view();
   const Settings& settings = world.settings;
   const float threshold = settings.sleeping.speed * (is_obstacle(object) ? carrier_speed_ratio : 1.0f);
@@ -72,42 +72,42 @@ bool mark_mover(WorldState& world, const Object& object, float dt) {
     const Vec3f v = world.particles.velocity[i].xyz();
     const bool fast = jumped || length(v) > threshold;
     any = any || fast;
-    touching.looks[i] = {0, 0, 0, fast ? 1.0f : 0.0f};
+    proximity.active_particles[i] = {0, 0, 0, fast ? 1.0f : 0.0f};
     const float fall = world.particles.position[i].w > 0 ? length(settings.gravity) * dt * dt : 0.0f;
-    set_box(touching, world, i, view.relative(i, {}), v * dt, fall);
+    set_box(proximity, world, i, view.relative(i, {}), v * dt, fall);
   }
   return any;
 }
 
-void mark_still(WorldState& world, const Object& object, bool looks) {
-  Touching& touching = world.sleep.touching;
+void mark_still(WorldState& world, const Object& object, bool active) {
+  ProximityQuery& proximity = world.sleep.proximity;
   const ParticleView view = world.view();
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    touching.looks[i] = {0, 0, 0, looks ? 1.0f : 0.0f};
-    set_box(touching, world, i, view.relative(i, {}), {}, 0);
+    proximity.active_particles[i] = {0, 0, 0, active ? 1.0f : 0.0f};
+    set_box(proximity, world, i, view.relative(i, {}), {}, 0);
   }
 }
 
 // Wakes what objects and obstacles that move may touch. One that has been at rest wakes nobody, whatever its
 // last substep left of velocities: of two that settle together one may fall asleep first.
 void wake_near_movers(WorldState& world, float dt) {
-  Touching& touching = world.sleep.touching;
-  touching.begin(world);
+  ProximityQuery& proximity = world.sleep.proximity;
+  proximity.reset(world);
   bool any = false;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
     if (object.island != 0 || (object.rest_time > 0 && !is_obstacle(object))) continue;
-    touching.asks[a] = mark_mover(world, object, dt) ? 1 : 0;
-    any = any || touching.asks[a] != 0;
+    proximity.active[a] = mark_mover(world, object, dt) ? 1 : 0;
+    any = any || proximity.active[a] != 0;
   }
   if (!any) return;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     if (world.objects[a]->island == 0) continue;
-    touching.answers[a] = 1;
+    proximity.passive[a] = 1;
     mark_still(world, *world.objects[a], false);
   }
-  find_touching(world);
-  for (const auto& [a, b] : touching.found)
+  find_close_objects(world);
+  for (const auto& [a, b] : proximity.found)
     for (const std::uint32_t k : {a, b})
       if (world.objects[k]->island != 0) wake_island(world, *world.objects[k]);
 }
@@ -132,10 +132,10 @@ struct MovingCollider {
     return surface_distance(shape, rotate(conjugate(pose.rotation), x - pose.translation)).distance;
   }
   /// By the motion of its surface there, which is `shift + turn D` at most at a distance D from its center.
-  bool touches(const Vec3d& x, double reach, double threshold) const {
+  bool touches(const Vec3d& x, double margin, double threshold) const {
     const double motion = shift + turn * length(x - center);
     if (motion <= threshold) return false;
-    return std::min(distance(shape, before, x), distance(shape, after, x)) <= reach + motion;
+    return std::min(distance(shape, before, x), distance(shape, after, x)) <= margin + motion;
   }
 };
 
@@ -148,8 +148,8 @@ void wake_near_collider(WorldState& world, std::size_t collider, double dt) {
     if (object.island == 0 || !world.tables.against_colliders.collide(a, collider)) continue;
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
       const auto radius = static_cast<double>(max(world.particles.radius[i], 0.0f));
-      const double reach = (1 + double(margin_ratio)) * radius + double(min_margin);
-      if (!moving.touches(world.exact_position(i), reach, threshold)) continue;
+      const double margin = (1 + double(margin_ratio)) * radius + double(min_margin);
+      if (!moving.touches(world.exact_position(i), margin, threshold)) continue;
       wake_island(world, object);
       break;
     }
@@ -232,22 +232,22 @@ void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b)
 // Islands of what touches, is tied together, or sleeps together already. Obstacles join nothing.
 void find_islands(WorldState& world) {
   std::vector<std::uint32_t>& parent = world.sleep.parent;
-  Touching& touching = world.sleep.touching;
+  ProximityQuery& proximity = world.sleep.proximity;
   const auto n = static_cast<std::uint32_t>(world.objects.size());
   parent.resize(n);
   for (std::uint32_t a = 0; a < n; ++a) parent[a] = a;
-  touching.begin(world);
+  proximity.reset(world);
   for (std::uint32_t a = 0; a < n; ++a) {
     const Object& object = *world.objects[a];
     if (is_obstacle(object)) continue;
     mark_still(world, object, object.island == 0);
-    touching.asks[a] = object.island == 0 ? 1 : 0;
-    touching.answers[a] = 1;
+    proximity.active[a] = object.island == 0 ? 1 : 0;
+    proximity.passive[a] = 1;
     for (std::uint32_t b = 0; object.island != 0 && b < a; ++b)
       if (world.objects[b]->island == object.island) unite(parent, a, b);
   }
-  find_touching(world);
-  for (const auto& [a, b] : touching.found) unite(parent, a, b);
+  find_close_objects(world);
+  for (const auto& [a, b] : proximity.found) unite(parent, a, b);
   for (const UserConstraint& user_constraint : world.user_constraints)
     for (std::size_t k = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             k < user_constraint.distance_joint->set().size();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/solver/projector.h"
-#include "souple/world/touching.h"
+#include "souple/world/proximity.h"
 
 #include <cstdint>
 #include <vector>
@@ -17,7 +17,7 @@ struct Object;
 struct SleepScratch {
   bool woken = false;  ///< someone woke in the middle of a step: near pairs are to be found again
   bool all = false;    ///< there are only sleepers and obstacles, so nothing to solve
-  Touching touching;
+  ProximityQuery proximity;
   std::vector<std::uint32_t> parent;       ///< of each object in its island, while islands are found
   std::vector<std::uint8_t> cannot_sleep;  ///< objects that must not sleep; of an island by its first object
   std::vector<float> chunk_displacement_squared;  ///< of each chunk of an object's particles [m]

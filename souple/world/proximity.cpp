@@ -1,4 +1,4 @@
-#include "souple/world/touching.h"
+#include "souple/world/proximity.h"
 
 #include "souple/collision/nearest.h"
 #include "souple/state/bytes.h"
@@ -12,17 +12,17 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-bool is_compared(const Touching& t, std::uint32_t a, std::uint32_t b) {
-  return (t.asks[a] != 0 && t.answers[b] != 0) || (t.asks[b] != 0 && t.answers[a] != 0);
+bool is_candidate_pair(const ProximityQuery& t, std::uint32_t a, std::uint32_t b) {
+  return (t.active[a] != 0 && t.passive[b] != 0) || (t.active[b] != 0 && t.passive[a] != 0);
 }
 
 // One that only asks is as large as those of its particles that look.
-void find_bounds(const WorldState& world, Touching& t) {
+void find_bounds(const WorldState& world, ProximityQuery& t) {
   t.bounds.assign(world.objects.size(), {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
-    if (t.asks[a] == 0 && t.answers[a] == 0) continue;
+    if (t.active[a] == 0 && t.passive[a] == 0) continue;
     for (std::uint32_t i = world.objects[a]->begin; i < world.objects[a]->end; ++i)
-      if (t.answers[a] != 0 || t.looks[i].w != 0) t.bounds[a] = united(t.bounds[a], t.boxes[i]);
+      if (t.passive[a] != 0 || t.active_particles[i].w != 0) t.bounds[a] = united(t.bounds[a], t.boxes[i]);
   }
 }
 
@@ -32,28 +32,28 @@ void clear(ObjectMatrix& matrix, std::size_t n) {
     for (std::size_t b = a; b < n; ++b) matrix.set(a, b, false);
 }
 
-void list_objects(const WorldState& world, Touching& t) {
+void list_objects(const WorldState& world, ProximityQuery& t) {
   const auto n = static_cast<std::uint32_t>(world.objects.size());
-  clear(t.compared, n), clear(t.known, n);
+  clear(t.is_candidate, n), clear(t.is_found, n);
   t.listed.clear();
   for (std::uint32_t a = 0; a < n; ++a) {
-    bool meets_any = false;
+    bool has_candidate = false;
     for (std::uint32_t b = 0; b < n; ++b) {
-      if (a == b || !is_compared(t, a, b) || !world.tables.against_objects.collide(a, b) ||
+      if (a == b || !is_candidate_pair(t, a, b) || !world.tables.against_objects.collide(a, b) ||
           !overlap(t.bounds[a], t.bounds[b]))
         continue;
-      t.compared.set(a, b, true);
-      meets_any = true;
+      t.is_candidate.set(a, b, true);
+      has_candidate = true;
     }
-    if (meets_any) t.listed.push_back(a);
+    if (has_candidate) t.listed.push_back(a);
   }
 }
 
-void take_surfaces(const WorldState& world, Touching& t) {
-  if (t.listed == t.taken) return;
-  t.taken = t.listed;
+void build_elements(const WorldState& world, ProximityQuery& t) {
+  if (t.listed == t.in_elements) return;
+  t.in_elements = t.listed;
   t.elements.clear();
-  for (const std::uint32_t a : t.taken) {
+  for (const std::uint32_t a : t.in_elements) {
     const Object& object = *world.objects[a];
     t.elements.add_triangles(object.surface, object.begin, a);
     t.elements.add_edges(world.tables.rope_edges[a], object.begin, a);
@@ -61,9 +61,9 @@ void take_surfaces(const WorldState& world, Touching& t) {
   }
 }
 
-void note(Touching& t, std::uint32_t a, std::uint32_t b) {
-  if (t.known.at(a, b)) return;
-  t.known.set(a, b, true);
+void add_found(ProximityQuery& t, std::uint32_t a, std::uint32_t b) {
+  if (t.is_found.at(a, b)) return;
+  t.is_found.set(a, b, true);
   t.found.push_back({std::min(a, b), std::max(a, b)});
 }
 
@@ -81,27 +81,27 @@ float distance(const ParticleView& particles, const NearPair& pair, bool edges) 
 }
 
 // What a feature's particles reach and go.
-float reach_of(const Touching& t, const NearPair& pair, std::size_t begin, std::size_t end) {
-  float reach = 0;
+float margin_of(const ProximityQuery& t, const NearPair& pair, std::size_t begin, std::size_t end) {
+  float margin = 0;
   for (std::size_t k = begin; k < end; ++k)
-    reach = max(reach, t.reach[pair.particle[k]] + t.way[pair.particle[k]]);
-  return reach;
+    margin = max(margin, t.margin[pair.particle[k]] + t.motion_bound[pair.particle[k]]);
+  return margin;
 }
 
-void check_pairs(WorldState& world, Touching& t, const std::vector<NearPair>& pairs, bool edges) {
+void check_pairs(WorldState& world, ProximityQuery& t, const std::vector<NearPair>& pairs, bool edges) {
   const ParticleView view = world.view();
   const std::size_t second = edges ? 2 : 1;
   for (const NearPair& pair : pairs) {
     const std::uint32_t a = world.object_of[pair.particle[0]], b = world.object_of[pair.particle[3]];
-    if (t.known.at(a, b)) continue;
-    const float reach = reach_of(t, pair, 0, second) + reach_of(t, pair, second, 4);
-    if (distance(view, pair, edges) <= reach) note(t, a, b);
+    if (t.is_found.at(a, b)) continue;
+    const float margin = margin_of(t, pair, 0, second) + margin_of(t, pair, second, 4);
+    if (distance(view, pair, edges) <= margin) add_found(t, a, b);
   }
 }
 
 // --- balls against balls, which are no surfaces
 
-void list_balls(const WorldState& world, const Touching& t, std::uint32_t object, const Bounds& within,
+void list_balls(const WorldState& world, const ProximityQuery& t, std::uint32_t object, const Bounds& within,
                 std::vector<std::uint32_t>& balls) {
   balls.clear();
   for (std::uint32_t i = world.objects[object]->begin; i < world.objects[object]->end; ++i)
@@ -112,16 +112,19 @@ void list_balls(const WorldState& world, const Touching& t, std::uint32_t object
 }
 
 // Each of `balls` against those of `others` whose boxes begin within its own along x.
-bool any_touch(const ParticleView& particles, const Touching& t, const std::vector<std::uint32_t>& balls,
-               const std::vector<std::uint32_t>& others) {
+bool any_touch(const ParticleView& particles, const ProximityQuery& t,
+               const std::vector<std::uint32_t>& balls, const std::vector<std::uint32_t>& others) {
   std::size_t first = 0;
   for (const std::uint32_t i : balls) {
     const Bounds& box = t.boxes[i];
     while (first < others.size() && t.boxes[others[first]].lo.x < box.lo.x) ++first;
     for (std::size_t k = first; k < others.size() && t.boxes[others[k]].lo.x <= box.hi.x; ++k) {
       const std::uint32_t j = others[k];
-      if ((t.looks[i].w == 0 && t.looks[j].w == 0) || !overlap(box, t.boxes[j])) continue;
-      if (length(particles.difference(i, j)) <= t.reach[i] + t.reach[j] + t.way[i] + t.way[j]) return true;
+      if ((t.active_particles[i].w == 0 && t.active_particles[j].w == 0) || !overlap(box, t.boxes[j]))
+        continue;
+      if (length(particles.difference(i, j)) <=
+          t.margin[i] + t.margin[j] + t.motion_bound[i] + t.motion_bound[j])
+        return true;
     }
   }
   return false;
@@ -131,41 +134,43 @@ bool are_balls(const ContactObject& a, const ContactObject& b) {
   return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
 }
 
-void check_balls(WorldState& world, Touching& t) {
+void check_balls(WorldState& world, ProximityQuery& t) {
   const ParticleView view = world.view();
   for (const std::uint32_t a : t.listed)
     for (const std::uint32_t b : t.listed) {
-      if (b <= a || !t.compared.at(a, b) || t.known.at(a, b) ||
+      if (b <= a || !t.is_candidate.at(a, b) || t.is_found.at(a, b) ||
           !are_balls(world.tables.objects[a], world.tables.objects[b]))
         continue;
-      list_balls(world, t, a, t.bounds[b], t.one);
-      list_balls(world, t, b, t.bounds[a], t.other);
-      if (any_touch(view, t, t.one, t.other) || any_touch(view, t, t.other, t.one)) note(t, a, b);
+      list_balls(world, t, a, t.bounds[b], t.balls_a);
+      list_balls(world, t, b, t.bounds[a], t.balls_b);
+      if (any_touch(view, t, t.balls_a, t.balls_b) || any_touch(view, t, t.balls_b, t.balls_a))
+        add_found(t, a, b);
     }
 }
 
 }  // namespace
 
-void Touching::begin(const WorldState& world) {
+void ProximityQuery::reset(const WorldState& world) {
   const std::size_t objects = world.objects.size(), particles = world.particles.size();
-  asks.assign(objects, 0), answers.assign(objects, 0);
-  boxes.resize(particles), reach.resize(particles), way.resize(particles), looks.resize(particles);
+  active.assign(objects, 0), passive.assign(objects, 0);
+  boxes.resize(particles), margin.resize(particles), motion_bound.resize(particles),
+      active_particles.resize(particles);
 }
 
-std::size_t Touching::bytes() const {
-  return bytes_of(asks, answers, boxes, reach, way, looks, found, bounds, listed, taken, one, other,
-                  pairs.vertex_triangle, pairs.edge_edge) +
+std::size_t ProximityQuery::bytes() const {
+  return bytes_of(active, passive, boxes, margin, motion_bound, active_particles, found, bounds, listed,
+                  in_elements, balls_a, balls_b, pairs.vertex_triangle, pairs.edge_edge) +
          elements.bytes() + finder.bytes();
 }
 
-void find_touching(WorldState& world) {
-  Touching& t = world.sleep.touching;
+void find_close_objects(WorldState& world) {
+  ProximityQuery& t = world.sleep.proximity;
   t.found.clear();
   find_bounds(world, t);
   list_objects(world, t);
   if (t.listed.empty()) return;
-  take_surfaces(world, t);
-  t.finder.find(t.elements, t.boxes, t.compared, t.looks, t.pairs, *world.threads);
+  build_elements(world, t);
+  t.finder.find(t.elements, t.boxes, t.is_candidate, t.active_particles, t.pairs, *world.threads);
   check_pairs(world, t, t.pairs.vertex_triangle, false);
   check_pairs(world, t, t.pairs.edge_edge, true);
   check_balls(world, t);
