@@ -192,7 +192,7 @@ BenchResult measure(const BenchOptions& options) {
   result.max_strain = largest_strain(world, rest);
   result.hash = world.hash();
   time_projections(world, result);
-  result.remark = world.time_solve(frame, result.iterations).remark;
+  result.diagnostic = world.time_solve(frame, result.iterations).diagnostic;
   if (options.residual) result.residual = time_to_residual(scene, options, result.size);
   return result;
 }

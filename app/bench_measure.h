@@ -56,7 +56,7 @@ struct BenchResult {
   Named projections_per_second;       ///< per kind, projection alone
   double max_strain = 0;              ///< at the end: longest extension of a distance or of an edge of a tet
   std::uint64_t hash = 0;             ///< of the world at the end
-  std::string remark;                 ///< of the solver
+  std::string diagnostic;             ///< of the solver
   std::optional<ResidualResult> residual;
 };
 

@@ -93,8 +93,8 @@ void print_head(const Json& now) {
   std::printf("  threads %s, %s, %s, %s substeps of %s, %s form; %s steps\n", text_at(now, "threads").c_str(),
               text_at(now, "simd").c_str(), text_at(now, "solver").c_str(), text_at(now, "substeps").c_str(),
               text_at(now, "iterations").c_str(), text_at(now, "form").c_str(), text_at(now, "runs").c_str());
-  const std::string remark = now.find("remark") != nullptr ? text_at(now, "remark") : "";
-  if (!remark.empty()) std::printf("  %s\n", remark.c_str());
+  const std::string diagnostic = now.find("remark") != nullptr ? text_at(now, "remark") : "";
+  if (!diagnostic.empty()) std::printf("  %s\n", diagnostic.c_str());
 }
 
 void print_members(const Json& now, const char* key, const Json* ratio, double unit, const char* unit_name) {
@@ -166,7 +166,7 @@ Json bench_json(const BenchResult& r) {
   object.set("projections_per_second", named_json(r.projections_per_second));
   object.set("max_strain", rounded(r.max_strain));
   object.set("hash", Json::of(hash));
-  if (!r.remark.empty()) object.set("remark", Json::of(r.remark));
+  if (!r.diagnostic.empty()) object.set("remark", Json::of(r.diagnostic));
   if (r.residual) object.set("residual", residual_json(*r.residual));
   return object;
 }

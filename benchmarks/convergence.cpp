@@ -158,7 +158,7 @@ void run(const Arguments& arguments) {
     std::fflush(stdout);
     if (!std::isfinite(error.rms)) break;
   }
-  std::printf("],\n \"remark\": \"%s\"}\n", solver->remark().c_str());
+  std::printf("],\n \"remark\": \"%s\"}\n", solver->diagnostic().c_str());
 }
 
 }  // namespace

@@ -169,8 +169,8 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
   return std::isfinite(rho);
 }
 
-std::string ConjugateGradient::remark() const {
-  const std::string floor = floor_remark();
+std::string ConjugateGradient::diagnostic() const {
+  const std::string floor = floor_diagnostic();
   return fmt::format(
       "conjugate gradients: {} products to a residual of {:.1e} of the first, at worst {} to {:.1e}{}{}",
       products_, reached_, most_used_, worst_, floor.empty() ? "" : "; ", floor);

@@ -28,7 +28,7 @@ class ConjugateGradient final : public LinearisedSolver {
   static constexpr double tolerance = 1e-4;
 
   std::string_view name() const override { return "conjugate_gradient"; }
-  std::string remark() const override;
+  std::string diagnostic() const override;
 
  protected:
   void prepare_system(LinearSystem& system, const ParticleView& particles) override;

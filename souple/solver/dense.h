@@ -17,7 +17,7 @@ class Dense final : public LinearisedSolver {
   Dense();
   ~Dense() override;
   std::string_view name() const override { return "dense"; }
-  std::string remark() const override { return floor_remark(); }
+  std::string diagnostic() const override { return floor_diagnostic(); }
 
  protected:
   void prepare_system(LinearSystem& system, const ParticleView& particles) override;

@@ -283,8 +283,8 @@ bool Direct::solve_system(LinearSystem& system, Threads&) {
   return true;
 }
 
-std::string Direct::remark() const {
-  return floor_remark();
+std::string Direct::diagnostic() const {
+  return floor_diagnostic();
 }
 
 }  // namespace souple

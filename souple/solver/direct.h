@@ -20,7 +20,7 @@ class Direct final : public LinearisedSolver {
   Direct();
   ~Direct() override;
   std::string_view name() const override { return "direct"; }
-  std::string remark() const override;
+  std::string diagnostic() const override;
 
  protected:
   /// Throws Error where a factorization would take more than about a second.

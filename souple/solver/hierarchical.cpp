@@ -345,7 +345,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
   }
 }
 
-std::string Hierarchical::remark() const {
+std::string Hierarchical::diagnostic() const {
   if (!links_.empty()) return {};
   return "the hierarchical solver found no distances or membranes to make levels of: it is Gauss-Seidel here";
 }

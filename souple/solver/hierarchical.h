@@ -45,7 +45,7 @@ class Hierarchical final : public Solver {
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) override;
-  std::string remark() const override;
+  std::string diagnostic() const override;
 
   /// Constraints projected on coarse levels by one iteration, all sweeps.
   std::size_t coarse_projections() const;

@@ -94,7 +94,7 @@ void LinearisedSolver::advance(const ParticleView& particles, const Substep& sub
   system_.accept(factor);
 }
 
-std::string LinearisedSolver::floor_remark() const {
+std::string LinearisedSolver::floor_diagnostic() const {
   std::string text;
   if (floors_ && system_.floored() > 0) {
     text += fmt::format(

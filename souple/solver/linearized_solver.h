@@ -34,7 +34,7 @@ class LinearisedSolver : public Solver {
   virtual bool solve_system(LinearSystem& system, Threads& threads) = 0;
 
   /// How the floor on A, if there is one, and iterations that failed are told to users; may be empty.
-  std::string floor_remark() const;
+  std::string floor_diagnostic() const;
 
   bool floors_ = false;  ///< A needs its floor
   LinearSystem system_;

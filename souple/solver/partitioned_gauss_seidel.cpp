@@ -143,7 +143,7 @@ void PartitionedGaussSeidel::solve(std::span<Projector* const>, const ParticleVi
   });
 }
 
-std::string PartitionedGaussSeidel::remark() const {
+std::string PartitionedGaussSeidel::diagnostic() const {
   const std::size_t count = split_.empty() ? 0 : all_.position.size() - particle_count_;
   return fmt::format("{} phantoms cut the constraints to {} colors", count, colors_);
 }

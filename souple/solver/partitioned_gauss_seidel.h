@@ -29,7 +29,7 @@ class PartitionedGaussSeidel final : public Solver {
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) override;
-  std::string remark() const override;
+  std::string diagnostic() const override;
 
  private:
   class Split;

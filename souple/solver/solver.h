@@ -58,7 +58,7 @@ class Solver {
   virtual void solve(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads) = 0;
   /// What users should know of how it went (a floor on alpha, iterations of conjugate gradients), or nothing.
-  virtual std::string remark() const { return {}; }
+  virtual std::string diagnostic() const { return {}; }
 };
 
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings);

@@ -118,8 +118,8 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
   const std::size_t left_out = check_constraints(object);
   if (left_out > 0)
-    world.tell(object.name,
-               {fmt::format("{} elements are too thin to carry bending or a membrane", left_out)});
+    world.log_info(object.name,
+                   {fmt::format("{} elements are too thin to carry bending or a membrane", left_out)});
   object.self_collision = options.self_collision;
   require_layer(object, options.layer);
   object.layer = options.layer;
@@ -264,7 +264,7 @@ void import_surface(const WorldState& world, Object& object, const TriangleMesh&
   object.mesh = mesh;
   transform_points(object.mesh.positions, transform, object.name);
   const RepairedSurface repaired = repair(object.mesh);
-  world.tell(object.name, repaired.sentences);
+  world.log_info(object.name, repaired.sentences);
   const Weld& weld = repaired.weld;
   import_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
   if (repaired.source != identity(object.mesh.triangles.size())) object.surface_source = repaired.source;

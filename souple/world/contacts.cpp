@@ -146,7 +146,7 @@ void build_contact_tables(WorldState& world) {
   world.feature_contacts.set_features(std::move(features));
 }
 
-void tell_counts(WorldState& world) {
+void update_fluid_counts(WorldState& world) {
   if (!world.dirty_counts) return;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
@@ -189,7 +189,7 @@ void report_intersections(WorldState& world) {
                          pair.held ? ", where nothing can move" : "");
   }
   if (world.report.intersections > 0)
-    world.complain(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
+    world.warn(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
 }
 
 void find_intersections(WorldState& world, const ContactStep& step) {

@@ -10,7 +10,7 @@ bool is_loose(const Object& object);
 /// Tells the contact projectors what there is: object ranges, which of them meet, surfaces.
 void build_contact_tables(WorldState& world);
 /// Tells them how many particles fluids have by now.
-void tell_counts(WorldState& world);
+void update_fluid_counts(WorldState& world);
 /// After the solver: shortens what would pass through something.
 void keep_apart(WorldState& world, const Substep& substep);
 /// Stage (6) at contacts.

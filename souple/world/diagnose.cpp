@@ -26,8 +26,8 @@ void restore_last_good(WorldState& world) {
   particles.offset = world.good_offset;
   particles.velocity = world.good_velocity;
   update_sleeping_masses(world);
-  world.complain(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
-                                               advice(Flag::non_finite)));
+  world.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
+                                           advice(Flag::non_finite)));
 }
 
 void measure(WorldState& world) {
@@ -52,7 +52,7 @@ void report_custom_errors(WorldState& world) {
   for (const UserConstraint& user_constraint : world.user_constraints)
     if (auto* custom = dynamic_cast<CustomProjector*>(user_constraint.projector.get())) {
       const std::string error = custom->take_error();
-      if (!error.empty()) world.complain(Flag::callback_failed, error);
+      if (!error.empty()) world.warn(Flag::callback_failed, error);
     }
 }
 
@@ -64,14 +64,14 @@ void report_fluids(WorldState& world) {
 
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
-  if (report.largest_strain > large_strain) world.complain(Flag::large_strain, advice(Flag::large_strain));
+  if (report.largest_strain > large_strain) world.warn(Flag::large_strain, advice(Flag::large_strain));
   if (report.fluid.largest_step > largest_fluid_step)
-    world.complain(Flag::coarse_substeps, advice(Flag::coarse_substeps));
+    world.warn(Flag::coarse_substeps, advice(Flag::coarse_substeps));
   if (!(report.deepest_contact > 0)) return;
   float thickest = 0;
   for (const float radius : world.particles.radius) thickest = std::max(thickest, radius);
   if (report.deepest_contact > 2 * static_cast<double>(thickest))
-    world.complain(Flag::deep_contact, advice(Flag::deep_contact));
+    world.warn(Flag::deep_contact, advice(Flag::deep_contact));
 }
 
 }  // namespace
@@ -135,7 +135,7 @@ void release_joints(WorldState& world) {
 bool begin_step(WorldState& world, double dt) {
   StepReport& report = world.report;
   if (world.stepping) {
-    world.complain(Flag::callback_failed, "step: a callback of a step called step; nothing was done");
+    world.warn(Flag::callback_failed, "step: a callback of a step called step; nothing was done");
     return false;
   }
   std::vector<KindReport> kinds = std::move(report.kinds);
@@ -152,12 +152,12 @@ bool begin_step(WorldState& world, double dt) {
     release_joints(world);
     bring_up_to_date(world);
   } catch (const Error& error) {
-    world.complain(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
+    world.warn(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
     return false;
   }
   world.forget_contacts();
   let_flow(world, dt);
-  tell_counts(world);
+  update_fluid_counts(world);
   world.fluids.begin_step(world, dt);
   world.first_bad.reset();
   report.step = ++world.steps;

@@ -56,7 +56,7 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
         keep_out(start, x, v, gap, step.dt, threads);
       },
       threads);
-  tell();
+  update_positions();
 }
 
 // Straight from where the step began to where it ended, whatever the substeps between did.
@@ -111,7 +111,7 @@ void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::
   });
 }
 
-void FluidFoam::tell() {
+void FluidFoam::update_positions() {
   positions_.resize(foam_->size());
   for (std::size_t k = 0; k < positions_.size(); ++k)
     positions_[k] = Vec3f(origin_ + Vec3d(foam_->positions()[k]));
@@ -126,7 +126,7 @@ void FluidFoam::clear() {
 void FluidFoam::set_state(FoamState state, const Vec3d& origin) {
   foam_->set_state(std::move(state));
   origin_ = origin;
-  tell();
+  update_positions();
 }
 
 std::span<const Vec3f> FluidFoam::velocities() const {

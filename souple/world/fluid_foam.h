@@ -52,7 +52,7 @@ class FluidFoam {
   void find_bodies(const WorldState& world, const Source& source, float gap, Threads& threads);
   void keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float gap, float dt,
                 Threads& threads);
-  void tell();
+  void update_positions();
 
   SmoothingShape shape_ = SmoothingShape::wendland;
   std::unique_ptr<Foam> foam_ = std::make_unique<Foam>();

@@ -91,7 +91,7 @@ SolveTime World::time_solve(double dt, int iterations) {
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
   if (iterations > 0) world.solver->solve(world.order, view, substep, *world.threads);
   result.seconds = seconds_since(start);
-  result.remark = world.solver->remark();
+  result.diagnostic = world.solver->diagnostic();
   world.for_each_constraint_projector(
       [&](const Projector& projector) { add_strains(projector, view, result); });
   if (result.count > 0) {

@@ -22,7 +22,7 @@ struct SolveTime {
   double mean_strain = 0;     ///< of abs((l - l0) / l0)
   double rms_strain = 0;      ///< root of the mean of its square
   double largest_strain = 0;  ///< of (l - l0) / l0
-  std::string remark;         ///< of the solver; may be empty
+  std::string diagnostic;     ///< of the solver; may be empty
 };
 
 }  // namespace souple

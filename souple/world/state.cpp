@@ -89,7 +89,7 @@ ParticleView WorldState::view() {
   return {particles.position, plain ? particles.position : particles.offset, particles.start, settings.form};
 }
 
-void WorldState::complain(Flag flag, std::string_view words) {
+void WorldState::warn(Flag flag, std::string_view words) {
   report.flags |= static_cast<std::uint32_t>(flag);
   if (report.message.find(words) != std::string::npos) return;
   if (!report.message.empty()) report.message += '\n';
@@ -97,7 +97,7 @@ void WorldState::complain(Flag flag, std::string_view words) {
   if (log) log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
 }
 
-void WorldState::tell(const std::string& name, const std::vector<std::string>& sentences) const {
+void WorldState::log_info(const std::string& name, const std::vector<std::string>& sentences) const {
   if (!log) return;
   for (const std::string& sentence : sentences) log(LogLevel::info, name + ": " + sentence);
 }

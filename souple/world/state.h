@@ -245,18 +245,18 @@ struct WorldState {
   ProjectorId add_user_constraint(UserConstraint user_constraint, std::unique_ptr<Projector> projector);
 
   /// Sets a flag of the report and adds a line to its message.
-  void complain(Flag flag, std::string_view words);
+  void warn(Flag flag, std::string_view words);
   /// Tells the log what was mended in an object's mesh.
-  void tell(const std::string& name, const std::vector<std::string>& sentences) const;
+  void log_info(const std::string& name, const std::vector<std::string>& sentences) const;
   /// Calls what may throw (users' callbacks); an exception becomes Flag::callback_failed.
   template <class Function>
   void guarded(std::string_view what, const Function& f) {
     try {
       f();
     } catch (const std::exception& error) {
-      complain(Flag::callback_failed, std::string(what) + " threw: " + error.what());
+      warn(Flag::callback_failed, std::string(what) + " threw: " + error.what());
     } catch (...) {
-      complain(Flag::callback_failed, std::string(what) + " threw something that is no std::exception");
+      warn(Flag::callback_failed, std::string(what) + " threw something that is no std::exception");
     }
   }
 };

@@ -389,10 +389,10 @@ TEST(Hierarchical, WithoutLinksItSaysThatItIsGaussSeidel) {
   test::Body body;
   body.add({0, 0, 0}, 1);
   solver.prepare({}, body.view());
-  EXPECT_NE(solver.remark().find("Gauss-Seidel"), std::string::npos);
+  EXPECT_NE(solver.diagnostic().find("Gauss-Seidel"), std::string::npos);
   solver.solve({}, body.view(), {.h = 0.01f}, *serial());
   Sheet sheet(10, true);
-  EXPECT_EQ(prepared(sheet)->remark(), "");
+  EXPECT_EQ(prepared(sheet)->diagnostic(), "");
 }
 
 }  // namespace

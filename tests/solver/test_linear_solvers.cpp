@@ -243,8 +243,8 @@ TEST(LinearSolvers, FloorIsToldAndStiff) {
   scene.damping = 0.5f;
   scene.use(test::kind_of(SolverKind::direct));
   for (int k = 0; k < 50; ++k) scene.step();
-  EXPECT_NE(scene.solver->remark().find("4 rigid rows are held by springs"), std::string::npos)
-      << scene.solver->remark();
+  EXPECT_NE(scene.solver->diagnostic().find("4 rigid rows are held by springs"), std::string::npos)
+      << scene.solver->diagnostic();
   EXPECT_NEAR(length(scene.body.at(1)), 0.1, 1e-5 * 0.1 + 2e-8);
 }
 
@@ -258,7 +258,7 @@ TEST(LinearSolvers, ChainNeedsNoFloor) {
   scene.gravity = {0, -9.81f, 0};
   scene.use(test::kind_of(SolverKind::direct));
   for (int k = 0; k < 100; ++k) scene.step();
-  EXPECT_EQ(scene.solver->remark(), "");
+  EXPECT_EQ(scene.solver->diagnostic(), "");
   EXPECT_LT(scene.projectors[0]->residual(scene.body.view()).largest_strain, 0.01);
 }
 
