@@ -16,15 +16,15 @@ namespace {
 constexpr double large_strain = 0.1;
 constexpr double largest_fluid_step = 0.36;  // a third, and what a wave on a fluid at rest may add
 
-void restore_last_good(WorldState& world) {
+void restore_last_valid(WorldState& world) {
   Particles& particles = world.particles;
-  const std::size_t bad = *world.first_bad;
-  const Object& object = *world.objects[world.object_of[bad]];
+  const std::size_t particle = *world.first_non_finite;
+  const Object& object = *world.objects[world.object_of[particle]];
   world.report.bad_object = object.name;
-  world.report.bad_vertex = object.vertex_of[bad - object.begin];
-  particles.position = world.good_position;
-  particles.offset = world.good_offset;
-  particles.velocity = world.good_velocity;
+  world.report.bad_vertex = object.vertex_of[particle - object.begin];
+  particles.position = world.last_valid_position;
+  particles.offset = world.last_valid_offset;
+  particles.velocity = world.last_valid_velocity;
   update_sleeping_masses(world);
   world.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
                                            advice(Flag::non_finite)));
@@ -159,7 +159,7 @@ bool begin_step(WorldState& world, double dt) {
   let_flow(world, dt);
   update_fluid_counts(world);
   world.fluids.begin_step(world, dt);
-  world.first_bad.reset();
+  world.first_non_finite.reset();
   report.step = ++world.steps;
   report.substeps = world.settings.substeps;
   report.iterations = world.settings.iterations;
@@ -167,21 +167,21 @@ bool begin_step(WorldState& world, double dt) {
   return true;
 }
 
-void keep_last_good(WorldState& world) {
+void save_last_valid(WorldState& world) {
   const Particles& particles = world.particles;
-  const auto keep = [&world](const std::vector<Vec4f>& array, std::vector<Vec4f>& good) {
-    good.resize(array.size());
+  const auto keep = [&world](const std::vector<Vec4f>& array, std::vector<Vec4f>& valid) {
+    valid.resize(array.size());
     world.threads->for_each(array.size(), 8192, [&](std::size_t begin, std::size_t end) {
-      std::memcpy(&good[begin], &array[begin], (end - begin) * sizeof(Vec4f));
+      std::memcpy(&valid[begin], &array[begin], (end - begin) * sizeof(Vec4f));
     });
   };
-  keep(particles.position, world.good_position);
-  keep(particles.offset, world.good_offset);
-  keep(particles.velocity, world.good_velocity);
+  keep(particles.position, world.last_valid_position);
+  keep(particles.offset, world.last_valid_offset);
+  keep(particles.velocity, world.last_valid_velocity);
 }
 
-void end_step(WorldState& world, bool good) {
-  if (!good) restore_last_good(world);
+void end_step(WorldState& world, bool valid) {
+  if (!valid) restore_last_valid(world);
   ++world.version;
   world.contacts_known = true;
   world.report.time = world.time;
@@ -189,7 +189,7 @@ void end_step(WorldState& world, bool good) {
   report_fluids(world);
   report_custom_errors(world);
   measure(world);
-  if (good) raise_flags(world);
+  if (valid) raise_flags(world);
 }
 
 void run_callbacks(World& self, WorldState& world,

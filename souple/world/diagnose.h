@@ -12,10 +12,10 @@ void bring_constraints_up_to_date(WorldState& world);
 /// that says why, when dt is not positive and finite.
 bool begin_step(WorldState& world, double dt);
 /// Keeps the state that end_step puts back after a bad step.
-void keep_last_good(WorldState& world);
+void save_last_valid(WorldState& world);
 Substep substep_of(const Settings& settings, double dt);
 /// Completes the report; when a number went bad, names the particle and puts the last good state back.
-void end_step(WorldState& world, bool good);
+void end_step(WorldState& world, bool valid);
 /// Runs callbacks; an exception is reported, not passed on.
 void run_callbacks(World& self, WorldState& world, const std::vector<std::function<void(World&)>>& callbacks);
 

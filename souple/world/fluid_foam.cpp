@@ -75,7 +75,8 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
         const auto weight = static_cast<double>(mesh.weights[v][k]);
         if (weight == 0) continue;
         before +=
-            (Vec3d(world.good_position[i].xyz()) + Vec3d(world.good_offset[i].xyz()) - origin_) * weight;
+            (Vec3d(world.last_valid_position[i].xyz()) + Vec3d(world.last_valid_offset[i].xyz()) - origin_) *
+            weight;
         after += (Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz()) - origin_) * weight;
       }
       start_[v] = Vec3f(before);

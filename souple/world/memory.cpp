@@ -81,8 +81,8 @@ MemoryReport World::memory() {
   report.particles = p.size();
   report.simulation.push_back({"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass,
                                                      p.radius, p.contact_margin, world.object_of)});
-  report.simulation.push_back(
-      {"last good state", bytes_of(world.good_position, world.good_offset, world.good_velocity)});
+  report.simulation.push_back({"last good state", bytes_of(world.last_valid_position, world.last_valid_offset,
+                                                           world.last_valid_velocity)});
   report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
                                                                   world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);

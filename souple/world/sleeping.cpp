@@ -166,8 +166,9 @@ float max_displacement(WorldState& world, const Object& object) {
   world.threads->for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c)
       for (std::size_t i = object.begin + c * chunk; i < object.begin + std::min(count, (c + 1) * chunk); ++i)
-        squared[c] = max(squared[c], length_squared((p.position[i].xyz() - world.good_position[i].xyz()) +
-                                                    (p.offset[i].xyz() - world.good_offset[i].xyz())));
+        squared[c] =
+            max(squared[c], length_squared((p.position[i].xyz() - world.last_valid_position[i].xyz()) +
+                                           (p.offset[i].xyz() - world.last_valid_offset[i].xyz())));
   });
   return std::sqrt(*std::max_element(squared.begin(), squared.end()));
 }

@@ -21,21 +21,21 @@ std::vector<Vec4f>& moving(WorldState& world) {
 // How many particles are worth a thread of their own.
 constexpr std::size_t grain = 2048;
 
-bool is_bad(const Vec3f& v) {
+bool is_non_finite(const Vec3f& v) {
   return !std::isfinite(v.x + v.y + v.z);
 }
 
 /// The lowest particle that any thread found bad. It names the culprit; the solver would spread it within the
 /// substep.
-class FirstBad {
+class FirstNonFinite {
  public:
   void note(std::size_t i) {
-    std::size_t known = lowest_;
-    while (i < known && !lowest_.compare_exchange_weak(known, i)) {
+    std::size_t current = lowest_;
+    while (i < current && !lowest_.compare_exchange_weak(current, i)) {
     }
   }
-  void tell(WorldState& world) const {
-    if (lowest_ != none && !world.first_bad) world.first_bad = lowest_;
+  void report_to(WorldState& world) const {
+    if (lowest_ != none && !world.first_non_finite) world.first_non_finite = lowest_;
   }
 
  private:
@@ -50,7 +50,7 @@ struct Air {
 };
 
 void predict_one(WorldState& world, std::size_t i, const Substep& substep, const Air& air,
-                 std::vector<Vec4f>& p, FirstBad& first_bad) {
+                 std::vector<Vec4f>& p, FirstNonFinite& first_non_finite) {
   Particles& particles = world.particles;
   particles.start[i] = p[i];
   if (particles.position[i].w == 0) return;
@@ -72,13 +72,13 @@ void predict_one(WorldState& world, std::size_t i, const Substep& substep, const
       move = v_star * h;
       break;
   }
-  if (is_bad(v_star)) first_bad.note(i);
+  if (is_non_finite(v_star)) first_non_finite.note(i);
   particles.velocity[i].set_xyz(v_star);
   p[i].set_xyz(p[i].xyz() + move);
 }
 
 void finish_one(WorldState& world, std::size_t i, const Substep& substep, const std::vector<Vec4f>& p,
-                FirstBad& first_bad) {
+                FirstNonFinite& first_non_finite) {
   Particles& particles = world.particles;
   // v = v* + (p - p*) / h: a particle that nothing corrects keeps its velocity to the bit. The
   // semi-implicit p* is made again from v* with the roundings of the prediction. A pinned particle has no
@@ -91,7 +91,7 @@ void finish_one(WorldState& world, std::size_t i, const Substep& substep, const 
   const Vec3f since = pinned ? start : semi_implicit ? start + v_star * substep.h : world.predicted[i].xyz();
   const Vec3f v = base + (p[i].xyz() - since) / substep.h;
   particles.velocity[i].set_xyz(v);
-  if (is_bad(v)) first_bad.note(i);
+  if (is_non_finite(v)) first_non_finite.note(i);
   if (world.settings.form == Form::plain) return;
   // x += q; what x cannot represent stays in the offset.
   const Vec3f q = particles.offset[i].xyz();
@@ -99,7 +99,7 @@ void finish_one(WorldState& world, std::size_t i, const Substep& substep, const 
   const Vec3f moved = x + q;
   particles.position[i].set_xyz(moved);
   particles.offset[i].set_xyz(q - (moved - x));
-  if (is_bad(moved)) first_bad.note(i);
+  if (is_non_finite(moved)) first_non_finite.note(i);
 }
 
 // The packed code of predict_one and finish_one, or null where it does not serve.
@@ -115,10 +115,12 @@ kernels::MotionArrays arrays_of(WorldState& world, bool windy) {
 }
 
 // Packed code says only that something may be bad.
-void look_for_bad(const WorldState& world, std::size_t begin, std::size_t end, FirstBad& first_bad) {
+void find_non_finite(const WorldState& world, std::size_t begin, std::size_t end,
+                     FirstNonFinite& first_non_finite) {
   const Particles& particles = world.particles;
   for (std::size_t i = begin; i < end; ++i)
-    if (is_bad(particles.velocity[i].xyz()) || is_bad(particles.position[i].xyz())) return first_bad.note(i);
+    if (is_non_finite(particles.velocity[i].xyz()) || is_non_finite(particles.position[i].xyz()))
+      return first_non_finite.note(i);
 }
 
 void predict(WorldState& world, const Substep& substep) {
@@ -126,9 +128,9 @@ void predict(WorldState& world, const Substep& substep) {
   const Air air{accumulate_wind(world, substep.h), wind_at(settings, world.time)};
   const std::size_t count = world.particles.size();
   std::vector<Vec4f>& p = moving(world);
-  FirstBad first_bad;
+  FirstNonFinite first_non_finite;
   const auto one_by_one = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) predict_one(world, i, substep, air, p, first_bad);
+    for (std::size_t i = begin; i < end; ++i) predict_one(world, i, substep, air, p, first_non_finite);
   };
   const kernels::MotionKernels* kernels = packed(settings);
   if (!world.force_fields.empty()) {
@@ -141,10 +143,10 @@ void predict(WorldState& world, const Substep& substep) {
     const kernels::MotionArrays arrays = arrays_of(world, air.windy);
     world.threads->for_each(count, grain, [&](std::size_t begin, std::size_t end) {
       if (!kernels->predict(arrays, begin, end, gravity, substep.h))
-        look_for_bad(world, begin, end, first_bad);
+        find_non_finite(world, begin, end, first_non_finite);
     });
   }
-  first_bad.tell(world);
+  first_non_finite.report_to(world);
 }
 
 // Pinned particles: to target(vertex, t + h) + offset, or nowhere.
@@ -184,7 +186,7 @@ void integrate(WorldState& world, const Substep& substep) {
 }
 
 void press_fluids(WorldState& world, const Substep& substep) {
-  if (!world.fluids.none() && !world.first_bad) world.fluids.press(world, substep);
+  if (!world.fluids.none() && !world.first_non_finite) world.fluids.press(world, substep);
 }
 
 void solve(WorldState& world, const Substep& substep) {
@@ -198,26 +200,26 @@ void solve(WorldState& world, const Substep& substep) {
 bool finish(WorldState& world, const Substep& substep) {
   const std::size_t count = world.particles.size();
   const std::vector<Vec4f>& p = moving(world);
-  FirstBad first_bad;
+  FirstNonFinite first_non_finite;
   if (const kernels::MotionKernels* kernels = packed(world.settings)) {
     const kernels::MotionArrays arrays = arrays_of(world, false);
     const kernels::Finish finish_packed = kernels->finish[world.settings.form == Form::plain ? 0 : 1];
     world.threads->for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      if (!finish_packed(arrays, begin, end, substep.h)) look_for_bad(world, begin, end, first_bad);
+      if (!finish_packed(arrays, begin, end, substep.h)) find_non_finite(world, begin, end, first_non_finite);
     });
   } else {
     world.threads->for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) finish_one(world, i, substep, p, first_bad);
+      for (std::size_t i = begin; i < end; ++i) finish_one(world, i, substep, p, first_non_finite);
     });
   }
-  first_bad.tell(world);
+  first_non_finite.report_to(world);
   ++world.version;
-  return !world.first_bad;
+  return !world.first_non_finite;
 }
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
-  if (!world.fluids.none() && !world.first_bad) world.fluids.update_velocities(world, substep);
+  if (!world.fluids.none() && !world.first_non_finite) world.fluids.update_velocities(world, substep);
   for (const auto& object : world.objects)
     if (object->island == 0) damp(world, *object, substep.h);
 }

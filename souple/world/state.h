@@ -198,10 +198,10 @@ struct WorldState {
   bool contacts_known = false;  ///< the contact projectors hold what the last step left, and may be read
   bool events_known = false;    ///< `events` are made of them
   void forget_contacts() { contacts_known = events_known = false; }
-  std::vector<Vec4f> good_position, good_offset, good_velocity;  ///< the last good state
-  mutable std::map<std::uint32_t, Mirror> mirrors;               ///< by object id
+  std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity;  ///< the last good state
+  mutable std::map<std::uint32_t, Mirror> mirrors;                                 ///< by object id
 
-  std::optional<std::size_t> first_bad;  ///< the first particle whose number went bad in this step
+  std::optional<std::size_t> first_non_finite;  ///< the first particle whose number went bad in this step
   bool stepping = false;  ///< inside World::step: callbacks may look and push, not add or remove
 
   /// Throws when the handle is stale.

@@ -27,25 +27,25 @@ const StepReport& World::step(double dt) {
   if (!begin_step(world, dt)) return world.report;
   const Substep substep = substep_of(world.settings, dt);
   const double start = world.time;
-  bool good = true;
+  bool valid = true;
   world.stepping = true;
   const Wakefulness awake(*world.threads);
-  keep_last_good(world);
+  save_last_valid(world);
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
-  for (int i = 1; good && i <= substep.count; ++i) {
+  for (int i = 1; valid && i <= substep.count; ++i) {
     run(*this, world, Stage::integrate, [&] { integrate(world, substep); });
     run(*this, world, Stage::fluids, [&] { press_fluids(world, substep); });
     run(*this, world, Stage::contacts, [&] { generate_contacts(world, substep); });
     run(*this, world, Stage::solve, [&] { solve(world, substep); });
-    run(*this, world, Stage::finish, [&] { good = finish(world, substep); });
+    run(*this, world, Stage::finish, [&] { valid = finish(world, substep); });
     run(*this, world, Stage::velocity, [&] { update_velocities(world, substep); });
     world.time = start + dt * i / substep.count;
   }
-  if (good) run(*this, world, Stage::foam, [&] { step_foam(world, start, dt); });
+  if (valid) run(*this, world, Stage::foam, [&] { step_foam(world, start, dt); });
   world.stepping = false;
-  if (!good) world.time = start;
-  if (good) fall_asleep(world, dt);
-  end_step(world, good);
+  if (!valid) world.time = start;
+  if (valid) fall_asleep(world, dt);
+  end_step(world, valid);
   return world.report;
 }
 
