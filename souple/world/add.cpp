@@ -139,7 +139,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   }
   if (object.kind != ObjectKind::obstacle) set_motion(world, object, options);
   world.dirty_all();
-  world.forget_contacts();
+  world.invalidate_contacts();
   ++world.version;
   world.objects.push_back(std::move(builder.object));
   return world.objects.back()->id;
@@ -251,7 +251,7 @@ void remove_object(WorldState& world, const Object& object) {
   std::erase_if(world.emitters, [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty_all();
-  world.forget_contacts();
+  world.invalidate_contacts();
   ++world.version;
 }
 

@@ -98,7 +98,7 @@ bool is_loose(const Object& object) {
 
 void build_contact_tables(WorldState& world) {
   world.collider_contacts.erase_particles(0, 0);  // they refer to the old tables
-  world.forget_contacts();
+  world.invalidate_contacts();
   ContactTables& tables = world.tables;
   world.sleep.proximity.invalidate();
   tables.objects.clear();
@@ -263,10 +263,10 @@ void report_contacts(WorldState& world) {
 
 std::span<const ContactEvent> World::contacts() const {
   WorldState& world = impl_->state;
-  if (world.events_known) return world.events;
+  if (world.events_valid) return world.events;
   world.events.clear();
-  if (!world.contacts_known && !world.stepping) return world.events;
-  world.events_known = !world.stepping;
+  if (!world.contacts_valid && !world.stepping) return world.events;
+  world.events_valid = !world.stepping;
   const ParticleView view = world.view();
   std::vector<ContactPush> pushes;
   world.collider_contacts.events(view, pushes);

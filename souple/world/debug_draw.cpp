@@ -19,7 +19,7 @@ void draw_constraints(WorldState& world, const std::function<void(const DebugCon
       draw({kind, points, constraint.color, constraint.strain, constraint.residual});
     });
   };
-  if (world.contacts_known || world.stepping) {
+  if (world.contacts_valid || world.stepping) {
     world.for_each_projector(visit);
   } else {
     world.for_each_constraint_projector(visit);

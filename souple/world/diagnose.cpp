@@ -155,7 +155,7 @@ bool begin_step(WorldState& world, double dt) {
     world.warn(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
     return false;
   }
-  world.forget_contacts();
+  world.invalidate_contacts();
   let_flow(world, dt);
   update_fluid_counts(world);
   world.fluids.begin_step(world, dt);
@@ -183,7 +183,7 @@ void save_last_valid(WorldState& world) {
 void end_step(WorldState& world, bool valid) {
   if (!valid) restore_last_valid(world);
   ++world.version;
-  world.contacts_known = true;
+  world.contacts_valid = true;
   world.report.time = world.time;
   report_contacts(world);
   report_fluids(world);

@@ -173,7 +173,7 @@ void World::restore(const Snapshot& snapshot) {
   std::vector<CachedFriction> friction(header.contacts);
   get(in, friction.data(), friction.size());
   world.particle_contacts.set_friction_cache(friction);
-  world.forget_contacts();
+  world.invalidate_contacts();
   world.check_intersections = true;
   ++world.version;
 }

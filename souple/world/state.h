@@ -195,9 +195,9 @@ struct WorldState {
   StepReport report;
   std::vector<ContactEvent> events;
   SleepScratch sleep;
-  bool contacts_known = false;  ///< the contact projectors hold what the last step left, and may be read
-  bool events_known = false;    ///< `events` are made of them
-  void forget_contacts() { contacts_known = events_known = false; }
+  bool contacts_valid = false;  ///< the contact projectors hold what the last step left, and may be read
+  bool events_valid = false;    ///< `events` are made of them
+  void invalidate_contacts() { contacts_valid = events_valid = false; }
   std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity;  ///< the last good state
   mutable std::map<std::uint32_t, Mirror> mirrors;                                 ///< by object id
 

@@ -239,7 +239,7 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
     world.particles.velocity[object.begin + k] = {};
   }
   wake_all(world);
-  world.forget_contacts();
+  world.invalidate_contacts();
   ++world.version;
 }
 
@@ -420,7 +420,7 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   ++world.next_id;
   world.dirty_tables = true;
   wake_all(world);
-  world.forget_contacts();
+  world.invalidate_contacts();
   return world.colliders.back().id;
 }
 
@@ -431,7 +431,7 @@ void World::remove(ColliderId id) {
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
   world.dirty_tables = true;
   wake_all(world);
-  world.forget_contacts();
+  world.invalidate_contacts();
 }
 
 void World::set_collider(ColliderId id, const Shape& shape, const ColliderOptions& options) {
@@ -448,7 +448,7 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   if (options.name.empty()) record.options.name = name;
   world.dirty_tables = true;
   wake_all(world);
-  world.forget_contacts();
+  world.invalidate_contacts();
 }
 
 std::vector<ColliderId> World::colliders() const {
