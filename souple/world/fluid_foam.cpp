@@ -38,7 +38,7 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
   if (!(origin_ == source.origin)) foam_->shift(Vec3f(origin_ - source.origin));
   origin_ = source.origin;
   world.guarded("a collider's motion", [&] {
-    walls_.begin_step(world.tables.colliders, source.meets, origin_, 0, time);
+    walls_.begin_step(world.tables.colliders, source.collides_with_collider, origin_, 0, time);
     walls_.begin_substep(time, dt);
   });
   const float gap = nearest_to_walls * fluid.smoothing.spacing();
@@ -64,7 +64,7 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
   bodies_.clear();
   const Particles& particles = world.particles;
   for (std::size_t s = 0; s < source.meshes.size(); ++s) {
-    if (source.feels[s] == 0) continue;
+    if (source.collides_with_body[s] == 0) continue;
     const BoundaryMesh& mesh = source.meshes[s];
     start_.resize(mesh.particles.size());
     end_.resize(mesh.particles.size());
@@ -151,7 +151,7 @@ std::size_t FluidFoam::bytes() const {
 // --- what fluids tell of themselves --------------------------------------------------------------
 
 void Fluids::step_foam(WorldState& world, double time, double dt) {
-  const bool foams = std::any_of(tables_.materials.begin(), tables_.materials.end(),
+  const bool foams = std::any_of(registry_.materials.begin(), registry_.materials.end(),
                                  [](const FluidMaterial& material) { return material.foam > 0; });
   if (none() || (!foams && foam_.size() == 0)) return foam_.clear();
   const auto order = solver_->order();
@@ -161,8 +161,8 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
   source.share.resize(order.size());
   source.wall_slopes.resize(order.size());
   for_each_index(order.size(), *world.threads, [&](std::size_t k) {
-    source.particle[k] = tables_.particle[order[k]];
-    source.share[k] = tables_.materials[tables_.fluid[order[k]]].foam;
+    source.particle[k] = registry_.particle[order[k]];
+    source.share[k] = registry_.materials[registry_.fluid[order[k]]].foam;
     source.wall_slopes[k] = sample_planes(local_boundary_.of(k), x[k].xyz(), solver_->smoothing()).slope;
   });
   const auto some = [](const std::vector<std::uint8_t>& of_each, std::size_t count,
@@ -170,8 +170,8 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
     result.assign(count, 0);
     for (std::size_t n = 0; n < of_each.size(); ++n) result[n % count] |= of_each[n];
   };
-  some(tables_.meets, world.tables.colliders.size(), source.meets);
-  some(tables_.feels, tables_.with_boundary.size(), source.feels);
+  some(registry_.collides_with_collider, world.tables.colliders.size(), source.collides_with_collider);
+  some(registry_.collides_with_body, registry_.with_boundary.size(), source.collides_with_body);
   source.meshes = bodies_.meshes();
   source.origin = origin_;
   foam_.step(world, view(), source, time, dt);

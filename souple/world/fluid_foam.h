@@ -26,7 +26,7 @@ class FluidFoam {
     std::vector<Vec3f> wall_slopes;       ///< 1/m
     std::vector<float> share;             ///< FluidMaterial::foam
     // Of each collider and mesh: whether some fluid meets it.
-    std::vector<std::uint8_t> meets, feels;
+    std::vector<std::uint8_t> collides_with_collider, collides_with_body;
     std::span<const BoundaryMesh> meshes;
     Vec3d origin;  ///< of the fluid's positions [m]
   };

@@ -29,7 +29,7 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
       kinematic += plane.friction;
     }
     const Vec3f speed = kinematic > 0 ? motion * (1 / (kinematic * h)) : Vec3f{};
-    const float all = (1 - left) * tables_.materials[tables_.fluid[order[k]]].friction;
+    const float all = (1 - left) * registry_.materials[registry_.fluid[order[k]]].friction;
     const float share = sum > 0 ? all / sum : 0;
     for (BoundaryPlane& plane : local_boundary_.of(k)) plane.friction *= share;
     wall_friction_[k] = {speed.x, speed.y, speed.z, kinematic == sum ? all : kinematic * share};
@@ -81,21 +81,21 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   const FluidView view = this->view();
   const auto most = [&](float FluidMaterial::*value) {
     float result = 0;
-    for (const FluidMaterial& material : tables_.materials) result = std::max(result, material.*value);
+    for (const FluidMaterial& material : registry_.materials) result = std::max(result, material.*value);
     return result;
   };
   find_wall_friction(substep.h, threads);
   const ImplicitViscosity::Report viscous = viscosity_.apply(view, wall_friction_, substep.h, threads);
-  account_.note_viscosity(viscous.iterations);
+  statistics_.add_viscosity_iterations(viscous.iterations);
   if (bodies_.mesh_count() > 0)
     body_friction_.apply(view, local_boundary_, bodies_, substep.h, world.particles.velocity,
                          world.particles.position, threads);
   if (!sub_resolution_bodies_.none())
-    sub_resolution_bodies_.drag(view, solver_->order(), tables_.viscosities, substep.h,
+    sub_resolution_bodies_.drag(view, solver_->order(), registry_.viscosities, substep.h,
                                 world.particles.velocity, world.particles.position, threads);
   if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
-    const float angle = tables_.materials[0].contact_angle * static_cast<float>(pi) / 180;
+    const float angle = registry_.materials[0].contact_angle * static_cast<float>(pi) / 180;
     surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h,
                            threads);
     if (bodies_.mesh_count() > 0) pull_bodies(world);
@@ -119,8 +119,8 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   velocity_.back() = {};
   const float exchange = spacing_ * spacing_ * solver_->smoothing().wall(spacing_ / 2).value;
   for_each_index(order.size(), threads, [&](std::size_t k) {
-    const FluidMaterial& material = tables_.materials[tables_.fluid[order[k]]];
-    velocity_[k] = velocity[tables_.particle[order[k]]];
+    const FluidMaterial& material = registry_.materials[registry_.fluid[order[k]]];
+    velocity_[k] = velocity[registry_.particle[order[k]]];
     if (inflow_.is_inflow(order[k])) velocity_[k].set_xyz(inflow_.velocity(order[k]));
     velocity_[k].w = material.viscosity + material.density * material.xsph * exchange;
   });
@@ -128,10 +128,10 @@ void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   double fastest = 0;
   for (std::size_t k = 0; k < order.size(); ++k)
     fastest = std::max(fastest, static_cast<double>(length_squared(velocity_[k].xyz())));
-  account_.note_speed(std::sqrt(fastest), static_cast<double>(substep.h), static_cast<double>(spacing_));
+  statistics_.add_speed(std::sqrt(fastest), static_cast<double>(substep.h), static_cast<double>(spacing_));
   for_each_index(order.size(), threads, [&](std::size_t k) {
     const std::uint32_t i = order[k];
-    velocity[tables_.particle[i]].set_xyz(inflow_.is_inflow(i) ? inflow_.velocity(i) : velocity_[k].xyz());
+    velocity[registry_.particle[i]].set_xyz(inflow_.is_inflow(i) ? inflow_.velocity(i) : velocity_[k].xyz());
   });
 }
 

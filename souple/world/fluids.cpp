@@ -60,25 +60,27 @@ Vec3f out_of_walls(const Vec3f& x, std::span<const BoundaryPlane> planes, float 
 }  // namespace
 
 void Fluids::begin_step(WorldState& world, double dt) {
-  tables_.find_particles(world);
-  account_.begin_step(tables_.particle.size());
+  registry_.find_particles(world);
+  statistics_.begin_step(registry_.particle.size());
   if (none()) return;
-  inflow_.begin_step(world, dt, tables_.particle);
+  inflow_.begin_step(world, dt, registry_.particle);
   choose_solver(world);
   solver_->begin_step();
   // Coordinates are from the middle of a meter near the first particle: far from the world's origin floats
   // are coarse.
-  const Vec3d first = world.exact_position(tables_.particle[0]);
+  const Vec3d first = world.exact_position(registry_.particle[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
-  bodies_.begin_step(tables_.feels, origin_);
-  sub_resolution_bodies_.begin_step(tables_.feels_small, tables_.small.size(), tables_.fluid, origin_);
+  bodies_.begin_step(registry_.collides_with_body, origin_);
+  sub_resolution_bodies_.begin_step(registry_.collides_with_sub_resolution, registry_.sub_resolution.size(),
+                                    registry_.fluid, origin_);
   world.guarded("a collider's motion", [&] {
-    walls_.begin_step(world.tables.colliders, tables_.meets, origin_, tables_.particle.size(), world.time);
+    walls_.begin_step(world.tables.colliders, registry_.collides_with_collider, origin_,
+                      registry_.particle.size(), world.time);
   });
 }
 
 void Fluids::choose_solver(const WorldState& world) {
-  const float spacing = tables_.materials[0].spacing;
+  const float spacing = registry_.materials[0].spacing;
   const DensitySolver::Options wanted{.shape = world.settings.fluid.kernel,
                                       .passes = world.settings.fluid.iterations,
                                       .tolerance = world.settings.fluid.tolerance,
@@ -95,7 +97,7 @@ void Fluids::choose_solver(const WorldState& world) {
 
 void Fluids::place(WorldState& world, float h, Threads& threads) {
   inflow_.begin_substep(world);
-  const std::vector<std::uint32_t>& particle = tables_.particle;
+  const std::vector<std::uint32_t>& particle = registry_.particle;
   placed_.resize(particle.size());
   start_.resize(particle.size());
   const Particles& particles = world.particles;
@@ -111,7 +113,7 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
       const Vec3d velocity(particles.velocity[particle[k]].xyz());
       const bool is_inflow = inflow_.update(k, Vec3d(start_[k]) + origin_, velocity);
       const Vec3f aim = is_inflow ? start_[k] + inflow_.velocity(k) * h : at;
-      const Vec3f kept = walls_.keep_out(k, tables_.fluid[k], start_[k], aim, radius);
+      const Vec3f kept = walls_.keep_out(k, registry_.fluid[k], start_[k], aim, radius);
       view.correct(particle[k], kept - at);
       placed_[k] = {kept.x, kept.y, kept.z, x.w};
     }
@@ -127,9 +129,9 @@ void Fluids::sample_boundary(Threads& threads) {
       x.size(),
       [&](std::size_t k, std::vector<BoundaryPlane>& planes) {
         const std::uint32_t i = order[k];
-        walls_.find(i, tables_.fluid[i], x[k].xyz(), search_radius, planes);
+        walls_.find(i, registry_.fluid[i], x[k].xyz(), search_radius, planes);
         if (bodies_.mesh_count() > 0)
-          bodies_.find(i, tables_.fluid[i], x[k].xyz(), start_[i], search_radius, planes);
+          bodies_.find(i, registry_.fluid[i], x[k].xyz(), start_[i], search_radius, planes);
       },
       threads);
 }
@@ -151,8 +153,8 @@ void Fluids::press(WorldState& world, const Substep& substep) {
   Boundary boundary{local_boundary_, bodies_, sub_resolution_bodies_, smoothing};
   solver_->solve(boundary, threads, substep.h);
   move(particles, threads);
-  account_.note_pressures(*solver_, local_boundary_, world.tables.colliders.size(), substep.h, substep.count,
-                          threads);
+  statistics_.add_pressures(*solver_, local_boundary_, world.tables.colliders.size(), substep.h,
+                            substep.count, threads);
 }
 
 // What the solver found goes to the world's particles.
@@ -165,7 +167,7 @@ void Fluids::move(const ParticleView& particles, Threads& threads) {
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (inflow_.is_inflow(order[k])) continue;
-      const std::uint32_t i = tables_.particle[order[k]];
+      const std::uint32_t i = registry_.particle[order[k]];
       const Vec3f at = solver_->positions()[k].xyz();
       particles.correct(i, moved[k] + out_of_walls(at, local_boundary_.of(k), nearest_to_walls * spacing_));
       if (!given.empty()) particles.correct(i, given[k] * -solver_->positions()[k].w);
@@ -183,7 +185,7 @@ void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
     const Vec3f x = solver_->positions()[k].xyz();
     for (const BoundaryPlane& plane : local_boundary_.of(k))
       if (plane.mesh != BoundaryPlane::none)
-        bodies_.keep_apart(plane, tables_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
+        bodies_.keep_apart(plane, registry_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
   }
 }
 
@@ -192,15 +194,15 @@ FluidView Fluids::view() {
 }
 
 FluidReport Fluids::report() const {
-  FluidReport report = account_.report();
+  FluidReport report = statistics_.report();
   foam_.report(report);
   return report;
 }
 
 float Fluids::pressure(std::uint32_t particle) const {
-  const auto at = std::lower_bound(tables_.particle.begin(), tables_.particle.end(), particle);
-  if (at == tables_.particle.end() || *at != particle) return 0;
-  return account_.pressure(static_cast<std::size_t>(at - tables_.particle.begin()));
+  const auto at = std::lower_bound(registry_.particle.begin(), registry_.particle.end(), particle);
+  if (at == registry_.particle.end() || *at != particle) return 0;
+  return statistics_.pressure(static_cast<std::size_t>(at - registry_.particle.begin()));
 }
 
 }  // namespace souple

@@ -8,9 +8,9 @@
 #include "souple/fluid/viscosity.h"
 #include "souple/fluid/vorticity.h"
 #include "souple/solver/projector.h"
-#include "souple/world/fluid_account.h"
 #include "souple/world/fluid_foam.h"
-#include "souple/world/fluid_tables.h"
+#include "souple/world/fluid_registry.h"
+#include "souple/world/fluid_statistics.h"
 #include "souple/world/inflow_particles.h"
 
 #include <cstdint>
@@ -25,10 +25,10 @@ struct WorldState;
 class Fluids {
  public:
   /// After objects came, went or changed.
-  void build(const WorldState& world) { tables_.find_bodies(world, bodies_, sub_resolution_bodies_); }
+  void build(const WorldState& world) { registry_.find_bodies(world, bodies_, sub_resolution_bodies_); }
   /// Finds out which particles there are. Nothing of the last step is used again.
   void begin_step(WorldState& world, double dt);
-  bool none() const { return tables_.particle.empty(); }
+  bool none() const { return registry_.particle.empty(); }
   /// Pushes predicted particles apart until no fluid is compressed.
   void press(WorldState& world, const Substep& substep);
   /// After v = (p - x) / h.
@@ -42,7 +42,7 @@ class Fluids {
   /// Of a world's particle, mean of the last step [Pa]. 0 when it is no fluid's.
   float pressure(std::uint32_t particle) const;
   /// On a collider, by its index, mean of the last step [N]
-  Vec3d force(std::size_t collider) const { return account_.force(collider); }
+  Vec3d force(std::size_t collider) const { return statistics_.force(collider); }
 
  private:
   void choose_solver(const WorldState& world);
@@ -56,7 +56,7 @@ class Fluids {
   void apply_forces(WorldState& world, const Substep& substep);
   FluidView view();
 
-  FluidTables tables_;
+  FluidRegistry registry_;
   std::unique_ptr<DensitySolver> solver_;
   float spacing_ = 0;  // of solver_
   DensitySolver::Options options_{};
@@ -79,7 +79,7 @@ class Fluids {
   VorticityConfinement vorticity_;
   FluidFoam::Source foam_source_;
   FluidFoam foam_;
-  FluidAccount account_;
+  FluidStatistics statistics_;
 };
 
 }  // namespace souple

@@ -1,4 +1,4 @@
-#include "souple/world/fluid_tables.h"
+#include "souple/world/fluid_registry.h"
 
 #include "souple/world/fluid_skin.h"
 #include "souple/world/state.h"
@@ -8,10 +8,10 @@
 
 namespace souple {
 
-void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies,
-                              SubResolutionBodies& sub_resolution_bodies) {
+void FluidRegistry::find_bodies(const WorldState& world, FluidBodies& bodies,
+                                SubResolutionBodies& sub_resolution_bodies) {
   with_boundary.clear();
-  small.clear();
+  sub_resolution.clear();
   std::vector<BoundaryMesh> boundaries;
   std::vector<SubResolutionBody> pieces;
   float spacing = 0;
@@ -25,19 +25,19 @@ void FluidTables::find_bodies(const WorldState& world, FluidBodies& bodies,
     }
     const std::size_t before = pieces.size();
     append_sub_resolution_bodies(*world.objects[o], spacing, world.particles.mass,
-                                 static_cast<std::uint32_t>(small.size()), pieces);
-    if (pieces.size() > before) small.push_back(o);
+                                 static_cast<std::uint32_t>(sub_resolution.size()), pieces);
+    if (pieces.size() > before) sub_resolution.push_back(o);
   }
   bodies.set_meshes(std::move(boundaries));
   sub_resolution_bodies.set_bodies(std::move(pieces));
 }
 
-void FluidTables::find_particles(const WorldState& world) {
+void FluidRegistry::find_particles(const WorldState& world) {
   particle.clear();
   fluid.clear();
-  meets.clear();
-  feels.clear();
-  feels_small.clear();
+  collides_with_collider.clear();
+  collides_with_body.clear();
+  collides_with_sub_resolution.clear();
   viscosities.clear();
   materials.clear();
   for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
@@ -50,13 +50,13 @@ void FluidTables::find_particles(const WorldState& world) {
       fluid.push_back(static_cast<std::uint16_t>(materials.size()));
     }
     for (const std::uint32_t body : with_boundary)
-      feels.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
-    for (const std::uint32_t body : small)
-      feels_small.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+      collides_with_body.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+    for (const std::uint32_t body : sub_resolution)
+      collides_with_sub_resolution.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
     viscosities.push_back(material->viscosity);
     materials.push_back(*material);
     for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
-      meets.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
+      collides_with_collider.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
   }
 }
 

@@ -12,17 +12,17 @@ namespace souple {
 struct WorldState;
 
 /// Which fluids a world has, which of its particles are theirs, and what they meet.
-struct FluidTables {
+struct FluidRegistry {
   std::vector<std::uint32_t> particle;  ///< of each of the fluids' particles, the world's; ascending
   std::vector<std::uint16_t> fluid;     ///< and which fluid it is of
   // Of each fluid.
   std::vector<FluidMaterial> materials;
   std::vector<float> viscosities;  ///< Pa s
   // Objects.
-  std::vector<std::uint32_t> with_boundary;  ///< that are bodies to fluids
-  std::vector<std::uint32_t> small;          ///< that are made of small bodies
+  std::vector<std::uint32_t> with_boundary;   ///< that are bodies to fluids
+  std::vector<std::uint32_t> sub_resolution;  ///< that are made of small bodies
   // Of each fluid and then each collider, skinned object, small object: whether they meet.
-  std::vector<std::uint8_t> meets, feels, feels_small;
+  std::vector<std::uint8_t> collides_with_collider, collides_with_body, collides_with_sub_resolution;
 
   /// Which objects are skinned or small, and how fluids feel them: after objects came, went or changed.
   void find_bodies(const WorldState& world, FluidBodies& bodies, SubResolutionBodies& sub_resolution_bodies);

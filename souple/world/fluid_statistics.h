@@ -11,15 +11,15 @@
 namespace souple {
 
 /// What a step did to a world's fluids: density errors, pressures, forces on colliders.
-class FluidAccount {
+class FluidStatistics {
  public:
   void begin_step(std::size_t particles);
   /// After the solver has pushed them in a substep of h seconds, one of `substeps`.
-  void note_pressures(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders,
-                      float h, int substeps, Threads& threads);
+  void add_pressures(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders,
+                     float h, int substeps, Threads& threads);
   /// The largest speed at its end [m/s], of particles a spacing [m] apart.
-  void note_speed(double fastest, double h, double spacing);
-  void note_viscosity(int iterations) { report_.viscosity_iterations += iterations; }
+  void add_speed(double fastest, double h, double spacing);
+  void add_viscosity_iterations(int iterations) { report_.viscosity_iterations += iterations; }
 
   /// Averages over substeps where that makes sense.
   FluidReport report() const;
@@ -30,11 +30,11 @@ class FluidAccount {
 
  private:
   /// Of a chunk of places.
-  struct Noted {
+  struct ChunkSums {
     double errors = 0;
     float largest_error = 0, pressure = 0, coarsest = 0;
 
-    void add(const Noted& other) {
+    void add(const ChunkSums& other) {
       errors += other.errors;
       largest_error = std::max(largest_error, other.largest_error);
       pressure = std::max(pressure, other.pressure);
@@ -42,15 +42,15 @@ class FluidAccount {
     }
   };
 
-  Noted sum_up(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders,
-               float h, Threads& threads);
+  ChunkSums sum_chunks(const DensitySolver& solver, const LocalBoundary& local_boundary,
+                       std::size_t colliders, float h, Threads& threads);
 
   FluidReport report_;
-  int substeps_ = 0;             // so far
-  std::vector<float> pressure_;  // of each particle, sum over substeps [Pa]
-  std::vector<Noted> noted_;     // of each chunk
-  std::vector<Vec3d> pushed_;    // of each chunk and collider
-  std::vector<Vec3d> force_;     // on each collider [N]
+  int substeps_ = 0;                   // so far
+  std::vector<float> pressure_;        // of each particle, sum over substeps [Pa]
+  std::vector<ChunkSums> chunk_sums_;  // of each chunk
+  std::vector<Vec3d> push_sums_;       // of each chunk and collider
+  std::vector<Vec3d> force_;           // on each collider [N]
 };
 
 }  // namespace souple
