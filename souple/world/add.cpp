@@ -10,9 +10,9 @@
 #include "souple/geometry/reorder.h"
 #include "souple/geometry/weld.h"
 #include "souple/world/build.h"
+#include "souple/world/embedding_offset.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
-#include "souple/world/skin.h"
 #include "souple/world/validate.h"
 
 #include <algorithm>
@@ -103,7 +103,7 @@ void shrink(Object& object) {
   shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colors,
              object.mesh.faces, object.mesh.face_uvs, object.tets.positions, object.tets.tets, object.rest,
              object.particle_of, object.vertex_of, object.surface, object.surface_source,
-             object.stiffness_map, object.thickness_map, object.outside);
+             object.stiffness_map, object.thickness_map, object.embedding_offset);
   for (auto* map : {&object.particle_of, &object.vertex_of}) map->reserve(object.capacity);
   object.rest.reserve(object.capacity);
 }
@@ -370,7 +370,7 @@ ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMateria
   name_nearest_vertices(object);
   // The lattice is larger than the surface, so its particles would meet the floor before the surface does:
   // each particle outside may sink in by its distance from the surface.
-  object.outside = distances_outside(object.rest, object.mesh, 2 * lattice.cell_size);
+  object.embedding_offset = distances_outside(object.rest, object.mesh, 2 * lattice.cell_size);
   const double density =
       static_cast<double>(material.density) * lattice.surface_volume / lattice.lattice_volume;
   body.mass = lumped_masses(object.tets, density);

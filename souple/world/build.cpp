@@ -314,8 +314,8 @@ void build_contact_radii(WorldState& world) {
     for (std::uint32_t i = object->begin; i < object->end; ++i) {
       const std::uint32_t local = i - object->begin;
       const float scale = object->thickness_map.empty() ? 1 : object->thickness_map[local];
-      const float skin = object->outside.empty() ? 0 : object->outside[local];
-      world.particles.radius[i] = radius * scale - skin;
+      const float offset = object->embedding_offset.empty() ? 0 : object->embedding_offset[local];
+      world.particles.radius[i] = radius * scale - offset;
     }
   }
 }

@@ -1,6 +1,6 @@
 #include "souple/world/fluid_registry.h"
 
-#include "souple/world/fluid_skin.h"
+#include "souple/world/fluid_boundary.h"
 #include "souple/world/state.h"
 
 #include <optional>

@@ -28,7 +28,7 @@ std::size_t bytes_of_motion(const ObstacleMotion& motion) {
 /// Which particle carries which vertex, and the triangles over particles.
 std::size_t bytes_of_maps(const Object& object) {
   std::size_t sum = bytes_of(object.particle_of, object.vertex_of, object.surface, object.surface_source,
-                             object.stiffness_map, object.thickness_map, object.outside, object.pins,
+                             object.stiffness_map, object.thickness_map, object.embedding_offset, object.pins,
                              object.triangle_begin, object.triangles_of);
   if (object.embedding)
     sum += bytes_of(object.embedding->vertices, object.embedding->weights, object.embedding->tets);

@@ -67,7 +67,8 @@ struct Object {
                                               ///< empty: the same
   std::vector<float> stiffness_map;           ///< per particle; empty: 1
   std::vector<float> thickness_map;           ///< per particle; empty: 1
-  std::vector<float> outside;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
+  std::vector<float>
+      embedding_offset;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
   bool self_collision = false;                             ///< its surface touches itself
   int layer = 0;                                           ///< of cloth; 0: none

@@ -1,4 +1,4 @@
-#include "souple/world/skin.h"
+#include "souple/world/embedding_offset.h"
 
 #include "souple/geometry/closest_point.h"
 #include "souple/geometry/measures.h"
@@ -26,17 +26,17 @@ struct Foot {
 }  // namespace
 
 std::vector<float> distances_outside(const std::vector<Vec3d>& points, const TriangleMesh& surface,
-                                     double reach) {
+                                     double max_distance) {
   std::map<Cell, std::vector<std::size_t>> grid;
-  for (std::size_t i = 0; i < points.size(); ++i) grid[cell_of(points[i], reach)].push_back(i);
+  for (std::size_t i = 0; i < points.size(); ++i) grid[cell_of(points[i], max_distance)].push_back(i);
   const std::vector<Vec3d> normals = vertex_normals(surface);
-  std::vector<Foot> feet(points.size(), {reach});
+  std::vector<Foot> feet(points.size(), {max_distance});
 
   for (const Triangle& t : surface.triangles) {
     const Vec3d &a = surface.positions[t[0]], &b = surface.positions[t[1]], &c = surface.positions[t[2]];
     const BoundingBox box = bounding_box(std::vector<Vec3d>{a, b, c});
-    const Vec3d margin{reach, reach, reach};
-    const Cell lo = cell_of(box.lo - margin, reach), hi = cell_of(box.hi + margin, reach);
+    const Vec3d margin{max_distance, max_distance, max_distance};
+    const Cell lo = cell_of(box.lo - margin, max_distance), hi = cell_of(box.hi + margin, max_distance);
     for (long long x = lo[0]; x <= hi[0]; ++x)
       for (long long y = lo[1]; y <= hi[1]; ++y)
         for (auto cell = grid.lower_bound({x, y, lo[2]});

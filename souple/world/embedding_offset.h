@@ -9,6 +9,6 @@ namespace souple {
 /// How far each point lies outside a closed surface, 0 inside and for points further than `reach` from it.
 /// [m]
 std::vector<float> distances_outside(const std::vector<Vec3d>& points, const TriangleMesh& surface,
-                                     double reach);
+                                     double max_distance);
 
 }  // namespace souple

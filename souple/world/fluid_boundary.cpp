@@ -1,4 +1,4 @@
-#include "souple/world/fluid_skin.h"
+#include "souple/world/fluid_boundary.h"
 
 #include "souple/world/add.h"
 
