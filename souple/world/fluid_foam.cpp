@@ -12,22 +12,22 @@ namespace souple {
 
 namespace {
 
-constexpr float nearest_to_walls = 0.1f;                     // to walls and bodies, of a spacing
+constexpr float min_wall_distance = 0.1f;                    // to walls and bodies, of a spacing
 constexpr std::size_t most_reserved = std::size_t{1} << 18;  // particles: more get room when they come
 
 }  // namespace
 
-void FluidFoam::choose_shape(SmoothingShape shape, std::size_t most) {
+void FluidFoam::choose_shape(SmoothingShape shape, std::size_t max_particles) {
   if (shape != shape_) {
     FoamState state = foam_->state();
     *foam_ = Foam(shape);
     foam_->set_state(std::move(state));
     shape_ = shape;
   }
-  const std::size_t room = std::min(most, most_reserved);
-  foam_->reserve(room);
-  wanted_.reserve(room);
-  positions_.reserve(room);
+  const std::size_t capacity = std::min(max_particles, most_reserved);
+  foam_->reserve(capacity);
+  unconstrained_.reserve(capacity);
+  positions_.reserve(capacity);
 }
 
 void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& source, double time,
@@ -41,7 +41,7 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
     walls_.begin_step(world.tables.colliders, source.collides_with_collider, origin_, 0, time);
     walls_.begin_substep(time, dt);
   });
-  const float gap = nearest_to_walls * fluid.smoothing.spacing();
+  const float gap = min_wall_distance * fluid.smoothing.spacing();
   find_bodies(world, source, gap, threads);
   const FoamStep step{.fluid = fluid,
                       .particle = source.particle,
@@ -91,7 +91,7 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
 // Where a wall pushes it, a particle moves away from the wall at least as fast as it has done in the step.
 void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float gap,
                          float dt, Threads& threads) {
-  wanted_.assign(x.begin(), x.end());
+  unconstrained_.assign(x.begin(), x.end());
   const auto out_of_walls = [&] {
     for_each_index(x.size(), threads, [&](std::size_t k) {
       if (is_finite(x[k])) x[k] = walls_.keep_out(0, start[k], x[k], gap);
@@ -103,7 +103,7 @@ void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::
     out_of_walls();
   }
   for_each_index(x.size(), threads, [&](std::size_t k) {
-    const Vec3f push = x[k] - wanted_[k];
+    const Vec3f push = x[k] - unconstrained_[k];
     const float size = length(push);
     if (!(size > 0)) return;
     const Vec3f normal = push * (1 / size);
@@ -145,7 +145,7 @@ void FluidFoam::report(FluidReport& report) const {
 }
 
 std::size_t FluidFoam::bytes() const {
-  return foam_->bytes() + bodies_.bytes() + bytes_of(start_, end_, wanted_, positions_);
+  return foam_->bytes() + bodies_.bytes() + bytes_of(start_, end_, unconstrained_, positions_);
 }
 
 // --- what fluids tell of themselves --------------------------------------------------------------

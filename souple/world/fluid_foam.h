@@ -48,7 +48,7 @@ class FluidFoam {
   void set_state(FoamState state, const Vec3d& origin);
 
  private:
-  void choose_shape(SmoothingShape shape, std::size_t most);
+  void choose_shape(SmoothingShape shape, std::size_t max_particles);
   void find_bodies(const WorldState& world, const Source& source, float gap, Threads& threads);
   void keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float gap, float dt,
                 Threads& threads);
@@ -60,8 +60,8 @@ class FluidFoam {
   Foam::Report report_;
   FluidWalls walls_;
   FoamBodies bodies_;
-  std::vector<Vec3f> start_, end_;  // of a mesh's vertices, from the origin [m]
-  std::vector<Vec3f> wanted_;       // where particles go if nothing stops them
+  std::vector<Vec3f> start_, end_;    // of a mesh's vertices, from the origin [m]
+  std::vector<Vec3f> unconstrained_;  // where particles go if nothing stops them
   std::vector<Vec3f> positions_;
 };
 

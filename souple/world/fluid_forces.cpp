@@ -63,7 +63,7 @@ void Fluids::find_near_walls(Threads& threads) {
 }
 
 // A body is pulled into the fluid as the fluid is to the body.
-void Fluids::pull_bodies(WorldState& world) {
+void Fluids::apply_adhesion(WorldState& world) {
   const auto x = solver_->positions();
   const auto pulls = surface_tension_.wall_pulls();
   for (std::size_t k = 0; k < x.size(); ++k) {
@@ -79,7 +79,7 @@ void Fluids::pull_bodies(WorldState& world) {
 void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const FluidView view = this->view();
-  const auto most = [&](float FluidMaterial::*value) {
+  const auto max_of = [&](float FluidMaterial::*value) {
     float result = 0;
     for (const FluidMaterial& material : registry_.materials) result = std::max(result, material.*value);
     return result;
@@ -93,20 +93,21 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   if (!sub_resolution_bodies_.none())
     sub_resolution_bodies_.drag(view, solver_->order(), registry_.viscosities, substep.h,
                                 world.particles.velocity, world.particles.position, threads);
-  if (const float sigma = most(&FluidMaterial::surface_tension); sigma > 0) {
+  if (const float sigma = max_of(&FluidMaterial::surface_tension); sigma > 0) {
     find_near_walls(threads);
     const float angle = registry_.materials[0].contact_angle * static_cast<float>(pi) / 180;
     surface_tension_.apply(view, near_walls_, {sigma, SurfaceTension::adhesion_of(angle)}, substep.h,
                            threads);
-    if (bodies_.mesh_count() > 0) pull_bodies(world);
+    if (bodies_.mesh_count() > 0) apply_adhesion(world);
   }
-  if (const float epsilon = most(&FluidMaterial::vorticity); epsilon > 0)
+  if (const float epsilon = max_of(&FluidMaterial::vorticity); epsilon > 0)
     vorticity_.apply(view, epsilon, substep.h, threads);
-  if (const float coefficient = most(&FluidMaterial::air_drag); coefficient > 0) {
-    covered_.resize(view.size());
-    for_each_index(view.size(), threads, [&](std::size_t k) { covered_[k] = 1 + solver_->density_error(k); });
+  if (const float coefficient = max_of(&FluidMaterial::air_drag); coefficient > 0) {
+    density_ratio_.resize(view.size());
+    for_each_index(view.size(), threads,
+                   [&](std::size_t k) { density_ratio_[k] = 1 + solver_->density_error(k); });
     const AirDrag air{wind_at(world.settings, world.time), world.settings.wind.air_density, coefficient};
-    apply_air_drag(view, covered_, air, substep.h, threads);
+    apply_air_drag(view, density_ratio_, air, substep.h, threads);
   }
 }
 

@@ -10,8 +10,8 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t grain = 512;         // particles worth a thread
-constexpr float nearest_to_walls = 0.25f;  // of a spacing: the density keeps particles at half of one
+constexpr std::size_t grain = 512;          // particles worth a thread
+constexpr float min_wall_distance = 0.25f;  // of a spacing: the density keeps particles at half of one
 
 /// What the density solver asks.
 struct Boundary {
@@ -48,13 +48,14 @@ struct Boundary {
 };
 
 /// What is missing to `radius` before the walls near x. [m]
-Vec3f out_of_walls(const Vec3f& x, std::span<const BoundaryPlane> planes, float radius) {
-  Vec3f way{};
+Vec3f wall_correction(const Vec3f& x, std::span<const BoundaryPlane> planes, float radius) {
+  Vec3f correction{};
   for (const BoundaryPlane& plane : planes) {
-    const float distance = dot(plane.normal, x + way) - plane.offset;
-    if (plane.mesh == BoundaryPlane::none && distance < radius) way += plane.normal * (radius - distance);
+    const float distance = dot(plane.normal, x + correction) - plane.offset;
+    if (plane.mesh == BoundaryPlane::none && distance < radius)
+      correction += plane.normal * (radius - distance);
   }
-  return way;
+  return correction;
 }
 
 }  // namespace
@@ -95,14 +96,14 @@ void Fluids::choose_solver(const WorldState& world) {
   options_ = wanted;
 }
 
-void Fluids::place(WorldState& world, float h, Threads& threads) {
+void Fluids::set_positions(WorldState& world, float h, Threads& threads) {
   inflow_.begin_substep(world);
   const std::vector<std::uint32_t>& particle = registry_.particle;
-  placed_.resize(particle.size());
+  positions_.resize(particle.size());
   start_.resize(particle.size());
   const Particles& particles = world.particles;
   const ParticleView view = world.view();
-  const float radius = nearest_to_walls * spacing_;
+  const float radius = min_wall_distance * spacing_;
   const bool displaced = world.settings.form == Form::displacement;
   threads.for_each(particle.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -115,10 +116,10 @@ void Fluids::place(WorldState& world, float h, Threads& threads) {
       const Vec3f aim = is_inflow ? start_[k] + inflow_.velocity(k) * h : at;
       const Vec3f kept = walls_.keep_out(k, registry_.fluid[k], start_[k], aim, radius);
       view.correct(particle[k], kept - at);
-      placed_[k] = {kept.x, kept.y, kept.z, x.w};
+      positions_[k] = {kept.x, kept.y, kept.z, x.w};
     }
   });
-  solver_->set_positions(placed_, threads);
+  solver_->set_positions(positions_, threads);
 }
 
 void Fluids::sample_boundary(Threads& threads) {
@@ -136,41 +137,42 @@ void Fluids::sample_boundary(Threads& threads) {
       threads);
 }
 
-void Fluids::press(WorldState& world, const Substep& substep) {
+void Fluids::solve_incompressibility(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   world.guarded("a collider's motion",
                 [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
-  place(world, substep.h, threads);
+  set_positions(world, substep.h, threads);
   const Smoothing& smoothing = solver_->smoothing();
   const ParticleView particles = world.view();
   if (bodies_.mesh_count() > 0)
-    bodies_.begin_substep(particles, world.particles.mass, placed_, LocalBoundary::search_radius(smoothing),
-                          threads);
+    bodies_.begin_substep(particles, world.particles.mass, positions_,
+                          LocalBoundary::search_radius(smoothing), threads);
   sample_boundary(threads);
   if (!sub_resolution_bodies_.none())
     sub_resolution_bodies_.find(solver_->positions(), solver_->order(), local_boundary_, smoothing, particles,
                                 threads);
   Boundary boundary{local_boundary_, bodies_, sub_resolution_bodies_, smoothing};
   solver_->solve(boundary, threads, substep.h);
-  move(particles, threads);
+  apply_corrections(particles, threads);
   statistics_.add_pressures(*solver_, local_boundary_, world.tables.colliders.size(), substep.h,
                             substep.count, threads);
 }
 
 // What the solver found goes to the world's particles.
-void Fluids::move(const ParticleView& particles, Threads& threads) {
+void Fluids::apply_corrections(const ParticleView& particles, Threads& threads) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();
-  const auto given = sub_resolution_bodies_.none()
-                         ? std::span<const Vec3f>{}
-                         : sub_resolution_bodies_.apply_pressure(solver_->positions(), moved, particles);
+  const auto body_pushes = sub_resolution_bodies_.none() ? std::span<const Vec3f>{}
+                                                         : sub_resolution_bodies_.apply_pressure(
+                                                               solver_->positions(), moved, particles);
   threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (inflow_.is_inflow(order[k])) continue;
       const std::uint32_t i = registry_.particle[order[k]];
       const Vec3f at = solver_->positions()[k].xyz();
-      particles.correct(i, moved[k] + out_of_walls(at, local_boundary_.of(k), nearest_to_walls * spacing_));
-      if (!given.empty()) particles.correct(i, given[k] * -solver_->positions()[k].w);
+      particles.correct(i,
+                        moved[k] + wall_correction(at, local_boundary_.of(k), min_wall_distance * spacing_));
+      if (!body_pushes.empty()) particles.correct(i, body_pushes[k] * -solver_->positions()[k].w);
     }
   });
   if (bodies_.mesh_count() == 0) return;
@@ -185,7 +187,7 @@ void Fluids::keep_out_of_bodies(const ParticleView& particles) const {
     const Vec3f x = solver_->positions()[k].xyz();
     for (const BoundaryPlane& plane : local_boundary_.of(k))
       if (plane.mesh != BoundaryPlane::none)
-        bodies_.keep_apart(plane, registry_.particle[order[k]], x, nearest_to_walls * spacing_, particles);
+        bodies_.keep_apart(plane, registry_.particle[order[k]], x, min_wall_distance * spacing_, particles);
   }
 }
 

@@ -30,7 +30,7 @@ class Fluids {
   void begin_step(WorldState& world, double dt);
   bool none() const { return registry_.particle.empty(); }
   /// Pushes predicted particles apart until no fluid is compressed.
-  void press(WorldState& world, const Substep& substep);
+  void solve_incompressibility(WorldState& world, const Substep& substep);
   /// After v = (p - x) / h.
   void update_velocities(WorldState& world, const Substep& substep);
   /// Spray, foam and bubbles, after the last substep of a step of dt seconds that began at `time`.
@@ -46,13 +46,13 @@ class Fluids {
 
  private:
   void choose_solver(const WorldState& world);
-  void place(WorldState& world, float h, Threads& threads);
+  void set_positions(WorldState& world, float h, Threads& threads);
   void sample_boundary(Threads& threads);
-  void move(const ParticleView& particles, Threads& threads);
+  void apply_corrections(const ParticleView& particles, Threads& threads);
   void keep_out_of_bodies(const ParticleView& particles) const;
   void find_wall_friction(float h, Threads& threads);
   void find_near_walls(Threads& threads);
-  void pull_bodies(WorldState& world);
+  void apply_adhesion(WorldState& world);
   void apply_forces(WorldState& world, const Substep& substep);
   FluidView view();
 
@@ -65,14 +65,14 @@ class Fluids {
   FluidBodies bodies_;
   SubResolutionBodies sub_resolution_bodies_;
   InflowParticles inflow_;
-  Vec3d origin_{};             // of the fluids' positions [m]
-  std::vector<Vec4f> placed_;  // x, y, z from the origin and inverse mass
-  std::vector<Vec3f> start_;   // where they were when the substep began
+  Vec3d origin_{};                // of the fluids' positions [m]
+  std::vector<Vec4f> positions_;  // x, y, z from the origin and inverse mass
+  std::vector<Vec3f> start_;      // where they were when the substep began
   // By place.
   std::vector<Vec4f> velocity_;       // and the viscosity; one more, 0
   std::vector<Vec4f> wall_friction_;  // see WallFriction
   std::vector<NearWall> near_walls_;
-  std::vector<float> covered_;  // V sum W
+  std::vector<float> density_ratio_;  // V sum W
   Viscosity viscosity_;
   BodyFriction body_friction_;
   SurfaceTension surface_tension_;

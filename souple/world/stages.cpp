@@ -185,8 +185,8 @@ void integrate(WorldState& world, const Substep& substep) {
   if (world.settings.integrator != Integrator::semi_implicit) world.predicted = moving(world);
 }
 
-void press_fluids(WorldState& world, const Substep& substep) {
-  if (!world.fluids.none() && !world.first_non_finite) world.fluids.press(world, substep);
+void solve_incompressibility(WorldState& world, const Substep& substep) {
+  if (!world.fluids.none() && !world.first_non_finite) world.fluids.solve_incompressibility(world, substep);
 }
 
 void solve(WorldState& world, const Substep& substep) {

@@ -14,7 +14,7 @@ void find_candidates(WorldState& world, double dt);
 void integrate(WorldState& world, const Substep& substep);
 
 /// (2) Fluids are pushed apart until they are not compressed.
-void press_fluids(WorldState& world, const Substep& substep);
+void solve_incompressibility(WorldState& world, const Substep& substep);
 
 /// Once a step, after its substeps: spray, foam and bubbles, from `time` on for dt seconds.
 void step_foam(WorldState& world, double time, double dt);

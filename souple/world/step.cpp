@@ -34,7 +34,7 @@ const StepReport& World::step(double dt) {
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; valid && i <= substep.count; ++i) {
     run(*this, world, Stage::integrate, [&] { integrate(world, substep); });
-    run(*this, world, Stage::fluids, [&] { press_fluids(world, substep); });
+    run(*this, world, Stage::fluids, [&] { solve_incompressibility(world, substep); });
     run(*this, world, Stage::contacts, [&] { generate_contacts(world, substep); });
     run(*this, world, Stage::solve, [&] { solve(world, substep); });
     run(*this, world, Stage::finish, [&] { valid = finish(world, substep); });
