@@ -135,7 +135,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
     const double mass = builder.mass[i - object.begin];
     particles.mass[i] = static_cast<float>(mass);
     particles.position[i].w = mass > 0 ? static_cast<float>(1 / mass) : 0.0f;
-    world.place(i, object.rest[i - object.begin]);
+    world.teleport_particle(i, object.rest[i - object.begin]);
   }
   if (object.kind != ObjectKind::obstacle) set_motion(world, object, options);
   world.dirty_all();
@@ -494,7 +494,7 @@ ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& m
   const std::vector<Vec3d> now = obstacle_positions(object, world.time);
   const ObjectId id = register_object(world, std::move(obstacle), options);
   const std::uint32_t begin = world.object(id).begin;
-  for (std::uint32_t k = 0; k < now.size(); ++k) world.place(begin + k, now[k]);
+  for (std::uint32_t k = 0; k < now.size(); ++k) world.teleport_particle(begin + k, now[k]);
   return id;
 }
 

@@ -125,13 +125,13 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
     PinnedParticle pin{particle, vertex, {}, shared};
     if (object.embedding)
       pin.offset = world.exact_position(object.begin + particle) - Vec3d(positions(id)[vertex]);
-    const auto place =
+    const auto position =
         std::lower_bound(object.pins.begin(), object.pins.end(), particle,
                          [](const PinnedParticle& p, std::uint32_t i) { return p.particle < i; });
-    if (place != object.pins.end() && place->particle == particle) {
-      *place = pin;
+    if (position != object.pins.end() && position->particle == particle) {
+      *position = pin;
     } else {
-      object.pins.insert(place, pin);
+      object.pins.insert(position, pin);
     }
     set_inverse_mass(world, object, particle, true);
   }

@@ -40,7 +40,7 @@ ColliderRecord& WorldState::collider(ColliderId id) {
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
-void WorldState::place(std::size_t i, const Vec3d& x) {
+void WorldState::teleport_particle(std::size_t i, const Vec3d& x) {
   check_intersections = true;
   set_position(i, x);
 }

@@ -218,7 +218,7 @@ struct WorldState {
   /// Puts a particle at x, keeping in the displacement form what float cannot hold.
   void set_position(std::size_t i, const Vec3d& x);
   /// The same where it may tangle what it belongs to.
-  void place(std::size_t i, const Vec3d& x);
+  void teleport_particle(std::size_t i, const Vec3d& x);
 
   /// `wanted` when it is free, else throws; empty: `base`, base2, base3, ... whichever is free first.
   std::string unique_name(const std::string& wanted, std::string_view base) const;

@@ -235,7 +235,7 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
     throw;
   }
   for (std::uint32_t k = 0; k < object.particle_count(); ++k) {
-    world.place(object.begin + k, now[k]);
+    world.teleport_particle(object.begin + k, now[k]);
     world.particles.velocity[object.begin + k] = {};
   }
   wake_all(world);
@@ -348,7 +348,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);
-    world.place(i, transform.point(x));
+    world.teleport_particle(i, transform.point(x));
     Vec4f& velocity = world.particles.velocity[i];
     velocity.set_xyz(Vec3f(transform.direction(Vec3d(velocity.xyz()))));
   }
