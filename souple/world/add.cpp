@@ -25,7 +25,7 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t most_of_a_fluid = 50'000'000;  // particles
+constexpr std::uint32_t max_fluid_particles = 50'000'000;  // particles
 
 /// What the adders make of their input: an Object without particles yet, and a mass for each of its
 /// particles.
@@ -43,9 +43,9 @@ ObjectBuilder make_builder(const WorldState& world, ObjectKind kind, const Mater
   if (kind != ObjectKind::fluid && options.max_particles > 0)
     throw Error(fmt::format("{}: max_particles is {}: only a fluid gets more particles; leave it 0",
                             result.object->name, options.max_particles));
-  if (options.max_particles > most_of_a_fluid)
+  if (options.max_particles > max_fluid_particles)
     throw Error(fmt::format("{}: max_particles is {}, expected at most {}", result.object->name,
-                            options.max_particles, most_of_a_fluid));
+                            options.max_particles, max_fluid_particles));
   result.object->material = material;
   std::visit([&](const auto& m) { validate(m, result.object->name); }, material);
   validate(options.transform, result.object->name);
@@ -219,9 +219,10 @@ void require_lasting(const Object& object, const char* what) {
 }
 
 void require_layer(const Object& object, int layer) {
-  constexpr int most = 1000;
-  if (layer < 0 || layer > most)
-    throw Error(fmt::format("{}: layer: {} is not a whole number from 0 to {}", object.name, layer, most));
+  constexpr int max_layer = 1000;
+  if (layer < 0 || layer > max_layer)
+    throw Error(
+        fmt::format("{}: layer: {} is not a whole number from 0 to {}", object.name, layer, max_layer));
   if (layer != 0 && object.surface.empty())
     throw Error(object.name +
                 ": layer: only an object with a surface of its own can be one (cloth, a soft body "

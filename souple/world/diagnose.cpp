@@ -14,7 +14,7 @@ namespace souple {
 namespace {
 
 constexpr double large_strain = 0.1;
-constexpr double largest_fluid_step = 0.36;  // a third, and what a wave on a fluid at rest may add
+constexpr double max_fluid_step = 0.36;  // a third, and what a wave on a fluid at rest may add
 
 void restore_last_valid(WorldState& world) {
   Particles& particles = world.particles;
@@ -65,7 +65,7 @@ void report_fluids(WorldState& world) {
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
   if (report.largest_strain > large_strain) world.warn(Flag::large_strain, advice(Flag::large_strain));
-  if (report.fluid.largest_step > largest_fluid_step)
+  if (report.fluid.largest_step > max_fluid_step)
     world.warn(Flag::coarse_substeps, advice(Flag::coarse_substeps));
   if (!(report.deepest_contact > 0)) return;
   float thickest = 0;

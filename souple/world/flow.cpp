@@ -16,9 +16,9 @@
 namespace souple {
 namespace {
 
-constexpr double nearest = 0.7;        // of a spacing: where other fluid is nearer nothing comes out
-constexpr double most_in_layer = 1e5;  // particles
-constexpr std::size_t grain = 512;     // particles worth a thread
+constexpr double min_distance_ratio = 0.7;   // of a spacing: where other fluid is nearer nothing comes out
+constexpr double max_layer_particles = 1e5;  // particles
+constexpr std::size_t grain = 512;           // particles worth a thread
 
 void require_times(double start, double end, std::string_view owner) {
   if (!std::isfinite(start) || !(end >= start))
@@ -53,9 +53,9 @@ void append_layer(const Emitter& emitter, std::uint64_t k, double t, const Vec3d
   const Vec3d middle = nozzle.position + v * s + g * (0.5 * r * r);
   const double radius = static_cast<double>(emitter.radius) / spacing;
   const double moved = k % 2 == 1 && radius >= 1 ? 0.5 : 0;
-  const int most = static_cast<int>(radius) + 1;
-  for (int i = -most; i <= most; ++i)
-    for (int j = -most; j <= most; ++j) {
+  const int max_index = static_cast<int>(radius) + 1;
+  for (int i = -max_index; i <= max_index; ++i)
+    for (int j = -max_index; j <= max_index; ++j) {
       const double u = i + moved, w = j + moved;
       if (u * u + w * w <= radius * radius)
         drops.push_back(
@@ -69,12 +69,14 @@ bool open(double start, double end, double t) {
 
 /// All layers k that left at start + k d / speed up to now, and have not come yet.
 std::vector<Drop> drops_of(EmitterRecord& record, const Vec3d& gravity, double spacing, double now) {
-  constexpr std::uint64_t most_layers = 10000;  // of a step
+  constexpr std::uint64_t max_layers = 10000;  // of a step
   const Emitter& emitter = record.emitter;
   std::vector<Drop> drops;
-  const double apart = spacing / static_cast<double>(emitter.speed);
-  const auto leaves = [&](std::uint64_t k) { return emitter.start + static_cast<double>(k) * apart; };
-  for (std::uint64_t n = 0; n < most_layers && leaves(record.layers) <= now; ++n, ++record.layers)
+  const double layer_interval = spacing / static_cast<double>(emitter.speed);
+  const auto leaves = [&](std::uint64_t k) {
+    return emitter.start + static_cast<double>(k) * layer_interval;
+  };
+  for (std::uint64_t n = 0; n < max_layers && leaves(record.layers) <= now; ++n, ++record.layers)
     if (open(emitter.start, emitter.end, leaves(record.layers)))
       append_layer(emitter, record.layers, leaves(record.layers), gravity, spacing, now, drops);
   return drops;
@@ -113,7 +115,7 @@ void emit(WorldState& world, EmitterRecord& record) {
   world.guarded("an emitter's motion",
                 [&] { drops = drops_of(record, Vec3d(world.settings.gravity), spacing, world.time); });
   if (drops.empty()) return;
-  const double distance = nearest * spacing;
+  const double distance = min_distance_ratio * spacing;
   const std::vector<Vec3d> others = near(world, drops, distance);
   wake_island(world, fluid);
   for (const Drop& drop : drops) {
@@ -212,10 +214,10 @@ void validate(const Drain& drain, std::string_view owner) {
 
 void require_sound_layer(const Emitter& emitter, float spacing, std::string_view owner) {
   const double ratio = static_cast<double>(emitter.radius / spacing);
-  if (pi * ratio * ratio > most_in_layer)
+  if (pi * ratio * ratio > max_layer_particles)
     throw Error(
         fmt::format("{}: radius is {:g} m, {:g} spacings: a layer would have more than {:g} particles", owner,
-                    emitter.radius, ratio, most_in_layer));
+                    emitter.radius, ratio, max_layer_particles));
 }
 
 std::uint64_t layers_before(const WorldState& world, const Object& fluid, const Emitter& emitter) {

@@ -10,7 +10,7 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t most_triangles = 40000;  // of a surface that is cut finer
+constexpr std::size_t max_triangles = 40000;  // of a surface that is cut finer
 
 double longest_edge(const TriangleMesh& mesh) {
   double longest = 0;
@@ -46,7 +46,7 @@ BoundaryMesh embedded_boundary(const Object& object, float spacing) {
   TriangleMesh mesh;
   mesh.positions = object.mesh.positions;
   mesh.triangles = object.mesh.triangles;
-  while (longest_edge(mesh) > 3 * static_cast<double>(spacing) && 4 * mesh.triangles.size() <= most_triangles)
+  while (longest_edge(mesh) > 3 * static_cast<double>(spacing) && 4 * mesh.triangles.size() <= max_triangles)
     mesh = halved(mesh);
   const Embedding embedding = embed(mesh.positions, object.tets);
   BoundaryMesh boundary;
@@ -74,10 +74,10 @@ BoundaryMesh particle_boundary(const Object& object) {
 
 /// Points inside a ball about a spacing apart; its center where it is smaller.
 std::vector<Vec3f> points_in_ball(float radius, float spacing) {
-  constexpr float most_across = 10;
+  constexpr float max_points_across = 10;
   if (radius < spacing) return {Vec3f{}};
   std::vector<Vec3f> result;
-  const float across = std::ceil(min(2 * radius / spacing, most_across)), pitch = 2 * radius / across;
+  const float across = std::ceil(min(2 * radius / spacing, max_points_across)), pitch = 2 * radius / across;
   for (float z = 0.5f; z < across; ++z)
     for (float y = 0.5f; y < across; ++y)
       for (float x = 0.5f; x < across; ++x) {
@@ -107,13 +107,13 @@ void append_grains(const Object& object, float spacing, float radius, std::span<
 // Pieces no longer than the spacing, each in the middle of its part of a segment.
 void append_rope(const Object& object, float spacing, float radius, std::span<const float> mass,
                  std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
-  constexpr double most_pieces = 64;  // of a segment
+  constexpr double max_pieces = 64;  // of a segment
   double all = 0, weight = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i) weight += static_cast<double>(mass[i]);
   for (std::size_t i = 0; i + 1 < object.rest.size(); ++i) all += length(object.rest[i + 1] - object.rest[i]);
   for (std::uint32_t i = 0; i + 1 < object.particle_count(); ++i) {
     const double segment = length(object.rest[i + 1] - object.rest[i]);
-    const double pieces = min(std::ceil(max(segment / static_cast<double>(spacing), 1.0)), most_pieces);
+    const double pieces = min(std::ceil(max(segment / static_cast<double>(spacing), 1.0)), max_pieces);
     const auto piece = static_cast<float>(segment / pieces);
     for (double k = 0.5; k < pieces; ++k) {
       const auto t = static_cast<float>(k / pieces);

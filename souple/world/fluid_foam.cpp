@@ -12,8 +12,8 @@ namespace souple {
 
 namespace {
 
-constexpr float min_wall_distance = 0.1f;                    // to walls and bodies, of a spacing
-constexpr std::size_t most_reserved = std::size_t{1} << 18;  // particles: more get room when they come
+constexpr float min_wall_distance = 0.1f;                   // to walls and bodies, of a spacing
+constexpr std::size_t max_reserved = std::size_t{1} << 18;  // particles: more get room when they come
 
 }  // namespace
 
@@ -24,7 +24,7 @@ void FluidFoam::choose_shape(SmoothingShape shape, std::size_t max_particles) {
     foam_->set_state(std::move(state));
     shape_ = shape;
   }
-  const std::size_t capacity = std::min(max_particles, most_reserved);
+  const std::size_t capacity = std::min(max_particles, max_reserved);
   foam_->reserve(capacity);
   unconstrained_.reserve(capacity);
   positions_.reserve(capacity);

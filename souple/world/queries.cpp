@@ -43,13 +43,13 @@ struct Nearest {
 
 }  // namespace
 
-Hit World::ray_cast(const Vec3f& origin, const Vec3f& direction, double longest) const {
+Hit World::ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance) const {
   const WorldState& world = impl_->state;
   const Vec3d o(origin), d = normalized(Vec3d(direction));
   if (!is_finite(o) || !(length_squared(d) > 0))
     throw Error("ray_cast: the origin is not finite or the direction is zero");
   const Segment<double> ray{o, d, std::numeric_limits<double>::infinity()};
-  Nearest nearest{{}, longest};
+  Nearest nearest{{}, max_distance};
   for (const auto& object : world.objects) {
     const auto x = positions(object->id);
     const auto faces = triangles(object->id);

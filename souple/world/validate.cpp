@@ -38,7 +38,7 @@ void require_finite(std::string_view owner, const char* field, const Vec3f& v) {
         fmt::format("{}: {} is ({:g}, {:g}, {:g}), expected finite numbers", owner, field, v.x, v.y, v.z));
 }
 
-constexpr double smallest = 1e-30;
+constexpr double min_positive = 1e-30;
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -72,7 +72,7 @@ void validate(const FoamParameters& f) {
                          {"fluid.foam.wave_crest_rate", double(f.wave_crest_rate), 0, 1e6},
                          {"fluid.foam.longest_life", double(f.longest_life), 0, any},
                          {"fluid.foam.buoyancy", double(f.buoyancy), 0, any},
-                         {"fluid.foam.drag", double(f.drag), smallest, any},
+                         {"fluid.foam.drag", double(f.drag), min_positive, any},
                          {"fluid.foam.spray_neighbors", double(f.spray_neighbors), 0, 1000},
                          {"fluid.foam.bubble_neighbors", double(f.bubble_neighbors), 0, 1000}});
   check_range("trapped_air", f.trapped_air);
@@ -88,7 +88,7 @@ void validate(const Settings& s) {
   check_all("settings", {{"substeps", double(s.substeps), 1, 100000},
                          {"iterations", double(s.iterations), 1, 100000},
                          {"threads", double(s.threads), 0, 1024},
-                         {"solver.relaxation", double(s.solver.relaxation), smallest, 2, true},
+                         {"solver.relaxation", double(s.solver.relaxation), min_positive, 2, true},
                          {"solver.chebyshev", double(s.solver.chebyshev), 0, 1, true},
                          {"solver.colors", double(s.solver.colors), 0, 64},
                          {"drag", double(s.drag), 0, any},
@@ -97,9 +97,9 @@ void validate(const Settings& s) {
                          {"fluid.compressibility", double(s.fluid.compressibility), 0, any},
                          {"fluid.artificial_pressure", double(s.fluid.artificial_pressure), 0, any},
                          {"sleeping.speed", double(s.sleeping.speed), 0, any},
-                         {"sleeping.seconds", double(s.sleeping.seconds), smallest, any},
+                         {"sleeping.seconds", double(s.sleeping.seconds), min_positive, any},
                          {"wind.gust", double(s.wind.gust), 0, 1},
-                         {"wind.gust_period", double(s.wind.gust_period), smallest, any},
+                         {"wind.gust_period", double(s.wind.gust_period), min_positive, any},
                          {"wind.air_density", double(s.wind.air_density), 0, any}});
   require_finite("settings", "gravity", s.gravity);
   require_finite("settings", "wind.velocity", s.wind.velocity);
@@ -108,13 +108,13 @@ void validate(const Settings& s) {
 void validate(const Transform& t, std::string_view owner) {
   const double q = std::sqrt(t.rotation.x * t.rotation.x + t.rotation.y * t.rotation.y +
                              t.rotation.z * t.rotation.z + t.rotation.w * t.rotation.w);
-  check_all(owner, {{"transform's scale", t.scale, smallest, any},
+  check_all(owner, {{"transform's scale", t.scale, min_positive, any},
                     {"length of the rotation quaternion", q, 0.999, 1.001}});
   if (!is_finite(t.translation)) throw Error(fmt::format("{}: the translation is not finite", owner));
 }
 
 void validate(const ClothMaterial& m, std::string_view owner) {
-  check_all(owner, {{"areal_density", double(m.areal_density), smallest, any},
+  check_all(owner, {{"areal_density", double(m.areal_density), min_positive, any},
                     {"membrane_stiffness", double(m.membrane_stiffness), 0,
                      m.stretch == StretchModel::springs ? infinite : any},
                     {"weft_stiffness", double(m.weft_stiffness), 0, any},
@@ -134,9 +134,9 @@ void validate(const ClothMaterial& m, std::string_view owner) {
 }
 
 void validate(const SoftBodyMaterial& m, std::string_view owner) {
-  check_all(owner, {{"young_modulus", double(m.young_modulus), smallest, any},
+  check_all(owner, {{"young_modulus", double(m.young_modulus), min_positive, any},
                     {"poisson_ratio", double(m.poisson_ratio), 0, 0.5, true},
-                    {"density", double(m.density), smallest, any},
+                    {"density", double(m.density), min_positive, any},
                     {"thickness", double(m.thickness), 0, any},
                     {"friction", double(m.friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},
@@ -146,9 +146,9 @@ void validate(const SoftBodyMaterial& m, std::string_view owner) {
 }
 
 void validate(const RopeMaterial& m, std::string_view owner) {
-  check_all(owner, {{"radius", double(m.radius), smallest, any},
-                    {"young_modulus", double(m.young_modulus), smallest, any},
-                    {"density", double(m.density), smallest, any},
+  check_all(owner, {{"radius", double(m.radius), min_positive, any},
+                    {"young_modulus", double(m.young_modulus), min_positive, any},
+                    {"density", double(m.density), min_positive, any},
                     {"bending_stiffness", double(m.bending_stiffness), 0, any},
                     {"friction", double(m.friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},
@@ -159,16 +159,16 @@ void validate(const RopeMaterial& m, std::string_view owner) {
 }
 
 void validate(const GrainsMaterial& m, std::string_view owner) {
-  check_all(owner, {{"radius", double(m.radius), smallest, any},
-                    {"density", double(m.density), smallest, any},
+  check_all(owner, {{"radius", double(m.radius), min_positive, any},
+                    {"density", double(m.density), min_positive, any},
                     {"friction", double(m.friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping", double(m.damping), 0, any}});
 }
 
 void validate(const FluidMaterial& m, std::string_view owner) {
-  check_all(owner, {{"spacing", double(m.spacing), smallest, any},
-                    {"density", double(m.density), smallest, any},
+  check_all(owner, {{"spacing", double(m.spacing), min_positive, any},
+                    {"density", double(m.density), min_positive, any},
                     {"viscosity", double(m.viscosity), 0, any},
                     {"xsph", double(m.xsph), 0, any},
                     {"surface_tension", double(m.surface_tension), 0, any},

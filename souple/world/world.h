@@ -314,7 +314,7 @@ class World {
   void wake(ObjectId object);
 
   // --- queries -----------------------------------------------------------------------------------
-  Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double longest = 1e30) const;
+  Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance = 1e30) const;
   Hit closest_point(const Vec3f& point) const;
   double kinetic_energy(ObjectId object) const;    ///< J
   double potential_energy(ObjectId object) const;  ///< of its weight, 0 at the origin [J]

@@ -12,7 +12,7 @@ constexpr double d = 0.04;  // m
 constexpr std::uint32_t most = 2000;
 
 struct Flow {
-  std::size_t emitted = 0, drained = 0, held_back = 0, most_alive = 0;
+  std::size_t emitted = 0, drained = 0, held_back = 0, max_alive = 0;
   double fastest = 0, mean_error = 0;
 };
 
@@ -27,7 +27,7 @@ Flow play(World& world, ObjectId fluid, int frames) {
     run.held_back += report.fluid.held_back;
     run.fastest = std::max(run.fastest, report.fluid.fastest);
     run.mean_error += report.fluid.mean_density_error / frames;
-    run.most_alive = std::max(run.most_alive, world.positions(fluid).size());
+    run.max_alive = std::max(run.max_alive, world.positions(fluid).size());
   }
   return run;
 }
@@ -52,8 +52,8 @@ TEST(FluidFountain, RunsForAMinuteWithoutGrowingSlow) {
   const std::size_t held = bytes(world);
   const Flow rest = play(world, fluid, 3000);
   EXPECT_EQ(first.emitted + rest.emitted - first.drained - rest.drained, world.positions(fluid).size());
-  EXPECT_LE(std::max(first.most_alive, rest.most_alive), most);
-  EXPECT_GT(rest.most_alive, 250u);
+  EXPECT_LE(std::max(first.max_alive, rest.max_alive), most);
+  EXPECT_GT(rest.max_alive, 250u);
   EXPECT_NEAR(double(rest.drained), double(rest.emitted), 0.02 * double(rest.emitted));  // it is steady
   EXPECT_LE(double(rest.held_back), 0.02 * double(rest.emitted));
   EXPECT_LT(rest.fastest, 8);  // 2.5 m/s up, then a fall of 1.3 m: 5.7 m/s
