@@ -18,7 +18,7 @@
 namespace souple {
 namespace {
 
-struct Choose {
+struct SelectVertices {
   const Object& object;
   std::span<const Vec3f> positions;
 
@@ -107,7 +107,7 @@ std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<
 
 std::vector<std::uint32_t> World::select(ObjectId id, const Selector& selector) const {
   const Object& object = impl_->state.object(id);
-  std::vector<std::uint32_t> result = std::visit(Choose{object, positions(id)}, selector.choice);
+  std::vector<std::uint32_t> result = std::visit(SelectVertices{object, positions(id)}, selector.choice);
   if (result.empty())
     throw Error("the selector means no vertex of " + object.name + "; look at where it is now");
   return result;
@@ -210,46 +210,46 @@ namespace {
 
 /// Rest distance along edges from each particle of an object to the nearest of `sources`, and which that is
 /// (Dijkstra).
-struct Reach {
+struct EdgeDistances {
   std::vector<double> distance;
   std::vector<std::uint32_t> source;
 };
 
-Reach reach_from(const Object& object, const std::vector<PinnedParticle>& sources) {
+EdgeDistances edge_distances_from(const Object& object, const std::vector<PinnedParticle>& sources) {
   const std::size_t count = object.particle_count();
   std::vector<std::vector<std::uint32_t>> neighbors(count);
-  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+  const auto add_edge = [&](std::uint32_t a, std::uint32_t b) {
     neighbors[a].push_back(b);
     neighbors[b].push_back(a);
   };
-  for (const Edge& edge : unique_edges(object.surface)) join(edge[0], edge[1]);
+  for (const Edge& edge : unique_edges(object.surface)) add_edge(edge[0], edge[1]);
   if (object.kind == ObjectKind::soft_body)
-    for (const Edge& edge : unique_edges(object.tets.tets)) join(edge[0], edge[1]);
+    for (const Edge& edge : unique_edges(object.tets.tets)) add_edge(edge[0], edge[1]);
   if (object.kind == ObjectKind::rope)
-    for (std::uint32_t i = 0; i + 1 < count; ++i) join(i, i + 1);
+    for (std::uint32_t i = 0; i + 1 < count; ++i) add_edge(i, i + 1);
 
-  Reach reach{std::vector<double>(count, std::numeric_limits<double>::infinity()),
-              std::vector<std::uint32_t>(count)};
+  EdgeDistances edge_distances{std::vector<double>(count, std::numeric_limits<double>::infinity()),
+                               std::vector<std::uint32_t>(count)};
   using Entry = std::pair<double, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (const PinnedParticle& pin : sources) {
-    reach.distance[pin.particle] = 0;
-    reach.source[pin.particle] = pin.particle;
+    edge_distances.distance[pin.particle] = 0;
+    edge_distances.source[pin.particle] = pin.particle;
     queue.emplace(0.0, pin.particle);
   }
   while (!queue.empty()) {
     const auto [distance, i] = queue.top();
     queue.pop();
-    if (distance > reach.distance[i]) continue;
+    if (distance > edge_distances.distance[i]) continue;
     for (const std::uint32_t j : neighbors[i]) {
       const double along = distance + length(object.rest[i] - object.rest[j]);
-      if (!(along < reach.distance[j])) continue;
-      reach.distance[j] = along;
-      reach.source[j] = reach.source[i];
+      if (!(along < edge_distances.distance[j])) continue;
+      edge_distances.distance[j] = along;
+      edge_distances.source[j] = edge_distances.source[i];
       queue.emplace(along, j);
     }
   }
-  return reach;
+  return edge_distances;
 }
 
 }  // namespace
@@ -263,12 +263,12 @@ ProjectorId World::add_tethers(ObjectId id, float slack) {
     throw Error("add_tethers: " + object.name + " has no pinned vertex; pin some first");
   if (!(slack >= 0) || !std::isfinite(slack))
     throw Error(fmt::format("add_tethers: the slack is {}, expected a finite number >= 0", slack));
-  const Reach reach = reach_from(object, object.pins);
+  const EdgeDistances edge_distances = edge_distances_from(object, object.pins);
   auto projector = std::make_unique<SetProjector<Tether>>();
   for (std::uint32_t i = 0; i < object.particle_count(); ++i) {
-    if (!(reach.distance[i] > 0) || !std::isfinite(reach.distance[i])) continue;
-    projector->add({object.begin + i, object.begin + reach.source[i]},
-                   {static_cast<float>(reach.distance[i] * (1 + static_cast<double>(slack)))});
+    if (!(edge_distances.distance[i] > 0) || !std::isfinite(edge_distances.distance[i])) continue;
+    projector->add({object.begin + i, object.begin + edge_distances.source[i]},
+                   {static_cast<float>(edge_distances.distance[i] * (1 + static_cast<double>(slack)))});
   }
   wake_island(world, object);
   return world.add_user_constraint({}, std::move(projector));

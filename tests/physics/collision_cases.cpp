@@ -28,9 +28,9 @@ std::vector<Vec3d> smooth_curve(const std::vector<Vec3d>& points, double step) {
   std::vector<Vec3d> even{dense.front()};
   double since = 0;
   for (std::size_t i = 1; i < dense.size(); ++i) {
-    const double way = length(dense[i] - dense[i - 1]);
-    for (since += way; since >= each; since -= each)
-      even.push_back(dense[i] + (dense[i - 1] - dense[i]) * ((since - each) / way));
+    const double span = length(dense[i] - dense[i - 1]);
+    for (since += span; since >= each; since -= each)
+      even.push_back(dense[i] + (dense[i - 1] - dense[i]) * ((since - each) / span));
   }
   return even;
 }
@@ -203,7 +203,7 @@ Knot reef_knot(int across, double pull) {
     const TriangleMesh mesh = strip_along(smooth_curve(points, edge), across, width);
     const ObjectId strip = world.add_cloth(mesh, material, options);
     // Springs of `across` vertices, each stretched by at most 1.2 m where nothing gives way.
-    constexpr double way = 1.2;
+    constexpr double span = 1.2;
     std::vector<std::uint32_t> ends;
     for (std::uint32_t k = 0; k < std::uint32_t(across); ++k) {
       ends.push_back(k);
@@ -213,9 +213,9 @@ Knot reef_knot(int across, double pull) {
     world.attach(
         strip, vertices(ends),
         [=](std::uint32_t vertex, double t) {
-          return rest[vertex] + Vec3d{direction * way * std::min(t / 1.5, 1.0), 0, 0};
+          return rest[vertex] + Vec3d{direction * span * std::min(t / 1.5, 1.0), 0, 0};
         },
-        static_cast<float>(way * across / pull));
+        static_cast<float>(span * across / pull));
     return strip;
   };
   knot.left = add("left", left, -1);

@@ -65,16 +65,16 @@ float least_clearance(const World& world, ObjectId inner, ObjectId outer) {
   const auto x = world.positions(inner);
   float least = 1;
   for (const Vec3f& p : world.positions(outer)) {
-    const Vec3d from{0, static_cast<double>(p.y), 0}, way = Vec3d(p) - from;
+    const Vec3d from{0, static_cast<double>(p.y), 0}, offset = Vec3d(p) - from;
     for (const Triangle& t : world.triangles(inner)) {
       const Vec3d a(x[t[0]]), ab = Vec3d(x[t[1]]) - a, ac = Vec3d(x[t[2]]) - a, n = cross(ab, ac);
-      const double speed = dot(way, n);
+      const double speed = dot(offset, n);
       if (!(std::abs(speed) > 1e-12)) continue;
       const double s = dot(a - from, n) / speed;
-      const Vec3d hit = from + way * s - a;
+      const Vec3d hit = from + offset * s - a;
       const double u = dot(cross(hit, ac), n) / dot(n, n), v = dot(cross(ab, hit), n) / dot(n, n);
       if (s <= 0 || u < 0 || v < 0 || u + v > 1) continue;
-      least = std::min(least, static_cast<float>((1 - s) * length(way)));
+      least = std::min(least, static_cast<float>((1 - s) * length(offset)));
     }
   }
   return least;
