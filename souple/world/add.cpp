@@ -116,10 +116,10 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   if (object.capacity == 0) throw Error(object.name + ": there are no vertices");
   object.stiffness_map = gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
   object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
-  const std::size_t left_out = check_constraints(object);
-  if (left_out > 0)
+  const std::size_t skipped = check_constraints(object);
+  if (skipped > 0)
     world.log_info(object.name,
-                   {fmt::format("{} elements are too thin to carry bending or a membrane", left_out)});
+                   {fmt::format("{} elements are too thin to carry bending or a membrane", skipped)});
   object.self_collision = options.self_collision;
   require_layer(object, options.layer);
   object.layer = options.layer;
@@ -211,7 +211,7 @@ void scale_mass(WorldState& world, const Object& object, float factor) {
   }
 }
 
-void require_lasting(const Object& object, const char* what) {
+void require_permanent_particles(const Object& object, const char* what) {
   if (object.kind == ObjectKind::fluid)
     throw Error(
         std::string(what) + ": " + object.name +

@@ -18,7 +18,7 @@ std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<
 /// Throws Error for an obstacle: nothing but its motion says where it goes. `what` names the function.
 void require_movable(const Object& object, const char* what);
 /// Throws Error for a fluid: its particles come and go, so no constraint can name one. `what` as before.
-void require_lasting(const Object& object, const char* what);
+void require_permanent_particles(const Object& object, const char* what);
 /// Throws Error when it is no layer, or the object has no surface that could be one.
 void require_layer(const Object& object, int layer);
 

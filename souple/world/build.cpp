@@ -33,7 +33,7 @@ struct Kinds {
   std::unique_ptr<SetProjector<TetVolume>> tet_volume = std::make_unique<SetProjector<TetVolume>>();
   std::unique_ptr<ShapeMatching> shape_matching = std::make_unique<ShapeMatching>();
   std::unique_ptr<EnclosedVolume> enclosed_volume = std::make_unique<EnclosedVolume>();
-  std::size_t left_out = 0;  ///< elements of cloths that are too thin
+  std::size_t skipped = 0;  ///< elements of cloths that are too thin
 };
 
 double rest_area(const Object& object, const Triangle& t) {
@@ -43,11 +43,11 @@ double rest_area(const Object& object, const Triangle& t) {
 /// Slivers of a file's surface hold no shape that floats could tell from a line: they are left out, and
 /// counted.
 template <class Function>
-void add_if_sound(Kinds& kinds, const Function& add) {
+void add_if_valid(Kinds& kinds, const Function& add) {
   try {
     add();
   } catch (const Error&) {
-    ++kinds.left_out;
+    ++kinds.skipped;
   }
 }
 
@@ -99,7 +99,7 @@ void add_membrane(const Object& object, const ClothMaterial& m, Kinds& kinds) {
     const auto scale = static_cast<double>(object.mean(object.stiffness_map, triangle));
     if (!(scale > 0) || !(area > 0)) continue;
     const Vec3d x[3] = {object.rest[triangle[0]], object.rest[triangle[1]], object.rest[triangle[2]]};
-    add_if_sound(kinds, [&] {
+    add_if_valid(kinds, [&] {
       kinds.membrane->add(
           shifted(triangle, object.begin),
           TriangleMembrane::from_rest(
@@ -117,7 +117,7 @@ void add_hinges(const Object& object, const ClothMaterial& m, SetProjector<Kind>
     if (!(stiffness > 0)) continue;
     const Vec3d x[4] = {object.rest[hinge[0]], object.rest[hinge[1]], object.rest[hinge[2]],
                         object.rest[hinge[3]]};
-    add_if_sound(kinds, [&] {
+    add_if_valid(kinds, [&] {
       set.add(shifted(hinge, object.begin), Kind::from_rest(x),
               Kind::compliance(static_cast<double>(stiffness)), m.damping_time, m.pbd_bending);
     });
@@ -140,7 +140,7 @@ void add_cross_springs(const Object& object, const ClothMaterial& m, Kinds& kind
     const Vec3d x[4] = {object.rest[hinge[0]], object.rest[hinge[1]], object.rest[hinge[2]],
                         object.rest[hinge[3]]};
     const double e = length(x[1] - x[0]), d0 = length(x[3] - x[2]);
-    add_if_sound(kinds, [&] {
+    add_if_valid(kinds, [&] {
       const auto scale = static_cast<double>(DihedralBending::from_rest(x).scale);  // |e| / sqrt(A2 + A3)
       const double height2 = length(cross(x[1] - x[0], x[2] - x[0])) / e;
       const double height3 = length(cross(x[1] - x[0], x[3] - x[0])) / e;
@@ -286,7 +286,7 @@ std::size_t check_constraints(const Object& object) {
   } catch (const Error& error) {
     throw Error(object.name + ": " + error.what());
   }
-  return kinds.left_out;
+  return kinds.skipped;
 }
 
 void build_constraints(WorldState& world) {

@@ -19,7 +19,7 @@ ContactObject contact_object(const Object& object) {
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
   result.self_collision = object.kind == ObjectKind::grains;
   result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
-  if (is_loose(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
+  if (is_particle_only(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
   return result;
 }
 
@@ -39,8 +39,8 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .reserved_end = object.reserved_end(),
       .triangles = object.surface,
       .edges = world.tables.rope_edges[index],
-      .particles_only = is_loose(object),
-      .self_collision = object.self_collision && !is_loose(object) && matrix.collide(index, index),
+      .particles_only = is_particle_only(object),
+      .self_collision = object.self_collision && !is_particle_only(object) && matrix.collide(index, index),
       .groups = object.filter.groups,
       .mask = object.filter.mask,
       .immovable = object.kind == ObjectKind::obstacle,
@@ -54,7 +54,7 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
 // Bodies whose surface is embedded have none: their particles stand for it.
 void append_features(const Object& object, std::uint32_t index, std::span<const Edge> rope_edges,
                      std::vector<FeatureContacts::Feature>& features) {
-  if (object.kind == ObjectKind::obstacle || is_loose(object)) return;
+  if (object.kind == ObjectKind::obstacle || is_particle_only(object)) return;
   const std::uint32_t b = object.begin;
   for (const Triangle& t : object.surface) features.push_back({{b + t[0], b + t[1], b + t[2]}, index});
   for (const Edge& edge : rope_edges) features.push_back({{b + edge[0], b + edge[1], b + edge[1]}, index});
@@ -92,7 +92,7 @@ void append_event(const WorldState& world, const ContactPush& push, bool against
 
 }  // namespace
 
-bool is_loose(const Object& object) {
+bool is_particle_only(const Object& object) {
   return object.surface.empty() && object.kind != ObjectKind::rope;
 }
 

@@ -6,7 +6,7 @@ namespace souple {
 
 /// What has no triangles and is no rope is a cloud of balls: grains, and bodies whose surface is embedded in
 /// a lattice.
-bool is_loose(const Object& object);
+bool is_particle_only(const Object& object);
 /// Tells the contact projectors what there is: object ranges, which of them meet, surfaces.
 void build_contact_tables(WorldState& world);
 /// Tells them how many particles fluids have by now.

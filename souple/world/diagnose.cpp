@@ -156,7 +156,7 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   world.invalidate_contacts();
-  let_flow(world, dt);
+  update_flow(world, dt);
   update_fluid_counts(world);
   world.fluids.begin_step(world, dt);
   world.first_non_finite.reset();

@@ -30,7 +30,7 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   if (object.kind != ObjectKind::fluid)
     throw Error(owner + ": it is a " + std::string(kind_name(object.kind)) + ", expected a fluid");
   validate(emitter, owner);
-  require_sound_layer(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
+  require_layer_size(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
   wake_island(world, object);
   world.emitters.push_back({{world.next_id++}, fluid.value, emitter, layers_before(world, object, emitter)});
   return world.emitters.back().id;
@@ -43,7 +43,7 @@ void World::set_emitter(EmitterId id, const Emitter& emitter) {
   const Object& object = world.object({record.fluid});
   const std::string owner = "an emitter of " + object.name;
   validate(emitter, owner);
-  require_sound_layer(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
+  require_layer_size(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
   record.emitter = emitter;
   record.layers = layers_before(world, object, emitter);
 }

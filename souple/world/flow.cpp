@@ -83,7 +83,7 @@ std::vector<Drop> drops_of(EmitterRecord& record, const Vec3d& gravity, double s
 }
 
 /// Positions of all fluids' particles that may be in the way of drops.
-std::vector<Vec3d> near(const WorldState& world, const std::vector<Drop>& drops, double distance) {
+std::vector<Vec3d> particles_near(const WorldState& world, const std::vector<Drop>& drops, double distance) {
   Vec3d lo = drops[0].position, hi = lo;
   for (const Drop& drop : drops)
     for (int k = 0; k < 3; ++k)
@@ -116,7 +116,7 @@ void emit(WorldState& world, EmitterRecord& record) {
                 [&] { drops = drops_of(record, Vec3d(world.settings.gravity), spacing, world.time); });
   if (drops.empty()) return;
   const double distance = min_distance_ratio * spacing;
-  const std::vector<Vec3d> others = near(world, drops, distance);
+  const std::vector<Vec3d> others = particles_near(world, drops, distance);
   wake_island(world, fluid);
   for (const Drop& drop : drops) {
     const bool blocked = std::any_of(others.begin(), others.end(), [&](const Vec3d& x) {
@@ -146,7 +146,7 @@ std::vector<std::uint32_t> found_in(const WorldState& world, const Object& fluid
 }
 
 /// The others keep their order.
-void take_out(WorldState& world, Object& fluid, const std::vector<std::uint32_t>& gone) {
+void remove_particles(WorldState& world, Object& fluid, const std::vector<std::uint32_t>& gone) {
   std::uint32_t to = gone[0];
   for (std::uint32_t from = gone[0], k = 0; from < fluid.particle_count(); ++from) {
     if (k < gone.size() && gone[k] == from) {
@@ -174,7 +174,7 @@ void drain(WorldState& world, DrainRecord& record, double dt) {
     if (limited) record.credit = std::min(record.credit - static_cast<double>(gone.size()), 1.0);
     if (gone.empty()) continue;
     wake_island(world, *object);
-    take_out(world, *object, gone);
+    remove_particles(world, *object, gone);
     world.report.fluid.drained += gone.size();
   }
 }
@@ -212,7 +212,7 @@ void validate(const Drain& drain, std::string_view owner) {
   require_times(drain.start, drain.end, owner);
 }
 
-void require_sound_layer(const Emitter& emitter, float spacing, std::string_view owner) {
+void require_layer_size(const Emitter& emitter, float spacing, std::string_view owner) {
   const double ratio = static_cast<double>(emitter.radius / spacing);
   if (pi * ratio * ratio > max_layer_particles)
     throw Error(
@@ -227,7 +227,7 @@ std::uint64_t layers_before(const WorldState& world, const Object& fluid, const 
                   : 0;
 }
 
-void let_flow(WorldState& world, double dt) {
+void update_flow(WorldState& world, double dt) {
   for (DrainRecord& record : world.drains) drain(world, record, dt);
   for (EmitterRecord& record : world.emitters) emit(world, record);
 }

@@ -31,12 +31,12 @@ struct DrainRecord {
 void validate(const Emitter& emitter, std::string_view owner);
 void validate(const Drain& drain, std::string_view owner);
 /// Throws Error where a layer would have too many particles.
-void require_sound_layer(const Emitter& emitter, float spacing, std::string_view owner);
+void require_layer_size(const Emitter& emitter, float spacing, std::string_view owner);
 /// Layers of an emitter that would have come by now, had it been there from its start on: they never do.
 std::uint64_t layers_before(const WorldState& world, const Object& fluid, const Emitter& emitter);
 
 /// What has come out of emitters by now is there, what is in drains is gone: before a step of dt seconds.
-void let_flow(WorldState& world, double dt);
+void update_flow(WorldState& world, double dt);
 
 /// A nozzle at a moment.
 struct Nozzle {

@@ -117,7 +117,7 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
   WorldState& world = impl_->state;
   Object& object = world.object(id);
   require_movable(object, "pin");
-  require_lasting(object, "pin");
+  require_permanent_particles(object, "pin");
   const std::vector<std::uint32_t> chosen = select(id, selector);
   wake_island(world, object);
   const auto shared = target ? std::make_shared<const Target>(std::move(target)) : nullptr;
@@ -165,7 +165,7 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
   require_compliance(compliance, "attach");
   const Object& object = world.object(id);
   require_movable(object, "attach");
-  require_lasting(object, "attach");
+  require_permanent_particles(object, "attach");
   const std::vector<std::uint32_t> chosen = select(id, selector);
   auto projector = std::make_unique<SetProjector<Attachment>>();
   UserConstraint user_constraint;
@@ -191,8 +191,8 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
   if (pairs.empty()) throw Error("connect: there are no pairs");
   auto projector = std::make_unique<SetProjector<Distance>>();
   for (const auto& [a, b] : pairs) {
-    require_lasting(world.object(a.object), "connect");
-    require_lasting(world.object(b.object), "connect");
+    require_permanent_particles(world.object(a.object), "connect");
+    require_permanent_particles(world.object(b.object), "connect");
     const std::uint32_t i = particle(a.object, a.vertex), j = particle(b.object, b.vertex);
     if (i == j) throw Error("connect: a vertex of " + name(a.object) + " is connected to itself");
     const double now = length(world.exact_position(i) - world.exact_position(j));

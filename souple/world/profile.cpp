@@ -19,9 +19,9 @@ double seconds_since(Clock::time_point start) {
 
 /// Makes the world ready to be solved, and puts every particle back when it goes. What a substep writes
 /// besides (multipliers, contacts) the next begins anew.
-class Rehearsal {
+class MeasurementScope {
  public:
-  explicit Rehearsal(WorldState& world) : world_(world) {
+  explicit MeasurementScope(WorldState& world) : world_(world) {
     world.require_between_steps("measuring");
     bring_up_to_date(world);
     position_ = world.particles.position;
@@ -29,9 +29,9 @@ class Rehearsal {
     world.particles.start = world.settings.form == Form::plain ? position_ : offset_;
     world.threads->wake();
   }
-  Rehearsal(const Rehearsal&) = delete;
-  Rehearsal& operator=(const Rehearsal&) = delete;
-  ~Rehearsal() {
+  MeasurementScope(const MeasurementScope&) = delete;
+  MeasurementScope& operator=(const MeasurementScope&) = delete;
+  ~MeasurementScope() {
     world_.threads->rest();
     world_.particles.position.swap(position_);
     world_.particles.offset.swap(offset_);
@@ -63,7 +63,7 @@ void add_strains(const Projector& projector, const ParticleView& view, SolveTime
 
 std::vector<KindTime> World::time_projections(double dt, int sweeps) {
   WorldState& world = impl_->state;
-  const Rehearsal rehearsal(world);
+  const MeasurementScope scope(world);
   const Substep substep = substep_of(world.settings, dt);
   const ParticleView view = world.view();
   std::vector<KindTime> result;
@@ -82,7 +82,7 @@ std::vector<KindTime> World::time_projections(double dt, int sweeps) {
 
 SolveTime World::time_solve(double dt, int iterations) {
   WorldState& world = impl_->state;
-  const Rehearsal rehearsal(world);
+  const MeasurementScope scope(world);
   Substep substep = substep_of(world.settings, dt);
   substep.iterations = iterations;
   const ParticleView view = world.view();

@@ -57,7 +57,7 @@ void build_elements(const WorldState& world, ProximityQuery& t) {
     const Object& object = *world.objects[a];
     t.elements.add_triangles(object.surface, object.begin, a);
     t.elements.add_edges(world.tables.rope_edges[a], object.begin, a);
-    if (is_loose(object)) t.elements.add_particles(object.begin, object.end, a);
+    if (is_particle_only(object)) t.elements.add_particles(object.begin, object.end, a);
   }
 }
 
