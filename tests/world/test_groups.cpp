@@ -101,7 +101,7 @@ const Case cases[] = {
     {Falling::lattice_body, Below::obstacle},
 };
 
-TEST(Groups, TwoThingsMeetWhenEachWantsTheOther) {
+TEST(Groups, TwoObjectsCollideWhenEachMaskHasTheOther) {
   for (const Case& c : cases) {
     SCOPED_TRACE(std::to_string(int(c.falling)) + " on " + std::to_string(int(c.below)));
     EXPECT_FALSE(passes(c.falling, {}, c.below, {}));

@@ -85,11 +85,11 @@ TEST(Pins, ConnectedVerticesStayTogether) {
   EXPECT_GT(length(world.positions(left)[10] - world.positions(right)[0]), 1.0f);
 }
 
-struct TiedRopes {
+struct JoinedRopes {
   World world{{.substeps = 30}};
   ObjectId left, right;
 
-  explicit TiedRopes(std::optional<double> until) {
+  explicit JoinedRopes(std::optional<double> until) {
     const Vec3d a[] = {{0, 0, 0}, {1, 0, 0}}, b[] = {{1, 0, 0}, {2, 0, 0}};
     left = world.add_rope(a, 10), right = world.add_rope(b, 10);
     world.pin(left, vertices({0}));
@@ -103,19 +103,19 @@ struct TiedRopes {
 };
 
 // Frames 1 to 30 begin before 0.5 s; the 31st begins then.
-TEST(Pins, TiesAreLetGoOfInTime) {
-  TiedRopes tied(0.5);
+TEST(Pins, JointsAreReleasedInTime) {
+  JoinedRopes tied(0.5);
   tied.step(30);
   EXPECT_LT(tied.gap(), 5e-3f);
   tied.step(30);
   EXPECT_GT(tied.gap(), 0.5f);
-  expect_error([] { TiedRopes(-1.0); }, {"until", "-1"});
+  expect_error([] { JoinedRopes(-1.0); }, {"until", "-1"});
 }
 
 // From before the end of a tie and from after it: a restored world goes on as the first did, and ties again
 // what was tied then.
-TEST(Pins, SnapshotsKnowWhichTiesHold) {
-  TiedRopes tied(0.5), other(0.5);
+TEST(Pins, SnapshotsKeepWhichJointsAreActive) {
+  JoinedRopes tied(0.5), other(0.5);
   tied.step(20);
   const Snapshot before = tied.world.snapshot();
   tied.step(20);

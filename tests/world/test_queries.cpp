@@ -6,7 +6,7 @@
 namespace souple {
 namespace {
 
-TEST(Queries, ARayHitsTheNearestThing) {
+TEST(Queries, ARayHitsTheNearestObject) {
   World world;
   const ObjectId sheet = world.add_cloth(grid(11, 11, 2), {}, {.transform = {.translation = {0, 1, 0}}});
   const ColliderId floor = world.add_collider(Plane{});

@@ -21,7 +21,7 @@ TEST(Step, RefusesATimeThatIsNone) {
 }
 
 // A small number is told as it is, not as 0.000000.
-TEST(Step, MessagesTellSmallNumbers) {
+TEST(Step, MessagesPrintSmallNumbers) {
   World world;
   EXPECT_NE(world.step(-1e-9).message.find("dt is -1e-09 s"), std::string::npos);
   const ObjectId cloth = world.add_cloth(grid(3, 3, 1));
