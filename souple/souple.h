@@ -1,6 +1,6 @@
 #pragma once
 
-// Everything a program that simulates needs.
+// The headers that a simulating program needs.
 
 #include "souple/error.h"
 #include "souple/geometry/builders.h"

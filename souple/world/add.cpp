@@ -27,11 +27,10 @@ namespace {
 
 constexpr std::uint32_t max_fluid_particles = 50'000'000;  // particles
 
-/// What the adders make of their input: an Object without particles yet, and a mass for each of its
-/// particles.
+/// An object under construction: an Object without particles yet, and the masses of its future particles.
 struct ObjectBuilder {
   std::unique_ptr<Object> object = std::make_unique<Object>();
-  std::vector<double> mass;  ///< kg
+  std::vector<double> mass;  ///< per particle [kg]
 };
 
 ObjectBuilder make_builder(const WorldState& world, ObjectKind kind, const Material& material,
@@ -41,7 +40,7 @@ ObjectBuilder make_builder(const WorldState& world, ObjectKind kind, const Mater
   result.object->kind = kind;
   result.object->name = world.unique_name(options.name, kind_name(kind));
   if (kind != ObjectKind::fluid && options.max_particles > 0)
-    throw Error(fmt::format("{}: max_particles is {}: only a fluid gets more particles; leave it 0",
+    throw Error(fmt::format("{}: max_particles is {}: only fluids gain particles; leave it 0",
                             result.object->name, options.max_particles));
   if (options.max_particles > max_fluid_particles)
     throw Error(fmt::format("{}: max_particles is {}, expected at most {}", result.object->name,
@@ -57,9 +56,9 @@ ObjectBuilder make_builder(const WorldState& world, ObjectKind kind, const Mater
 void transform_points(std::vector<Vec3d>& points, const Transform& transform, const std::string& name) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i] = transform.point(points[i]);
-    // A float holds up to 3e38, but squared lengths have to fit as well.
+    // A float holds up to 3e38, but squared lengths must fit as well.
     if (!is_finite(points[i]) || length(points[i]) > 1e15)
-      throw Error(fmt::format("{}: vertex {} is not finite or further than 1e15 m away", name, i));
+      throw Error(fmt::format("{}: vertex {} is not finite, or more than 1e15 m from the origin", name, i));
   }
 }
 
@@ -96,8 +95,8 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
   }
 }
 
-/// What grew item by item keeps no room for more, but for what emitters may add: an object's shape is made
-/// once.
+/// Frees the spare capacity of arrays that grew item by item, except the capacity for emitters: an object's
+/// shape is final.
 void shrink(Object& object) {
   const auto shrink_all = [](auto&... vectors) { (vectors.shrink_to_fit(), ...); };
   shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colors,
@@ -108,8 +107,7 @@ void shrink(Object& object) {
   object.rest.reserve(object.capacity);
 }
 
-/// Gives the object its particles and its place in the world. Nothing has changed if anything before this
-/// threw.
+/// Creates the object's particles and adds it to the world. If an earlier call threw, the world is unchanged.
 ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectOptions& options) {
   Object& object = *builder.object;
   object.capacity = std::max(static_cast<std::uint32_t>(object.rest.size()), options.max_particles);
@@ -119,7 +117,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   const std::size_t skipped = check_constraints(object);
   if (skipped > 0)
     world.log_info(object.name,
-                   {fmt::format("{} elements are too thin to carry bending or a membrane", skipped)});
+                   {fmt::format("{} elements are too thin for a bending or membrane constraint", skipped)});
   object.self_collision = options.self_collision;
   require_layer(object, options.layer);
   object.layer = options.layer;
@@ -145,7 +143,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   return world.objects.back()->id;
 }
 
-/// Particles in the order of a space-filling curve; particle_of and vertex_of follow.
+/// Imports particles in the order of a space-filling curve; sets particle_of and vertex_of accordingly.
 void import_particles(Object& object, std::vector<Vec3d> rest, const std::vector<std::uint32_t>& to_particle,
                       const std::vector<std::uint32_t>& to_vertex) {
   const std::vector<std::uint32_t> order = morton_order(rest);  // order[new] = old
@@ -164,8 +162,8 @@ std::vector<std::uint32_t> identity(std::size_t count) {
   return result;
 }
 
-/// Vertices that no element uses have no mass of their own: they get the smallest of the others, so that they
-/// fall and collide as a speck would.
+/// Vertices without elements have no mass. They get the smallest mass of the other vertices, so that they
+/// fall and collide like specks.
 void fill_missing_masses(std::vector<double>& mass, const std::string& name) {
   if (mass.empty()) throw Error(name + ": there are no vertices");
   double smallest = 0;
@@ -185,7 +183,7 @@ float density(const Material& material) {
     float operator()(const RopeMaterial& m) const { return m.density; }
     float operator()(const GrainsMaterial& m) const { return m.density; }
     float operator()(const FluidMaterial& m) const { return m.density; }
-    float operator()(const ObstacleMaterial&) const { return 1; }  // it has no mass to scale
+    float operator()(const ObstacleMaterial&) const { return 1; }  // no mass to scale
   };
   return std::visit(Density{}, material);
 }
@@ -196,8 +194,7 @@ float contact_radius(const Material& material) {
     float operator()(const SoftBodyMaterial& m) const { return m.thickness / 2; }
     float operator()(const RopeMaterial& m) const { return m.radius; }
     float operator()(const GrainsMaterial& m) const { return m.radius; }
-    // The density solver keeps them half a spacing from walls: contacts are for what comes through all the
-    // same.
+    // The density solver keeps particles half a spacing from walls; contacts only catch the rest.
     float operator()(const FluidMaterial& m) const { return m.spacing / 4; }
     float operator()(const ObstacleMaterial& m) const { return m.thickness / 2; }
   };
@@ -215,24 +212,24 @@ void require_permanent_particles(const Object& object, const char* what) {
   if (object.kind == ObjectKind::fluid)
     throw Error(
         std::string(what) + ": " + object.name +
-        " is a fluid, whose particles come and go; hold it with walls, or push it with a force field");
+        " is a fluid, whose particles come and go; contain it with walls, or push it with a force field");
 }
 
 void require_layer(const Object& object, int layer) {
   constexpr int max_layer = 1000;
   if (layer < 0 || layer > max_layer)
     throw Error(
-        fmt::format("{}: layer: {} is not a whole number from 0 to {}", object.name, layer, max_layer));
+        fmt::format("{}: layer is {}, expected a whole number from 0 to {}", object.name, layer, max_layer));
   if (layer != 0 && object.surface.empty())
     throw Error(object.name +
-                ": layer: only an object with a surface of its own can be one (cloth, a soft body "
+                ": layer: only an object with its own surface can have a layer (cloth, a soft body "
                 "made of tets, an obstacle); leave it 0");
 }
 
 void require_movable(const Object& object, const char* what) {
   if (object.kind == ObjectKind::obstacle)
     throw Error(std::string(what) + ": " + object.name +
-                " is an obstacle, which goes where its motion says; use set_motion");
+                " is an obstacle, which only its motion moves; use set_motion");
 }
 
 void remove_object(WorldState& world, const Object& object) {
@@ -258,7 +255,7 @@ void remove_object(WorldState& world, const Object& object) {
 
 namespace {
 
-/// A surface's vertices as particles, welded, and what is sound of its triangles over them.
+/// Imports the welded vertices of a surface as particles, and its valid triangles over them.
 void import_surface(const WorldState& world, Object& object, const TriangleMesh& mesh,
                     const Transform& transform) {
   check_indices(mesh, object.name.c_str());
@@ -275,7 +272,7 @@ void import_surface(const WorldState& world, Object& object, const TriangleMesh&
                               object.particle_of[weld.to_vertex[triangle[2]]]});
 }
 
-/// A lattice's nodes as particles, its tets over them.
+/// Imports the nodes of a tet mesh as particles, and its tets over them.
 void import_tets(Object& object, const TetMesh& mesh) {
   import_particles(object, mesh.positions, identity(mesh.positions.size()), identity(mesh.positions.size()));
   object.tets.positions = object.rest;
@@ -296,8 +293,8 @@ void require_volumes(const TetMesh& mesh, const std::string& name) {
                       name, t, volumes[t] < 0 ? "inside out" : "flat"));
 }
 
-/// vertex_of for embedded objects: for each particle the nearest of the vertices it carries, or of its
-/// neighbors'.
+/// vertex_of for embedded objects: the nearest of the vertices that a particle moves, or of its neighbors'
+/// vertices.
 void name_nearest_vertices(Object& object) {
   constexpr double never = std::numeric_limits<double>::infinity();
   std::vector<double> nearest(object.rest.size(), never);
@@ -369,8 +366,8 @@ ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMateria
   import_tets(object, lattice.mesh);
   object.embedding = embed(object.mesh.positions, object.tets);
   name_nearest_vertices(object);
-  // The lattice is larger than the surface, so its particles would meet the floor before the surface does:
-  // each particle outside may sink in by its distance from the surface.
+  // The lattice is larger than the surface, so its particles would reach the floor before the surface. Each
+  // outer particle may therefore penetrate by its distance from the surface.
   object.embedding_offset = distances_outside(object.rest, object.mesh, 2 * lattice.cell_size);
   const double density =
       static_cast<double>(material.density) * lattice.surface_volume / lattice.lattice_volume;
@@ -417,20 +414,20 @@ ObjectId World::add_grains(std::span<const Vec3d> centers, const GrainsMaterial&
 
 namespace {
 
-/// The density solver is made for one spacing.
+/// The density solver supports a single spacing.
 void require_same_spacing(const WorldState& world, const Object& fluid, float spacing) {
   for (const auto& other : world.objects) {
     const auto* material = std::get_if<FluidMaterial>(&other->material);
     if (material && other.get() != &fluid && material->spacing != spacing)
-      throw Error(
-          fmt::format("{}: spacing is {} m, but that of {} is {} m: all fluids of a world have the same",
-                      fluid.name, spacing, other->name, material->spacing));
+      throw Error(fmt::format(
+          "{}: spacing is {} m, but that of {} is {} m: all fluids of a world must have the same spacing",
+          fluid.name, spacing, other->name, material->spacing));
   }
 }
 
 void require_fluid_options(const ObjectOptions& options, const std::string& name) {
   const auto refuse = [&](const char* option) {
-    throw Error(name + ": the option " + option + " makes no sense for a fluid");
+    throw Error(name + ": the option " + option + " does not apply to a fluid");
   };
   if (!options.stiffness_map.empty()) refuse("stiffness_map");
   if (!options.thickness_map.empty()) refuse("thickness_map");
@@ -470,7 +467,7 @@ namespace {
 void require_obstacle_options(const ObjectOptions& options, const std::string& name) {
   const auto refuse = [&](const char* option) {
     throw Error(name + ": the option " + option +
-                " makes no sense for an obstacle, which only its motion moves");
+                " does not apply to an obstacle, which only its motion moves");
   };
   if (length_squared(options.velocity) > 0) refuse("velocity");
   if (length_squared(options.angular_velocity) > 0) refuse("angular_velocity");
@@ -487,7 +484,7 @@ ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& m
   Object& object = *obstacle.object;
   require_obstacle_options(options, object.name);
   import_surface(world, object, mesh, options.transform);
-  if (object.surface.empty()) throw Error(object.name + ": there are no triangles to touch");
+  if (object.surface.empty()) throw Error(object.name + ": the mesh has no triangles to collide with");
   validate(motion, object.vertex_count(), object.name);
   object.motion = std::move(motion);
   object.placement = options.transform;

@@ -4,22 +4,23 @@
 
 namespace souple {
 
-/// kg/m^2 of a cloth, kg/m^3 of the others.
+/// kg/m^2 of a cloth, kg/m^3 of the other kinds; 1 for obstacles.
 float density(const Material& material);
-/// Half the thickness, or the radius of grains and ropes. [m]
+/// Half the thickness; the radius of grains and ropes; a quarter of the spacing of fluids [m].
 float contact_radius(const Material& material);
 /// Multiplies the masses of an object's particles.
 void scale_mass(WorldState& world, const Object& object, float factor);
-/// Drops an object, its particles, and every constraint that names one of them.
+/// Removes an object, its particles, and every constraint on one of them.
 void remove_object(WorldState& world, const Object& object);
-/// The particles (within the object) that carry these user vertices, ascending: themselves, or the corners of
-/// the tets they are embedded in.
+/// The particles (within the object) that move these user vertices, ascending: the vertices' own particles,
+/// or the corners of the tets in which they are embedded.
 std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<std::uint32_t>& vertices);
-/// Throws Error for an obstacle: nothing but its motion says where it goes. `what` names the function.
+/// Throws Error for an obstacle: only its motion moves it. `what` names the calling function.
 void require_movable(const Object& object, const char* what);
-/// Throws Error for a fluid: its particles come and go, so no constraint can name one. `what` as before.
+/// Throws Error for a fluid: its particles come and go, so no constraint can refer to one. `what` names the
+/// calling function.
 void require_permanent_particles(const Object& object, const char* what);
-/// Throws Error when it is no layer, or the object has no surface that could be one.
+/// Throws Error if `layer` is out of range, or if the object has no surface for a layer.
 void require_layer(const Object& object, int layer);
 
 }  // namespace souple

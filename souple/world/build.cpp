@@ -40,8 +40,8 @@ double rest_area(const Object& object, const Triangle& t) {
   return 0.5 * length(cross(object.rest[t[1]] - object.rest[t[0]], object.rest[t[2]] - object.rest[t[0]]));
 }
 
-/// Slivers of a file's surface hold no shape that floats could tell from a line: they are left out, and
-/// counted.
+/// Slivers of an imported surface have no shape that floats could distinguish from a line: they are skipped
+/// and counted.
 template <class Function>
 void add_if_valid(Kinds& kinds, const Function& add) {
   try {
@@ -51,22 +51,22 @@ void add_if_valid(Kinds& kinds, const Function& add) {
   }
 }
 
-/// Adds begin to every index.
+/// Adds `begin` to every index.
 template <std::size_t n>
 std::array<std::uint32_t, n> shifted(std::array<std::uint32_t, n> indices, std::uint32_t begin) {
   for (std::uint32_t& i : indices) i += begin;
   return indices;
 }
 
-/// A factor 0 or a stiffness 0 makes no constraint at all; its compliance would be infinite.
+/// A factor or stiffness of 0 makes no constraint: its compliance would be infinite.
 bool usable(float compliance) {
   return std::isfinite(compliance);
 }
 
-// Edge springs of a sheet with membrane stiffness Y [N/m]: k = Y (A0 + A1) / l^2, A0 and A1 the areas of the
-// edge's triangles. Every triangle then stores Y eps^2 3/4 A under an equal stretch eps in all directions,
-// which is the energy of a sheet with Poisson's ratio 1/3; on equilateral triangles (k = sqrt(3)/2 Y) it is
-// exact for every strain.
+// Edge springs of a sheet with membrane stiffness Y [N/m]: k = Y (A0 + A1) / l^2, where A0 and A1 are the
+// areas of the edge's triangles. Under an equal stretch eps in all directions every triangle then stores Y
+// eps^2 3/4 A, the energy of a sheet with Poisson's ratio 1/3. On equilateral triangles (k = sqrt(3)/2 Y) it
+// is exact for every strain.
 void add_springs(const Object& object, const ClothMaterial& m, Kinds& kinds) {
   const TriangleEdges edges = triangle_edges(object.surface);
   std::vector<double> area(edges.edges.size());
@@ -124,15 +124,16 @@ void add_hinges(const Object& object, const ClothMaterial& m, SetProjector<Kind>
   }
 }
 
-// A spring between the vertices opposite an interior edge e. Two flat triangles of heights H2 and H3 over e
-// that bend by theta bring these vertices nearer: d^2 changes by -2 H2 H3 (1 - cos theta), so
-//   C = d - d0 = -H2 H3 / (2 d0) theta^2 + O(theta^4),   H_i = 2 A_i / |e|,
-// whose energy 1/2 k C^2 begins with theta^4 where the hinge's, 1/2 D |e|^2 / (A2 + A3) theta^2, begins with
-// theta^2: no k makes them equal for small angles. Those two terms are made equal at theta = 1 (57 degrees):
+// A spring between the vertices opposite an interior edge e. If two flat triangles of heights H2 and H3 over
+// e bend by theta, these vertices approach: d^2 changes by -2 H2 H3 (1 - cos theta), so
+//   C = d - d0 = -H2 H3 / (2 d0) theta^2 + O(theta^4),   H_i = 2 A_i / |e|.
+// The lowest order of its energy 1/2 k C^2 is theta^4. That of a hinge, 1/2 D |e|^2 / (A2 + A3) theta^2, is
+// theta^2, so no k makes the energies equal for small angles. The two terms are made equal at theta = 1 (57
+// degrees):
 //   k = D |e|^2 / (A2 + A3) (2 d0 / (H2 H3))^2
 // Two equilateral triangles of side l have H = sqrt(3)/2 l, d0 = 2 H and k = 128 / (3 sqrt(3)) D / l^2. Below
-// one radian the sheet is softer than D says, above it stiffer. A rest shape that is not flat is held at its
-// own distance and is stiffer for small angles.
+// one radian the sheet is softer than D, above it stiffer. For a rest shape that is not flat, the spring
+// keeps the rest distance and is stiffer at small angles.
 void add_cross_springs(const Object& object, const ClothMaterial& m, Kinds& kinds) {
   for (const Hinge& hinge : interior_edges(object.surface)) {
     const double D = static_cast<double>(m.bending_stiffness * object.mean(object.stiffness_map, hinge));
@@ -198,8 +199,8 @@ void add_neo_hookean(const Object& object, const SoftBodyMaterial& m, Kinds& kin
   }
 }
 
-// Edges share the tets' stiffness as those of a cloth share its triangles': each tet gives each of its six
-// edges k = E V / l^2; the tets keep their volume with the bulk modulus.
+// Distribution of the tets' stiffness to their edges, like that of a cloth's triangles: each tet adds k = E V
+// / l^2 to each of its six edges. The tets keep their volume with the bulk modulus.
 void add_tet_springs(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
   const double bulk =
       static_cast<double>(m.young_modulus) / (3 * (1 - 2 * static_cast<double>(m.poisson_ratio)));
@@ -223,7 +224,7 @@ void add_tet_springs(const Object& object, const SoftBodyMaterial& m, Kinds& kin
   }
 }
 
-// One region whose stiffness as a whole is E times its size, 1/alpha = E V^(1/3) [N/m]: a stiff box, not a
+// One region whose total stiffness is E times its size, 1/alpha = E V^(1/3) [N/m]: a stiff box, not a
 // material.
 void add_region(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
   std::vector<std::uint32_t> particles;
@@ -250,7 +251,7 @@ void add_object(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
   }
 }
 
-// Segments stretch with k = E pi r^2 / l and bend with E I (see rope_bending.h).
+// Segments have the stretch stiffness k = E pi r^2 / l and the bending stiffness E I (see rope_bending.h).
 void add_object(const Object& object, const RopeMaterial& m, Kinds& kinds) {
   const auto radius = static_cast<double>(m.radius);
   const auto E = static_cast<double>(m.young_modulus);
@@ -275,7 +276,7 @@ void add_object(const Object& object, const RopeMaterial& m, Kinds& kinds) {
 
 void add_object(const Object&, const GrainsMaterial&, Kinds&) {}    // contacts only
 void add_object(const Object&, const FluidMaterial&, Kinds&) {}     // one solver for all, see fluids.h
-void add_object(const Object&, const ObstacleMaterial&, Kinds&) {}  // the same
+void add_object(const Object&, const ObstacleMaterial&, Kinds&) {}  // prescribed motion
 
 }  // namespace
 

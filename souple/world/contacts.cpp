@@ -13,7 +13,7 @@
 namespace souple {
 namespace {
 
-// Balls meet balls as particles; everything else meets as surfaces.
+// Balls collide with balls as particles; all other pairs collide as surfaces.
 ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
@@ -51,7 +51,7 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
   return result;
 }
 
-// Bodies whose surface is embedded have none: their particles stand for it.
+// Bodies with an embedded surface have no elements: their particles collide instead.
 void append_features(const Object& object, std::uint32_t index, std::span<const Edge> rope_edges,
                      std::vector<FeatureContacts::Feature>& features) {
   if (object.kind == ObjectKind::obstacle || is_particle_only(object)) return;
@@ -61,7 +61,7 @@ void append_features(const Object& object, std::uint32_t index, std::span<const 
 }
 
 ContactMaterial contact_material_of(const Material& material) {
-  // A fluid rubs by its viscosity, not by Coulomb's law.
+  // Fluids have viscous friction, not Coulomb friction.
   if (const auto* fluid = std::get_if<FluidMaterial>(&material))
     return {.friction = 0, .restitution = fluid->restitution};
   return std::visit(
@@ -160,8 +160,9 @@ void update_fluid_counts(WorldState& world) {
 
 namespace {
 
-// Contacts keep apart what is not tangled. So only what is put somewhere can be, or what nothing can hold
-// back: pinned vertices and obstacles that are led through each other, which is seen soon enough.
+// Contacts preserve a state without intersections. So intersections arise only when objects are placed, or
+// from motion that contacts cannot stop: pinned vertices and driven obstacles that pass through each other.
+// For the latter a check every few steps is early enough.
 bool may_intersect(const WorldState& world) {
   constexpr std::uint64_t interval = 8;  // steps
   if (world.check_intersections) return true;

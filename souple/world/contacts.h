@@ -4,18 +4,18 @@
 
 namespace souple {
 
-/// What has no triangles and is no rope is a cloud of balls: grains, and bodies whose surface is embedded in
-/// a lattice.
+/// Whether an object collides as a cloud of balls: it has no triangles and is no rope. True for grains,
+/// fluids and bodies whose surface is embedded in a lattice.
 bool is_particle_only(const Object& object);
-/// Tells the contact projectors what there is: object ranges, which of them meet, surfaces.
+/// Sets up the contact projectors: object ranges, collision filters, surfaces.
 void build_contact_tables(WorldState& world);
-/// Tells them how many particles fluids have by now.
+/// Updates the particle counts of fluids in the contact projectors.
 void update_fluid_counts(WorldState& world);
-/// After the solver: shortens what would pass through something.
+/// After the solver: shortens motions that would pass through an element.
 void keep_apart(WorldState& world, const Substep& substep);
-/// Stage (6) at contacts.
+/// Stage (6) for contacts.
 void apply_restitution(WorldState& world, const Substep& substep);
-/// Fills the report's counts.
+/// Fills in the report's contact counts and depth.
 void report_contacts(WorldState& world);
 
 }  // namespace souple

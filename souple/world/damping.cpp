@@ -15,7 +15,8 @@ float damping_of(const Material& material) {
       material);
 }
 
-// Sums are made of chunks of this many particles, combined in order: the same bits on any number of threads.
+// Sums are made of chunks of this many particles and combined in order: the same bits on any number of
+// threads.
 constexpr std::size_t chunk_size = 1024;
 
 struct RigidMotion {
@@ -41,7 +42,7 @@ void add(RigidSums& sums, const RigidSums& more) {
   sums.angular += more.angular;
 }
 
-/// Of all particles that are not pinned, about `origin`.
+/// Sums over all particles that are not pinned, relative to `origin`.
 RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origin) {
   const Particles& particles = world.particles;
   const std::size_t count = object.particle_count(), chunks = (count + chunk_size - 1) / chunk_size;
@@ -65,8 +66,8 @@ RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origi
 // One pass: with r = x - c, c the center and V its velocity, both sums about the origin of x,
 //   sum m r r^T = sum m x x^T - M c c^T
 //   sum m r x (v - V) = sum m x x v - M c x V
-// The origin is a free particle's place: then M |c|^2 is at most what one particle's share makes of the
-// trace, and what cancels is far above a double's rounding.
+// The origin is the position of a free particle. Then M |c|^2 is at most one particle's contribution to the
+// trace, and the difference is far above a double's rounding.
 RigidMotion rigid_motion(WorldState& world, const Object& object) {
   const std::vector<Vec4f>& position = world.particles.position;
   std::size_t first = object.begin;
@@ -81,8 +82,7 @@ RigidMotion rigid_motion(WorldState& world, const Object& object) {
   const auto& s = sums.second;
   const Mat3d second = Mat3d{{s[0], s[1], s[3]}, {s[1], s[2], s[4]}, {s[3], s[4], s[5]}} - outer(c, c) * M;
   const Mat3d inertia = Mat3d::identity() * trace(second) - second;
-  // A rod or a point has no inertia about its axis and no spin there: a little is added, relative to the
-  // whole.
+  // A rod or a point has no inertia about its axis, hence no spin there: a small relative inertia is added.
   const double t = trace(inertia);
   RigidMotion motion{origin + c, V, {}};
   if (t > 0) motion.spin = inverse(inertia + Mat3d::identity() * (t * 1e-9)) * L;

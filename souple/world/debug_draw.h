@@ -7,25 +7,25 @@
 #include <span>
 #include <string_view>
 
-// What a renderer may show of a world's inside, handed out without knowing any renderer.
+// Internal data of a world for renderers, independent of any renderer.
 
 namespace souple {
 
-/// One constraint, at the positions of now.
+/// One constraint, at the current positions.
 struct DebugConstraint {
   std::string_view kind;          ///< "distance", "neo_hookean", ...
-  std::span<const Vec3f> points;  ///< where its particles are [m]; valid during the call
-  /// Of the solver: constraints of one kind and color share no particle. Contacts of one color may share
-  /// a particle that cannot move; contacts between colliders and triangles or edges have one color and are
-  /// solved one after the other.
+  std::span<const Vec3f> points;  ///< positions of its particles [m]; valid during the call
+  /// Color of the solver: constraints of one kind and color share no particle. Contacts of one color may
+  /// share an immovable particle. Contacts between colliders and triangles or edges have a single color and
+  /// are solved sequentially.
   int color = 0;
-  float strain = 0;    ///< (l - l0) / l0 of kinds that have one, else 0
-  float residual = 0;  ///< largest |C| of its rows, in the unit of C; 0 where an inequality holds
+  float strain = 0;    ///< (l - l0) / l0 for kinds that define a strain, else 0
+  float residual = 0;  ///< max |C| of its rows, in the unit of C; 0 for a satisfied inequality
 };
 
-/// A contact that pushed in the last substep.
+/// A contact that applied a correction in the last substep.
 struct DebugContact {
-  Vec3f point{}, normal{};  ///< m; normal points to the particle that is pushed
+  Vec3f point{}, normal{};  ///< m; the normal points toward the particle that is pushed
   float impulse = 0;        ///< N s
 };
 
@@ -37,12 +37,12 @@ struct DebugParticle {
   std::uint32_t object = 0;  ///< ObjectId::value
 };
 
-/// What is asked for: those callbacks that are set are called, once for each thing, in a fixed order.
+/// Callbacks for World::debug_draw. Each callback that is set is called once per item, in a fixed order.
 struct DebugDraw {
   std::function<void(const DebugConstraint&)> constraint;
   std::function<void(const DebugContact&)> contact;
   std::function<void(const DebugParticle&)> particle;
-  std::function<void(const Vec3f& a, const Vec3f& b)> tet_edge;  ///< of soft bodies, each edge once
+  std::function<void(const Vec3f& a, const Vec3f& b)> tet_edge;  ///< each edge of soft bodies once
 };
 
 }  // namespace souple

@@ -14,7 +14,7 @@ namespace souple {
 namespace {
 
 constexpr double large_strain = 0.1;
-constexpr double max_fluid_step = 0.36;  // a third, and what a wave on a fluid at rest may add
+constexpr double max_fluid_step = 0.36;  // a third, and a tolerance for waves on a fluid at rest
 
 void restore_last_valid(WorldState& world) {
   Particles& particles = world.particles;
@@ -47,7 +47,7 @@ void measure(WorldState& world) {
   });
 }
 
-// What users' run-time constraints threw, or returned that is no number.
+// Reports exceptions and non-finite results of users' run-time constraints.
 void report_custom_errors(WorldState& world) {
   for (const UserConstraint& user_constraint : world.user_constraints)
     if (auto* custom = dynamic_cast<CustomProjector*>(user_constraint.projector.get())) {
@@ -102,7 +102,7 @@ void bring_constraints_up_to_date(WorldState& world) {
   if (!world.dirty_solver) return;
   world.order.clear();
   world.for_each_projector([&](Projector& projector) { world.order.push_back(&projector); });
-  for (Projector* projector : world.order) projector->split(0, 0);  // what the last solver may have split
+  for (Projector* projector : world.order) projector->split(0, 0);  // undo splits of the last solver
   world.solver = make_solver(world.settings.solver);
   world.solver->prepare(world.order, world.view());
   world.dirty_solver = false;
@@ -117,15 +117,15 @@ void bring_up_to_date(WorldState& world) {
 
 namespace {
 
-// Whether a tie holds follows from the time alone, so a world that is restored ties again what it has to.
-// Time is a sum of steps: a billionth of a second too little is no reason to wait for another one.
+// Whether a distance joint is active follows from the time alone, so a restored world reactivates its joints.
+// Time is a sum of steps: a billionth of a second too little must not delay the release by a step.
 void release_joints(WorldState& world) {
   constexpr double rounding = 1e-9;  // s
   for (UserConstraint& user_constraint : world.user_constraints) {
     const bool is_active = !user_constraint.until || world.time + rounding < *user_constraint.until;
     if (is_active == user_constraint.is_active) continue;
     user_constraint.is_active = is_active;
-    world.dirty_tables = world.dirty_solver = true;  // contacts leave tied particles alone
+    world.dirty_tables = world.dirty_solver = true;  // contacts exclude joined particles
     wake_particles_of(world, *user_constraint.projector);
   }
 }
@@ -135,7 +135,7 @@ void release_joints(WorldState& world) {
 bool begin_step(WorldState& world, double dt) {
   StepReport& report = world.report;
   if (world.stepping) {
-    world.warn(Flag::callback_failed, "step: a callback of a step called step; nothing was done");
+    world.warn(Flag::callback_failed, "step: a callback called step during a step; nothing was done");
     return false;
   }
   std::vector<KindReport> kinds = std::move(report.kinds);

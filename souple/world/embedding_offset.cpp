@@ -17,8 +17,8 @@ Cell cell_of(const Vec3d& x, double size) {
           static_cast<long long>(std::floor(x.z / size))};
 }
 
-/// The nearest point of the surface found so far: how far, and on which side (the dot product with its
-/// normal).
+/// The nearest point of the surface so far: its distance, and the dot product with its normal (positive
+/// outside).
 struct Foot {
   double distance, side = 0;
 };
@@ -46,7 +46,7 @@ std::vector<float> distances_outside(const std::vector<Vec3d>& points, const Tri
             const Vec3d away = points[i] - (a * w.a + b * w.b + c * w.c);
             const double distance = length(away);
             if (distance >= feet[i].distance) continue;
-            // The normal blended from the vertices' tells the side at edges and corners as well.
+            // The normal blended from the vertices' normals classifies the side at edges and corners as well.
             feet[i] = {distance, dot(away, normals[t[0]] * w.a + normals[t[1]] * w.b + normals[t[2]] * w.c)};
           }
   }

@@ -6,8 +6,7 @@
 
 namespace souple {
 
-/// How far each point lies outside a closed surface, 0 inside and for points further than `reach` from it.
-/// [m]
+/// Distance of each point outside a closed surface [m]; 0 inside and beyond `max_distance`.
 std::vector<float> distances_outside(const std::vector<Vec3d>& points, const TriangleMesh& surface,
                                      double max_distance);
 

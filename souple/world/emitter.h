@@ -9,34 +9,34 @@
 
 namespace souple {
 
-/// A round nozzle from which a fluid comes, layer after layer, a spacing apart. With d the spacing, a layer
-/// is of the points of a square lattice of d within `radius`, about N = pi radius^2 / d^2 of them (one where
-/// the radius is below d), and N d^2 speed is the flow [m^3/s].
+/// A round nozzle that emits fluid in layers, one spacing apart. With the spacing d, a layer consists of the
+/// points of a square lattice of pitch d within `radius`, about N = pi radius^2 / d^2 of them (one if the
+/// radius is below d). The flow is N d^2 speed [m^3/s].
 ///
-/// In the first two spacings before it, the mouth, fluid of this object that goes with the jet is led
-/// straight on as in a pipe; from there on it is free. Where there is fluid already, or no room in its object
-/// (ObjectOptions::max_particles), particles are held back.
+/// In the inflow zone, the first two spacings from the nozzle, fluid of this object that moves with the jet
+/// is kinematic and goes straight on, as in a pipe. After that it is free. A particle is held back where
+/// other fluid is too near, or when the object is at its capacity (ObjectOptions::max_particles).
 struct Emitter {
-  Vec3f position{};                                      ///< of its middle [m]
-  Vec3f direction{0, -1, 0};                             ///< where the fluid goes; any length but zero
+  Vec3f position{};                                      ///< center of the nozzle [m]
+  Vec3f direction{0, -1, 0};                             ///< direction of the flow; any length but zero
   float radius = 0.05f;                                  ///< m
   float speed = 1;                                       ///< m/s
-  double start = 0;                                      ///< when the first layer comes [s]
-  double end = std::numeric_limits<double>::infinity();  ///< none comes from here on [s]
-  /// Its poses are applied to the position and the direction; the fluid takes over its velocity.
+  double start = 0;                                      ///< time of the first layer [s]
+  double end = std::numeric_limits<double>::infinity();  ///< no layer from this time on [s]
+  /// Its poses are applied to the position and the direction. The fluid adopts the nozzle's velocity.
   ColliderMotion motion{};
 };
 
-/// A region in which fluids cease to exist.
+/// A region that removes fluid particles.
 struct Drain {
-  Shape shape{};                                         ///< a plane takes what is below it
-  Transform pose{};                                      ///< where the shape stands
-  float rate = std::numeric_limits<float>::infinity();   ///< at most so much a second [m^3/s]
-  double start = 0;                                      ///< when it opens [s]
-  double end = std::numeric_limits<double>::infinity();  ///< when it closes [s]
+  Shape shape{};                                         ///< a plane removes the fluid below it
+  Transform pose{};                                      ///< pose of the shape
+  float rate = std::numeric_limits<float>::infinity();   ///< upper limit [m^3/s]
+  double start = 0;                                      ///< opening time [s]
+  double end = std::numeric_limits<double>::infinity();  ///< closing time [s]
 };
 
-/// Handles, as those of objects.
+/// Handles, like those of objects.
 struct EmitterId {
   std::uint32_t value = 0;
 };

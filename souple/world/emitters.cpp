@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-// What users say of emitters and drains; flow.cpp does it.
+// The API of emitters and drains. Their simulation is in flow.cpp.
 
 namespace souple {
 namespace {

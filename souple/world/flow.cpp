@@ -16,17 +16,18 @@
 namespace souple {
 namespace {
 
-constexpr double min_distance_ratio = 0.7;   // of a spacing: where other fluid is nearer nothing comes out
+constexpr double min_distance_ratio = 0.7;   // in spacings: emission stops where other fluid is nearer
 constexpr double max_layer_particles = 1e5;  // particles
-constexpr std::size_t grain = 512;           // particles worth a thread
+constexpr std::size_t grain = 512;           // minimum number of particles per thread
 
 void require_times(double start, double end, std::string_view owner) {
   if (!std::isfinite(start) || !(end >= start))
-    throw Error(fmt::format("{}: it lasts from {:g} to {:g} s, expected a finite start and an end after it",
-                            owner, start, end));
+    throw Error(
+        fmt::format("{}: it is active from {:g} to {:g} s, expected a finite start and an end not before it",
+                    owner, start, end));
 }
 
-/// Two unit vectors across n, which is one.
+/// Two unit vectors perpendicular to the unit vector n.
 std::array<Vec3d, 2> across(const Vec3d& n) {
   const Vec3d axis = std::fabs(n.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   const Vec3d u = normalized(cross(n, axis));
@@ -37,13 +38,13 @@ struct Drop {
   Vec3d position, velocity;
 };
 
-/// Layer k, which left the nozzle at the time t, as it is by `now` when nothing has met it: straight on
-/// through the mouth, then
+/// Layer k, which left the nozzle at time t, at its undisturbed position at time `now`: straight through the
+/// inflow zone, then a parabola,
 ///
-///   x = x(t) + v s + g r^2 / 2,   v + g r,   s = now - t, r that since it left the mouth
+///   x = x(t) + v s + g r^2 / 2,   v + g r,   s = now - t, r: time since it left the zone
 ///
-/// Every other layer is moved by half a spacing: particles that stand behind one another would collide head
-/// on wherever the jet slows down.
+/// Every second layer is shifted by half a spacing: particles in line would collide head on where the jet
+/// slows down.
 void append_layer(const Emitter& emitter, std::uint64_t k, double t, const Vec3d& g, double spacing,
                   double now, std::vector<Drop>& drops) {
   const Nozzle nozzle = nozzle_at(emitter, t);
@@ -67,9 +68,9 @@ bool open(double start, double end, double t) {
   return t >= start && t < end;
 }
 
-/// All layers k that left at start + k d / speed up to now, and have not come yet.
+/// All layers k that left by now, at the time start + k d / speed, and have not been added yet.
 std::vector<Drop> drops_of(EmitterRecord& record, const Vec3d& gravity, double spacing, double now) {
-  constexpr std::uint64_t max_layers = 10000;  // of a step
+  constexpr std::uint64_t max_layers = 10000;  // per step
   const Emitter& emitter = record.emitter;
   std::vector<Drop> drops;
   const double layer_interval = spacing / static_cast<double>(emitter.speed);
@@ -82,7 +83,7 @@ std::vector<Drop> drops_of(EmitterRecord& record, const Vec3d& gravity, double s
   return drops;
 }
 
-/// Positions of all fluids' particles that may be in the way of drops.
+/// Positions of the particles of all fluids that may block drops.
 std::vector<Vec3d> particles_near(const WorldState& world, const std::vector<Drop>& drops, double distance) {
   Vec3d lo = drops[0].position, hi = lo;
   for (const Drop& drop : drops)
@@ -131,7 +132,7 @@ void emit(WorldState& world, EmitterRecord& record) {
   }
 }
 
-/// Which of a fluid's particles are in a drain, ascending.
+/// The particles of a fluid that are in a drain, ascending.
 std::vector<std::uint32_t> found_in(const WorldState& world, const Object& fluid, const Drain& drain) {
   std::vector<std::uint8_t> is_in(fluid.particle_count());
   const Collider collider{"drain", drain.shape, ColliderMotion::fixed(drain.pose), {}, true};
@@ -145,7 +146,7 @@ std::vector<std::uint32_t> found_in(const WorldState& world, const Object& fluid
   return result;
 }
 
-/// The others keep their order.
+/// Removes the particles `gone`; the others keep their order.
 void remove_particles(WorldState& world, Object& fluid, const std::vector<std::uint32_t>& gone) {
   std::uint32_t to = gone[0];
   for (std::uint32_t from = gone[0], k = 0; from < fluid.particle_count(); ++from) {
@@ -168,7 +169,7 @@ void drain(WorldState& world, DrainRecord& record, double dt) {
     const auto d = static_cast<double>(material->spacing);
     if (limited) record.credit += static_cast<double>(record.drain.rate) * dt / (d * d * d);
     std::vector<std::uint32_t> gone = found_in(world, *object, record.drain);
-    // What could not be taken for want of fluid is not owed later.
+    // Volume that the drain could not remove for lack of fluid does not accumulate.
     if (limited && static_cast<double>(gone.size()) > record.credit)
       gone.resize(static_cast<std::size_t>(record.credit));
     if (limited) record.credit = std::min(record.credit - static_cast<double>(gone.size()), 1.0);
@@ -232,7 +233,7 @@ void update_flow(WorldState& world, double dt) {
   for (EmitterRecord& record : world.emitters) emit(world, record);
 }
 
-// Of a fluid the n-th vertex is the n-th particle.
+// In a fluid vertex n is particle n.
 void set_count(WorldState& world, Object& fluid, std::uint32_t count) {
   const auto& material = std::get<FluidMaterial>(fluid.material);
   const float mass = material.density * material.spacing * material.spacing * material.spacing;

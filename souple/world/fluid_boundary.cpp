@@ -10,7 +10,7 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t max_triangles = 40000;  // of a surface that is cut finer
+constexpr std::size_t max_triangles = 40000;  // of a subdivided surface
 
 double longest_edge(const TriangleMesh& mesh) {
   double longest = 0;
@@ -20,7 +20,7 @@ double longest_edge(const TriangleMesh& mesh) {
   return longest;
 }
 
-/// Each triangle cut into four at the middles of its edges.
+/// Divides each triangle into four at the midpoints of its edges.
 TriangleMesh halved(const TriangleMesh& mesh) {
   TriangleMesh result;
   result.positions = mesh.positions;
@@ -40,8 +40,9 @@ TriangleMesh halved(const TriangleMesh& mesh) {
   return result;
 }
 
-// What pushes a triangle pushes the tets its corners lie in: with large triangles, as of a box of twelve,
-// these corners would bear all. They are cut until none is longer than three spacings.
+// A push on a triangle acts on the tets that contain its corners. With large triangles, such as the twelve of
+// a box, these corners would bear all of it. So triangles are divided until no edge is longer than three
+// spacings.
 BoundaryMesh embedded_boundary(const Object& object, float spacing) {
   TriangleMesh mesh;
   mesh.positions = object.mesh.positions;
@@ -72,7 +73,7 @@ BoundaryMesh particle_boundary(const Object& object) {
   return boundary;
 }
 
-/// Points inside a ball about a spacing apart; its center where it is smaller.
+/// Points in a ball, about a spacing apart; its center if it is smaller.
 std::vector<Vec3f> points_in_ball(float radius, float spacing) {
   constexpr float max_points_across = 10;
   if (radius < spacing) return {Vec3f{}};
@@ -87,7 +88,7 @@ std::vector<Vec3f> points_in_ball(float radius, float spacing) {
   return result;
 }
 
-// The points of a large one have together its section, by which it drags.
+// The points of a large grain have in total its cross section, which determines the drag.
 void append_grains(const Object& object, float spacing, float radius, std::span<const float> mass,
                    std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
   const std::vector<Vec3f> points = points_in_ball(radius, spacing);
@@ -104,10 +105,10 @@ void append_grains(const Object& object, float spacing, float radius, std::span<
                         .object = number});
 }
 
-// Pieces no longer than the spacing, each in the middle of its part of a segment.
+// Pieces no longer than the spacing, each at the midpoint of its part of a segment.
 void append_rope(const Object& object, float spacing, float radius, std::span<const float> mass,
                  std::uint32_t number, std::vector<SubResolutionBody>& bodies) {
-  constexpr double max_pieces = 64;  // of a segment
+  constexpr double max_pieces = 64;  // per segment
   double all = 0, weight = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i) weight += static_cast<double>(mass[i]);
   for (std::size_t i = 0; i + 1 < object.rest.size(); ++i) all += length(object.rest[i + 1] - object.rest[i]);

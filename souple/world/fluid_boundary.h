@@ -10,11 +10,11 @@
 
 namespace souple {
 
-/// How fluids of a spacing [m] feel an object; nothing for what is no wall to them: other fluids, ropes,
-/// grains.
+/// The boundary mesh of an object for fluids of a spacing [m]; none for objects that are no walls: fluids,
+/// ropes, grains.
 std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing);
-/// Appends the pieces of a rope or of grains; `mass` of the world's particles [kg], `number`:
-/// SubResolutionBody::object.
+/// Appends the sub-resolution bodies of a rope or of grains. `mass`: of the world's particles [kg]; `number`:
+/// their `object`.
 void append_sub_resolution_bodies(const Object& object, float spacing, std::span<const float> mass,
                                   std::uint32_t number, std::vector<SubResolutionBody>& bodies);
 

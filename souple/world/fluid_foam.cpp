@@ -12,8 +12,8 @@ namespace souple {
 
 namespace {
 
-constexpr float min_wall_distance = 0.1f;                   // to walls and bodies, of a spacing
-constexpr std::size_t max_reserved = std::size_t{1} << 18;  // particles: more get room when they come
+constexpr float min_wall_distance = 0.1f;                   // distance from walls and bodies, in spacings
+constexpr std::size_t max_reserved = std::size_t{1} << 18;  // particles; more memory is allocated on demand
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
   update_positions();
 }
 
-// Straight from where the step began to where it ended, whatever the substeps between did.
+// Bodies move straight from their positions at the start of the step to those at its end.
 void FluidFoam::find_bodies(const WorldState& world, const Source& source, float gap, Threads& threads) {
   bodies_.clear();
   const Particles& particles = world.particles;
@@ -88,7 +88,8 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
   if (!bodies_.none()) bodies_.build(threads);
 }
 
-// Where a wall pushes it, a particle moves away from the wall at least as fast as it has done in the step.
+// A particle that a wall pushes gets at least the velocity away from the wall that it had on average in this
+// step.
 void FluidFoam::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float gap,
                          float dt, Threads& threads) {
   unconstrained_.assign(x.begin(), x.end());
@@ -148,7 +149,7 @@ std::size_t FluidFoam::bytes() const {
   return foam_->bytes() + bodies_.bytes() + bytes_of(start_, end_, unconstrained_, positions_);
 }
 
-// --- what fluids tell of themselves --------------------------------------------------------------
+// --- data from the fluids -------------------------------------------------------------------------
 
 void Fluids::step_foam(WorldState& world, double time, double dt) {
   const bool foams = std::any_of(registry_.materials.begin(), registry_.materials.end(),

@@ -15,34 +15,34 @@ namespace souple {
 
 struct WorldState;
 
-/// Spray, foam and bubbles of a world's fluids, and what they do not go through: the colliders and bodies
-/// that some fluid meets. They remember nothing of the fluids' particles from one step to the next.
+/// Diffuse particles (spray, foam and bubbles) of a world's fluids, and their collision with the colliders
+/// and bodies that collide with a fluid. They store nothing about fluid particles from one step to the next.
 class FluidFoam {
  public:
-  /// What it asks of the fluids at the end of a step, beside their FluidView.
+  /// Input from the fluids at the end of a step, in addition to their FluidView.
   struct Source {
-    // By place.
-    std::vector<std::uint32_t> particle;  ///< the world's
+    // By sorted index.
+    std::vector<std::uint32_t> particle;  ///< index in the world
     std::vector<Vec3f> wall_slopes;       ///< 1/m
     std::vector<float> share;             ///< FluidMaterial::foam
-    // Of each collider and mesh: whether some fluid meets it.
+    // Per collider, and per boundary mesh: whether it collides with any fluid.
     std::vector<std::uint8_t> collides_with_collider, collides_with_body;
     std::span<const BoundaryMesh> meshes;
-    Vec3d origin;  ///< of the fluid's positions [m]
+    Vec3d origin;  ///< origin of the fluids' positions [m]
   };
 
-  /// What a step of dt seconds that began at `time` makes, moves and dissolves.
+  /// Spawns, moves and dissolves particles over a step of dt seconds that started at `time`.
   void step(WorldState& world, const FluidView& fluid, const Source& source, double time, double dt);
   void clear();
   void report(FluidReport& report) const;
 
   std::size_t size() const { return positions_.size(); }
-  std::span<const Vec3f> positions() const { return positions_; }  ///< of the world [m]
+  std::span<const Vec3f> positions() const { return positions_; }  ///< in world space [m]
   std::span<const Vec3f> velocities() const;                       ///< m/s
   std::span<const FoamKind> kinds() const;
   std::size_t bytes() const;
 
-  /// For snapshots: positions are from the origin.
+  /// For snapshots; positions are relative to the origin.
   const FoamState& state() const { return foam_->state(); }
   const Vec3d& origin() const { return origin_; }
   void set_state(FoamState state, const Vec3d& origin);
@@ -60,8 +60,8 @@ class FluidFoam {
   Foam::Report report_;
   FluidWalls walls_;
   FoamBodies bodies_;
-  std::vector<Vec3f> start_, end_;    // of a mesh's vertices, from the origin [m]
-  std::vector<Vec3f> unconstrained_;  // where particles go if nothing stops them
+  std::vector<Vec3f> start_, end_;    // vertices of a boundary mesh, relative to the origin [m]
+  std::vector<Vec3f> unconstrained_;  // positions without collision
   std::vector<Vec3f> positions_;
 };
 

@@ -1,4 +1,4 @@
-// What changes the velocities of a world's fluids: viscosity, walls that hold, surface tension, whirls, air.
+// Forces on a world's fluids: viscosity, wall friction, surface tension, vorticity confinement, air drag.
 
 #include "souple/fluid/air_drag.h"
 #include "souple/world/fluids.h"
@@ -11,8 +11,8 @@
 
 namespace souple {
 
-// What several walls say together, as if they hid one another. What is led takes what it wants; what can be
-// moved is left to BodyFriction.
+// Combines several walls as if they occluded one another. Friction with kinematic walls is applied here;
+// BodyFriction handles movable bodies.
 void Fluids::find_wall_friction(float h, Threads& threads) {
   const auto x = solver_->positions();
   const auto order = solver_->order();
@@ -62,7 +62,7 @@ void Fluids::find_near_walls(Threads& threads) {
   });
 }
 
-// A body is pulled into the fluid as the fluid is to the body.
+// Reaction of the fluid's adhesion on the nearest body.
 void Fluids::apply_adhesion(WorldState& world) {
   const auto x = solver_->positions();
   const auto pulls = surface_tension_.wall_pulls();
@@ -74,8 +74,8 @@ void Fluids::apply_adhesion(WorldState& world) {
   }
 }
 
-// The strongest of what the fluids of a world want is done for all of them, but for viscosity and drag, which
-// each has for itself.
+// For all fluids the largest value of their materials applies. Exceptions: viscosity and body drag are per
+// fluid; the contact angle is that of the first fluid.
 void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const FluidView view = this->view();
@@ -111,7 +111,7 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   }
 }
 
-// XSPH as a viscosity: of the rate c it has nu = c m2 / 6, m2 = 6 d^2 wall(d/2).value; see xsph.h.
+// XSPH as a viscosity: a rate c corresponds to nu = c m2 / 6, m2 = 6 d^2 wall(d/2).value; see xsph.h.
 void Fluids::update_velocities(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const auto order = solver_->order();

@@ -11,22 +11,24 @@ namespace souple {
 
 struct WorldState;
 
-/// Which fluids a world has, which of its particles are theirs, and what they meet.
+/// The fluids of a world, their particles, and the objects with which they collide.
 struct FluidRegistry {
-  std::vector<std::uint32_t> particle;  ///< of each of the fluids' particles, the world's; ascending
-  std::vector<std::uint16_t> fluid;     ///< and which fluid it is of
-  // Of each fluid.
+  std::vector<std::uint32_t> particle;  ///< per fluid particle: index in the world; ascending
+  std::vector<std::uint16_t> fluid;     ///< per fluid particle: its fluid
+  // Per fluid.
   std::vector<FluidMaterial> materials;
   std::vector<float> viscosities;  ///< Pa s
-  // Objects.
-  std::vector<std::uint32_t> with_boundary;   ///< that are bodies to fluids
-  std::vector<std::uint32_t> sub_resolution;  ///< that are made of small bodies
-  // Of each fluid and then each collider, skinned object, small object: whether they meet.
+  // Object indices.
+  std::vector<std::uint32_t> with_boundary;   ///< objects with a boundary mesh
+  std::vector<std::uint32_t> sub_resolution;  ///< objects made of sub-resolution bodies
+  // Per fluid, and within it per collider, per object with a boundary mesh, per object of sub-resolution
+  // bodies: whether they collide.
   std::vector<std::uint8_t> collides_with_collider, collides_with_body, collides_with_sub_resolution;
 
-  /// Which objects are skinned or small, and how fluids feel them: after objects came, went or changed.
+  /// Finds the objects with a boundary mesh or sub-resolution bodies and registers them. To be called after
+  /// objects are added, removed or changed.
   void find_bodies(const WorldState& world, FluidBodies& bodies, SubResolutionBodies& sub_resolution_bodies);
-  /// All the others: before each step.
+  /// Finds the fluids, their particles and their collisions. To be called before each step.
   void find_particles(const WorldState& world);
 };
 

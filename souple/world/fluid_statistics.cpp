@@ -12,8 +12,8 @@ void FluidStatistics::begin_step(std::size_t particles) {
   pressure_.assign(particles, 0);
 }
 
-//   p_i = -lambda_i / (V h^2),   sqrt(p / rho) with rho = m / V
-// Sums are of chunks, combined in order: the same for any number of threads.
+// p_i = -lambda_i / (V h^2),   sqrt(p / rho) with rho = m / V
+// Sums are made of chunks and combined in order: the same for any number of threads.
 FluidStatistics::ChunkSums FluidStatistics::sum_chunks(const DensitySolver& solver,
                                                        const LocalBoundary& local_boundary,
                                                        std::size_t colliders, float h, Threads& threads) {
@@ -47,7 +47,7 @@ FluidStatistics::ChunkSums FluidStatistics::sum_chunks(const DensitySolver& solv
   return all;
 }
 
-// A push by slope lambda in a substep is an impulse of slope lambda / h on the particle.
+// A push with slope lambda in a substep is an impulse of slope lambda / h on the particle.
 void FluidStatistics::add_pressures(const DensitySolver& solver, const LocalBoundary& local_boundary,
                                     std::size_t colliders, float h, int substeps, Threads& threads) {
   const ChunkSums all = sum_chunks(solver, local_boundary, colliders, h, threads);

@@ -10,26 +10,26 @@
 
 namespace souple {
 
-/// What a step did to a world's fluids: density errors, pressures, forces on colliders.
+/// Statistics of a step for a world's fluids: density errors, pressures, forces on colliders.
 class FluidStatistics {
  public:
   void begin_step(std::size_t particles);
-  /// After the solver has pushed them in a substep of h seconds, one of `substeps`.
+  /// Adds the solver's result after a substep of h seconds, one of `substeps`.
   void add_pressures(const DensitySolver& solver, const LocalBoundary& local_boundary, std::size_t colliders,
                      float h, int substeps, Threads& threads);
-  /// The largest speed at its end [m/s], of particles a spacing [m] apart.
+  /// Adds the largest speed [m/s] at the end of a substep of h seconds; `spacing`: of the particles [m].
   void add_speed(double fastest, double h, double spacing);
   void add_viscosity_iterations(int iterations) { report_.viscosity_iterations += iterations; }
 
-  /// Averages over substeps where that makes sense.
+  /// The report; iteration counts are means over the substeps.
   FluidReport report() const;
-  /// Of the fluids' k-th particle, mean of the substeps. [Pa]
+  /// Pressure of the k-th fluid particle, mean over the substeps [Pa].
   float pressure(std::size_t k) const;
-  /// On a collider, mean of the substeps. [N]
+  /// Force on a collider, mean over the substeps [N].
   Vec3d force(std::size_t collider) const { return collider < force_.size() ? force_[collider] : Vec3d{}; }
 
  private:
-  /// Of a chunk of places.
+  /// Sums and maxima of a chunk of sorted particles.
   struct ChunkSums {
     double errors = 0;
     float largest_error = 0, pressure = 0, coarsest = 0;
@@ -47,10 +47,10 @@ class FluidStatistics {
 
   FluidReport report_;
   int substeps_ = 0;                   // so far
-  std::vector<float> pressure_;        // of each particle, sum over substeps [Pa]
-  std::vector<ChunkSums> chunk_sums_;  // of each chunk
-  std::vector<Vec3d> push_sums_;       // of each chunk and collider
-  std::vector<Vec3d> force_;           // on each collider [N]
+  std::vector<float> pressure_;        // per particle: sum over the substeps [Pa]
+  std::vector<ChunkSums> chunk_sums_;  // per chunk
+  std::vector<Vec3d> push_sums_;       // per chunk and collider
+  std::vector<Vec3d> force_;           // per collider [N]
 };
 
 }  // namespace souple

@@ -10,10 +10,11 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t grain = 512;          // particles worth a thread
-constexpr float min_wall_distance = 0.25f;  // of a spacing: the density keeps particles at half of one
+constexpr std::size_t grain = 512;  // minimum number of particles per thread
+// In spacings; the density solver keeps particles at half a spacing.
+constexpr float min_wall_distance = 0.25f;
 
-/// What the density solver asks.
+/// Interface of the density solver to walls and bodies.
 struct Boundary {
   LocalBoundary& local_boundary;
   FluidBodies& bodies;
@@ -47,7 +48,7 @@ struct Boundary {
   }
 };
 
-/// What is missing to `radius` before the walls near x. [m]
+/// The displacement that restores the distance `radius` between x and the walls [m].
 Vec3f wall_correction(const Vec3f& x, std::span<const BoundaryPlane> planes, float radius) {
   Vec3f correction{};
   for (const BoundaryPlane& plane : planes) {
@@ -67,8 +68,8 @@ void Fluids::begin_step(WorldState& world, double dt) {
   inflow_.begin_step(world, dt, registry_.particle);
   choose_solver(world);
   solver_->begin_step();
-  // Coordinates are from the middle of a meter near the first particle: far from the world's origin floats
-  // are coarse.
+  // Coordinates are relative to whole meters near the first particle: floats far from the world's origin are
+  // coarse.
   const Vec3d first = world.exact_position(registry_.particle[0]);
   origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
   bodies_.begin_step(registry_.collides_with_body, origin_);
@@ -158,7 +159,7 @@ void Fluids::solve_incompressibility(WorldState& world, const Substep& substep) 
                             substep.count, threads);
 }
 
-// What the solver found goes to the world's particles.
+// Applies the solver's result to the world's particles and the bodies.
 void Fluids::apply_corrections(const ParticleView& particles, Threads& threads) {
   const auto order = solver_->order();
   const auto moved = solver_->moved();

@@ -21,27 +21,27 @@ namespace souple {
 
 struct WorldState;
 
-/// The fluids of a world, all of them in one density solver: their particles have one spacing.
+/// The fluids of a world. One density solver handles all of them: their particles have the same spacing.
 class Fluids {
  public:
-  /// After objects came, went or changed.
+  /// To be called after objects are added, removed or changed.
   void build(const WorldState& world) { registry_.find_bodies(world, bodies_, sub_resolution_bodies_); }
-  /// Finds out which particles there are. Nothing of the last step is used again.
+  /// Finds the current particles. Reuses nothing of the last step.
   void begin_step(WorldState& world, double dt);
   bool none() const { return registry_.particle.empty(); }
-  /// Pushes predicted particles apart until no fluid is compressed.
+  /// Moves predicted particles until no fluid is compressed.
   void solve_incompressibility(WorldState& world, const Substep& substep);
-  /// After v = (p - x) / h.
+  /// Forces on velocities, after v = (p - x) / h.
   void update_velocities(WorldState& world, const Substep& substep);
-  /// Spray, foam and bubbles, after the last substep of a step of dt seconds that began at `time`.
+  /// Spray, foam and bubbles, after the last substep of a step of dt seconds that started at `time`.
   void step_foam(WorldState& world, double time, double dt);
   const FluidFoam& foam() const { return foam_; }
   FluidFoam& foam() { return foam_; }
-  /// What the step did.
+  /// Results of the step.
   FluidReport report() const;
-  /// Of a world's particle, mean of the last step [Pa]. 0 when it is no fluid's.
+  /// Pressure of a world's particle, mean over the last step [Pa]; 0 if it belongs to no fluid.
   float pressure(std::uint32_t particle) const;
-  /// On a collider, by its index, mean of the last step [N]
+  /// Force on a collider by its index, mean over the last step [N].
   Vec3d force(std::size_t collider) const { return statistics_.force(collider); }
 
  private:
@@ -66,10 +66,10 @@ class Fluids {
   SubResolutionBodies sub_resolution_bodies_;
   InflowParticles inflow_;
   Vec3d origin_{};                // of the fluids' positions [m]
-  std::vector<Vec4f> positions_;  // x, y, z from the origin and inverse mass
-  std::vector<Vec3f> start_;      // where they were when the substep began
-  // By place.
-  std::vector<Vec4f> velocity_;       // and the viscosity; one more, 0
+  std::vector<Vec4f> positions_;  // per fluid particle: x, y, z from the origin, and inverse mass
+  std::vector<Vec3f> start_;      // per fluid particle: position at the start of the substep
+  // By sorted index.
+  std::vector<Vec4f> velocity_;       // and viscosity in w; one more entry, 0
   std::vector<Vec4f> wall_friction_;  // see WallFriction
   std::vector<NearWall> near_walls_;
   std::vector<float> density_ratio_;  // V sum W

@@ -18,7 +18,7 @@ double hashed(std::uint64_t seed, std::uint64_t index) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-// How many triangles or particles are worth a thread of their own.
+// Minimum number of triangles or particles per thread.
 constexpr std::size_t grain = 512;
 
 void find_triangles_of_particles(Object& object) {
@@ -31,7 +31,7 @@ void find_triangles_of_particles(Object& object) {
     for (const std::uint32_t i : triangle) ++object.triangle_begin[i];
   std::uint32_t sum = 0;
   for (std::uint32_t& begin : object.triangle_begin) begin = sum += begin;
-  // Filled from the back, each list's end becomes its beginning.
+  // Filled from the back: each list's end becomes its begin.
   for (std::size_t t = object.surface.size(); t-- > 0;)
     for (const std::uint32_t i : object.surface[t])
       object.triangles_of[--object.triangle_begin[i]] = static_cast<std::uint32_t>(t);
@@ -42,7 +42,7 @@ Air air_of(const WorldState& world, const ClothMaterial& material, const Vec3f& 
           material.air_lift,        material.areal_density,          h};
 }
 
-// A third of the force on one triangle: what air_forces of the kernels gives as well, in the same bits.
+// A third of the force on one triangle, with the same bits as air_forces of the kernels.
 Vec3f third_of_air_force(const WorldState& world, const ParticleView& view, std::uint32_t a, std::uint32_t b,
                          std::uint32_t c, const Air& air) {
   const std::vector<Vec4f>& velocity = world.particles.velocity;
@@ -68,7 +68,8 @@ void push_triangles(const Object& object, const Air& air, WorldState& world) {
   });
 }
 
-// Every particle gathers from its triangles: no two threads write one, and the order of the sum is fixed.
+// Every particle gathers from its triangles: no two threads write to one particle, and the order of the sum
+// is fixed.
 void gather_forces(const Object& object, WorldState& world) {
   world.threads->for_each(object.particle_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -129,7 +130,7 @@ Vec3f implicit_velocity(WorldState& world, std::size_t i, const Vec3f& x, const 
   const auto residual = [&](const Vec3f& v) {
     return v - v0 - acceleration(world, i, x + v * h, v, windy, wind, t) * h;
   };
-  // The field is differenced over a step that is small beside v and h a, but far above float's rounding.
+  // The step of the difference quotient is small compared to v and h a, but far above float's rounding.
   Vec3f v = v0;
   for (int iteration = 0; iteration < 8; ++iteration) {
     const Vec3f r = residual(v);

@@ -11,12 +11,12 @@ namespace souple {
 
 struct WorldState;
 
-/// Spacings that fluid is led, which is as far as it feels other fluid.
+/// Depth of the inflow zone in spacings: the distance within which fluid interacts with other fluid.
 inline constexpr double inflow_depth = 2;
 
-/// The first spacings before a nozzle, as if in a pipe: fluid that leaves goes straight on with `velocity`,
-/// whatever pushes it. Without this the layers that come would have nothing behind them that bears the
-/// pressure of those before them.
+/// Inflow zone: the first spacings in front of a nozzle. As in a pipe, emitted fluid moves straight on with
+/// `velocity`, regardless of forces. Without it nothing behind a new layer would bear the pressure of the
+/// layers in front.
 struct Inflow {
   Vec3d position, direction, velocity;  ///< m, unit, m/s
   double radius = 0, depth = 0;         ///< m
@@ -24,25 +24,26 @@ struct Inflow {
   bool drives(const Vec3d& x, const Vec3d& v) const;
 };
 
-/// Which of the fluids' particles are in the mouths of emitters.
+/// The fluid particles in the inflow zones of emitters.
 class InflowParticles {
  public:
-  /// Before a step of dt seconds: which of `particles`, ascending numbers of the world's, may be led in it.
+  /// Before a step of dt seconds: finds the candidates among `particles`, ascending indices in the world.
   void begin_step(WorldState& world, double dt, std::span<const std::uint32_t> particles);
-  /// Where mouths are now; emitters that are shut lead nothing.
+  /// Updates the inflow zones; closed emitters have none.
   void begin_substep(WorldState& world);
-  /// Whether the k-th of the particles is led in this substep, which begins with it at x and its velocity v.
-  /// Several threads may call it at a time, for different k.
+  /// Whether the k-th particle is kinematic in this substep, which starts with its position x and velocity v.
+  /// Several threads may call it at the same time for different k.
   bool update(std::size_t k, const Vec3d& x, const Vec3d& v);
 
   bool is_inflow(std::size_t k) const { return is_inflow_[k] != 0; }
-  /// Of one that is led. [m/s]
+  /// Velocity of a particle for which is_inflow is true [m/s].
   Vec3f velocity(std::size_t k) const { return Vec3f(inflows_[candidate_emitter_[k] - 1].velocity); }
 
  private:
-  std::vector<std::uint32_t> candidate_emitter_;  // 0, or 1 + the emitter that may lead it in this step
-  std::vector<std::uint8_t> is_inflow_;           // whether one does in this substep
-  std::vector<Inflow> inflows_;                   // of the emitters
+  // 0, or 1 + the emitter whose zone it may be in during this step.
+  std::vector<std::uint32_t> candidate_emitter_;
+  std::vector<std::uint8_t> is_inflow_;  // whether it is in a zone in this substep
+  std::vector<Inflow> inflows_;          // per emitter
 };
 
 }  // namespace souple

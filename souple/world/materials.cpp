@@ -23,8 +23,8 @@ const ClothMaterial denim{.areal_density = 0.40f, .membrane_stiffness = 15000, .
 // Soft natural rubber: E 1-5 MPa, nearly incompressible, 920-1100 kg/m^3 (Ashby, Materials Selection).
 const SoftBodyMaterial rubber{.young_modulus = 1.5e6f, .poisson_ratio = 0.45f, .density = 1000, .friction = 0.8f,
                               .restitution = 0.3f, .damping_time = 2e-4f};
-// Table jelly (gelatine 5-10 %): shear modulus of a few kPa (Markidou et al. 2005), water's density. Stiffened to 20 kPa so
-// that a 30 cm body carries its own weight.
+// Table jelly (gelatin 5-10 %): shear modulus of a few kPa (Markidou et al. 2005), water's density. Stiffened
+// to 20 kPa so that a 30 cm body supports its own weight.
 const SoftBodyMaterial jelly{.young_modulus = 2e4f, .poisson_ratio = 0.45f, .density = 1000, .friction = 0.4f,
                              .damping_time = 5e-4f};
 
@@ -34,11 +34,13 @@ const RopeMaterial nylon{.radius = 0.005f, .young_modulus = 6e8f, .density = 115
 const RopeMaterial steel_wire{.radius = 0.001f, .young_modulus = 2e11f, .density = 7850, .bending_stiffness = 0.157f,
                               .friction = 0.3f};
 
-// Quartz 2650 kg/m^3; angle of repose of dry sand 30-35 degrees, tan = 0.6-0.7. Grains of 1 cm stand for many.
+// Quartz 2650 kg/m^3; angle of repose of dry sand 30-35 degrees, tan = 0.6-0.7. A grain of 1 cm represents
+// many.
 const GrainsMaterial sand{.radius = 0.01f, .density = 2650, .friction = 0.65f};
 
-// Water at 20 C: 998 kg/m^3, 1.0 mPa s. Sunflower oil: 920 kg/m^3, 49 mPa s at 26 C. Honey: 1420 kg/m^3, 10 Pa s
-// (CRC Handbook of Chemistry and Physics; Engineering ToolBox). Surface tension shows below a centimeter only.
+// Water at 20 C: 998 kg/m^3, 1.0 mPa s. Sunflower oil: 920 kg/m^3, 49 mPa s at 26 C. Honey: 1420 kg/m^3, 10
+// Pa s (CRC Handbook of Chemistry and Physics; Engineering ToolBox). Surface tension is visible only below a
+// centimeter.
 const FluidMaterial water{.density = 998, .viscosity = 0.001f};
 const FluidMaterial oil{.density = 920, .viscosity = 0.049f};
 const FluidMaterial honey{.density = 1420, .viscosity = 10};

@@ -25,7 +25,7 @@ std::size_t bytes_of_motion(const ObstacleMotion& motion) {
   return nested_bytes(motion.sequence.frames) + bytes_of(motion.sequence.times);
 }
 
-/// Which particle carries which vertex, and the triangles over particles.
+/// Maps between vertices and particles, and the triangles over particles.
 std::size_t bytes_of_maps(const Object& object) {
   std::size_t sum = bytes_of(object.particle_of, object.vertex_of, object.surface, object.surface_source,
                              object.stiffness_map, object.thickness_map, object.embedding_offset, object.pins,
@@ -64,7 +64,7 @@ void add_objects(const WorldState& world, MemoryReport& report) {
   report.objects.push_back({"rest positions", rest});
   report.objects.push_back({"motions of obstacles", motions});
   report.objects.push_back({"maps from vertices to particles", maps});
-  report.objects.push_back({"positions and normals users see", mirrors});
+  report.objects.push_back({"mirrors of positions and normals", mirrors});
   std::size_t fields = 0;
   for (const ColliderRecord& record : world.colliders)
     if (const auto* field = std::get_if<SignedDistanceField>(&record.shape)) fields += field->bytes();
@@ -81,8 +81,9 @@ MemoryReport World::memory() {
   report.particles = p.size();
   report.simulation.push_back({"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass,
                                                      p.radius, p.contact_margin, world.object_of)});
-  report.simulation.push_back({"last good state", bytes_of(world.last_valid_position, world.last_valid_offset,
-                                                           world.last_valid_velocity)});
+  report.simulation.push_back(
+      {"last valid state",
+       bytes_of(world.last_valid_position, world.last_valid_offset, world.last_valid_velocity)});
   report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
                                                                   world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);

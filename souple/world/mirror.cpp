@@ -5,15 +5,16 @@
 
 #include <algorithm>
 
-// What users see of an object, in their order: computed once per change, when first asked for.
+// Users' view of an object, in user order: computed at the first request after a change.
 
 namespace souple {
 namespace {
 
-/// f(i) -> Vec3d of particle i, for every user vertex: the particle's own, or the blend over a tet.
+/// Fills `out` with a value for each user vertex: f(i) of its particle i, or the blend over a tet. f returns
+/// Vec3d.
 template <class Function>
 void fill(const Object& object, std::vector<Vec3f>& out, const Function& f) {
-  out.reserve(object.capacity);  // addresses stay where particles come and go
+  out.reserve(object.capacity);  // constant addresses while particles come and go
   out.resize(object.vertex_count());
   for (std::size_t v = 0; v < out.size(); ++v) {
     if (!object.embedding) {
@@ -37,7 +38,7 @@ Mirror& fresh_mirror(const WorldState& world, ObjectId id) {
   return mirror;
 }
 
-// How many triangles or vertices are worth a thread of their own.
+// Minimum number of triangles or vertices per thread.
 constexpr std::size_t grain = 1024;
 
 void for_each(const WorldState& world, std::size_t n, RangeFunction f) {
@@ -45,7 +46,7 @@ void for_each(const WorldState& world, std::size_t n, RangeFunction f) {
   f(0, n);
 }
 
-// The cross product of two sides of each triangle, twice its area long.
+// Per triangle: cross product of two sides; its length is twice the area.
 void fill_area_normals(const WorldState& world, std::span<const Triangle> triangles, Mirror& mirror) {
   const std::vector<Vec3f>& x = mirror.positions;
   for_each(world, x.size(), [&](std::size_t v, std::size_t end) {
@@ -64,7 +65,7 @@ void fill_area_normals(const WorldState& world, std::span<const Triangle> triang
   });
 }
 
-// The same sums as vertex_normals of geometry/measures.h makes, gathered vertex by vertex.
+// The same sums as in vertex_normals (geometry/measures.h), gathered per vertex.
 void fill_normals(const WorldState& world, std::span<const Triangle> triangles, Mirror& mirror) {
   const std::size_t vertices = mirror.positions.size();
   if (mirror.triangles_of.begin.size() != vertices + 1)

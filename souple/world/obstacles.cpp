@@ -14,7 +14,7 @@ bool is_static(const ObstacleMotion& motion) {
 
 namespace {
 
-// How many particles are worth a thread of their own.
+// Minimum number of particles per thread.
 constexpr std::size_t grain = 2048;
 
 double frame_time(const MeshSequence& sequence, std::size_t frame) {
@@ -25,7 +25,7 @@ double duration(const MeshSequence& sequence) {
   return frame_time(sequence, sequence.frames.size() - 1);
 }
 
-// A loop whose ends differ starts again between the two times.
+// Whether a loop with different ends restarts between the two times.
 bool jumps(const MeshSequence& sequence, double from, double to) {
   if (!sequence.loop || sequence.frames.size() < 2) return false;
   const double period = duration(sequence), start = sequence.start_time;
@@ -37,7 +37,7 @@ bool jumps(const ObstacleMotion& motion, double from, double to) {
   return motion.pose.jumps(from, to) || jumps(motion.sequence, from, to);
 }
 
-/// An obstacle at one moment: what all of its particles share is found once.
+/// An obstacle at one time: computes the data common to its particles once.
 class Moment {
  public:
   Moment(const Object& object, double time) : object_(object), pose_(object.motion.pose.at(time)) {
@@ -78,7 +78,7 @@ class Moment {
   double part_ = 0;
 };
 
-/// Calls f(i, position) for each particle i of an obstacle at a time; in no order, from several threads.
+/// Calls f(i, position) for each particle i of an obstacle at a time; in any order, from several threads.
 template <class Function>
 void at_moment(WorldState& world, const Object& object, double time, const Function& f) {
   world.guarded("an obstacle's motion", [&] {
@@ -102,7 +102,8 @@ void validate_times(const MeshSequence& sequence, const std::string& where) {
   if (sequence.times[0] != 0) throw Error(where + ": the time of frame 0 is not 0");
   for (std::size_t k = 1; k < sequence.times.size(); ++k)
     if (!(sequence.times[k] > sequence.times[k - 1]) || !std::isfinite(sequence.times[k]))
-      throw Error(fmt::format("{}: the time of frame {} is not later than that before it", where, k));
+      throw Error(
+          fmt::format("{}: the time of frame {} is not later than that of the frame before", where, k));
 }
 
 }  // namespace
@@ -120,7 +121,7 @@ void validate(const ObstacleMotion& motion, std::size_t vertices, std::string_vi
     for (std::size_t i = 0; i < frame.size(); ++i)
       if (!is_finite(frame[i]) || length(Vec3d(frame[i])) > 1e15)
         throw Error(fmt::format(
-            "{} holds a number that is not finite or above 1e15 m in frame {} at vertex {}", where, k, i));
+            "{} has a position that is not finite or beyond 1e15 m in frame {} at vertex {}", where, k, i));
   }
 }
 
@@ -154,7 +155,7 @@ void drive_obstacles(WorldState& world, const Substep& substep) {
     world.check_intersections = world.check_intersections || jump;
     at_moment(world, *object, t, [&](std::size_t i, const Vec3d& x) {
       p[i].set_xyz(Vec3f(plain ? x : x - Vec3d(particles.position[i].xyz())));
-      if (jump) particles.start[i].set_xyz(p[i].xyz());  // it was there all the time
+      if (jump) particles.start[i].set_xyz(p[i].xyz());  // it did not move there
     });
   }
 }

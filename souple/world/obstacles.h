@@ -5,22 +5,23 @@
 #include <string_view>
 #include <vector>
 
-// Meshes that go where they are told. Their particles have no mass; nothing else moves them.
+// Obstacles: meshes with prescribed motion. Their particles have no mass; no force or contact moves them.
 
 namespace souple {
 
-/// Throws Error when a sequence is not of `vertices`, or holds what is no number or goes back in time.
+/// Throws Error if a sequence has another vertex count, non-finite values or times that do not increase.
 void validate(const ObstacleMotion& motion, std::size_t vertices, std::string_view owner);
 
-/// Where the particles of an obstacle are at `time` [s]; passes on what a callback throws.
+/// Positions of an obstacle's particles at `time` [s]. Passes exceptions of callbacks on.
 std::vector<Vec3d> obstacle_positions(const Object& object, double time);
 
 bool is_static(const ObstacleMotion& motion);
 
-/// Velocities that take obstacles through the next dt seconds: near pairs are found by them.
+/// Sets the obstacles' velocities to their mean velocities over the next dt seconds, for the search of near
+/// pairs.
 void predict_obstacles(WorldState& world, double dt);
 
-/// Leads the particles of obstacles to where they are at the end of the substep.
+/// Moves the particles of obstacles to their positions at the end of the substep.
 void drive_obstacles(WorldState& world, const Substep& substep);
 
 }  // namespace souple

@@ -32,7 +32,7 @@ struct SelectVertices {
     std::sort(result.begin(), result.end());
     result.erase(std::unique(result.begin(), result.end()), result.end());
     if (!result.empty() && result.back() >= positions.size())
-      throw Error(fmt::format("vertices: {} has {} vertices, no number {}", object.name, positions.size(),
+      throw Error(fmt::format("vertices: {} has {} vertices, but no vertex {}", object.name, positions.size(),
                               result.back()));
     return result;
   }
@@ -65,7 +65,7 @@ struct SelectVertices {
   }
 };
 
-/// One constraint per particle chosen: which particle, and which vertex stands for it.
+/// The particles of the chosen vertices, each once, with one of these vertices.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> particles_with_vertices(
     const Object& object, const std::vector<std::uint32_t>& vertices) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
@@ -109,7 +109,7 @@ std::vector<std::uint32_t> World::select(ObjectId id, const Selector& selector) 
   const Object& object = impl_->state.object(id);
   std::vector<std::uint32_t> result = std::visit(SelectVertices{object, positions(id)}, selector.choice);
   if (result.empty())
-    throw Error("the selector means no vertex of " + object.name + "; look at where it is now");
+    throw Error("the selector selects no vertex of " + object.name + "; check its current positions");
   return result;
 }
 
@@ -208,7 +208,7 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
 
 namespace {
 
-/// Rest distance along edges from each particle of an object to the nearest of `sources`, and which that is
+/// Rest distance along edges from each particle of an object to the nearest of `sources`, and that source
 /// (Dijkstra).
 struct EdgeDistances {
   std::vector<double> distance;
@@ -289,7 +289,7 @@ ProjectorId WorldState::add_user_constraint(UserConstraint user_constraint,
                                             std::unique_ptr<Projector> projector) {
   user_constraint.id = {next_id++};
   user_constraint.projector = std::move(projector);
-  dirty_tables = dirty_tables || user_constraint.distance_joint;  // contacts leave tied particles alone
+  dirty_tables = dirty_tables || user_constraint.distance_joint;  // contacts exclude joined particles
   dirty_solver = true;
   user_constraints.push_back(std::move(user_constraint));
   return user_constraints.back().id;
@@ -319,7 +319,7 @@ void World::remove(ProjectorId id) {
 Projector& World::projector(ProjectorId id) {
   WorldState& world = impl_->state;
   Projector& found = *world.user_constraints[find_user_constraint(world, id)].projector;
-  world.dirty_solver = true;  // whoever asks for it may change it
+  world.dirty_solver = true;  // the caller may change it
   wake_particles_of(world, found);
   return found;
 }

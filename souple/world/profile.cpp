@@ -17,8 +17,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Makes the world ready to be solved, and puts every particle back when it goes. What a substep writes
-/// besides (multipliers, contacts) the next begins anew.
+/// Prepares the world for a solve and restores all particles at its end. Other state that a substep writes
+/// (multipliers, contacts) is initialized again by the next.
 class MeasurementScope {
  public:
   explicit MeasurementScope(WorldState& world) : world_(world) {

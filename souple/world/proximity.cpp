@@ -16,7 +16,7 @@ bool is_candidate_pair(const ProximityQuery& t, std::uint32_t a, std::uint32_t b
   return (t.active[a] != 0 && t.passive[b] != 0) || (t.active[b] != 0 && t.passive[a] != 0);
 }
 
-// One that only asks is as large as those of its particles that look.
+// The bounds of an object that is only active contain its active particles.
 void find_bounds(const WorldState& world, ProximityQuery& t) {
   t.bounds.assign(world.objects.size(), {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
@@ -80,7 +80,7 @@ float distance(const ParticleView& particles, const NearPair& pair, bool edges) 
   return length(x[1] * weight[0] + x[2] * weight[1] + x[3] * weight[2]);
 }
 
-// What a feature's particles reach and go.
+// Sum of margin and motion bound: the maximum over an element's particles.
 float margin_of(const ProximityQuery& t, const NearPair& pair, std::size_t begin, std::size_t end) {
   float margin = 0;
   for (std::size_t k = begin; k < end; ++k)
@@ -99,7 +99,7 @@ void check_pairs(WorldState& world, ProximityQuery& t, const std::vector<NearPai
   }
 }
 
-// --- balls against balls, which are no surfaces
+// --- balls against balls, which have no surface
 
 void list_balls(const WorldState& world, const ProximityQuery& t, std::uint32_t object, const Bounds& within,
                 std::vector<std::uint32_t>& balls) {
@@ -111,7 +111,7 @@ void list_balls(const WorldState& world, const ProximityQuery& t, std::uint32_t 
   });
 }
 
-// Each of `balls` against those of `others` whose boxes begin within its own along x.
+// Tests each of `balls` against those of `others` whose boxes begin within its own box along x.
 bool any_touch(const ParticleView& particles, const ProximityQuery& t,
                const std::vector<std::uint32_t>& balls, const std::vector<std::uint32_t>& others) {
   std::size_t first = 0;

@@ -11,35 +11,38 @@ namespace souple {
 
 struct WorldState;
 
-/// Tells which objects come within their thickness of each other, by where their particles go.
+/// Finds the objects that come within their thickness of each other, given the motion of their particles.
 struct ProximityQuery {
-  // What is asked. Those that ask are compared with those that answer.
-  std::vector<std::uint8_t> active, passive;  ///< of each object
-  std::vector<Bounds> boxes;                  ///< of each particle, over its way, with its reach
-  std::vector<float> margin;                  ///< how near another counts as a touch: its own share [m]
-  std::vector<float> motion_bound;            ///< how far it goes at most [m]
-  std::vector<Vec4f> active_particles;        ///< w != 0: one that asks; others are only there for triangles
+  // Input. Active objects are compared with passive ones.
+  std::vector<std::uint8_t> active, passive;  ///< per object
+  std::vector<Bounds> boxes;                  ///< per particle: box of its motion, enlarged by its margin
+  std::vector<float> margin;        ///< per particle: its part of the distance that counts as contact [m]
+  std::vector<float> motion_bound;  ///< per particle: upper limit of its motion [m]
+  /// Per particle: w != 0 if it is active; others serve only as corners of triangles.
+  std::vector<Vec4f> active_particles;
 
-  /// Pairs of objects that touch, each once, the lower index first, in no order of meaning.
+  /// Pairs of objects in contact, each once, lower index first; their order has no meaning.
   std::vector<std::array<std::uint32_t, 2>> found;
 
-  // Scratch.
-  std::vector<Bounds> bounds;                      ///< of each object
-  ObjectMatrix is_candidate, is_found;             ///< objects whose bounds meet; those that are found
-  std::vector<std::uint32_t> listed, in_elements;  ///< objects that are compared; those that `elements` has
+  // Temporary data.
+  std::vector<Bounds> bounds;           ///< per object
+  ObjectMatrix is_candidate, is_found;  ///< object pairs with overlapping bounds; pairs found
+  /// Objects in candidate pairs; objects whose elements are in `elements`.
+  std::vector<std::uint32_t> listed, in_elements;
   SurfaceElements elements;
   NearPairFinder finder;
   NearPairs pairs;
-  std::vector<std::uint32_t> balls_a, balls_b;  ///< balls, in order of their boxes along x
+  std::vector<std::uint32_t> balls_a, balls_b;  ///< balls, ordered by their boxes along x
 
-  /// Empties what is asked.
+  /// Clears the input.
   void reset(const WorldState& world);
-  /// Objects came, went or changed.
+  /// To be called after objects are added, removed or changed.
   void invalidate() { in_elements.clear(), elements.clear(); }
   std::size_t bytes() const;
 };
 
-/// Fills `found` of the world's ProximityQuery. What the pair table and the groups keep apart does not touch.
+/// Fills `found` of the world's ProximityQuery. Pairs that the pair table or the groups exclude are not in
+/// contact.
 void find_close_objects(WorldState& world);
 
 }  // namespace souple

@@ -11,7 +11,7 @@
 namespace souple {
 namespace {
 
-/// Where a ray enters a ball, 0 when it starts inside, or infinity.
+/// Distance at which a ray enters a ball: 0 if it starts inside, infinity if it misses.
 double ray_ball(const Vec3d& origin, const Vec3d& direction, const Vec3d& center, double radius) {
   const Vec3d s = center - origin;
   const double along = dot(s, direction), miss2 = dot(s, s) - along * along, r2 = radius * radius;
@@ -28,7 +28,7 @@ std::uint32_t nearest_corner(std::span<const Vec3f> x, const Triangle& triangle,
   return best;
 }
 
-/// Offers candidates in a fixed order; the first of equals stays.
+/// Keeps the nearest candidate; of equal ones the first. The order of candidates is fixed.
 struct Nearest {
   Hit hit;
   double distance;

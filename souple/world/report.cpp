@@ -27,21 +27,22 @@ std::string_view stage_name(Stage stage) {
 std::string_view advice(Flag flag) {
   switch (flag) {
     case Flag::non_finite:
-      return "a position or velocity is not a number; the last good state was restored: raise substeps, "
-             "lower the "
-             "stiffness, or look for extreme masses and forces";
+      return "a position or velocity is not finite; the last valid state was restored: raise substeps, lower "
+             "the "
+             "stiffness, or check for extreme masses and forces";
     case Flag::large_strain:
       return "an edge is stretched by more than 10 %: raise substeps or the stiffness";
     case Flag::deep_contact:
-      return "a contact is deeper than the thickness after the step: raise substeps or the thickness";
+      return "a contact is deeper than the largest thickness after the step: raise substeps or the thickness";
     case Flag::callback_failed:
       return "a callback threw an exception: its effect was left out";
     case Flag::intersecting:
-      return "surfaces pass through each other and are being pulled apart as far as they can move: start "
-             "with them apart, lead them apart, or let them not meet";
+      return "surfaces pass through each other and are being separated as far as they can move: start "
+             "without intersections, drive them apart, or disable collision between them";
     case Flag::coarse_substeps:
-      return "a fluid goes further than a third of its spacing in a substep, or is so deep that its pressure "
-             "could make it: raise substeps or the spacing";
+      return "a fluid moves by more than a third of its spacing in a substep, or its depth and pressure "
+             "allow "
+             "such a motion: raise substeps or the spacing";
   }
   return "?";
 }

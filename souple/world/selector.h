@@ -9,14 +9,14 @@
 
 namespace souple {
 
-/// Says which vertices of an object are meant; the same four words everywhere, and `all`.
+/// Selects vertices of an object. API, scenes and program use the same four words, and `all`.
 struct Selector {
   struct All {};
   struct Vertices {
     std::vector<std::uint32_t> indices;  ///< user order
   };
   struct InBox {
-    Vec3f lo, hi;  ///< world space at the time of the call [m]; bounds included
+    Vec3f lo, hi;  ///< world space at the time of the call [m]; includes its boundary
   };
   struct Nearest {
     Vec3f point;  ///< m

@@ -6,16 +6,17 @@
 #include <algorithm>
 #include <cmath>
 
-// Speeds are measured by where a step has brought a particle, not by its last substep: what lies in touch
-// trembles within a substep and goes nowhere.
+// Speed is the displacement over a step, not that of the last substep: objects in contact vibrate within a
+// substep without net motion.
 
 namespace souple {
 namespace {
 
-// What counts as a touch, in parts of the thickness that contacts keep.
+// Additional distance that counts as contact, relative to the contact radius.
 constexpr float margin_ratio = 0.25f;
 constexpr float min_margin = 1e-5f;  // m
-// Obstacles and colliders carry what lies on them: they wake it when they move by this part of the speed.
+// Obstacles and colliders move objects that lie on them: they wake these if they are faster than this
+// fraction of the sleeping speed.
 constexpr float carrier_speed_ratio = 0.01f;
 constexpr std::size_t chunk = 2048;  // particles
 
@@ -23,7 +24,7 @@ bool is_obstacle(const Object& object) {
   return object.kind == ObjectKind::obstacle;
 }
 
-// --- who sleeps
+// --- state of objects
 
 void set_inverse_masses(WorldState& world, const Object& object) {
   Particles& particles = world.particles;
@@ -48,7 +49,7 @@ void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
             Vec4f{});
 }
 
-// --- what touches
+// --- proximity
 
 void set_box(ProximityQuery& proximity, const WorldState& world, std::uint32_t i, const Vec3f& x,
              const Vec3f& move, float fall) {
@@ -60,7 +61,8 @@ void set_box(ProximityQuery& proximity, const WorldState& world, std::uint32_t i
   proximity.boxes[i] = united({x - extent, x + extent}, {end - extent, end + extent});
 }
 
-// A mover's particles look ahead when they are fast; those of an obstacle that was somewhere else, all.
+// Activates the fast particles of a moving object; all particles of an obstacle that has just jumped or
+// moved.
 bool mark_mover(WorldState& world, const Object& object, float dt) {
   ProximityQuery& proximity = world.sleep.proximity;
   const ParticleView view = world.view();
@@ -88,8 +90,9 @@ void mark_still(WorldState& world, const Object& object, bool active) {
   }
 }
 
-// Wakes what objects and obstacles that move may touch. One that has been at rest wakes nobody, whatever its
-// last substep left of velocities: of two that settle together one may fall asleep first.
+// Wakes sleeping objects that moving objects and obstacles may touch. An object that has been at rest wakes
+// none, even if its last substep left velocities: of two objects that settle together one may fall asleep
+// first.
 void wake_near_movers(WorldState& world, float dt) {
   ProximityQuery& proximity = world.sleep.proximity;
   proximity.reset(world);
@@ -112,7 +115,7 @@ void wake_near_movers(WorldState& world, float dt) {
       if (world.objects[k]->island != 0) wake_island(world, *world.objects[k]);
 }
 
-/// A collider from the begin to the end of a step.
+/// A collider at the start and at the end of a step.
 struct MovingCollider {
   const Shape& shape;
   Transform before, after;
@@ -131,7 +134,7 @@ struct MovingCollider {
   static double distance(const Shape& shape, const Transform& pose, const Vec3d& x) {
     return surface_distance(shape, rotate(conjugate(pose.rotation), x - pose.translation)).distance;
   }
-  /// By the motion of its surface there, which is `shift + turn D` at most at a distance D from its center.
+  /// Uses the motion of its surface near x, at most `shift + turn D` at a distance D from its center.
   bool touches(const Vec3d& x, double margin, double threshold) const {
     const double motion = shift + turn * length(x - center);
     if (motion <= threshold) return false;
@@ -173,7 +176,7 @@ float max_displacement(WorldState& world, const Object& object) {
   return std::sqrt(*std::max_element(squared.begin(), squared.end()));
 }
 
-// Whether some object has just rested long enough, or once more as long.
+// Whether some object's rest time has just reached a multiple of the time to fall asleep.
 bool measure_rest(WorldState& world, double dt) {
   const Sleeping& sleeping = world.settings.sleeping;
   const auto seconds = static_cast<double>(sleeping.seconds);
@@ -195,7 +198,7 @@ void mark_object_of(const WorldState& world, std::vector<std::uint8_t>& cannot_s
   cannot_sleep[world.object_of[particle]] = 1;
 }
 
-// What something may pull at any moment does not sleep.
+// Marks objects on which a force may act at any time: they do not sleep.
 void find_sleepless(WorldState& world) {
   std::vector<std::uint8_t>& cannot_sleep = world.sleep.cannot_sleep;
   const Wind& wind = world.settings.wind;
@@ -224,13 +227,13 @@ std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t a) {
   return a;
 }
 
-// The lower index is the root: islands do not depend on the order of touches.
+// The lower index is the root: islands do not depend on the order of pairs.
 void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
   a = root(parent, a), b = root(parent, b);
   parent[std::max(a, b)] = std::min(a, b);
 }
 
-// Islands of what touches, is tied together, or sleeps together already. Obstacles join nothing.
+// Islands of objects that are in contact, joined, or asleep together. Obstacles do not connect objects.
 void find_islands(WorldState& world) {
   std::vector<std::uint32_t>& parent = world.sleep.parent;
   ProximityQuery& proximity = world.sleep.proximity;
@@ -263,7 +266,7 @@ void put_islands_to_sleep(WorldState& world) {
   std::vector<std::uint8_t>& cannot_sleep = world.sleep.cannot_sleep;
   const auto n = static_cast<std::uint32_t>(world.objects.size());
   const auto seconds = static_cast<double>(world.settings.sleeping.seconds);
-  for (std::uint32_t a = n; a-- > 0;) {  // roots are the lowest: they come last
+  for (std::uint32_t a = n; a-- > 0;) {  // roots have the lowest index: they come last
     const Object& object = *world.objects[a];
     if (object.island == 0 && object.rest_time < seconds) cannot_sleep[a] = 1;
     if (cannot_sleep[a] != 0) cannot_sleep[root(parent, a)] = 1;
@@ -299,7 +302,7 @@ void wake_disturbed(WorldState& world, double dt) {
     if (!world.colliders[c].options.motion.is_static())
       world.guarded("a collider's motion", [&] { wake_near_collider(world, c, dt); });
   count_sleepers(world);
-  sleep.woken = false;  // near pairs are found next
+  sleep.woken = false;  // the search for near pairs follows
 }
 
 void fall_asleep(WorldState& world, double dt) {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstring>
 
-// A snapshot is: magic, shape (a hash of what the objects are), time, steps, number of frictional contacts,
-// then position (with inverse masses), offset and velocity of every particle, how far contacts pushed it of
-// late, what contacts between particles remember of friction, how long each object has been at rest, with
-// whom it sleeps and how many particles it has, what emitters and drains have done, foam, then a checksum of
-// all before it.
+// Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, number of frictional
+// contacts, foam count and origin; then per particle position (with inverse mass), offset, velocity and
+// contact margin (how far contacts recently pushed it); then the friction cache of particle contacts; per
+// object rest time, island and particle count; state of emitters and drains; foam; a checksum of all
+// preceding bytes.
 
 namespace souple {
 namespace {
@@ -28,8 +28,8 @@ void get(std::span<const std::byte>& in, T* values, std::size_t count) {
   in = in.subspan(count * sizeof(T));
 }
 
-/// What has to be equal for a snapshot to fit: names, kinds and sizes of the objects, in order, and how many
-/// emitters and drains there are.
+/// Properties that must match for a restore: names, kinds and sizes of the objects, in order, and the numbers
+/// of emitters and drains.
 std::uint64_t shape_of(const WorldState& world) {
   std::uint64_t hash = fnv1a64_start;
   for (const auto& object : world.objects) {
@@ -50,9 +50,9 @@ struct Header {
   double foam_origin[3];
 };
 
-constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeof(FoamKind);  // of each
+constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeof(FoamKind);  // per particle
 
-/// Of an object.
+/// Sleep state and particle count of an object.
 struct Rest {
   double rest_time;
   std::uint32_t island, particles;
@@ -87,20 +87,20 @@ std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t 
          world.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
 }
 
-/// Checks everything that can be checked before the world is touched.
+/// Checks everything that can be checked before the world is modified.
 Header checked_header(const WorldState& world, std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t))
     throw Error("restore: the snapshot is cut short");
   std::uint64_t checksum = 0;
   std::memcpy(&checksum, bytes.data() + bytes.size() - sizeof checksum, sizeof checksum);
   if (checksum != fnv1a64(bytes.first(bytes.size() - sizeof checksum)))
-    throw Error("restore: the snapshot is damaged: its checksum does not fit");
+    throw Error("restore: the snapshot is damaged: its checksum does not match");
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
       header.foam > bytes.size() || bytes.size() != size_for(world, header.contacts, header.foam))
     throw Error(
-        "restore: the snapshot is of a world with other objects; build the world in the same way first");
+        "restore: the snapshot belongs to a world with other objects; build the world in the same way first");
   return header;
 }
 

@@ -13,20 +13,21 @@
 namespace souple {
 namespace {
 
-/// `position` in the plain form, `offset` in the displacement form: what prediction and the solver move.
+/// The array that prediction and solver move: `position` in the plain form, `offset` in the displacement
+/// form.
 std::vector<Vec4f>& moving(WorldState& world) {
   return world.settings.form == Form::plain ? world.particles.position : world.particles.offset;
 }
 
-// How many particles are worth a thread of their own.
+// Minimum number of particles per thread.
 constexpr std::size_t grain = 2048;
 
 bool is_non_finite(const Vec3f& v) {
   return !std::isfinite(v.x + v.y + v.z);
 }
 
-/// The lowest particle that any thread found bad. It names the culprit; the solver would spread it within the
-/// substep.
+/// The lowest particle that any thread found non-finite. It identifies the origin, because the solver would
+/// spread the value within the substep.
 class FirstNonFinite {
  public:
   void note(std::size_t i) {
@@ -43,7 +44,7 @@ class FirstNonFinite {
   std::atomic<std::size_t> lowest_{none};
 };
 
-/// What accelerates particles in a substep.
+/// Wind of a substep.
 struct Air {
   bool windy;
   Vec3f wind;
@@ -80,9 +81,8 @@ void predict_one(WorldState& world, std::size_t i, const Substep& substep, const
 void finish_one(WorldState& world, std::size_t i, const Substep& substep, const std::vector<Vec4f>& p,
                 FirstNonFinite& first_non_finite) {
   Particles& particles = world.particles;
-  // v = v* + (p - p*) / h: a particle that nothing corrects keeps its velocity to the bit. The
-  // semi-implicit p* is made again from v* with the roundings of the prediction. A pinned particle has no
-  // v*: v = (p - x) / h.
+  // v = v* + (p - p*) / h: a particle without corrections keeps its velocity bitwise. The semi-implicit p* is
+  // recomputed from v* with the rounding of the prediction. A pinned particle has no v*: v = (p - x) / h.
   const bool semi_implicit = world.settings.integrator == Integrator::semi_implicit;
   const Vec3f start = particles.start[i].xyz();
   const Vec3f v_star = particles.velocity[i].xyz();
@@ -93,7 +93,7 @@ void finish_one(WorldState& world, std::size_t i, const Substep& substep, const 
   particles.velocity[i].set_xyz(v);
   if (is_non_finite(v)) first_non_finite.note(i);
   if (world.settings.form == Form::plain) return;
-  // x += q; what x cannot represent stays in the offset.
+  // x += q; the part beyond the precision of x stays in the offset.
   const Vec3f q = particles.offset[i].xyz();
   const Vec3f x = particles.position[i].xyz();
   const Vec3f moved = x + q;
@@ -102,7 +102,7 @@ void finish_one(WorldState& world, std::size_t i, const Substep& substep, const 
   if (is_non_finite(moved)) first_non_finite.note(i);
 }
 
-// The packed code of predict_one and finish_one, or null where it does not serve.
+// SIMD kernels of predict_one and finish_one, or null if none applies.
 const kernels::MotionKernels* packed(const Settings& settings) {
   return settings.integrator == Integrator::semi_implicit ? find_motion_kernels(instruction_set()) : nullptr;
 }
@@ -114,7 +114,7 @@ kernels::MotionArrays arrays_of(WorldState& world, bool windy) {
           &particles.velocity.data()->x, windy ? &world.force.data()->x : nullptr};
 }
 
-// Packed code says only that something may be bad.
+// The SIMD kernels report only that a value may be non-finite.
 void find_non_finite(const WorldState& world, std::size_t begin, std::size_t end,
                      FirstNonFinite& first_non_finite) {
   const Particles& particles = world.particles;
@@ -134,7 +134,7 @@ void predict(WorldState& world, const Substep& substep) {
   };
   const kernels::MotionKernels* kernels = packed(settings);
   if (!world.force_fields.empty()) {
-    one_by_one(0, count);  // users' functions are called from the user's thread
+    one_by_one(0, count);  // users' functions run on the user's thread
   } else if (!kernels || settings.drag > 0) {
     world.threads->for_each(count, grain, one_by_one);
   } else {
@@ -149,7 +149,7 @@ void predict(WorldState& world, const Substep& substep) {
   first_non_finite.report_to(world);
 }
 
-// Pinned particles: to target(vertex, t + h) + offset, or nowhere.
+// Moves pinned particles to target(vertex, t + h) + offset; without a target they stay.
 void drive_pins(WorldState& world, const Substep& substep) {
   const double t = world.time + static_cast<double>(substep.h);
   std::vector<Vec4f>& p = moving(world);

@@ -2,31 +2,32 @@
 
 #include "souple/world/state.h"
 
-// The stages of the loop, one function each, over the state of a world. World::step calls them in order.
+// The stages of the loop: one function each, over the state of a world. World::step calls them in order.
 
 namespace souple {
 
-/// Once a step: which particles may meet which colliders and each other within dt seconds.
+/// Once per step: finds contact candidates for the next dt seconds.
 void find_candidates(WorldState& world, double dt);
 
-/// (1) v* and p* from external forces, by the integrator of the settings; pinned particles go to their
-/// targets.
+/// (1) v* and p* from external forces, by the integrator of the settings. Moves pinned particles to their
+/// targets, obstacles along their motion, and attachments' targets.
 void integrate(WorldState& world, const Substep& substep);
 
-/// (2) Fluids are pushed apart until they are not compressed.
+/// (2) Moves fluid particles until no fluid is compressed.
 void solve_incompressibility(WorldState& world, const Substep& substep);
 
-/// Once a step, after its substeps: spray, foam and bubbles, from `time` on for dt seconds.
+/// Once per step, after its substeps: spray, foam and bubbles from `time` on for dt seconds.
 void step_foam(WorldState& world, double time, double dt);
 
-/// (3) Contacts along x -> p.
+/// (3) Generates contacts along x -> p.
 void generate_contacts(WorldState& world, const Substep& substep);
 
-/// (4) Projects every constraint, `iterations` times: kind after kind, color after color, contacts last;
-/// then shortens the ways of what would still pass through something.
+/// (4) Projects every constraint, `iterations` times: by kind and color, contacts last. Then shortens motions
+/// that would still pass through an element.
 void solve(WorldState& world, const Substep& substep);
 
-/// (5) v = v* + (p - p*) / h, which is (p - x) / h when p* = x + h v*; x = p. False when a number went bad.
+/// (5) v = v* + (p - p*) / h, which is (p - x) / h if p* = x + h v*; x = p. Returns false if a value is
+/// non-finite.
 bool finish(WorldState& world, const Substep& substep);
 
 /// (6) Restitution, damping, viscosity.

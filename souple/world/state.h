@@ -1,6 +1,6 @@
 #pragma once
 
-// What a World holds, for the files of this folder only; users see world.h.
+// Internal state of a World, for the files of this folder. Users include world.h.
 
 #include "souple/collision/collider.h"
 #include "souple/collision/collider_contacts.h"
@@ -35,50 +35,50 @@ namespace souple {
 using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
                               FluidMaterial>;
 
-/// A particle held by a pin: it goes to target(vertex, t) + offset, or stays where it is when there is no
-/// target.
+/// A pinned particle. Its position is target(vertex, t) + offset, or constant without a target.
 struct PinnedParticle {
-  std::uint32_t particle = 0;  ///< within the object
+  std::uint32_t particle = 0;  ///< index within the object
   std::uint32_t vertex = 0;    ///< user order
-  Vec3d offset{};              ///< from the vertex to the particle when it was pinned [m]
+  Vec3d offset{};              ///< from the vertex to the particle at the time of pinning [m]
   std::shared_ptr<const Target> target;
 };
 
-/// Everything that says what an object is. Its constraints are a pure function of this (see build.h).
+/// The definition of an object. Its constraints are a pure function of this struct (see build.h).
 struct Object {
   ObjectId id;
   std::string name;
   ObjectKind kind = ObjectKind::cloth;
   Material material;
-  std::uint32_t begin = 0, end = 0;        ///< particles
-  std::uint32_t capacity = 0;              ///< of a fluid: it may have so many; of others: as many as it has
-  TriangleMesh mesh;                       ///< as given, placed; positions are the rest state; may be empty
-  TetMesh tets;                            ///< soft bodies: vertices are the particles, in order
-  std::vector<Vec3d> rest;                 ///< of each particle [m]
-  std::vector<std::uint32_t> particle_of;  ///< user vertex -> particle within the object; empty when embedded
-  std::vector<std::uint32_t> vertex_of;    ///< particle -> one user vertex on it, or near it when embedded
-  std::optional<Embedding> embedding;      ///< user vertices in `tets`, when they are no particles
+  std::uint32_t begin = 0, end = 0;  ///< range of its particles
+  /// Fluids: largest number of particles; other kinds: their number of particles.
+  std::uint32_t capacity = 0;
+  TriangleMesh mesh;        ///< as added, transformed; its positions are the rest state; may be empty
+  TetMesh tets;             ///< soft bodies: vertices are the particles, in order
+  std::vector<Vec3d> rest;  ///< rest position of each particle [m]
+  std::vector<std::uint32_t> particle_of;  ///< user vertex -> particle within the object; empty if embedded
+  std::vector<std::uint32_t> vertex_of;    ///< particle -> a user vertex at it, or near it if embedded
+  std::optional<Embedding> embedding;      ///< user vertices in `tets`, if they are not particles
   /// Triangles over particles, for wind and pressure; may be empty.
   std::vector<std::array<std::uint32_t, 3>> surface;
-  /// Made of `surface` when the wind first blows: triangles [triangle_begin[i], triangle_begin[i + 1]) of
-  /// triangles_of touch particle i, in ascending order.
+  /// Triangles of each particle, computed from `surface` at the first wind: particle i belongs to the
+  /// triangles triangles_of[k] with triangle_begin[i] <= k < triangle_begin[i + 1], in ascending order.
   std::vector<std::uint32_t> triangle_begin, triangles_of;
-  std::vector<std::uint32_t> surface_source;  ///< cloth: per triangle of `surface`, its index in `mesh`;
-                                              ///< empty: the same
-  std::vector<float> stiffness_map;           ///< per particle; empty: 1
-  std::vector<float> thickness_map;           ///< per particle; empty: 1
-  std::vector<float>
-      embedding_offset;  ///< per particle: how far it lies outside an embedded surface [m]; or empty
+  /// Cloth and obstacles: index in `mesh` of each triangle of `surface`; empty: identity.
+  std::vector<std::uint32_t> surface_source;
+  std::vector<float> stiffness_map;  ///< per particle; empty: 1
+  std::vector<float> thickness_map;  ///< per particle; empty: 1
+  /// Per particle: distance outside the embedded surface [m]; may be empty.
+  std::vector<float> embedding_offset;
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
-  bool self_collision = false;                             ///< its surface touches itself
-  int layer = 0;                                           ///< of cloth; 0: none
-  CollisionFilter filter;                                  ///< which other things it meets
+  bool self_collision = false;                             ///< the surface collides with itself
+  int layer = 0;                                           ///< cloth layer; 0: none
+  CollisionFilter filter;                                  ///< with which other objects it collides
   float pressure = 0;                                      ///< Pa
-  std::optional<std::pair<float, float>> enclosed_volume;  ///< factor, compliance
-  double rest_time = 0;                                    ///< for how long it has been at rest by now [s]
-  std::uint32_t island = 0;  ///< that it sleeps with, named by one of its objects' ids; 0: awake
-  ObstacleMotion motion;     ///< of an obstacle
-  Transform placement;       ///< of an obstacle: applied to its sequence
+  std::optional<std::pair<float, float>> enclosed_volume;  ///< factor and compliance
+  double rest_time = 0;                                    ///< time at rest so far [s]
+  std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
+  ObstacleMotion motion;     ///< of obstacles
+  Transform placement;       ///< of obstacles: transform of the mesh sequence
 
   std::uint32_t reserved_end() const { return begin + capacity; }
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
@@ -93,20 +93,21 @@ struct Object {
   }
 };
 
-/// The user-order mirror of an object; refreshed lazily.
+/// Copy of an object's state in user order, updated on demand.
 struct Mirror {
-  std::uint64_t version = 0;  ///< of the state that the positions show
+  std::uint64_t version = 0;  ///< WorldState::version of `positions`
   std::uint64_t velocities_version = 0, normals_version = 0;
   std::vector<Vec3f> positions, velocities, normals;
 
-  // What normals are computed with, made when they are first asked for.
+  // Data for the normals, built on first use.
   VertexTriangles triangles_of;
   std::vector<Vec4f> position_records, area_normals;
 };
 
-/// A projector that does not come from one object alone: attachments, ties, tethers, the user's own.
+/// A constraint set that is not built from one object: attachments, distance joints, tethers, user
+/// projectors.
 struct UserConstraint {
-  /// The k-th constraint of an attachment goes where target(vertex, t) + offset is.
+  /// Target of the k-th constraint of an attachment: target(vertex, t) + offset.
   struct AttachedVertex {
     std::uint32_t vertex = 0;
     Vec3d offset{};
@@ -114,16 +115,16 @@ struct UserConstraint {
 
   ProjectorId id;
   std::unique_ptr<Projector> projector;
-  SetProjector<Attachment>* attachment = nullptr;    ///< `projector`, when it has a target
-  SetProjector<Distance>* distance_joint = nullptr;  ///< `projector`, when it ties vertices together
-  bool is_custom = false;                            ///< it may pull otherwise at any time
-  std::optional<double> until;                       ///< when a tie is let go of [s]
-  bool is_active = true;                             ///< it was not yet when the last step began
+  SetProjector<Attachment>* attachment = nullptr;    ///< `projector`, if it is an attachment
+  SetProjector<Distance>* distance_joint = nullptr;  ///< `projector`, if it consists of distance joints
+  bool is_custom = false;                            ///< user projector; its forces may change at any time
+  std::optional<double> until;                       ///< release time of distance joints [s]
+  bool is_active = true;                             ///< had not been released when the last step started
   Target target;
   std::vector<AttachedVertex> attached_vertices;
 
   void update_targets(double t);
-  /// Particles [begin, end) cease to exist.
+  /// Removes the particles [begin, end).
   void erase_particles(std::uint32_t begin, std::uint32_t end);
 };
 
@@ -133,15 +134,15 @@ struct ColliderRecord {
   Shape shape;
 };
 
-/// What the contact projectors look up during a step; built from objects and colliders.
+/// Input of the contact projectors during a step, built from objects and colliders.
 struct ContactTables {
   std::vector<ContactObject> objects;
   std::vector<Collider> colliders;
-  std::vector<std::vector<Edge>> rope_edges;  ///< of each object; empty but for ropes
+  std::vector<std::vector<Edge>> rope_edges;  ///< per object; empty except for ropes
   ContactMaterialTable against_colliders, against_objects;
 };
 
-/// Sums over particles, about a point near them: mass, m x, m v, m x x^T (lower triangle), m x cross v.
+/// Sums over particles relative to a point near them: mass, m x, m v, m x x^T (lower triangle), m x cross v.
 struct RigidSums {
   double mass = 0;
   Vec3d position, momentum;
@@ -153,40 +154,40 @@ struct WorldState {
   Settings settings;
   double time = 0;
   std::uint64_t steps = 0;
-  std::uint64_t version = 1;  ///< grows whenever positions may have changed
+  std::uint64_t version = 1;  ///< increases whenever positions may have changed
 
   Particles particles;
-  std::vector<Vec4f> predicted;          ///< p* of explicit and implicit integration
-  std::vector<Vec4f> force;              ///< of the wind on particles [N]
-  std::vector<Vec4f> triangle_force;     ///< a third of that on each triangle of the object at hand [N]
-  std::vector<RigidSums> rigid_sums;     ///< of each chunk of the object that is damped
+  std::vector<Vec4f> predicted;       ///< p* of the explicit and implicit integrators
+  std::vector<Vec4f> force;           ///< per particle: wind force [N]
+  std::vector<Vec4f> triangle_force;  ///< per triangle of the current object: a third of the wind force [N]
+  std::vector<RigidSums> rigid_sums;  ///< per chunk of the object being damped
   std::vector<std::uint32_t> object_of;  ///< per particle: index into objects
 
-  std::vector<std::unique_ptr<Object>> objects;  ///< stable addresses
+  std::vector<std::unique_ptr<Object>> objects;  ///< addresses are stable
   std::vector<ColliderRecord> colliders;
   std::vector<EmitterRecord> emitters;
   std::vector<DrainRecord> drains;
   std::uint32_t next_id = 1;
 
-  std::vector<std::unique_ptr<Projector>>
-      object_constraints;  ///< built from the objects, in the order they are solved
+  /// Built from the objects, in order of solution.
+  std::vector<std::unique_ptr<Projector>> object_constraints;
   std::vector<UserConstraint> user_constraints;
-  std::vector<Projector*> order;  ///< all of them, contacts last, as the solver sees them
+  std::vector<Projector*> order;  ///< all projectors in order of solution, contacts last
   std::unique_ptr<Solver> solver;
-  std::unique_ptr<Threads> threads;  ///< null: make them before the next step
+  std::unique_ptr<Threads> threads;  ///< null: create before the next step
   ColliderContacts collider_contacts;
   FeatureContacts feature_contacts;
   ParticleContacts particle_contacts;
   SurfaceContacts surface_contacts;
   Untangling untangling;
   Fluids fluids;
-  bool check_intersections = true;  ///< something was put where nothing led it
+  bool check_intersections = true;  ///< an object was placed without continuous motion
   ContactTables tables;
   PairOverrides pairs;
-  bool dirty_constraints = true;  ///< objects or materials changed: build before the next step
-  bool dirty_tables = true;       ///< so did what contacts look up
-  bool dirty_counts = false;      ///< fluids have more or fewer particles than contacts know of
-  bool dirty_solver = true;       ///< projectors came or went: make and prepare the solver anew
+  bool dirty_constraints = true;  ///< objects or materials changed: rebuild before the next step
+  bool dirty_tables = true;       ///< input of the contacts changed: rebuild the tables
+  bool dirty_counts = false;      ///< the particle count of a fluid differs from the contacts' count
+  bool dirty_solver = true;       ///< projectors were added or removed: create and prepare a new solver
   void dirty_all() { dirty_constraints = dirty_tables = true; }
 
   std::vector<ForceField> force_fields;
@@ -196,36 +197,39 @@ struct WorldState {
   StepReport report;
   std::vector<ContactEvent> events;
   SleepScratch sleep;
-  bool contacts_valid = false;  ///< the contact projectors hold what the last step left, and may be read
-  bool events_valid = false;    ///< `events` are made of them
+  bool contacts_valid = false;  ///< the contact projectors hold the result of the last step and may be read
+  bool events_valid = false;    ///< `events` match these contacts
   void invalidate_contacts() { contacts_valid = events_valid = false; }
-  std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity;  ///< the last good state
+  std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity;  ///< state before the step
   mutable std::map<std::uint32_t, Mirror> mirrors;                                 ///< by object id
 
-  std::optional<std::size_t> first_non_finite;  ///< the first particle whose number went bad in this step
-  bool stepping = false;  ///< inside World::step: callbacks may look and push, not add or remove
+  std::optional<std::size_t> first_non_finite;  ///< in this step: the lowest particle with a non-finite value
+  /// Inside World::step: callbacks may read and apply forces, but not add or remove objects.
+  bool stepping = false;
 
-  /// Throws when the handle is stale.
+  /// Throws if the handle is stale.
   Object& object(ObjectId id);
   const Object& object(ObjectId id) const;
   ColliderRecord& collider(ColliderId id);
   ParticleView view();
 
-  /// Position of a particle with what float cannot hold. [m]
+  /// Position of a particle, including the part beyond float precision [m].
   Vec3d exact_position(std::size_t i) const {
     return Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz());
   }
-  /// Puts a particle at x, keeping in the displacement form what float cannot hold.
+  /// Sets the position of a particle; the displacement form keeps the part beyond float precision in the
+  /// offset.
   void set_position(std::size_t i, const Vec3d& x);
-  /// The same where it may tangle what it belongs to.
+  /// Sets a position without continuous motion, which may create intersections: requests a check.
   void teleport_particle(std::size_t i, const Vec3d& x);
 
-  /// `wanted` when it is free, else throws; empty: `base`, base2, base3, ... whichever is free first.
+  /// `wanted` if it is free, else throws; empty: the first free name of `base`, base2, base3, ...
   std::string unique_name(const std::string& wanted, std::string_view base) const;
   void require_free_name(std::string_view name) const;
   void require_between_steps(std::string_view what) const;
 
-  /// Calls f(projector) for all of them in the order they are solved: standard, user_constraints, contacts.
+  /// Calls f(projector) for all projectors in order of solution: objects' constraints, user constraints,
+  /// contacts.
   template <class Function>
   void for_each_projector(const Function& f) {
     for_each_constraint_projector(f);
@@ -235,7 +239,7 @@ struct WorldState {
     f(collider_contacts);
   }
 
-  /// All but the contacts, in the same order.
+  /// Calls f for all projectors except contacts, in the same order.
   template <class Function>
   void for_each_constraint_projector(const Function& f) {
     for (const auto& projector : object_constraints) f(*projector);
@@ -245,11 +249,11 @@ struct WorldState {
 
   ProjectorId add_user_constraint(UserConstraint user_constraint, std::unique_ptr<Projector> projector);
 
-  /// Sets a flag of the report and adds a line to its message.
+  /// Sets a flag of the report and appends a line to its message.
   void warn(Flag flag, std::string_view words);
-  /// Tells the log what was mended in an object's mesh.
+  /// Logs notes about an object, such as repairs of its mesh.
   void log_info(const std::string& name, const std::vector<std::string>& sentences) const;
-  /// Calls what may throw (users' callbacks); an exception becomes Flag::callback_failed.
+  /// Runs code that may throw, such as users' callbacks; an exception sets Flag::callback_failed.
   template <class Function>
   void guarded(std::string_view what, const Function& f) {
     try {
@@ -257,7 +261,7 @@ struct WorldState {
     } catch (const std::exception& error) {
       warn(Flag::callback_failed, std::string(what) + " threw: " + error.what());
     } catch (...) {
-      warn(Flag::callback_failed, std::string(what) + " threw something that is no std::exception");
+      warn(Flag::callback_failed, std::string(what) + " threw an exception that is not a std::exception");
     }
   }
 };

@@ -13,7 +13,7 @@
 namespace souple {
 namespace {
 
-/// A field and the range it has to be in; hi is excluded when `open`.
+/// A field and its valid range; `hi` is excluded if `open`.
 struct Check {
   const char* field;
   double value, lo, hi;

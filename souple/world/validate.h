@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-// Checks of what users hand in. All throw Error naming the owner, the field, its value and what was expected.
+// Checks of user input. All throw Error with the owner, the field, its value and the expected range.
 
 namespace souple {
 
@@ -21,8 +21,8 @@ void validate(const GrainsMaterial& material, std::string_view owner);
 void validate(const FluidMaterial& material, std::string_view owner);
 void validate(const ObstacleMaterial& material, std::string_view owner);
 
-/// "; did you mean 'flag'?" when one of the names is near, "; there are: a, b" when there are few, or
-/// nothing.
+/// "; did you mean 'flag'?" if a name is similar, "; there are: a, b" if there are few names, "; there is
+/// none" without names, or nothing.
 std::string nearest_name(std::string_view name, std::span<const std::string_view> names);
 
 }  // namespace souple

@@ -52,8 +52,8 @@ const Settings& World::settings() const {
 
 void World::set_settings(const Settings& settings) {
   validate(settings);
-  thread_count(settings.threads);  // throw here, not in a step, where SOUPLE_THREADS is no number
-  instruction_set();               // or SOUPLE_SIMD no instruction set
+  thread_count(settings.threads);  // throws here, not in a step, if SOUPLE_THREADS is no number
+  instruction_set();               // or if SOUPLE_SIMD is no instruction set
   WorldState& world = impl_->state;
   world.require_between_steps("set_settings");
   if (settings.form == Form::plain)
@@ -62,7 +62,7 @@ void World::set_settings(const Settings& settings) {
     world.threads.reset();
   const Settings& old = world.settings;
   const bool same = settings.solver == old.solver && settings.form == old.form && settings.mode == old.mode;
-  world.dirty_solver = world.dirty_solver || !same;  // a hierarchy takes a while to build
+  world.dirty_solver = world.dirty_solver || !same;  // building a hierarchy takes a while
   if (!(settings.gravity == old.gravity && settings.wind == old.wind && settings.drag == old.drag &&
         settings.sleeping == old.sleeping))
     wake_all(world);
@@ -127,7 +127,7 @@ const M& material_of(const WorldState& world, ObjectId id) {
   const Object& object = world.object(id);
   if (const M* material = std::get_if<M>(&object.material)) return *material;
   throw Error(object.name + " is a " + std::string(kind_name(object.kind)) +
-              ": it has no material of the kind asked for");
+              ": it has no material of the requested kind");
 }
 
 template <class M>
@@ -170,7 +170,7 @@ void World::set_material(ObjectId id, const ObstacleMaterial& m) {
 void World::set_material(ObjectId id, const FluidMaterial& m) {
   const float spacing = fluid_material(id).spacing;
   if (m.spacing != spacing)
-    throw Error(fmt::format("{}: spacing is {} m, was {} m: add the fluid anew to change it",
+    throw Error(fmt::format("{}: spacing is {} m, was {} m: remove and add the fluid to change it",
                             impl_->state.object(id).name, m.spacing, spacing));
   change_material(impl_->state, id, m);
 }
@@ -288,9 +288,8 @@ namespace {
 
 void require_particle_vertices(const Object& object, const char* what) {
   if (object.embedding)
-    throw Error(
-        std::string(what) + ": the vertices of " + object.name +
-        " are embedded in a lattice and are no particles; use teleport, apply_impulse, pin or attach");
+    throw Error(std::string(what) + ": the vertices of " + object.name +
+                " are embedded in a lattice, not particles; use teleport, apply_impulse, pin or attach");
 }
 
 void require_count(const Object& object, std::size_t count, const char* what) {
@@ -305,7 +304,7 @@ void require_all_finite(const Object& object, std::span<const Vec3f> values, con
       throw Error(fmt::format("{}: {}, value {} is not finite", what, object.name, i));
 }
 
-/// Whether each of its vertices can be given one of these values.
+/// Throws unless each of the object's vertices can be set to one of these values.
 void require_settable(const Object& object, std::span<const Vec3f> values, const char* what) {
   require_movable(object, what);
   require_particle_vertices(object, what);
@@ -366,7 +365,7 @@ void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& im
   for (const std::uint32_t i : chosen)
     if (world.particles.position[object.begin + i].w > 0)
       mass += static_cast<double>(world.particles.mass[object.begin + i]);
-  if (!(mass > 0)) return;  // all pinned
+  if (!(mass > 0)) return;  // all particles are pinned
   const Vec3f dv = impulse / static_cast<float>(mass);
   for (const std::uint32_t i : chosen) {
     Vec4f& velocity = world.particles.velocity[object.begin + i];
@@ -379,8 +378,8 @@ namespace {
 
 void require_vertex(const Object& object, std::uint32_t vertex, const char* what) {
   if (vertex >= object.vertex_count())
-    throw Error(fmt::format("{}: {} has {} vertices, no number {}", what, object.name, object.vertex_count(),
-                            vertex));
+    throw Error(fmt::format("{}: {} has {} vertices, but no vertex {}", what, object.name,
+                            object.vertex_count(), vertex));
 }
 
 }  // namespace

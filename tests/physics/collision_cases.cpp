@@ -15,7 +15,7 @@ Vec3d curve_point(const std::vector<Vec3d>& points, std::size_t k, double s) {
          0.5;
 }
 
-// The smooth curve through `points`, cut into steps of about `step`.
+// The smooth curve through `points`, sampled at steps of about `step`.
 std::vector<Vec3d> smooth_curve(const std::vector<Vec3d>& points, double step) {
   constexpr int fine = 200;
   std::vector<Vec3d> dense;
@@ -35,7 +35,7 @@ std::vector<Vec3d> smooth_curve(const std::vector<Vec3d>& points, double step) {
   return even;
 }
 
-// A strip on edge along a curve: `across` vertices upwards at each of its points.
+// A strip on edge along a curve: `across` vertices upward at each of its points.
 TriangleMesh strip_along(const std::vector<Vec3d>& curve, int across, double width) {
   TriangleMesh mesh = grid(across, static_cast<int>(curve.size()), width);
   for (std::size_t row = 0; row < curve.size(); ++row)
@@ -141,8 +141,8 @@ Heap sheet_on_edge(int n) {
   return heap;
 }
 
-// Wrung to a rope of radius r = sqrt(2 R thickness), the outer fibers are helices: for their length L to
-// hold, the rims have to come nearer by L - sqrt(L^2 - (2 pi turns r)^2).
+// When the tube is twisted into a rope of radius r = sqrt(2 R thickness), its outer fibers are helices. For
+// their length L to stay constant, the rims must approach by L - sqrt(L^2 - (2 pi turns r)^2).
 TwistedTube twisted_tube(int around, double turns, double seconds) {
   constexpr double radius = 0.06;
   const double edge = 2 * pi * radius / around, thickness = 0.3 * edge;
@@ -176,7 +176,7 @@ TwistedTube twisted_tube(int around, double turns, double seconds) {
   return scene;
 }
 
-// The left strip lies flat in a bow. The right one goes over that bow, out under both of its legs and over
+// The left strip lies flat in a loop. The right strip passes over that loop, under both of its legs and over
 // them from behind: over, under, over; over, under, over. Both stand on edge.
 Knot reef_knot(int across, double pull) {
   constexpr double width = 0.08, h = 0.12;
@@ -202,7 +202,7 @@ Knot reef_knot(int across, double pull) {
     options.self_collision = true;
     const TriangleMesh mesh = strip_along(smooth_curve(points, edge), across, width);
     const ObjectId strip = world.add_cloth(mesh, material, options);
-    // Springs of `across` vertices, each stretched by at most 1.2 m where nothing gives way.
+    // Springs on `across` vertices; without motion of the strip each would stretch by at most 1.2 m.
     constexpr double span = 1.2;
     std::vector<std::uint32_t> ends;
     for (std::uint32_t k = 0; k < std::uint32_t(across); ++k) {
@@ -225,7 +225,7 @@ Knot reef_knot(int across, double pull) {
 
 namespace {
 
-// Turns a closed profile (radius, height), first and last on the axis, about Y.
+// Revolves a closed profile (radius, height), first and last point on the axis, about Y.
 TriangleMesh lathe(const std::vector<std::array<double, 2>>& profile, int segments) {
   TriangleMesh mesh;
   const std::size_t rings = profile.size() - 2;
@@ -343,7 +343,7 @@ double shared_volume(const World& world, const std::vector<ObjectId>& bodies, co
   return shared / all;
 }
 
-// Grains as light as table tennis balls at cloth as strong as that of a vest.
+// Grains as light as table tennis balls, cloth as strong as that of a vest.
 Shot shot_at(ShotAt what, int n, int grains, double speed) {
   constexpr double radius = 0.01, spacing = 2.1 * radius;
   Shot shot{World({.substeps = 20}), {}, {}};
@@ -376,8 +376,8 @@ Shot shot_at(ShotAt what, int n, int grains, double speed) {
   return shot;
 }
 
-// A line straight up from a grain meets the target once where the grain is below it; a body of one layer is
-// met twice, or once from inside.
+// A vertical line up from a grain crosses the target once if the grain is below it. A body of one layer is
+// crossed twice, or once from inside.
 std::size_t grains_that_passed(const Shot& shot) {
   const World& world = shot.world;
   const auto x = world.positions(shot.target);

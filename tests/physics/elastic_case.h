@@ -7,12 +7,14 @@
 #include <functional>
 #include <vector>
 
-// What the tests of elastic bodies at rest share: running to the static state, and loads that are no weight.
+// Helpers for tests of elastic bodies in equilibrium: running to the static state, and loads other than
+// weight.
 
 namespace souple {
 
-/// Runs until `measure` changes by less than `tolerance` of itself over three blocks of `frames` in a row,
-/// and returns it; NaN when that does not come about in `blocks`, or when the world goes bad.
+/// Runs until `measure` changes by less than the relative `tolerance` over three consecutive blocks of
+/// `frames`, and returns it. Returns NaN if that does not happen within `blocks`, or if a value becomes
+/// non-finite.
 inline double settle(World& world, double dt, int frames, const std::function<double()>& measure,
                      double tolerance = 1e-4, int blocks = 400) {
   double before = measure();
@@ -28,8 +30,8 @@ inline double settle(World& world, double dt, int frames, const std::function<do
   return std::nan("");
 }
 
-/// Forces [N] on single vertices of an object, in user order: a projector that pushes predicted positions by
-/// w h^2 f once per substep, as gravity does.
+/// Forces [N] on individual vertices of an object, in user order: a projector that moves predicted positions
+/// by w h^2 f once per substep, as gravity does.
 class NodalLoad final : public Projector {
  public:
   NodalLoad(std::vector<std::uint32_t> particles, std::vector<Vec3d> forces)
@@ -55,14 +57,15 @@ class NodalLoad final : public Projector {
   std::vector<Vec3d> forces_;
 };
 
-/// Loads every vertex v of an object with forces[v].
+/// Applies the force forces[v] to every vertex v of an object.
 inline ProjectorId add_load(World& world, ObjectId object, const std::vector<Vec3d>& forces) {
   std::vector<std::uint32_t> particles;
   for (std::uint32_t v = 0; v < forces.size(); ++v) particles.push_back(world.particle(object, v));
   return world.add_projector(std::make_unique<NodalLoad>(particles, forces));
 }
 
-/// Mean of one coordinate over the vertices that `rest` puts at `at` (to a millionth of `scale`).
+/// Mean of one coordinate over the vertices whose rest coordinate `where` is `at` (to a millionth of
+/// `scale`).
 template <class Rest>
 double mean_over(const World& world, ObjectId object, const Rest& rest, double Vec3d::*where, double at,
                  double Vec3d::*what, double scale) {

@@ -10,7 +10,7 @@
 
 namespace souple {
 
-/// The displacement of every vertex of a body of linear tets under nodal forces, some vertices held, by
+/// Displacement of every vertex of a body of linear tets under nodal forces, with some vertices fixed, by
 /// static small-strain finite elements in double: K u = f with K = sum V B^T D B.
 inline std::vector<Vec3d> solve_linear_elasticity(const TetMesh& mesh, double E, double nu,
                                                   const std::vector<bool>& held,
@@ -26,7 +26,7 @@ inline std::vector<Vec3d> solve_linear_elasticity(const TetMesh& mesh, double E,
       edges.col(k) = Eigen::Vector3d(e.x, e.y, e.z);
     }
     const double volume = edges.determinant() / 6;
-    Eigen::Matrix<double, 4, 3> grad;  // of the shape functions, one a row
+    Eigen::Matrix<double, 4, 3> grad;  // of the shape functions, one per row
     grad.bottomRows<3>() = edges.inverse();
     grad.row(0) = -grad.bottomRows<3>().colwise().sum();
     for (int a = 0; a < 4; ++a)

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-// What the tests of moving particles share.
+// Helpers for tests of moving particles.
 
 namespace souple {
 
@@ -16,7 +16,7 @@ inline const char* mode_name(Mode mode) {
   return mode == Mode::pbd ? "pbd" : mode == Mode::xpbd ? "xpbd" : "small steps";
 }
 
-/// A grain whose mass is `mass` kg.
+/// A grain with a mass of `mass` kg.
 inline GrainsMaterial grain_of_mass(double mass, float radius = 0.01f) {
   GrainsMaterial material;
   material.radius = radius;
@@ -25,7 +25,7 @@ inline GrainsMaterial grain_of_mass(double mass, float radius = 0.01f) {
   return material;
 }
 
-/// Steps `frames` times; false when the world went bad.
+/// Steps `frames` times; returns false if a value becomes non-finite.
 inline bool run(World& world, int frames, double dt) {
   for (int frame = 0; frame < frames; ++frame)
     if (!world.step(dt).ok()) return false;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-// Cloth on things, folded, knotted and twisted: no edge passes through a triangle.
+// Cloth on supports, folded, knotted and twisted: no edge passes through a triangle.
 
 namespace souple {
 namespace {
@@ -14,7 +14,7 @@ using test::Watched;
 
 constexpr Support supports[] = {Support::ball, Support::ring, Support::corner};
 
-// Where the cloth was laid: the left edge has gone over to the right, and most is above the floor.
+// Final shape: the left edge lies over the right part, and most of the cloth is above the floor.
 void drape_fold_and_look(int n, Support support, int every) {
   test::DrapeAndFold scene = test::drape_and_fold(n, support);
   World& world = scene.world;
@@ -52,7 +52,7 @@ TEST_P(LargeCloth, NothingPassesSlow) {
 INSTANTIATE_TEST_SUITE_P(Slow, LargeCloth, ::testing::ValuesIn(supports),
                          [](const auto& one) { return test::support_name(one.param); });
 
-// It fell from 2 m, and lies on the floor.
+// It fell from 2 m and lies on the floor.
 void drop_and_look(int n, double seconds, int every) {
   test::Heap heap = test::sheet_on_edge(n);
   const Watched watched = test::run_untangled(heap.world, static_cast<int>(seconds * 60), every);
@@ -75,7 +75,7 @@ void twist_and_look(int around, double turns, double seconds) {
   const Watched watched = test::run_untangled(scene.world, static_cast<int>((seconds + 0.5) * 60));
   EXPECT_EQ(watched.crossings, 0u) << "frame " << watched.first_crossed;
   EXPECT_TRUE(watched.ok);
-  // It is wrung: each ring of its middle third is far narrower than the tube was.
+  // Each ring of its middle third is far narrower than the tube was.
   const auto x = scene.world.positions(scene.tube);
   const std::size_t ring = static_cast<std::size_t>(around), rings = x.size() / ring;
   const std::size_t from = rings / 3, to = 2 * rings / 3, count = (to - from) * ring;
@@ -97,7 +97,7 @@ TEST(ClothCollisions, TenTurnsOfATubePassNothingSlow) {
   twist_and_look(16, 10, 8);
 }
 
-// Of the left strip some still lies to the right of some of the right strip: they hold each other.
+// Part of the left strip still lies to the right of part of the right strip: they hold each other.
 void pull_and_look(int across, double pull, double seconds) {
   test::Knot knot = test::reef_knot(across, pull);
   World& world = knot.world;
@@ -109,7 +109,7 @@ void pull_and_look(int across, double pull, double seconds) {
   for (const Vec3f& x : world.positions(knot.left)) left = std::max(left, double(x.x));
   for (const Vec3f& x : world.positions(knot.right)) right = std::min(right, double(x.x));
   EXPECT_GT(left, right + 0.02);
-  // The ends went apart until the knot held.
+  // The ends separated until the reef knot held.
   EXPECT_LT(world.center_of_mass(knot.left).x, -0.9);
   EXPECT_GT(world.center_of_mass(knot.right).x, 0.6);
 }

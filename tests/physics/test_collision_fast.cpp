@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-// A ball of grains at 200 m/s, 17 cm a substep: through nothing.
+// A ball of grains at 200 m/s, 17 cm per substep, passes through nothing.
 
 namespace souple {
 namespace {
@@ -24,7 +24,7 @@ void shoot_and_look(ShotAt what, int n, int grains) {
   EXPECT_GT(world.momentum(shot.grains).y, -0.1 * 200 * world.total_mass(shot.grains));
 }
 
-// What the checks say when nothing holds the grains off.
+// Result of the checks when nothing stops the grains.
 TEST(Shots, GrainsThatPassAreCounted) {
   test::Shot shot = test::shot_at(ShotAt::cloth, 10, 30, 200);
   EXPECT_EQ(test::grains_that_passed(shot), 0u);

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-// Everything on an inclined plane, and on another object that lies on one: it sticks below the friction angle
+// Objects on an inclined plane, and on another object that lies on one: each sticks below the friction angle
 // and slides above it with a = g (sin - mu cos). The slope is level and gravity is inclined.
 
 namespace souple {
@@ -20,7 +20,7 @@ enum class Ground { plane, mesh, cloth, soft };
 constexpr const char* body_names[] = {"cloth", "soft", "raft"};
 constexpr const char* ground_names[] = {"plane", "mesh", "cloth", "soft"};
 
-// The top of each is at y = 0; bodies begin just above what thickness asks for.
+// The top of each ground is at y = 0; bodies start just above the contact distance.
 void add_ground(World& world, Ground ground) {
   if (ground == Ground::plane) world.add_collider(Plane{}, {.friction = mu});
   if (ground == Ground::mesh) world.add_obstacle(grid(41, 41, 4), {.thickness = 0.01f, .friction = mu});
@@ -50,7 +50,7 @@ ObjectId add_body(World& world, Body body, double above) {
     case Body::raft:
       break;
   }
-  // Tied, or some would roll.
+  // Joined, because some would roll otherwise.
   std::vector<Vec3d> centers;
   centers.reserve(9);
   for (int x = 0; x < 3; ++x)
@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Everything, Slope,
                                   ground_names[int(std::get<1>(one.param))];
                          });
 
-// The edges between triangles of one plane are not felt, by what slides over them without friction.
+// Objects that slide without friction over triangles of one plane do not feel the edges between them.
 TEST(FlatMesh, EdgesDoNotBrake) {
   for (const double speed : {0.5, 3.0}) {
     World world;
@@ -119,7 +119,7 @@ TEST(FlatMesh, EdgesDoNotBrake) {
   }
 }
 
-// The origin and four points around it, at the height `x_side` where x = +-1 and `z_side` where z = +-1.
+// The origin and four points around it, at height `x_side` where x = +-1 and `z_side` where z = +-1.
 TriangleMesh creased(double x_side, double z_side) {
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, x_side, 0}, {0, z_side, 1}, {-1, x_side, 0}, {0, z_side, -1}};
@@ -127,8 +127,8 @@ TriangleMesh creased(double x_side, double z_side) {
   return mesh;
 }
 
-// What is laid on the middle of a ridge, of a valley, on a tip or on the border of a sheet is held there, as
-// far from the nearest point as thickness asks for.
+// An object on the middle of a ridge or valley, on a tip or on the border of a sheet is supported there, at
+// the contact distance from the nearest point.
 TEST(CreasedMesh, HoldsWhatLiesOnAnEdgeOrACorner) {
   struct Case {
     const char* what;

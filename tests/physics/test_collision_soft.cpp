@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-// Soft bodies in a glass: they stay in it, out of each other, and come to rest.
+// Soft bodies in a glass: they stay inside it and outside each other, and come to rest.
 
 namespace souple {
 namespace {
 
-// The measure itself: two equal balls at a distance share a lens.
+// Test of the measure: the intersection of two equal balls is a lens.
 TEST(BallsInAGlass, SharedVolumeIsThatOfALens) {
   World world;
   const TetMesh ball = tet_ball(3, 3, 0.5);
@@ -59,8 +59,8 @@ TEST(BallsInAGlass, FiftyStayInItAndComeToRestSlow) {
   drop_and_look(50, 30, 10, 0.05);
 }
 
-// With the default settings the solver moves what carries the heap by more than a millimeter to and fro in
-// each substep; contacts must be there before it does, or they take turns and the heap boils at 1 m/s.
+// With the default settings the solver moves the lower bodies by more than a millimeter back and forth in
+// each substep. Contacts must exist before that; otherwise they alternate and the heap vibrates at 1 m/s.
 TEST(BallsInAGlass, AHeapDoesNotTrembleWithFewSubsteps) {
   test::Glass glass = test::balls_in_glass(20, {});
   double drop = 0;

@@ -14,7 +14,7 @@ struct Slide {
   double acceleration = 0;  // m/s^2, over the second second
 };
 
-// A grain laid on a plane inclined by `angle`, let go.
+// A grain released on a plane inclined by `angle`.
 Slide slide(double angle, double mu, const Settings& settings, Curves* curves = nullptr,
             const std::string& series = {}) {
   World world(settings);
@@ -68,7 +68,7 @@ TEST(InclinedPlane, SticksBelowTheFrictionAngleAndSlidesAbove) {
   }
 }
 
-// A grain dropped by 1 m: the height of its first bounce over the height of the drop.
+// A grain dropped from 1 m: height of its first bounce over the height of the drop.
 double bounce(double e, const Settings& settings, Curves* curves = nullptr, const std::string& series = {}) {
   World world(settings);
   world.add_collider(Plane{}, {.restitution = static_cast<float>(e)});
@@ -80,7 +80,7 @@ double bounce(double e, const Settings& settings, Curves* curves = nullptr, cons
     const double y = world.center_of_mass(ball).y - 0.05;
     const double v = world.momentum(ball).y / world.total_mass(ball);
     if (curves != nullptr) curves->add(series, frame / 60.0, y);
-    // The frames miss the top: from where the ball is it still rises by v^2 / 2g.
+    // The frames miss the apex: from its current position the ball still rises by v^2 / 2g.
     if (v > 0) top = std::max(top, y + v * v / (2 * g));
   }
   return top;

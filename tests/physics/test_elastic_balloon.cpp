@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// A spherical skin under pressure. Its stress under an equal stretch s is, St. Venant-Kirchhoff,
-// T = Y / (1 - nu) (s^2 - 1) / 2 per meter of the stretched skin, and Laplace's law P = 2 T / R gives
+// A spherical membrane under pressure. Its stress under an equal stretch s is (St. Venant-Kirchhoff)
+//   T = Y / (1 - nu) (s^2 - 1) / 2
+// per meter of the stretched membrane. Laplace's law P = 2 T / R then gives
 //   P = Y (s^2 - 1) / ((1 - nu) R0 s),   s = R / R0.
 
 namespace souple {
@@ -17,7 +18,7 @@ double pressure_of(double s) {
   return Y * (s * s - 1) / ((1 - nu) * R0 * s);
 }
 
-/// The mean distance of the vertices from their middle over R0, at rest under the pressure of stretch s.
+/// Mean distance of the vertices from their center over R0, in equilibrium under the pressure of stretch s.
 double inflate(int subdivisions, double s) {
   const double density = 0.2, cell = 2.2 * R0 / std::pow(2, subdivisions), speed = std::sqrt(Y / density);
   World world({.substeps = 10,
@@ -48,7 +49,8 @@ TEST(Balloon, RadiusFollowsThePressure) {
   for (const double s : {1.02, 1.1, 1.3, 1.6}) {
     const double measured = inflate(3, s);
     validate_relative(name, fmt::format("R / R0 at {:.4g} Pa", pressure_of(s)), measured, s, 0.02);
-    // The radius alone would pass unblown at small pressures: the growth itself, within the facets' error.
+    // At small pressures the radius alone would pass without any growth: checks the growth, within the error
+    // of the facets.
     validate_relative(name, fmt::format("R / R0 - 1 at {:.4g} Pa", pressure_of(s)), measured - 1, s - 1,
                       0.05);
     curves.add("simulated", pressure_of(s), measured);

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// A bar of neo-Hookean tets, one end held, bent a little by its own weight: 0.5 x 0.1 x 0.1 m, E = 1 MPa,
-// nu = 0.3, 1000 kg/m^3 under a weak gravity, so that the tip sinks by about 1 % of the length.
+// A bar of neo-Hookean tets, clamped at one end, under its own weight: 0.5 x 0.1 x 0.1 m, E = 1 MPa, nu =
+// 0.3, 1000 kg/m^3. Gravity is weak, so that the tip sinks by about 1 % of the length.
 
 namespace souple {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr double E = 1e6, nu = 0.3, density = 1000, gravity = 1;
 const Vec3d size{0.5, 0.1, 0.1};
 
-/// Timoshenko's beam under an even load q: w = q L^4 / (8 E I) + q L^2 / (2 k G A), k of a rectangle by
+/// Timoshenko beam under a uniform load q: w = q L^4 / (8 E I) + q L^2 / (2 k G A), k of a rectangle by
 /// Cowper 1966.
 double timoshenko() {
   const double area = size.y * size.z, q = density * gravity * area, L = size.x;
@@ -28,7 +28,7 @@ bool is_held(const Vec3d& x) {
   return x.x < -size.x / 2 + 1e-9;
 }
 
-/// How far the end face sinks on average, of linear finite elements with the world's lumped loads. [m]
+/// Mean deflection of the end face, by linear finite elements with the world's lumped loads [m].
 double tip_of_finite_elements(const TetMesh& mesh) {
   std::vector<bool> held;
   std::vector<Vec3d> force;
@@ -44,7 +44,8 @@ double tip_of_finite_elements(const TetMesh& mesh) {
   return sum / count;
 }
 
-/// The same, simulated: steps of a tenth of the time that sound takes through a cell, drag near critical.
+/// Mean deflection of the end face in a simulation [m]: steps of a tenth of the time in which sound crosses a
+/// cell, near critical drag.
 double tip_of_world(const TetMesh& mesh, int cells) {
   const double cell = size.y / cells, speed = std::sqrt(E / density);
   const double slowest = 1.015 * speed * size.y / (size.x * size.x);  // of a clamped beam [rad/s]
@@ -85,7 +86,8 @@ TEST(Cantilever, TipIsThatOfFiniteElements) {
   bend(2);
 }
 
-// Linear tets lock: the tip of a mesh of cell size c is w - a c^p, p near 2. Three meshes give w, p and a.
+// Linear tets lock: the tip deflection of a mesh of cell size c is w - a c^p, p near 2. Three meshes give w,
+// p and a.
 TEST(Cantilever, ConvergesToTimoshenkoSlow) {
   const Tip coarse = bend(2), middle = bend(4), fine = bend(6);
   // (fine - middle) / (middle - coarse) = (6^-p - 4^-p) / (4^-p - 2^-p), by bisection.

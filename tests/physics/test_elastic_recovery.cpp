@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// Soft bodies thrown out of shape and let go, and soft bodies left alone.
+// Soft bodies released from deformed states, and soft bodies without load.
 
 namespace souple {
 namespace {
@@ -17,7 +17,7 @@ const char* mode_name(Mode mode) {
   return mode == Mode::pbd ? "pbd" : mode == Mode::xpbd ? "xpbd" : "small steps";
 }
 
-/// J = V / V0 of the tets: the smallest, the largest, and that of the whole.
+/// J = V / V0 of the tets: minimum, maximum, and that of the whole body.
 struct Volumes {
   double smallest = 1e30, largest = -1e30, whole = 0;
 };
@@ -65,7 +65,7 @@ constexpr Crush crushes[] = {
 
 const std::string crushed = "crushed tet mesh";
 
-/// Four seconds of a cube of 320 tets after the crush; the curve is the smallest J in the first one.
+/// Four seconds of a cube of 320 tets after the crush; the curve is the smallest J in the first second.
 void expect_recovery(const Crush& crush, Mode mode, float nu, Curves* curves = nullptr) {
   const TetMesh cube = tet_bar(4, 4, 4, {0.4, 0.4, 0.4});
   World world({.substeps = 10, .iterations = mode == Mode::small_steps ? 1 : 3, .mode = mode, .gravity = {}});
@@ -88,10 +88,11 @@ void expect_recovery(const Crush& crush, Mode mode, float nu, Curves* curves = n
   validate(crushed, "smallest J" + of, volumes.smallest, 1, 0.01);
 }
 
-// Nearly incompressible bodies may unfold wrung, parts of them half a turn off, all pushing and none giving
-// way: a local minimum of the energy. Measured on this cube: never at nu = 0.3 in these settings, now and
-// then from 0.4 on, often at 0.45 (volume down to 0.78; never in mode pbd). A volume row that is weaker below
-// J = 0.4 halves that, but a body squeezed by a load would then give way. So 0.3 is what is promised.
+// Nearly incompressible bodies may unfold in a twisted state: parts of them are half a turn off, all push and
+// none can move, which is a local minimum of the energy. Measured on this cube: never at nu = 0.3 in these
+// settings, now and then from 0.4 on, often at 0.45 (volume down to 0.78; never in mode pbd). A volume row
+// that is weaker below J = 0.4 halves that rate, but a body squeezed by a load would then collapse. So only
+// 0.3 is promised.
 TEST(Recovery, CrushedBodiesComeBack) {
   Curves curves(crushed, "time [s]", "smallest J of a tet, small steps, nu = 0.3");
   curves.add("theory: in the end", {0, 1}, {1, 1});
@@ -104,7 +105,7 @@ TEST(Recovery, CrushedBodiesComeBackSlow) {
         if (mode != Mode::small_steps || nu == 0.0f) expect_recovery(crush, mode, nu);
 }
 
-/// The worst |J - 1| of any tet without a force, at every sixth of a second.
+/// Largest |J - 1| of any tet without forces, at every sixth of a second.
 std::vector<double> left_alone(const TetMesh& mesh, float E, const Settings& settings, double seconds) {
   World world(settings);
   const ObjectId body = world.add_soft_body(mesh, {.young_modulus = E, .poisson_ratio = 0.3f});
@@ -118,7 +119,7 @@ std::vector<double> left_alone(const TetMesh& mesh, float E, const Settings& set
   return worst;
 }
 
-/// The larger of each two; a NaN stays.
+/// Elementwise maximum; a NaN stays.
 std::vector<double> larger(std::vector<double> a, const std::vector<double>& b) {
   a.resize(std::max(a.size(), b.size()));
   for (std::size_t i = 0; i < b.size(); ++i)
@@ -126,7 +127,7 @@ std::vector<double> larger(std::vector<double> a, const std::vector<double>& b) 
   return a;
 }
 
-/// Of all; NaN if one is.
+/// Maximum of all values; NaN if one is.
 double largest(const std::vector<double>& values) {
   double most = values.at(0);
   for (const double value : values)
@@ -138,11 +139,11 @@ TetMesh single_tet() {
   return {{{0, 0, 0}, {0.1, 0, 0}, {0.01, 0.1, 0}, {0.02, 0.03, 0.1}}, {{0, 1, 2, 3}}, {}};
 }
 
-// Rows that are not zero at rest, projected in turn, drift to a J of 0.97 to 1.24 or burst.
+// Rows that are non-zero at rest and are projected in turn would drift to a J of 0.97 to 1.24, or burst.
 void expect_rest(Mode mode, float E, double seconds, Curves* curves = nullptr) {
   const std::string name = "neo-Hookean body left alone";
   const TetMesh tet = single_tet(), bar = tet_bar(4, 1, 1, {0.2, 0.05, 0.05});
-  std::vector<double> of_tet, of_bar;  // the worst of the settings
+  std::vector<double> of_tet, of_bar;  // maximum over the settings
   for (const auto& [substeps, iterations] : {std::pair{1, 1}, {1, 20}, {5, 4}, {20, 1}, {20, 20}}) {
     const Settings settings{.substeps = substeps,
                             .iterations = iterations,

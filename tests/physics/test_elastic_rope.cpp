@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// A rope's E A and E I, as bar and beam: 1 m long, 2 cm thick.
+// E A and E I of a rope, as bar and beam: 1 m long, 2 cm thick.
 
 namespace souple {
 namespace {
@@ -12,8 +12,8 @@ namespace {
 constexpr double L = 1, radius = 0.01, density = 1000;
 constexpr double area = pi * radius * radius;
 
-/// Hung up by one end: a bar under its own weight grows by rho g L^2 / (2 E). The curve is how far each
-/// particle sinks.
+/// Hanging from one end: a bar under its own weight grows by rho g L^2 / (2 E). The curve is the displacement
+/// of each particle.
 double hang(double E, std::uint32_t segments, Curves& curves) {
   const double speed = std::sqrt(E / density);
   World world({.substeps = 20,
@@ -52,16 +52,16 @@ TEST(Rope, HangsLongerByItsWeightOverEA) {
   }
 }
 
-/// Held level by its first two particles, a beam of length l = L - segment / 2: the bend at the second
-/// particle stands for half a segment on either side, so the beam is clamped in the middle of the first.
-/// Small loads: w = q l^4 / (8 E I).
+/// Clamped level by its first two particles: a beam of length l = L - segment / 2. The bend at the second
+/// particle represents half a segment on either side, so the beam is clamped in the middle of the first
+/// segment. Small loads: w = q l^4 / (8 E I).
 double droop(double EI, std::uint32_t segments, double wanted, Curves& curves) {
   const double q = density * area, segment = L / segments, l = L - segment / 2;
   const double gravity = wanted * 8 * EI / (q * std::pow(l, 4));
   const double slowest = 3.516 * std::sqrt(EI / q) / (l * l);          // [rad/s]
   const double fastest = 4 * std::sqrt(EI / q) / (segment * segment);  // of a zigzag
   const double E =
-      40 * EI / (area * segment * segment);  // stretches ten times less than it bends, and moves no faster
+      40 * EI / (area * segment * segment);  // stretches ten times less than it bends, and is no faster
   World world({.substeps = 100,
                .iterations = 3,
                .mode = Mode::xpbd,

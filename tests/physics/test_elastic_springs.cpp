@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// What a cloth of edge springs, k = Y (A0 + A1) / l^2, is as a sheet: its boundary is stretched evenly, its
-// inside let go, and the energy gives the plane stiffness S (3 x 3, of exx, ezz, 2 exz). From S^-1 follow
-// Young's modulus and Poisson's ratio of a strip cut in any direction. Measured, not chosen:
+// Sheet properties of a cloth of edge springs, k = Y (A0 + A1) / l^2. Its boundary is stretched uniformly,
+// its interior relaxes, and the energy gives the plane stiffness S (3 x 3, of exx, ezz, 2 exz). S^-1 gives
+// Young's modulus and Poisson's ratio of a strip cut in any direction. These are measured, not chosen:
 // docs/materials.md has the table.
 
 namespace souple {
@@ -26,7 +26,7 @@ const char* cut_name(Cut cut) {
   return cut == Cut::one_diagonal ? "one diagonal" : cut == Cut::alternating ? "alternating" : "irregular";
 }
 
-/// Irregular: inner vertices moved by up to 0.3 of a cell, each cell cut along its shorter diagonal.
+/// Irregular: inner vertices moved by up to 0.3 of a cell, each cell split along its shorter diagonal.
 TriangleMesh sheet(Cut cut) {
   TriangleMesh mesh = grid(cells + 1, cells + 1, side,
                            cut == Cut::one_diagonal ? Diagonals::one_way : Diagonals::alternating);
@@ -100,7 +100,8 @@ Sheet measure(Cut cut) {
   Eigen::Matrix3d stiffness;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j <= i; ++j) {
-      // W(a + b) - W(a) - W(b) = a S b; of both signs, so that the springs' own third order drops out.
+      // W(a + b) - W(a) - W(b) = a S b; with both signs of the strain, so that the springs' third order
+      // cancels.
       double sum = 0;
       for (const double sign : {1.0, -1.0}) {
         std::array<double, 3> a{}, b{}, both{};
@@ -119,7 +120,7 @@ Sheet measure(Cut cut) {
 //   alternating   S = Y (5/4 1/4 0; 1/4 5/4 0; 0 0 1/4).
 struct Expected {
   Cut cut;
-  double degrees, young, poisson;  // young over Y
+  double degrees, young, poisson;  // Young's modulus over Y
 };
 constexpr Expected grids[] = {
     {Cut::one_diagonal, 0, 1, 0},      {Cut::one_diagonal, 90, 1, 0},
@@ -138,7 +139,7 @@ Sheet exact(Cut cut) {
   return {stiffness.inverse() / Y};
 }
 
-/// Young's modulus over Y, all around.
+/// Young's modulus over Y, in all directions.
 void draw(const std::string& series, const Sheet& sheet, int every, Curves& curves) {
   for (int degrees = 0; degrees <= 180; degrees += every)
     curves.add(series, degrees, sheet.at(degrees).young / Y);
@@ -162,8 +163,8 @@ TEST(Springs, GridsAreStiffAsTheirDirectionsSay) {
   }
 }
 
-// Irregular meshes come nearer to the formula's sheet, Y and 1/3, than alternating ones, in no direction off
-// by more than a third.
+// Irregular meshes are closer to the sheet of the formula, Y and 1/3, than alternating ones: within a third
+// in every direction.
 TEST(Springs, IrregularMeshesAreNearlyIsotropic) {
   const Sheet sheet = measure(Cut::irregular);
   Curves curves = curves_of_sheets();

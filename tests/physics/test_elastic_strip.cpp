@@ -7,10 +7,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// A strip of cloth held level over an edge hangs down under its weight: the heavy elastica,
+// A strip of cloth, clamped level at an edge, hangs down under its weight: the heavy elastica,
 //   D theta'' = -q (L - s) cos theta,   theta(0) = 0, theta'(L) = 0,   x' = cos theta, y' = -sin theta,
-// q its weight per area, theta the slope downwards. L = 0.2 m, 0.1 kg/m^2; three D = q L^3 / k, k = 3,
-// 12, 40.
+// q its weight per area, theta the slope downward. L = 0.2 m, 0.1 kg/m^2; three D = q L^3 / k, k = 3, 12, 40.
 
 namespace souple {
 namespace {
@@ -18,8 +17,8 @@ namespace {
 constexpr double L = 0.2, density = 0.1, gravity = 9.81;
 constexpr double q = density * gravity;
 
-/// The elastica at `points` + 1 places of equal distance, from the clamp to the tip. Shooting: the slope's
-/// rate at the clamp is found by bisection, so that it is zero at the tip; fourth-order Runge-Kutta.
+/// The elastica at `points` + 1 equidistant points from the clamp to the tip. Shooting: bisection finds the
+/// slope's rate at the clamp for which it is zero at the tip; fourth-order Runge-Kutta.
 std::vector<Vec3d> elastica(double D, double length, int points) {
   struct State {
     double theta, rate, x, y;
@@ -44,7 +43,7 @@ std::vector<Vec3d> elastica(double D, double length, int points) {
     }
     return path;
   };
-  double low = 0, high = q * length * length / (2 * D);  // the moment of a straight strip is the largest
+  double low = 0, high = q * length * length / (2 * D);  // the moment of a straight strip is the maximum
   for (int k = 0; k < 60; ++k) {
     const double middle = (low + high) / 2;
     (shoot(middle).back().rate > 0 ? high : low) = middle;
@@ -56,7 +55,8 @@ std::vector<Vec3d> elastica(double D, double length, int points) {
 
 enum class Cut { chevron, alternating };
 
-/// Chevrons: diagonals lean one way in every other column of cells, and the other way in the rest.
+/// Chevrons: diagonals lean to one side in every second column of cells, and to the opposite side in the
+/// others.
 TriangleMesh sheet(int columns, int rows, double size, Cut cut) {
   TriangleMesh mesh = grid(columns, rows, size);
   if (cut == Cut::alternating) return mesh;
@@ -79,13 +79,13 @@ struct Strip {
   BendingModel model = BendingModel::isometric;
   Cut cut = Cut::chevron;
   int rows = 13;
-  int cells = 16;  // that hang freely
+  int cells = 16;  // number of free cells
 
   double D() const { return q * L * L * L / k; }
   double cell() const { return L / (cells + 0.5); }
 };
 
-/// The middle row at rest, from the last pinned vertex to the tip; the clamp at the origin.
+/// The middle row in equilibrium, from the last pinned vertex to the tip; the clamp is at the origin.
 std::vector<Vec3d> hang(const Strip& strip) {
   const double cell = strip.cell(), D = strip.D(), Y = 1000 * q * L;  // it stretches by a thousandth
   const int columns = strip.cells + 2, middle = strip.rows / 2;
@@ -124,8 +124,8 @@ const char* model_name(BendingModel model) {
   return model == BendingModel::isometric ? "isometric" : "dihedral";
 }
 
-/// Against the elastica of the strip's D times `factor`: the largest distance between the two, over the tip's
-/// fall.
+/// Compares with the elastica of the strip's D times `factor`: largest distance between the two over the
+/// tip's drop.
 void compare(const Strip& strip, double factor, const std::string& name) {
   const std::vector<Vec3d> shape = hang(strip), theory = elastica(factor * strip.D(), L, 2 * strip.cells + 1);
   const std::string of =
@@ -146,8 +146,8 @@ void compare(const Strip& strip, double factor, const std::string& name) {
 const std::string in_chevrons = "cloth strip bending under its weight";
 const std::string alternating = "cloth strip of alternating diagonals, bending under its weight";
 
-// The cut decides how much of D a sheet shows that is free to be no cylinder. In chevrons it shows all but
-// what the rims lack (6 % of a strip 6 cells wide, half as much of one of 12).
+// The split of the cells decides how much of D a sheet shows that need not stay a cylinder. With chevrons it
+// shows all but a deficit at the rims (6 % for a strip 6 cells wide, half as much for 12).
 TEST(Strip, HangsAsTheElasticaSlow) {
   for (const double k : {3.0, 12.0, 40.0})
     for (const BendingModel model : {BendingModel::isometric, BendingModel::dihedral})
@@ -157,9 +157,8 @@ TEST(Strip, HangsAsTheElastica) {
   compare({.k = 12, .cells = 12}, 1, in_chevrons);
 }
 
-// Where diagonals alternate, the energy of a cylinder is D's as well. But every edge's bend is measured
-// between the vertices without diagonals; those step out of the cylinder, by kappa c^2 / 12, and leave 5/6 of
-// D.
+// Where diagonals alternate, the energy of a cylinder is also that of D. But every edge's bend is measured
+// between the vertices without diagonals; these leave the cylinder by kappa c^2 / 12, so 5/6 of D remain.
 TEST(Strip, AlternatingDiagonalsShowFiveSixths) {
   compare({.k = 12, .cut = Cut::alternating, .rows = 5, .cells = 12}, 5.0 / 6, alternating);
   compare({.k = 12, .model = BendingModel::dihedral, .cut = Cut::alternating, .rows = 5, .cells = 12},

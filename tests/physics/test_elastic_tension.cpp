@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// Bars and patches pulled at both ends by an even traction: the strain is uniform, linear elements show it
-// exactly, and small-strain theory says
+// Bars and patches under a uniform traction at both ends: the strain is uniform, linear elements represent it
+// exactly, and small-strain theory gives
 //   elongation  dl / l = sigma / E,   contraction  dw / w = -nu dl / l.
 
 namespace souple {
@@ -18,11 +18,11 @@ struct Strain {
   double along = std::nan(""), across = std::nan("");
 };
 
-// Steps are a tenth of the time that sound takes through a cell: projection uses gradients of positions on
-// their way to the solution, which biases the contraction by O(h^2), about 8 % at a third of that time (more
-// iterations do not help).
+// Steps are a tenth of the time in which sound crosses a cell: projection uses gradients at intermediate
+// positions, which biases the contraction by O(h^2), about 8 % at a third of that time (more iterations do
+// not help).
 
-/// A free bar of 8 x 2 x 2 cells of 5 cm, pulled to `wanted` strain along X.
+/// A free bar of 8 x 2 x 2 cells of 5 cm under the traction for the strain `wanted` along X.
 Strain pull_bar(double E, double nu, double wanted) {
   const Vec3d size{0.4, 0.1, 0.1};
   const double density = 1000, cell = 0.05, speed = std::sqrt(E / density);
@@ -40,7 +40,7 @@ Strain pull_bar(double E, double nu, double wanted) {
   std::vector<Vec3d> force(mesh.positions.size());
   for (const Triangle& t : surface_triangles(mesh.tets)) {
     const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    const Vec3d normal = cross(b - a, c - a) / 2;  // times its area
+    const Vec3d normal = cross(b - a, c - a) / 2;  // scaled by its area
     if (std::fabs(normal.x) > 0.9 * length(normal))
       for (const std::uint32_t v : t) force[v].x += wanted * E * normal.x / 3;
   }
@@ -87,13 +87,13 @@ const std::string sheet_case = "membrane cloth in tension";
 Curves curves_of_sheets() {
   return {sheet_case, "line force [N/m]", "strain [%], contraction below 0"};
 }
-/// The strain of a sheet of stiffness Y [N/m] and its nu, as a line up to `most` N/m.
+/// The strain of a sheet of stiffness Y [N/m] and Poisson's ratio nu, as a line up to `most` N/m.
 void draw_theory(double Y, double nu, double most, Curves& curves) {
   curves.add("theory", {most, 0, most}, {100 * most / Y, 0, -100 * nu * most / Y});
   curves.lift("theory");
 }
 
-/// How a sheet is pulled: by a line force [N/m] along X (warp) or Z (weft).
+/// Load of a sheet: a line force [N/m] along X (warp) or Z (weft).
 struct Pull {
   double Vec3d::*along;
   double Vec3d::*across;
@@ -149,7 +149,8 @@ Pull with_force(Pull pull, double force) {
   return pull;
 }
 
-/// The strain `wanted` by the force of it; the plot shows that of a quarter and of half the force as well.
+/// Result at the force for the strain `wanted`; the plot shows that of a quarter and of half the force as
+/// well.
 Strain pull_in_steps(const TriangleMesh& mesh, const ClothMaterial& material, const Pull& pull, double Y,
                      double wanted, const std::string& series, Curves& curves) {
   Strain strain;
@@ -179,8 +180,8 @@ TEST(Tension, MembraneHasYAndNu) {
   }
 }
 
-// Woven: its own stiffness along warp and weft; nu is the contraction along the weft of a sheet pulled along
-// the warp, the other one nu weft / warp.
+// Woven: separate stiffnesses along warp and weft. nu is the contraction along the weft of a sheet pulled
+// along the warp; the other Poisson's ratio is nu weft / warp.
 TEST(Tension, WovenMembraneHasWarpAndWeft) {
   const double warp = 4000, weft = 1000, nu = 0.3, wanted = 0.002;
   const ClothMaterial material = membrane(4000, 1000, 200, 0.3f);
@@ -198,7 +199,7 @@ TEST(Tension, WovenMembraneHasWarpAndWeft) {
   validate_relative(sheet_case, "contraction, woven, along the weft", -second.across, back * wanted, 0.02);
 }
 
-// Pulled at 45 degrees to the threads (the pattern turned in UV space), shear carries it:
+// Pulled at 45 degrees to the threads (the pattern is rotated in UV space), shear supports the load:
 //   1/Y45 = 1/4 (1/warp + 1/weft - 2 nu / warp + 1/G).
 TEST(Tension, WovenMembraneOnTheBias) {
   const double warp = 4000, weft = 1000, nu = 0.3, shear = 200, wanted = 0.002;

@@ -10,8 +10,8 @@
 namespace souple {
 namespace {
 
-/// How often a surface goes around a point, by the solid angles of its triangles (Van Oosterom and Strackee
-/// 1983): 1 inside, 0 outside; hair-thin seams change little.
+/// Winding number of a surface around a point, from the solid angles of its triangles (Van Oosterom and
+/// Strackee 1983): 1 inside, 0 outside; hair-thin seams change little.
 double winding(const World& world, ObjectId surface, const Vec3f& point) {
   const auto x = world.positions(surface);
   double sum = 0;
@@ -30,7 +30,7 @@ std::size_t outside(const World& world, ObjectId water, ObjectId balloon) {
   return count;
 }
 
-// The shipped scene: the seams hold all of the water for 0.8 s, and none of it half a second later.
+// The shipped scene: the seams hold all water for 0.8 s, and none of it half a second later.
 TEST(FluidBalloon, HoldsWaterUntilItsSeamsOpenSlow) {
   const std::filesystem::path file = source_path("scenes/water_balloon.json");
   World world = build_world(load_scene(file));

@@ -28,7 +28,8 @@ struct Basin {
     for (const Vec3f& n : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
       world.add_collider(Plane{n, static_cast<float>(-w)});
   }
-  /// A cube of so many spacings whose lowest point is at `bottom`; the water has a hole for what is in it.
+  /// Adds a cube of so many spacings with its lowest point at `bottom`, and the water, with a hole for the
+  /// cube.
   void put(int spacings, double density, double bottom, SoftBodyModel model) {
     edge = spacings * d;
     const auto half = 0.5 * edge;
@@ -54,16 +55,16 @@ struct Basin {
     for (const Vec3f& x : world.positions(body)) y = std::min(y, double{x.y});
     return y;
   }
-  /// Of the water far from the body.
+  /// Water level far from the body.
   double level() const {
-    // The volume of water and of what hangs into it fill the basin up to here.
+    // The volumes of the water and of the submerged part fill the basin up to here.
     const double water_volume = double(world.positions(water).size()) * d * d * d;
     const double y = lowest();
     return (water_volume - edge * edge * y) / (side * side - edge * edge);
   }
 };
 
-/// Let down where it belongs, a little too high: how deep it hangs at rest, over its height. [-]
+/// Released slightly above its equilibrium: submerged depth at rest over its height [-].
 double sunk(double density, SoftBodyModel model, int across = 36, int layers = 26,
             const FluidSettings& settings = {}) {
   Basin basin(0.02, across, layers, 8, settings);
@@ -92,13 +93,13 @@ TEST(FluidBuoyancy, ALightSoftCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(300, SoftBodyModel::neo_hookean), 0.3, 0.03);
 }
 
-// Water stands for a fluid in channels wide enough to hold no order of their own: in a basin of 36 spacings
+// Water behaves as a fluid in channels wide enough to avoid an ordered packing: in a basin of 36 spacings
 // this cube floats 5 % of its height too high.
 TEST(FluidBuoyancy, AHeavyCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 46, 32), 0.9, 0.03);
 }
 
-// With more neighbors there is less order in the same channel.
+// With more neighbors the same channel shows less order.
 TEST(FluidBuoyancy, AHeavyCubeInANarrowBasinSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 36, 26, {.kernel = SmoothingShape::wide_wendland}),
               0.9, 0.015);
@@ -108,7 +109,7 @@ TEST(FluidBuoyancy, AHeavySoftCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::neo_hookean, 46, 32), 0.9, 0.03);
 }
 
-// Two layers of water stay below it: what is left of its weight does not press them out.
+// Two layers of water stay below it: its remaining weight does not displace them.
 TEST(FluidBuoyancy, WhatIsHeavierThanWaterSinksSlow) {
   Basin basin(0.02, 46, 32, 8);
   basin.put(20, 1200, 0.2, SoftBodyModel::shape_matching);
@@ -116,7 +117,7 @@ TEST(FluidBuoyancy, WhatIsHeavierThanWaterSinksSlow) {
   EXPECT_LT(basin.lowest(), 3 * basin.d);
 }
 
-// It has ten seconds to rise or to sink. Water that is only nearly at rest pushes it about a little.
+// It has ten seconds to rise or sink. Water that is only nearly at rest pushes it slightly.
 TEST(FluidBuoyancy, WhatIsAsDenseAsWaterHoversSlow) {
   Basin basin(0.02, 40, 36, 8);
   const double bottom = (basin.depth - 20 * basin.d) / 2;

@@ -24,7 +24,7 @@ std::size_t below(const World& world, ObjectId fluid, float y) {
       std::count_if(at.begin(), at.end(), [&](const Vec3f& x) { return x.y < y; }));
 }
 
-/// A canvas that sags between its edges, which hang on springs, and water in it.
+/// A canvas that sags between its edges, which hang on springs, with water in it.
 struct Bag {
   static constexpr std::uint32_t n = 21;
   static constexpr float compliance = 1e-3f;  // of a spring [m/N]
@@ -45,7 +45,7 @@ struct Bag {
       if (x.y > bottom(x.x, x.z) + 0.012 && x.y < -0.02) points.push_back(x);
     water = world.add_fluid(points, {.spacing = float(d)});
   }
-  /// What the springs carry. [N]
+  /// Force of the springs [N].
   double pull() const {
     double sum = 0;
     for (const std::uint32_t i : rim) sum -= double{world.positions(cloth)[i].y} / double{compliance};
@@ -71,7 +71,7 @@ TEST(FluidCloth, ACanvasHoldsWaterAndItsEdgesCarryTheWeight) {
   EXPECT_LT(error, 0.01);
 }
 
-/// A grid of n x n vertices of which only every `pitch`th row and column of cells is left.
+/// A grid of n x n vertices that keeps only every `pitch`th row and column of cells.
 TriangleMesh net(std::uint32_t n, std::uint32_t pitch) {
   const TriangleMesh mesh = grid(static_cast<int>(n), static_cast<int>(n), 2 * float(half));
   constexpr std::uint32_t none = ~0u;
@@ -92,8 +92,8 @@ TriangleMesh net(std::uint32_t n, std::uint32_t pitch) {
   return result;
 }
 
-/// Water is let down, between walls, on a sheet that is held by its edges. The part of it that is below the
-/// sheet a second later. [-]
+/// Water falls between walls on a sheet that is pinned at its edges. Returns the fraction of it below the
+/// sheet a second later [-].
 double passed(const TriangleMesh& sheet) {
   World world({.substeps = 20});
   for (const Vec3f& n : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})

@@ -34,7 +34,8 @@ struct Column {
   void run(double seconds) {
     for (int frame = 0; frame < seconds * 60; ++frame) world.step(1.0 / 60);
   }
-  /// Mean pressure of the particles whose center lies within d/2 of a height, over the hydrostatic one. [-]
+  /// Mean pressure of the particles whose center lies within d/2 of a height, over the hydrostatic pressure
+  /// [-].
   double pressure_at(double y) const {
     const std::vector<float> pressures = world.pressures(water);
     double sum = 0, expected = 0;
@@ -46,7 +47,7 @@ struct Column {
     }
     return sum / expected;
   }
-  /// Where the topmost layer's centers are, half a spacing added. [m]
+  /// Height of the centers of the topmost layer, plus half a spacing [m].
   double top() const {
     std::vector<float> y;
     for (const Vec3f& x : world.positions(water)) y.push_back(x.y);
@@ -56,8 +57,8 @@ struct Column {
   }
 };
 
-// The floor carries the weight; the pressure at the bottom is rho g H, at half the height half of it.
-/// `calm` after three and a half seconds [m/s].
+// The floor supports the weight; the pressure at the bottom is rho g H, at half the height half of it.
+/// `calm`: limit of the speed after three and a half seconds [m/s].
 void expect_rest(int substeps, double calm, const FluidSettings& settings) {
   Column column(0.02, 10, 50, substeps, settings);
   column.run(3);
@@ -131,11 +132,11 @@ INSTANTIATE_TEST_SUITE_P(Columns, FluidColumnOf,
                                            Case{0.01, 25, 8}, Case{0.01, 50, 12}, Case{0.01, 75, 14},
                                            Case{0.005, 25, 12}, Case{0.005, 50, 16}, Case{0.005, 75, 20}));
 
-// A fluid that gives way is denser at its bottom, whatever substeps and iterations it is given. Its energy
-// V C^2 / (2 kappa) a particle makes kappa p = C (1 + C)^2, what is told as pressure is C / kappa, and with p
-// rising evenly with the mass above, P = rho_0 g H,
+// A compressible fluid is denser at its bottom, independent of substeps and iterations. Its energy V C^2 / (2
+// kappa) per particle gives kappa p = C (1 + C)^2; the reported pressure is C / kappa. With p linear in the
+// mass above, P = rho_0 g H,
 //   mean C = (c^2 / 2 + 4 c^3 / 3 + 3 c^4 / 4) / kappa P,   lower by (c^2 / 2 + c^3) / kappa P of its height
-// c that at the bottom. It swings, with a period of 4 H sqrt(kappa rho): means are over two of them.
+// where c is C at the bottom. It oscillates with a period of 4 H sqrt(kappa rho): means are over two periods.
 TEST(FluidColumn, GivesWayAsItsCompressibilitySays) {
   constexpr double kappa = 2e-5, d = 0.02, pressure = density * g * 25 * d, x = kappa * pressure;
   double c = x;
@@ -159,7 +160,7 @@ TEST(FluidColumn, GivesWayAsItsCompressibilitySays) {
     fallen.push_back(1 - top / column.height);
     EXPECT_NEAR(error / mean, 1, 0.05) << substeps << " substeps, " << iterations;
     EXPECT_NEAR(bottom * (1 + c) * (1 + c), 1, 0.05) << substeps << " substeps, " << iterations;
-    // 0.003 is what it falls without; the sums of a packing take it for less compressed than it is.
+    // 0.003 is its drop without compressibility; the packing's sums underestimate the compression.
     EXPECT_NEAR((fallen.back() - 0.003) / lower, 1.1, 0.1) << substeps << " substeps, " << iterations;
     EXPECT_NEAR(fallen.back() / fallen[0], 1, 0.03) << substeps << " substeps, " << iterations;
   }

@@ -64,7 +64,7 @@ const Experiment tall{2,
                        {2.70, 0.33},
                        {3.06, 0.28}}};
 
-// The experiment's diaphragm does not vanish at once as ours does. One time for both columns and all
+// The experiment's diaphragm does not vanish instantly as ours does. One delay for both columns and all
 // spacings, in units of T: 8 ms for the square column, 5 ms for the tall one.
 constexpr double release = 0.1;
 
@@ -94,7 +94,7 @@ class DamBreak {
   const Points& front() const { return front_; }
   const Points& height() const { return height_; }
   double error() const { return error_; }
-  /// Kinetic and potential, the floor's level 0. [J]
+  /// Kinetic and potential energy, with the floor at level 0 [J].
   double energy() const { return world_.kinetic_energy(water_) + world_.potential_energy(water_); }
 
  private:
@@ -104,7 +104,7 @@ class DamBreak {
   static int substeps(int ratio, int across) {
     return static_cast<int>(std::ceil(dt * 2 / 1.5 * std::sqrt(g * ratio * a) / (0.33 * a / across)));
   }
-  /// Where the foremost 0.2 % of the particles begin, half a spacing added. [m]
+  /// Position beyond which only the foremost 0.2 % of the particles lie, plus half a spacing [m].
   double farthest() const {
     std::vector<float> x;
     for (const Vec3f& p : world_.positions(water_)) x.push_back(p.x);
@@ -112,14 +112,13 @@ class DamBreak {
     std::nth_element(x.begin(), at, x.end());
     return double{*at} + d_ / 2;
   }
-  /// Of the water from two to four spacings from the wall, which the film that hangs on it does not reach.
-  /// [m]
+  /// Water height two to four spacings from the wall, beyond the film that sticks to it [m].
   double top() const {
     std::vector<float> y;
     for (const Vec3f& p : world_.positions(water_))
       if (double{p.x} > 2 * d_ && double{p.x} < 4 * d_) y.push_back(p.y);
     std::sort(y.begin(), y.end());
-    return double{y[y.size() - static_cast<std::size_t>(thick_)]} + d_ / 2;  // of some 2 * thick in a layer
+    return double{y[y.size() - static_cast<std::size_t>(thick_)]} + d_ / 2;  // of about 2 * thick in a layer
   }
 
   double d_;
@@ -130,7 +129,7 @@ class DamBreak {
   double error_ = 0;
 };
 
-/// The value of a curve at a time, by straight lines.
+/// Value of a curve at a time, by linear interpolation.
 double at(const Points& curve, double time) {
   for (std::size_t i = 1; i < curve.size(); ++i)
     if (curve[i].first >= time) {
@@ -141,8 +140,8 @@ double at(const Points& curve, double time) {
   return NAN;
 }
 
-/// Largest deviation from measured points up to a time, over what was measured; the simulation began at
-/// `start`.
+/// Largest deviation from measured points up to a time, relative to the measured values; the simulation
+/// started at `start`.
 double deviation(const Points& simulated, const Points& measured, double start, double until = 1e30) {
   double worst = 0;
   for (const auto& [t, y] : measured)

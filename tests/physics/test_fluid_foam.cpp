@@ -1,4 +1,4 @@
-// Foam of a world's fluids: where it comes from, where it goes, and what it does not go through.
+// Foam of a world's fluids: its origin, its motion, and its collisions.
 
 #include "souple/souple.h"
 #include "tests/expect_error.h"
@@ -30,7 +30,7 @@ ObjectId add_block(World& world, const Vec3d& lo, const Vec3d& hi, const FluidMa
   return world.add_fluid(fill({lo.x, lo.y, -4 * d}, {hi.x, hi.y, 4 * d}, d), material, options);
 }
 
-/// A column that falls, or is thrown, and runs against the other end of its tank.
+/// A column that falls, or is thrown, and hits the opposite end of its tank.
 World dam_break(const Settings& settings = {.substeps = 8}, float speed = 0) {
   World world(settings);
   add_tank(world, 1.6);
@@ -60,7 +60,7 @@ TEST(FluidFoam, ACalmPoolMakesNone) {
   EXPECT_TRUE(world.foam().positions.empty());
 }
 
-// All three kinds; then the water calms down, and nothing is left.
+// All three kinds appear; then the water calms down, and all dissolve.
 TEST(FluidFoam, ABreakingWaveFoamsAndTheFoamDissolves) {
   World world = dam_break({.substeps = 8}, 4);
   std::size_t spray = 0, foam = 0, bubbles = 0;
@@ -81,7 +81,7 @@ TEST(FluidFoam, ABreakingWaveFoamsAndTheFoamDissolves) {
   EXPECT_LT(world.foam().positions.size(), most / 50);
 }
 
-// It does nothing to what moves, and without a material that foams there is none.
+// It has no influence on other motion, and does not exist without a foaming material.
 TEST(FluidFoam, IsPassive) {
   World with = dam_break(), without = dam_break();
   FluidMaterial plain = foaming;
@@ -93,12 +93,12 @@ TEST(FluidFoam, IsPassive) {
   EXPECT_EQ(without.foam().positions.size(), 0);
 }
 
-// Between the step and the next one particles of the air fall freely, bubbles rise, foam stays on top.
+// From one step to the next spray falls freely, bubbles rise, foam stays on top.
 TEST(FluidFoam, SprayFallsBubblesRiseFoamFloats) {
   World world = dam_break({.substeps = 8}, 4);
   for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
   FluidMaterial quiet = foaming;
-  quiet.foam = 0;  // no more: what there is goes on
+  quiet.foam = 0;  // no new particles; existing ones remain
   world.set_material(world.objects()[0], quiet);
   std::size_t falling = 0, checked = 0;
   double rise = 0, water = 0;
@@ -108,7 +108,7 @@ TEST(FluidFoam, SprayFallsBubblesRiseFoamFloats) {
     const std::vector<Vec3f> before(foam.velocities.begin(), foam.velocities.end());
     const std::vector<FoamKind> kinds(foam.kinds.begin(), foam.kinds.end());
     world.step(1.0 / 60);
-    if (world.foam().positions.size() == before.size())  // none dissolved: they are in the same order
+    if (world.foam().positions.size() == before.size())  // none dissolved: the order is unchanged
       for (std::size_t k = 0; k < before.size(); ++k)
         if (kinds[k] == FoamKind::spray && world.foam().kinds[k] == FoamKind::spray) {
           ++checked;
@@ -117,7 +117,7 @@ TEST(FluidFoam, SprayFallsBubblesRiseFoamFloats) {
         }
   }
   ASSERT_GT(checked, 100);
-  EXPECT_GT(double(falling), 0.9 * double(checked));  // the others met a wall
+  EXPECT_GT(double(falling), 0.9 * double(checked));  // the others hit a wall
   const auto positions = world.positions(world.objects()[0]);
   for (std::size_t k = 0; k < world.foam().positions.size(); ++k) {
     if (world.foam().kinds[k] != FoamKind::bubble) continue;
@@ -135,7 +135,7 @@ TEST(FluidFoam, SprayFallsBubblesRiseFoamFloats) {
   EXPECT_NEAR((rise - water) / double(bubbles), 2 * 9.81 / 60, 0.1);
 }
 
-/// A wave that runs into a thin plate across the tank, as a collider and as other things.
+/// A wave that hits a thin plate across the tank: a collider, or another kind of object.
 template <class AddPlate>
 void expect_nothing_behind_a_plate(const AddPlate& add_plate) {
   World world({.substeps = 8});

@@ -16,7 +16,7 @@ struct Flow {
   double fastest = 0, mean_error = 0;
 };
 
-// A jet goes up from the middle of a table, falls beside itself, runs over its edges and is drained.
+// A jet rises from the middle of a table, falls beside itself, runs over the table's edges and is drained.
 Flow play(World& world, ObjectId fluid, int frames) {
   Flow run;
   for (int frame = 0; frame < frames; ++frame) {
@@ -54,14 +54,14 @@ TEST(FluidFountain, RunsForAMinuteWithoutGrowingSlow) {
   EXPECT_EQ(first.emitted + rest.emitted - first.drained - rest.drained, world.positions(fluid).size());
   EXPECT_LE(std::max(first.max_alive, rest.max_alive), most);
   EXPECT_GT(rest.max_alive, 250u);
-  EXPECT_NEAR(double(rest.drained), double(rest.emitted), 0.02 * double(rest.emitted));  // it is steady
+  EXPECT_NEAR(double(rest.drained), double(rest.emitted), 0.02 * double(rest.emitted));  // steady state
   EXPECT_LE(double(rest.held_back), 0.02 * double(rest.emitted));
   EXPECT_LT(rest.fastest, 8);  // 2.5 m/s up, then a fall of 1.3 m: 5.7 m/s
   EXPECT_LT(rest.mean_error, 0.01);
   EXPECT_LE(double(bytes(world)), 1.1 * double(held));
 }
 
-// A jet that leaves horizontally falls as a stone does, from where it has left the mouth (two spacings) on.
+// A horizontal jet falls like a stone from the end of its inflow zone (two spacings) on.
 TEST(FluidFountain, AJetIsAParabola) {
   World world({.substeps = 8});
   const ObjectId fluid =
@@ -72,7 +72,7 @@ TEST(FluidFountain, AJetIsAParabola) {
   Vec3d front;  // of the first layer
   for (std::size_t i = 0; i < 13; ++i) front += Vec3d(world.positions(fluid)[i]) / 13.0;
   EXPECT_NEAR(front.x, 2 * t, 0.02);
-  EXPECT_NEAR(front.y, -9.81 * s * s / 2, 0.03);  // XSPH holds it back a little
+  EXPECT_NEAR(front.y, -9.81 * s * s / 2, 0.03);  // XSPH slows it slightly
   EXPECT_NEAR(front.z, 0, 0.005);
 }
 

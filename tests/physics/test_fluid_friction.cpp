@@ -9,7 +9,7 @@ namespace souple {
 namespace {
 
 constexpr double d = 0.02;  // m
-// A film that bodies hold well: nu = 0.01 m^2/s.
+// A film with strong friction at bodies: nu = 0.01 m^2/s.
 constexpr FluidMaterial syrup{.spacing = 0.02f, .density = 1000, .viscosity = 10, .xsph = 0};
 
 /// A block of fluid on a sheet of cloth, without gravity or walls.
@@ -31,7 +31,7 @@ struct Layers {
   }
 };
 
-// A sheet that is drawn through a fluid takes it along and is held by it; together they keep their momentum.
+// A sheet that is pulled through a fluid moves it and is slowed by it; together they conserve momentum.
 TEST(FluidFriction, ASheetAndWhatFlowsAlongItComeToOneSpeed) {
   Layers layers(syrup);
   layers.set_velocity(layers.fluid, {1, 0, 0.5f});
@@ -46,7 +46,7 @@ TEST(FluidFriction, ASheetAndWhatFlowsAlongItComeToOneSpeed) {
   EXPECT_NEAR(cloth.z / fluid.z, 1, 0.02);
 }
 
-// The layer at d/2 from the sheet feels mu v / (d/2), before anything has moved much.
+// The layer at d/2 from the sheet feels mu v / (d/2), before larger motion.
 TEST(FluidFriction, ASheetFeelsTheShearOfTheLayersNextToIt) {
   Layers layers(syrup, 200);
   layers.set_velocity(layers.fluid, {1, 0, 0});
@@ -68,7 +68,7 @@ TEST(FluidFriction, AFluidThatSlipsLeavesASheetAlone) {
   EXPECT_LT(std::fabs(layers.mean_velocity(layers.cloth).x), 1e-3);
 }
 
-// Ten times as viscous as it may be without an implicit step, and a sheet of a hundredth of its layer's mass.
+// Ten times the viscosity limit of an explicit step, and a sheet of a hundredth of its layer's mass.
 TEST(FluidFriction, ALightSheetInStiffHoneyStaysCalm) {
   FluidMaterial stiff = syrup;
   stiff.viscosity = 1000;
@@ -81,7 +81,7 @@ TEST(FluidFriction, ALightSheetInStiffHoneyStaysCalm) {
   EXPECT_NEAR(layers.mean_velocity(layers.cloth).x, 1, 0.02);
 }
 
-// A film under which an obstacle is drawn away goes with it.
+// A film on an obstacle that is pulled away moves with it.
 TEST(FluidFriction, AnObstacleTakesTheFluidOnItAlong) {
   World world({.substeps = 8});
   world.add_obstacle(grid(2, 2, 4.0f), {.thickness = 0.002f},
@@ -93,7 +93,7 @@ TEST(FluidFriction, AnObstacleTakesTheFluidOnItAlong) {
   EXPECT_NEAR(world.momentum(fluid).x / world.total_mass(fluid), 0.2, 0.01);
 }
 
-// Adhesion: both pull at each other, and nothing else pulls at them.
+// Adhesion: both pull at each other, without external forces.
 TEST(FluidFriction, ADropClingsToASheetAndMomentumStays) {
   World world({.substeps = 8, .gravity = {}});
   std::vector<Vec3d> points;

@@ -29,7 +29,7 @@ struct Basin {
   ObjectId add_grain(double radius, double density, const Vec3d& at) {
     return world.add_grains(std::array{at}, {.radius = float(radius), .density = float(density)});
   }
-  /// A quarter of a meter of it, along x.
+  /// A rope of a quarter of a meter, along x.
   ObjectId add_rope(double density, double y, double z) {
     return world.add_rope(std::array{Vec3d{-0.12, y, z}, Vec3d{0.12, y, z}}, 12,
                           {.radius = 0.006f, .density = float(density)});
@@ -40,7 +40,7 @@ struct Basin {
   double height(ObjectId object) const { return world.center_of_mass(object).y; }
 };
 
-// Far smaller than a particle's spacing, and about as large.
+// Grains far smaller than a particle's spacing, and about as large.
 TEST(FluidGrains, HeavyOnesSinkLightOnesFloatEvenOnesStay) {
   struct Trial {
     double radius;
@@ -62,7 +62,7 @@ TEST(FluidGrains, HeavyOnesSinkLightOnesFloatEvenOnesStay) {
   }
 }
 
-// Five spacings across: half of it should be in the water.
+// Five spacings in diameter: half of it should be submerged.
 TEST(FluidGrains, ALargeBallFloatsAboutAsDeepAsItsDensity) {
   Basin basin({0.3, 0.2, 0.3});
   constexpr double radius = 0.05;
@@ -79,7 +79,7 @@ TEST(FluidGrains, RopesSinkAndFloat) {
   EXPECT_LT(basin.height(heavy), 0.006 + d / 2);
 }
 
-// What hangs on a spring in water weighs less by the water that it displaces.
+// The weight of a grain on a spring in water is reduced by that of the displaced water.
 TEST(FluidGrains, AGrainInWaterWeighsLess) {
   Basin basin({0.2, 0.2, 0.16});
   constexpr double radius = 0.008, density = 3000, compliance = 0.01;
@@ -96,7 +96,7 @@ TEST(FluidGrains, AGrainInWaterWeighsLess) {
   EXPECT_NEAR(pull / weight, 1 - 1000 / density, 0.02);
 }
 
-// rho / 2 C pi r^2 v^2 = (rho_b - rho) V g, half a second after it was let go.
+// rho / 2 C pi r^2 v^2 = (rho_b - rho) V g, half a second after its release.
 TEST(FluidGrains, AGrainSinksAsFastAsItsDragAllows) {
   Basin basin;
   constexpr double radius = 0.005, density = 2500;
@@ -109,7 +109,8 @@ TEST(FluidGrains, AGrainSinksAsFastAsItsDragAllows) {
   EXPECT_NEAR(speed / terminal, 1, 0.15);
 }
 
-// A cube of water with grains and a rope in it, without gravity: they fly through it and take it along.
+// A cube of water with grains and a rope in it, without gravity: they fly through the water and accelerate
+// it.
 TEST(FluidGrains, MomentumStays) {
   World world({.substeps = 8, .gravity = {}});
   const ObjectId water = world.add_fluid(fill(Vec3d{-0.1, -0.1, -0.1}, Vec3d{0.1, 0.1, 0.1}, d),

@@ -13,8 +13,9 @@ namespace {
 constexpr double d = 0.02;  // m
 constexpr int across = 12, layers = 20;
 
-/// Ten layers of a lighter fluid under ten of water, in disorder, the border a wave: how high its center is
-/// after some seconds, over the height of all. A quarter is where it begins, three quarters where it belongs.
+/// Ten layers of a lighter fluid under ten of water, in disorder, with a wavy interface. Returns the height
+/// of its center after some seconds over the total height: a quarter at the start, three quarters at
+/// equilibrium.
 double risen(float density, SmoothingShape kernel, double seconds) {
   World world({.substeps = 8, .fluid = {.kernel = kernel}});
   constexpr double w = 0.5 * across * d, height = layers * d;
@@ -35,7 +36,7 @@ double risen(float density, SmoothingShape kernel, double seconds) {
   return world.center_of_mass(lighter).y / height;
 }
 
-// What is lighter rises. Particles under pressure resist being rearranged: less so with more neighbors.
+// The lighter fluid rises. Particles under pressure resist rearrangement, less so with more neighbors.
 TEST(FluidLayers, ALighterFluidRisesInTheWideKernel) {
   const double wide = risen(850, SmoothingShape::wide_wendland, 3);
   EXPECT_GT(wide, 0.34);

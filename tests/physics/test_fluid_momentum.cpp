@@ -8,14 +8,14 @@
 
 #include <gtest/gtest.h>
 
-// No gravity, no walls, no vorticity confinement, no drag: nothing outside takes or gives momentum.
+// No gravity, no walls, no vorticity confinement, no drag: no external source of momentum.
 
 namespace souple {
 namespace {
 
 constexpr double d = 0.02;  // m
 
-/// sum m |v| of a fluid. [kg m/s]
+/// sum m |v| of a fluid [kg m/s].
 double sum_of_momenta(const World& world, ObjectId fluid) {
   const double mass = world.total_mass(fluid) / double(world.positions(fluid).size());
   double sum = 0;
@@ -23,7 +23,7 @@ double sum_of_momenta(const World& world, ObjectId fluid) {
   return sum;
 }
 
-/// Of a fluid about the origin. [kg m^2/s]
+/// Angular momentum of a fluid about the origin [kg m^2/s].
 Vec3d angular_momentum(const World& world, ObjectId fluid) {
   const auto x = world.positions(fluid), v = world.velocities(fluid);
   Vec3d sum{};
@@ -31,7 +31,7 @@ Vec3d angular_momentum(const World& world, ObjectId fluid) {
   return sum * (world.total_mass(fluid) / double(x.size()));
 }
 
-// A sheet that the water tears along, and that tears the water along.
+// A sheet that the water accelerates, and the reaction on the water.
 TEST(FluidMomentum, IsKeptWithClothInTheWater) {
   World world({.substeps = 8, .gravity = {}});
   const ObjectId fluid =
@@ -47,16 +47,16 @@ TEST(FluidMomentum, IsKeptWithClothInTheWater) {
   const Vec3d before = momentum(), of_cloth = world.momentum(cloth);
   const double sum = sum_of_momenta(world, fluid);
   for (int frame = 0; frame < 60; ++frame) ASSERT_TRUE(world.step(1.0 / 60).ok());
-  // It has been pushed: most of what it had is the water's now.
+  // Most of its momentum has gone to the water.
   EXPECT_GT(length(world.momentum(cloth) - of_cloth), 0.3 * length(of_cloth));
   validate_below("fluid without gravity and walls",
                  "cloth in the fluid: change of linear momentum in 1 s / sum m |v|",
                  length(momentum() - before) / sum, 1e-4);
 }
 
-/// A ball of fluid that turns as a rigid one: changes in a second, over what there was at first.
+/// A ball of fluid in rigid rotation: changes within a second, relative to the initial values.
 struct Spun {
-  double linear, angular;  // of sum m |v|, of L
+  double linear, angular;  // relative to sum m |v| and to L
 };
 Spun spin(const FluidMaterial& material) {
   World world({.substeps = 8, .gravity = {}});

@@ -31,7 +31,7 @@ double farthest_out(const World& world, ObjectId fluid, const Vec3d& size) {
   return out;
 }
 
-/// A closed box, half full, shaken along two axes: everything stays inside.
+/// A closed box, half full, shaken along two axes: all particles stay inside.
 void shake(int across, int high, int deep, int substeps, double seconds) {
   const Vec3d size{across * d, high * d, deep * d};
   World world({.substeps = substeps});
@@ -135,7 +135,7 @@ TEST(FluidRobustness, BodiesStartedInEachOtherInWaterDoNotExplode) {
   EXPECT_LT(fastest, 3);
 }
 
-// A wave of 0.6 m, a light soft box, and half the substeps it should have.
+// A wave of 0.6 m, a light soft box, and half of the required substeps.
 TEST(FluidRobustness, NothingGetsIntoASoftBodyThatAWaveStrikes) {
   constexpr double spacing = 0.025;
   World world({.substeps = 4});
@@ -158,7 +158,7 @@ TEST(FluidRobustness, NothingGetsIntoASoftBodyThatAWaveStrikes) {
     for (const Vec3f& x : world.positions(fluid)) inside += tree.winding_number(Vec3d(x)) > 0.5 ? 1 : 0;
   }
   EXPECT_EQ(inside, 0);
-  EXPECT_GT(highest, 0.14);  // the wave took it
+  EXPECT_GT(highest, 0.14);  // the wave lifted it
 }
 
 TEST(FluidRobustness, AColliderWhoseMotionThrowsIsReported) {

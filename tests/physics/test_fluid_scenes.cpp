@@ -31,7 +31,7 @@ std::vector<std::filesystem::path> scenes_with_fluids() {
 
 class FluidScene : public ::testing::TestWithParam<std::filesystem::path> {};
 
-// Whatever is shipped: no fluid is compressed by more than a percent, on the mean over its particles and
+// All shipped scenes: the compression of a fluid is at most a percent, averaged over its particles and
 // frames.
 TEST_P(FluidScene, KeepsDensitySlow) {
   const SceneDescription scene = load_scene(GetParam());

@@ -10,10 +10,10 @@ namespace {
 // --- free fall -----------------------------------------------------------------------------------
 
 struct Fall {
-  double x_error = 0, v_error = 0;  // the largest on the way, relative to what has been fallen
+  double x_error = 0, v_error = 0;  // maxima over the fall, relative to the distance and speed of the fall
 };
 
-// The scheme's own closed form, v_n = -g n h and x_n = -g h^2 n (n + 1) / 2.
+// Closed form of the scheme, v_n = -g n h and x_n = -g h^2 n (n + 1) / 2.
 Fall fall(Form form, int steps, double h, Curves& curves) {
   World world({.substeps = 1, .form = form});
   const Vec3d origin[] = {Vec3d{}};
@@ -67,7 +67,7 @@ std::vector<Vec3d> lattice_points(double spacing) {
   return points;
 }
 
-// 5 x 5 x 5 particles, 0.4 m wide, no gravity, thrown at 1 m/s: either held by rigid links along the edges of
+// 5 x 5 x 5 particles, 0.4 m wide, no gravity, thrown at 1 m/s: either with rigid links along the edges of
 // the lattice, or an elastic solid of E = 1e5 Pa.
 struct Lattice {
   World world;
@@ -93,7 +93,7 @@ struct Lattice {
   }
 };
 
-// The largest on the way. All move alike, so sum m|v| is the momentum itself.
+// Maximum over the run. All particles move alike, so sum m|v| is the momentum itself.
 double momentum_error(Make make, Form form, int substeps, Curves& curves) {
   Lattice lattice(make, form, substeps);
   const Vec3d start = lattice.world.momentum(lattice.body);
@@ -124,7 +124,7 @@ TEST(FreeLattice, KeepsItsMomentum) {
   }
   validate_below(name, "displacement, neo-Hookean, 10 substeps", error(Make::solid, Form::displacement, 10),
                  1e-5);
-  // The noise of 320 tets' strains, kicking through 30,000 substeps.
+  // The noise of 320 tets' strains over 30,000 substeps.
   validate_below(name, "displacement, neo-Hookean, 50 substeps", error(Make::solid, Form::displacement, 50),
                  1.2e-5);
   validate_below(name, "plain, rigid links, 10 substeps", error(Make::links, Form::plain, 10), 1e-3);
@@ -141,7 +141,7 @@ struct Trajectory {
 };
 
 Trajectory trajectory(Form form, const Vec3d& at, int rate) {
-  Lattice lattice(Make::solid, form, 600 / rate, at, 1);  // turning, so that it is strained
+  Lattice lattice(Make::solid, form, 600 / rate, at, 1);  // rotating, hence strained
   Trajectory result;
   for (int frame = 1; frame <= 5 * rate; ++frame) {
     EXPECT_TRUE(lattice.world.step(1.0 / rate).ok());

@@ -9,7 +9,8 @@
 namespace souple {
 namespace {
 
-// The edges of a grid of n x n vertices in both directions, and both diagonals of each square; rigid.
+// Rigid constraints along the edges of a grid of n x n vertices in both directions, and along both diagonals
+// of each square.
 void add_rigid_sheet(World& world, ObjectId cloth, int n) {
   auto links = std::make_unique<SetProjector<Distance>>();
   const auto at = [n](int row, int column) { return static_cast<std::uint32_t>(row * n + column); };
@@ -18,7 +19,7 @@ void add_rigid_sheet(World& world, ObjectId cloth, int n) {
     links->add({world.particle(cloth, a), world.particle(cloth, b)},
                {static_cast<float>(length(rest[a] - rest[b]))});
   };
-  // Kind after kind, so that the greedy colors follow: two colors of each.
+  // By kind, so that greedy coloring gives two colors for each kind.
   for (int r = 0; r < n; ++r)
     for (int c = 0; c + 1 < n; ++c) link(at(r, c), at(r, c + 1));
   for (int r = 0; r + 1 < n; ++r)
@@ -34,7 +35,8 @@ struct Strain {
   double end = 0, ever = 0;
 };
 
-// 2 m wide, horizontal at first, one edge pinned; it swings down and hangs. 600 frames of 1/60 s, drag 0.1/s.
+// 2 m wide, initially horizontal, one edge pinned; it swings down and hangs. 600 frames of 1/60 s, drag
+// 0.1/s.
 Strain hang(int n, const Settings& settings, Curves& curves, const std::string& series) {
   Settings with_drag = settings;
   with_drag.drag = 0.1f;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-// The numbers of docs/integrators.md. Every field acts on one particle of 1 kg, one substep a step.
+// The numbers of docs/integrators.md. Every field acts on one particle of 1 kg, with one substep per step.
 
 namespace souple {
 namespace {
@@ -45,7 +45,7 @@ struct Particle {
 
 // --- a stiff force, f = -k x ---------------------------------------------------------------------
 
-// 1/2 v^2 + 1/2 omega^2 x^2 after `steps`, relative to the start; let go at x = 1 m.
+// 1/2 v^2 + 1/2 omega^2 x^2 after `steps`, relative to the start; released at x = 1 m.
 double spring_energy(Integrator integrator, double omega_h, int steps, Curves* curves = nullptr) {
   const double h = 0.01, omega = omega_h / h;
   Particle particle(integrator, {}, 0, {1, 0, 0}, {});
@@ -94,8 +94,8 @@ TEST(Integrators, EnergyDriftOnASpring) {
       const double drift = spring_energy(integrator, omega_h, steps) - 1;
       curves.add(words(integrator), omega_h, std::fabs(drift));
       if (omega_h != 0.01) continue;
-      // To lowest order the energy grows or falls by (omega h)^2 a step; the symplectic one only wavers by
-      // omega h.
+      // To lowest order the energy grows or falls by (omega h)^2 per step; that of the symplectic scheme only
+      // oscillates by omega h.
       const std::string quantity =
           std::string(words(integrator)) + ", omega h = 0.01: change over one period";
       const double expected = 2 * pi * omega_h;
@@ -120,8 +120,8 @@ double speed_left(Integrator integrator, double drag_h, int steps, Curves* curve
   return particle.v();
 }
 
-// Both explicit forms take (1 - c h) of the speed a step and explode above c h = 2; implicit takes
-// 1 / (1 + c h).
+// Both explicit forms multiply the speed by 1 - c h per step and diverge above c h = 2; implicit divides it
+// by 1 + c h.
 TEST(Integrators, Drag) {
   const std::string name = "integrators on drag";
   Curves curves(name, "c t", "speed / its start, c h = 0.5");
@@ -140,8 +140,8 @@ TEST(Integrators, Drag) {
 
 // --- gravity -------------------------------------------------------------------------------------
 
-// x_n = -g h^2 (n^2 + s n) / 2 with s = 1 (both implicit ones) or -1 (explicit): off by g h t / 2, to either
-// side.
+// x_n = -g h^2 (n^2 + s n) / 2 with s = 1 (semi-implicit and implicit) or -1 (explicit): an error of g h t /
+// 2, of either sign.
 TEST(Integrators, Gravity) {
   const std::string name = "integrators on gravity";
   Curves curves(name, "h [ms]", "height too low after 1 s [m]");
@@ -161,7 +161,7 @@ TEST(Integrators, Gravity) {
 
 // --- cost ----------------------------------------------------------------------------------------
 
-// Of 10,000 falling particles in a force field f = -x, the least of 20 steps.
+// 10,000 falling particles in a force field f = -x, minimum of 20 steps.
 TEST(Integrators, Cost) {
   const std::string name = "integrators, cost";
   Curves curves(name, "integrator", "integration [ns per particle and substep]");

@@ -20,7 +20,7 @@ double elliptic_period(double theta0, double L) {
   return 2 * pi * std::sqrt(L / g) / a;
 }
 
-// sin(theta/2) = k sn(K - t sqrt(g/L)), k = sin(theta0/2): the angle at t when let go at theta0. sn by
+// sin(theta/2) = k sn(K - t sqrt(g/L)), k = sin(theta0/2): the angle at t after a release at theta0. sn by
 // descending Landen steps: phi_N = 2^N a_N u, sin(2 phi_{n-1} - phi_n) = c_n / a_n sin(phi_n).
 double elliptic_angle(double theta0, double L, double t) {
   constexpr int N = 6;
@@ -38,11 +38,11 @@ double elliptic_angle(double theta0, double L, double t) {
 }
 
 struct Swing {
-  double period = 0;  // s, the first full one: when the angle's rate next falls through zero
-  double peak = 0;    // rad, the angle then
+  double period = 0;  // s, the first full period: until the angle's rate next falls through zero
+  double peak = 0;    // rad, the angle at that time
 };
 
-// 1 kg at 1 m from a pinned particle, one rigid distance constraint, let go at theta0 from the vertical.
+// 1 kg at 1 m from a pinned particle, one rigid distance constraint, released at theta0 from the vertical.
 Swing swing(double theta0, const Settings& settings, double dt, Curves* curves = nullptr,
             const std::string& series = {}) {
   World world(settings);
@@ -58,7 +58,7 @@ Swing swing(double theta0, const Settings& settings, double dt, Curves* curves =
     const double rate = (v.x * -x.y + x.x * v.y) / dot(x, x);
     if (curves != nullptr) curves->add(series, frame * dt, angle * 180 / pi);
     if (rate_before > 0 && rate <= 0) {
-      // Between the two frames the rate falls linearly, the angle is a parabola.
+      // Between the two frames the rate is linear, so the angle is a parabola.
       const double share = rate_before / (rate_before - rate);
       return {(frame - 1 + share) * dt, angle_before + 0.5 * rate_before * share * dt};
     }
@@ -108,7 +108,8 @@ TEST(Pendulum, AmplitudeLossHalvesWithTheStep) {
   curves.add("theory: a line through the finest", {0, coarsest}, {0, 8 * before * 180 / pi});
 }
 
-// 10 m from the origin and small steps: a swing of 0.01 rad must not freeze (floats end at 1e-6 m there).
+// 10 m from the origin and small steps: a swing of 0.01 rad must not freeze (floats have a resolution of 1e-6
+// m there).
 TEST(Pendulum, SwingsFarFromTheOrigin) {
   World world({.substeps = 20});
   const Vec3d points[] = {{10, 10, 0}, {10 + std::sin(0.01), 10 - std::cos(0.01), 0}};

@@ -20,7 +20,7 @@ double catenary_parameter() {
   return low;
 }
 
-// Where link i's end hangs, the chain's ends at (-+ span/2, 0).
+// Position of the end of link i; the chain's ends are at (-+ span/2, 0).
 Vec3d on_catenary(int i) {
   const double a = catenary_parameter();
   const double x = a * std::asinh((-L / 2 + L * i / N) / a);
@@ -28,11 +28,11 @@ Vec3d on_catenary(int i) {
 }
 
 struct Hanging {
-  double farthest = 0;    // from the catenary, of all ends of links, relative to L
+  double farthest = 0;    // largest distance of a link's end from the catenary, relative to L
   double elongation = 0;  // of the whole chain, relative to L
 };
 
-// Rigid links, let go in the shape of a V; drag brings it to rest.
+// Rigid links, released in the shape of a V; drag brings them to rest.
 Hanging hang(const Settings& settings, Curves* curves = nullptr, const std::string& series = {}) {
   Settings with_drag = settings;
   with_drag.drag = 2;
@@ -66,8 +66,8 @@ TEST(Chain, HangsInACatenary) {
   validate_below(name, "20 x 10: farthest from the catenary / L", iterated.farthest, 0.01);
 }
 
-// A sweep moves a chain of N links as a spring of stiffness m / h^2 per link would: it hangs too long by N^2
-// g h^2 / L times a number that depends on its shape alone.
+// A sweep moves a chain of N links like a spring of stiffness m / h^2 per link: it hangs too long by N^2 g
+// h^2 / L times a factor that depends only on its shape.
 TEST(Chain, StretchesByTheSquareOfTheStep) {
   const std::string name = "hanging chain, error against N^2 g h^2 / L";
   Curves curves(name, "N^2 g h^2 / L", "elongation");
@@ -92,11 +92,11 @@ TEST(Chain, StretchesByTheSquareOfTheStep) {
 
 struct Load {
   double elongation = 0;  // mean over the last second, relative to the length
-  double largest = 0;     // ever
-  double speed = 0;       // of the load in the end [m/s]
+  double largest = 0;     // maximum over the run
+  double speed = 0;       // final speed of the load [m/s]
 };
 
-// 1 m, 20 links, particles of 1 g; 1 kg tied to the lower end, all rigid, let go from rest without slack.
+// 1 m, 20 links, particles of 1 g; 1 kg joined to the lower end, all rigid, released from rest without slack.
 // Drag 2/s.
 Load carry(const Settings& settings, Curves& curves, const std::string& series) {
   Settings with_drag = settings;
@@ -140,8 +140,7 @@ TEST(Rope, OfOneGramCarriesAKilogram) {
   for (const Case& c : cases) {
     const Load load = carry(c.settings, curves, c.words);
     state(name, std::string(c.words) + ": elongation at rest [%]", 100 * load.elongation);
-    // Stable: let go from rest, it swings to less than twice its sag, as a spring would, and comes to rest
-    // there.
+    // Stable: after the release it swings to less than twice its sag, like a spring, and comes to rest there.
     validate_below(name, std::string(c.words) + ": largest elongation / at rest",
                    load.largest / load.elongation, 2);
     validate_below(name, std::string(c.words) + ": speed after 10 s [m/s]", load.speed, 0.05);

@@ -9,7 +9,7 @@ namespace {
 
 // --- spin ----------------------------------------------------------------------------------------
 
-// The angular velocity about z that fits best: sum m (r x v) / sum m r^2.
+// Best fit of the angular velocity about z: sum m (r x v) / sum m r^2.
 double spin_of(const World& world, ObjectId body) {
   const Vec3d center = world.center_of_mass(body);
   const auto x = world.positions(body), v = world.velocities(body);
@@ -41,7 +41,7 @@ ObjectId add_body(World& world, Body kind, const Vec3f& velocity) {
   return body;
 }
 
-// A particle that goes straight for h and is then pulled back radially loses 1/2 (omega h)^2 of its angular
+// A particle that moves straight for h and is then pulled back radially loses 1/2 (omega h)^2 of its angular
 // velocity: d omega / dt = -omega^3 h, so omega = omega0 / sqrt(1 + 2 omega0^2 h t).
 TEST(Spin, FallsByTheLawOfTheScheme) {
   const std::string name = "free rigid-like body spinning at 2 pi rad/s";
@@ -49,7 +49,7 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
   for (const Body kind : {Body::shape_matching, Body::links})
     for (const Form form : {Form::displacement, Form::plain})
       for (const int substeps : {10, 50}) {
-        // The plain form spins on the spot: 10 m away its small steps lose digits (see the free lattice).
+        // The plain form spins in place: 10 m away its small steps lose digits (see the free lattice).
         const Vec3d velocity = form == Form::plain ? Vec3d{} : Vec3d{0.6, 0.8, 0};
         World world({.substeps = substeps, .form = form, .gravity = {}});
         const ObjectId body = add_body(world, kind, Vec3f(velocity));
@@ -78,8 +78,8 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
 
 // --- energy --------------------------------------------------------------------------------------
 
-// A cube of 0.2 m, stretched by 10 % along x and let go. Its energy relative to the start at each frame of 2
-// s.
+// A cube of 0.2 m, stretched by 10 % along x and released. Its energy relative to the start at each frame of
+// 2 s.
 std::vector<double> ring(SoftBodyModel model, const Settings& settings) {
   World world(settings);
   const ObjectId body =
@@ -116,10 +116,10 @@ TEST(ElasticBody, NeverGainsEnergyAndLosesLessInSmallerSteps) {
           const std::string at = what + std::to_string(substeps) + " substeps";
           validate_below(name, at + ": largest energy", *std::max_element(energy.begin(), energy.end()),
                          1.01);
-          // The loss over the first quarter second, before little is left to lose.
+          // Loss over the first quarter second; later, little energy remains.
           const double lost = 1 - energy[14];
           state(name, at + ": lost in 0.25 s", lost);
-          // A quarter of the step: the loss has to vanish with it.
+          // A quarter of the step: the loss must vanish with it.
           if (before < 2) {
             validate_below(name, at + ": loss / loss at four times the step", lost / before, 0.6);
           }

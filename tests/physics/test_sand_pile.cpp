@@ -7,7 +7,7 @@
 namespace souple {
 namespace {
 
-// A ball of sand falls on the floor: how steep is the heap?
+// A ball of sand falls on the floor: returns the slope of the heap.
 double slope_of_pile(float mu) {
   constexpr double radius = 0.01;
   World world({.iterations = 2});
@@ -18,7 +18,7 @@ double slope_of_pile(float mu) {
     state = state * 1664525u + 1013904223u;
     return 0.3 * radius * (double(state >> 8) / (1 << 24) - 0.5);
   };
-  // On its corner: towers of grains would stand.
+  // On its corner, because towers of grains would stay upright.
   const Quatd tilt = Quatd::from_euler_xyz({pi / 4, 0, 0.6155});
   for (int x = -7; x <= 7; ++x)
     for (int y = -7; y <= 7; ++y)
@@ -33,7 +33,7 @@ double slope_of_pile(float mu) {
   return test::slope_of_heap(world, grains, radius);
 }
 
-// The measure itself: points all over a cone.
+// Test of the measure: points throughout a cone.
 TEST(SandPile, SlopeIsThatOfACone) {
   std::vector<Vec3d> cone;
   for (int x = -40; x <= 40; ++x)

@@ -29,7 +29,7 @@ struct Oscillation {
   double period = 0, decay = 0;  // s, 1/s
 };
 
-// Over ten periods, from the times at which the stretch falls through zero and the speed at those times.
+// Over ten periods, from the times at which the stretch falls through zero and the speeds then.
 Oscillation oscillate(double omega, const Settings& settings, double h, Curves* curves) {
   Oscillator spring(settings, omega * omega, 0.1);
   double before = spring.stretch(), first = 0, first_speed = 0;
@@ -49,8 +49,8 @@ Oscillation oscillate(double omega, const Settings& settings, double h, Curves* 
   return {};
 }
 
-// Implicit Euler on a linear spring: each step multiplies the complex amplitude by 1 / (1 - i omega h), so
-// the period is longer by omega h / atan(omega h) = 1 + (omega h)^2/3 and the amplitude decays at omega^2
+// Implicit Euler on a linear spring: each step multiplies the complex amplitude by 1 / (1 - i omega h). So
+// the period is longer by omega h / atan(omega h) = 1 + (omega h)^2/3, and the amplitude decays at omega^2
 // h/2, to lowest order.
 TEST(Spring, PeriodAndDecayFollowTheScheme) {
   const std::string name = "compliant spring";

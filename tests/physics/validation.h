@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-// What every analytic case says about itself. script/validation collects the lines and the curves and makes
+// Output of the analytic cases. script/validation collects the lines and the curves and makes
 // docs/validation.md of them. A case is a short sentence, the same for all its quantities and its plot.
 
 namespace souple {
@@ -35,8 +35,8 @@ inline std::string number(double value, const char* format = "%.6g") {
 
 }  // namespace detail
 
-/// Expects |measured - expected| <= bound and says so on a line
-/// `VALIDATION|case|quantity|measured|expected|bound`. The quantity names its unit: "period at 5 degrees
+/// Expects |measured - expected| <= bound and prints a line
+/// `VALIDATION|case|quantity|measured|expected|bound`. The quantity states its unit: "period at 5 degrees
 /// [s]".
 inline void validate(const std::string& name, const std::string& quantity, double measured, double expected,
                      double bound) {
@@ -45,7 +45,7 @@ inline void validate(const std::string& name, const std::string& quantity, doubl
   EXPECT_NEAR(measured, expected, bound) << name << ": " << quantity;
 }
 
-/// The same within a fraction of what is expected: 0.02 is two percent.
+/// Expects |measured - expected| <= a fraction of |expected|: 0.02 is two percent.
 inline void validate_relative(const std::string& name, const std::string& quantity, double measured,
                               double expected, double fraction) {
   detail::print_validation(name, quantity, measured, detail::number(expected),
@@ -60,18 +60,18 @@ inline void validate_below(const std::string& name, const std::string& quantity,
   EXPECT_LE(measured, bound) << name << ": " << quantity;
 }
 
-/// States a measured value that no bound is put on.
+/// Prints a measured value without a bound.
 inline void state(const std::string& name, const std::string& quantity, double measured) {
   detail::print_validation(name, quantity, measured, "", "stated");
   EXPECT_TRUE(std::isfinite(measured)) << name << ": " << quantity;
 }
 
-/// The curves of one case's plot. When the environment variable SOUPLE_VALIDATION_DIR names a folder, they
-/// are appended to a CSV file there, named after the case, so that several tests can share a plot: three
-/// comment lines (case, labels of the axes; "(log)" in a label makes the axis logarithmic), then
-/// `series,x,y`. A series whose name begins with "theory" is drawn as a broad gray line, with "bound" dashed,
-/// with "experiment" as dots, the others as thin lines with hollow points. Where every series has one point
-/// only, they are bars.
+/// The curves of one case's plot. If the environment variable SOUPLE_VALIDATION_DIR names a folder, they are
+/// appended to a CSV file there, named after the case, so that several tests can share a plot: three comment
+/// lines (case, labels of the axes; "(log)" in a label makes the axis logarithmic), then `series,x,y`. A
+/// series whose name begins with "theory" is drawn as a broad gray line, with "bound" dashed, with
+/// "experiment" as dots, others as thin lines with hollow points. If every series has a single point, they
+/// are bars.
 class Curves {
  public:
   Curves(const std::string& name, const std::string& x_label, const std::string& y_label) {
@@ -93,7 +93,7 @@ class Curves {
   void add(const std::string& series, const std::vector<double>& x, const std::vector<double>& y) {
     for (std::size_t i = 0; i < x.size() && i < y.size(); ++i) add(series, x[i], y[i]);
   }
-  /// Ends the line of a series; its next point begins another one, under the same name.
+  /// Ends the line of a series; its next point starts another line under the same name.
   void lift(const std::string& series) { add(series, std::nan(""), std::nan("")); }
 
  private:

@@ -1,5 +1,5 @@
-// Meshes as they come: what is no number is refused in one clear sentence; what is flat, doubled, turned
-// round or in one place runs, with all collisions on, and nothing explodes.
+// Defective meshes: non-finite values are refused with one clear sentence. Flat, duplicated, flipped or
+// coincident elements run with all collisions on, and nothing explodes.
 #include "souple/error.h"
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
@@ -26,10 +26,10 @@ ObjectOptions with_self_collision(double height = 0) {
   return options;
 }
 
-/// What a mesh is spoilt by.
+/// A defect of a mesh.
 struct Spoilt {
   const char* what;
-  bool refused;  // else it runs
+  bool refused;  // otherwise it runs
   std::function<void(TriangleMesh&)> spoil;
 };
 
@@ -87,7 +87,7 @@ const Spoilt spoilt_meshes[] = {
     {"nothing at all", true, [](TriangleMesh& mesh) { mesh = {}; }},
 };
 
-/// One sentence that says what is wrong.
+/// Expects one sentence that describes the defect.
 void expect_clear(const std::string& message, const char* what) {
   EXPECT_GT(message.size(), 10u) << what;
   EXPECT_EQ(message.find('\n'), std::string::npos) << what << ": " << message;
@@ -103,7 +103,7 @@ void expect_calm(World& world, const char* what) {
   }
 }
 
-/// Adds what is spoilt to a world where a sheet lies around, and falls on it.
+/// Adds a defective mesh to a world above a sheet and drops it there.
 void expect_refused_or_calm(const Spoilt& spoilt, const std::function<void(World&)>& add) {
   World world;
   world.add_collider(Plane{.offset = -0.5f});
@@ -177,7 +177,7 @@ TEST(BadSurfaces, PositionsThatAreNoNumbersAreRefused) {
   } catch (const Error& error) {
     expect_clear(error.what(), "set_positions");
   }
-  // All in one place: taken, and no worse than that.
+  // All vertices at one point: accepted.
   world.set_positions(cloth, std::vector<Vec3f>(16, Vec3f{0.1f, 0.2f, 0.3f}));
   for (int frame = 0; frame < 60; ++frame) EXPECT_TRUE(world.step(frame_time).ok());
 }

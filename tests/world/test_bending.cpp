@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-// The bending models beside each other, as a user meets them: from a material to energies and motion.
+// Comparison of the bending models at the level of the API: from a material to energies and motion.
 
 namespace souple {
 namespace {
@@ -17,7 +17,7 @@ constexpr double stiffness = 0.01;  // D [N m]
 constexpr double side = 0.3;        // m
 const double height = std::sqrt(0.75) * side;
 
-/// Two equilateral triangles with a common edge along X, the second turned up by theta.
+/// Two equilateral triangles with a common edge along X, the second folded up by theta.
 std::vector<Vec3f> folded(double theta) {
   return {{0, 0, 0},
           {static_cast<float>(side), 0, 0},
@@ -33,7 +33,7 @@ TriangleMesh hinge() {
   return mesh;
 }
 
-/// Over that of a hinge, D/2 |e|^2 / (A2 + A3) theta^2.
+/// Energy relative to that of a hinge, D/2 |e|^2 / (A2 + A3) theta^2.
 double relative_energy(BendingModel model, double theta) {
   World world;
   const ObjectId cloth = world.add_cloth(
@@ -65,7 +65,7 @@ TEST(Bending, DistancesAreOneKindWithTheEdges) {
             unique_edges(mesh.triangles).size() + interior_edges(mesh.triangles).size());
 }
 
-/// The first triangle is pinned; how far the tip of the other falls in a second, at most.
+/// The first triangle is pinned: largest drop of the tip of the second within a second.
 double fall(const ClothMaterial& material) {
   World world({.substeps = 50});
   const ObjectId cloth = world.add_cloth(hinge(), material);

@@ -69,7 +69,7 @@ TEST(Callbacks, AStepWithinAStepIsRefused) {
   EXPECT_NEAR(world.time(), 0.01, 1e-12);
 }
 
-// A field that turns bad at t = 0.5 s: the step says who, and the world is as it was before.
+// A force field that becomes NaN at t = 0.5 s: the step reports the particle and restores the world.
 TEST(Callbacks, ABadNumberStopsTheStepAndRestoresTheLastGoodState) {
   World world;
   const ObjectId cloth = world.add_cloth(grid(3, 3, 1), {}, {.name = "sheet"});

@@ -12,7 +12,7 @@
 namespace souple {
 namespace {
 
-/// Everything a world hands out, kept.
+/// All output of World::debug_draw, stored.
 struct Drawn {
   struct Constraint {
     std::string kind;
@@ -44,7 +44,7 @@ struct Drawn {
   }
 };
 
-/// One of everything, on a floor.
+/// One object of each kind, on a floor.
 struct Everything {
   World world{{.substeps = 4}};
   ObjectId cloth, balloon, lump, box, rope, grains;
@@ -87,7 +87,7 @@ TEST(DebugDraw, HandsOutEveryConstraintOfTheReport) {
                            "shape_matching", "enclosed_volume", "rope_bending", "attachment", "tether",
                            "custom", "collider contact", "particle contact"})
     EXPECT_TRUE(expected.count(kind)) << kind;
-  // The largest residual is the one the report names.
+  // The largest residual equals that of the report.
   for (const KindReport& kind : report.kinds) {
     double largest = 0;
     for (const auto& c : drawn.constraints)
@@ -102,7 +102,7 @@ TEST(DebugDraw, HandsOutEveryConstraintOfTheReport) {
 TEST(DebugDraw, ConstraintsOfOneKindAndColorShareNoParticle) {
   Everything e;
   e.world.step(1.0 / 60);
-  // Kinds come one after the other, once per projector; ends and ties are distances of two projectors.
+  // Kinds are contiguous, once per projector; two projectors are distances: the objects' and the joints'.
   std::set<std::array<float, 3>> seen;
   std::string kind;
   int color = -1;
@@ -123,7 +123,7 @@ TEST(DebugDraw, StrainAndResidualAreThoseOfTheShape) {
   const Drawn drawn(world);
   ASSERT_EQ(drawn.constraints.size(), 1u);
   EXPECT_EQ(drawn.constraints[0].kind, "distance");
-  EXPECT_NEAR(drawn.constraints[0].strain, 0.05, 1e-4);  // floats are 6e-5 m apart here
+  EXPECT_NEAR(drawn.constraints[0].strain, 0.05, 1e-4);  // floats have a resolution of 6e-5 m here
   EXPECT_NEAR(drawn.constraints[0].residual, 0.05, 1e-4);
   ASSERT_EQ(drawn.constraints[0].points.size(), 2u);
   EXPECT_EQ(drawn.constraints[0].points[1].x + drawn.constraints[0].points[0].x, 2001.05f);
@@ -143,7 +143,7 @@ TEST(DebugDraw, AnInequalityHasAResidualWhereItIsViolated) {
   };
   EXPECT_EQ(largest(), 0);
   std::vector<Vec3f> x(world.positions(cloth).begin(), world.positions(cloth).end());
-  x[1].x += 1;  // 2 m from the pin, on a leash of 1.5 m
+  x[1].x += 1;  // 2 m from the pin, with a tether of 1.5 m
   world.set_positions(cloth, x);
   EXPECT_NEAR(largest(), 0.5, 1e-6);
 }
@@ -199,7 +199,7 @@ TEST(DebugDraw, ContactsAreThoseOfTheLastStep) {
     EXPECT_EQ(contact.normal, Vec3f(0, 1, 0));
     EXPECT_GT(contact.impulse, 0);
   }
-  // What a contact refers to may be gone.
+  // A collider or object of a contact may have been removed.
   world.remove(floor);
   EXPECT_TRUE(Drawn(world).contacts.empty());
   EXPECT_TRUE(world.contacts().empty());
@@ -229,7 +229,8 @@ TEST(DebugDraw, ContactsAskedForDuringAStepAreNotThoseAfterIt) {
   const Vec3d centers[] = {{0, 0.05, 0}};
   world.add_grains(centers, {.radius = 0.05f});
   world.add_collider(Plane{});
-  world.before(Stage::solve, [](World& w) { (void)w.contacts(); });  // nothing has pushed yet
+  // No contact has applied a correction yet.
+  world.before(Stage::solve, [](World& w) { (void)w.contacts(); });
   world.step(1.0 / 60);
   EXPECT_EQ(world.contacts().size(), 1u);
 }
@@ -242,7 +243,7 @@ TEST(DebugDraw, LookingChangesNothing) {
     const std::uint64_t hash = seen.world.hash();
     const Snapshot before = seen.world.snapshot();
     (void)Drawn(seen.world);
-    seen.world.debug_draw({});  // and nothing is asked for
+    seen.world.debug_draw({});  // without callbacks
     EXPECT_EQ(seen.world.hash(), hash);
     EXPECT_EQ(seen.world.snapshot().bytes, before.bytes);
     EXPECT_EQ(seen.world.hash(), unseen.world.hash());

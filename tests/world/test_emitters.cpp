@@ -13,7 +13,7 @@ namespace {
 constexpr float d = 0.05f;  // m
 constexpr FluidMaterial water{.spacing = d, .density = 1000};
 const Emitter nozzle{.position = {0, 2, 0}, .direction = {0, -1, 0}, .radius = 0.1f, .speed = 1.5f};
-// Points of a square lattice within two of its spacings, about one of them and about the middle of four.
+// Points of a square lattice within two pitches of a lattice point, and of the center of four points.
 constexpr std::size_t in_layers[] = {13, 12};
 constexpr double in_layer = 12.5;
 
@@ -31,7 +31,7 @@ TEST(Emitters, BringTheirFlow) {
   world.add_emitter(fluid, nozzle);
   std::size_t emitted = 0;
   for (int frame = 0; frame < 60; ++frame) emitted += world.step(1.0 / 60).fluid.emitted;
-  // N d^2 speed in a second, of volumes d^3; the first layer comes at once.
+  // N d^2 speed per second, in volumes d^3; the first layer leaves at once.
   const double layers = 1.5 / 0.05;
   EXPECT_NEAR(static_cast<double>(emitted), layers * in_layer, 13.01);
   EXPECT_EQ(world.positions(fluid).size(), emitted);
@@ -43,7 +43,7 @@ TEST(Emitters, ASteadyJetIsOfLayersASpacingApartWhateverTheStep) {
   const ObjectId fluid = add_empty(world, 10000);
   world.add_emitter(fluid, nozzle);
   for (const double dt : {0.01, 0.023, 0.004, 0.05, 0.017}) world.step(dt);
-  std::map<int, int> layers;  // by the distance from the nozzle, in spacings of a layer that left at 0
+  std::map<int, int> layers;  // key: distance from the nozzle in spacings of a layer that left at 0
   const double front = 1.5 * world.time();
   for (const Vec3f& x : world.positions(fluid)) {
     const double behind = (static_cast<double>(x.y) - (2 - front)) / 0.05;
@@ -135,7 +135,7 @@ TEST(Drains, AFluidThatHasNothingLeftIsStillThere) {
   EXPECT_EQ(world.positions(other).size(), 1u);
 }
 
-// A jet falls through a net of obstacles' triangles onto cloth and runs off into a drain.
+// A jet falls through a net of obstacle triangles onto cloth and runs off into a drain.
 World running(int threads) {
   World world({.substeps = 6, .threads = threads});
   const ObjectId fluid = add_empty(world, 600);

@@ -1,4 +1,4 @@
-// Triangles and edges against colliders: what is coarse does not sink in between its corners.
+// Contacts of triangles and edges with colliders: coarse meshes do not sink in between their vertices.
 #include "souple/souple.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ void run(World& world, double seconds) {
   for (int frame = 0; frame < std::lround(seconds * 60); ++frame) world.step(1.0 / 60);
 }
 
-/// The smallest distance of points inside an object's triangles to a shape that stands still.
+/// The smallest distance from points inside an object's triangles to a static shape.
 double lowest_in_triangles(const World& world, ObjectId object, const Shape& shape) {
   constexpr int n = 12;
   double lowest = 1e9;
@@ -35,7 +35,7 @@ ClothMaterial thick_cloth() {
   return material;
 }
 
-// Edges of 0.2 m; the ball fits four times into one of them.
+// Edges of 0.2 m: four times the diameter of the ball.
 TEST(FeatureContacts, ACoarseClothStaysOutsideASmallBall) {
   const Shape shapes[] = {Sphere{{0.03f, 0, 0.02f}, 0.05f}, SignedDistanceField(sphere(3, 0.05), 0.01)};
   for (const Shape& shape : shapes) {
@@ -96,7 +96,7 @@ TEST(FeatureContacts, ARopeHangsOverAThinBar) {
   EXPECT_GT(lowest, 0);
 }
 
-// A taut triangle carries a ball that is fast enough to pass within a substep.
+// A taut triangle stops a ball that is fast enough to pass it within a substep.
 TEST(FeatureContacts, AFastBallDoesNotPassATriangle) {
   World world({.gravity = {}});
   const auto motion = ColliderMotion::callback([](double t) {
@@ -105,7 +105,7 @@ TEST(FeatureContacts, AFastBallDoesNotPassATriangle) {
   world.add_collider(Sphere{{}, 0.02f}, {.motion = motion});
   const ObjectId cloth = world.add_cloth(grid(4, 4, 1.5), thick_cloth());
   run(world, 2.0 / 60);
-  // The ball is at -1.5 m; what it met is below it, nothing above.
+  // The ball is at -1.5 m: the object that it hit is below it, none above.
   const Vec3d center = world.collider_pose(world.colliders()[0]).translation;
   float lowest = 10;
   for (const Vec3f& x : world.positions(cloth)) lowest = std::min(lowest, x.y);
@@ -113,7 +113,7 @@ TEST(FeatureContacts, AFastBallDoesNotPassATriangle) {
   EXPECT_GT(lowest_in_triangles(world, cloth, Sphere{Vec3f(center), 0.02f}), 0);
 }
 
-// Fine enough for the ball below it: not one contact more than its vertices have.
+// Fine enough for the ball below it: no contacts in addition to those of its vertices.
 TEST(FeatureContacts, AFineClothNeedsNone) {
   World world;
   world.add_collider(Sphere{{}, 0.5f});
@@ -124,7 +124,8 @@ TEST(FeatureContacts, AFineClothNeedsNone) {
   for (const ContactEvent& event : world.contacts()) EXPECT_NEAR(length(event.point), 0.5f, 1e-4f);
 }
 
-// A sheet of two triangles on a ball below its middle: the ball carries its weight, and slides as mu says.
+// A sheet of two triangles whose center lies on a ball: the ball supports its weight, and the sheet slides
+// according to mu.
 TEST(FeatureContacts, TheBallCarriesTheWeight) {
   World world;
   world.add_collider(Sphere{{0, -0.1f, 0}, 0.1f}, {.friction = 1});

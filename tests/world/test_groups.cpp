@@ -1,4 +1,4 @@
-// Which things meet: collision groups, masks and the pair table, for every kind of contact.
+// Collision filters: groups, masks and the pair table, for every kind of contact.
 #include "souple/collision/contact_material.h"
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
@@ -12,11 +12,11 @@
 namespace souple {
 namespace {
 
-constexpr float floor_height = -1;  // of what is below everything [m]
+constexpr float floor_height = -1;  // of the floor below all objects [m]
 
-/// What falls: from y = 0.1, onto something at y = 0.
+/// The falling object: from y = 0.1 onto an object or collider at y = 0.
 enum class Falling { cloth, rope, grains, lattice_body };
-/// What it falls on.
+/// The object or collider below.
 enum class Below { collider, cloth, obstacle, grains };
 
 ObjectOptions named(const char* name, CollisionFilter filter) {
@@ -67,8 +67,7 @@ void add_below(World& world, Below what, CollisionFilter filter) {
   }
 }
 
-/// The lowest of the falling thing half a second later: about 0 when it was stopped, below -1 when it was
-/// not.
+/// Lowest point of the falling object half a second later: about 0 if it was stopped, below -1 if not.
 float lowest(World& world, ObjectId id) {
   for (int frame = 0; frame < 30; ++frame) EXPECT_TRUE(world.step(1.0 / 60).ok());
   float y = 1;
@@ -105,7 +104,7 @@ TEST(Groups, TwoObjectsCollideWhenEachMaskHasTheOther) {
   for (const Case& c : cases) {
     SCOPED_TRACE(std::to_string(int(c.falling)) + " on " + std::to_string(int(c.below)));
     EXPECT_FALSE(passes(c.falling, {}, c.below, {}));
-    // Bits of their own, none of which the engine keeps for itself.
+    // Separate bits: the engine reserves none of them.
     EXPECT_FALSE(passes(c.falling, {1u << 31, 2}, c.below, {2, 1u << 31}));
     EXPECT_TRUE(passes(c.falling, {1, ~0u}, c.below, {1, ~1u})) << "only one of them wants to";
     EXPECT_TRUE(passes(c.falling, {1, ~1u}, c.below, {1, ~0u})) << "only the other one wants to";
@@ -165,7 +164,7 @@ TEST(Groups, ACollidersMayChangeToo) {
   EXPECT_LT(lowest(world, grain), -0.9f);
 }
 
-// One grain above the other, on the floor: together they are one ball, or two.
+// Two grains above each other on the floor: with self-collision they stack, without they coincide.
 TEST(Groups, TheNameOfAnObjectTwiceIsItsSelfCollision) {
   for (const bool collide : {true, false}) {
     World world({.substeps = 5});

@@ -1,4 +1,4 @@
-// What begins tangled, or is put into each other, comes apart again or is reported.
+// Objects that start with intersections, or are placed into each other, are separated or reported.
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
 #include "tests/collision/crossings.h"
@@ -109,7 +109,7 @@ void hold_corners(World& world, ObjectId sheet) {
   world.pin(sheet, vertices({0, 14, 210, 224}));
 }
 
-// A closed obstacle is suddenly in the way of a sheet, free or held at its corners.
+// A closed obstacle jumps into a sheet, which is free or pinned at its corners.
 History put_into_sheet(const TriangleMesh& mesh, const Vec3d& at, bool free, int frames) {
   World world({.gravity = {0, free ? 0 : -9.81f, 0}});
   const ObjectId sheet = add_sheet(world, {});
@@ -140,7 +140,7 @@ TEST(Intersections, ObstaclesInAHeldSheetAreLeftSlow) {
   expect_left(false, -0.03);
 }
 
-// The loop of an obstacle's keyframes starts again in the middle of a sheet.
+// The loop of an obstacle's keyframes restarts inside a sheet.
 TEST(Intersections, AnObstacleThatJumpsIntoASheetIsLeft) {
   for (const bool sequence : {false, true}) {
     World world;
@@ -162,7 +162,7 @@ TEST(Intersections, AnObstacleThatJumpsIntoASheetIsLeft) {
   }
 }
 
-// An analytic shape has no triangles to be tangled with: what is inside is led out by contacts.
+// An analytic shape has no triangles that could intersect: contacts push out vertices inside it.
 TEST(Intersections, AColliderThatJumpsIntoASheetIsLeft) {
   World world;
   const Vec3d away{0, -3, 0};
@@ -207,7 +207,7 @@ TEST(Intersections, WhatIsHeldIsOnlyReported) {
   EXPECT_NE(world.report().message.find("where nothing can move"), std::string::npos);
 }
 
-// A sheet that is folded in two at rest, whose upper half bulges through the lower one.
+// A sheet that is folded in two at rest, whose upper half bulges through the lower half.
 TEST(Intersections, ABulgeThroughTheOtherHalfOfASheetIsDrawnOut) {
   World world({.gravity = {}});
   ObjectOptions options;
@@ -222,7 +222,7 @@ TEST(Intersections, ABulgeThroughTheOtherHalfOfASheetIsDrawnOut) {
   const History history = simulate(world, 180);
   EXPECT_GT(history.at_first, 10u);
   expect_apart(history);
-  EXPECT_LT(history.apart_after, 40);  // left alone, it takes twice as long
+  EXPECT_LT(history.apart_after, 40);  // without intervention it takes twice as long
 }
 
 TEST(Intersections, BoxesInOneAnotherOnTheFloorComeApart) {
@@ -237,7 +237,7 @@ TEST(Intersections, BoxesInOneAnotherOnTheFloorComeApart) {
   expect_apart(simulate(world, 240));
 }
 
-// Bodies, sheets and obstacles thrown into one place, turned at random.
+// Bodies, sheets and obstacles at one position, with random rotations.
 TEST(Intersections, WhateverIsThrownTogetherComesApartSlow) {
   test::Random random(3);
   const auto anywhere = [&](double spread) {

@@ -1,4 +1,4 @@
-// Layers of cloth: the higher one comes to lie outside, however it begins, and stays there.
+// Layers of cloth: the higher layer moves outside from any start, and stays there.
 #include "souple/geometry/builders.h"
 #include "souple/scene/scene.h"
 #include "souple/world/world.h"
@@ -41,7 +41,7 @@ TriangleMesh tube(int around, int rows, double radius, double height) {
 }
 
 struct History {
-  std::size_t at_first = 0, at_last = 0;  // edges through triangles; at_last: in any of the last frames
+  std::size_t at_first = 0, at_last = 0;  // edges through triangles; at_last: maximum over the last frames
   float top_speed = 0;                    // m/s
 };
 
@@ -59,8 +59,8 @@ History simulate(World& world, int frames) {
   return history;
 }
 
-// By how much every vertex of one tube is farther from the axis than the other one there; the least of all.
-// Angles and heights are looked up in the inner one's triangles by a ray from the axis.
+// Minimum over all vertices of the outer tube: its distance from the axis minus that of the inner tube. A ray
+// from the axis finds the inner tube's triangle at the vertex's angle and height.
 float least_clearance(const World& world, ObjectId inner, ObjectId outer) {
   const auto x = world.positions(inner);
   float least = 1;
@@ -179,7 +179,7 @@ float mean_height(const World& world, ObjectId id) {
   return static_cast<float>(world.center_of_mass(id).y);
 }
 
-// Of three sheets in the wrong order, two of which lie in one plane.
+// Three sheets in the wrong order; two of them are coplanar.
 TEST(Layers, SheetsOnATableAreSorted) {
   World world;
   world.add_collider(Plane{});
@@ -194,7 +194,7 @@ TEST(Layers, SheetsOnATableAreSorted) {
   EXPECT_GT(least_height(world, first), -1e-3f);
 }
 
-// A sheet that begins deep inside of a closed body.
+// A sheet that starts deep inside a closed body.
 TEST(Layers, ASheetInsideOfABodyComesOut) {
   World world({.gravity = {}});
   const ObjectId body =
@@ -209,7 +209,7 @@ TEST(Layers, ASheetInsideOfABodyComesOut) {
   EXPECT_TRUE(world.contains(body));
 }
 
-// The upper sheet is sewn to the lower one along a line, where the two coincide.
+// The upper sheet is sewn to the lower one along a line where the two coincide.
 TEST(Layers, WhatIsSewnTogetherIsNotPulled) {
   constexpr double angle = 0.2, half = 0.2;
   World world({.gravity = {}});
@@ -227,7 +227,7 @@ TEST(Layers, WhatIsSewnTogetherIsNotPulled) {
   EXPECT_GT(mean_height(world, upper), mean_height(world, lower) + 0.02f);
 }
 
-// The shipped scene, by a checker of its own.
+// The shipped scene, with an independent checker.
 TEST(Layers, ATorsoInAShirtAndACoatStaysDressedSlow) {
   World world = build_world(load_scene(source_path("scenes/layers.json")));
   EXPECT_GT(crossings(world), 300u);
@@ -239,7 +239,7 @@ TEST(Layers, ATorsoInAShirtAndACoatStaysDressedSlow) {
   }
 }
 
-// Two sheets in touch, the order of which is changed.
+// Two sheets in contact whose order changes.
 TEST(Layers, TheOrderMayBeGivenLater) {
   World world({.gravity = {}});
   const ObjectId one = world.add_cloth(grid(10, 10, 0.4), cotton, layer("one", 0));

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-// Prediction and velocity update are written twice, packed and one particle at a time: both must give the
-// same bits.
+// Prediction and velocity update exist as SIMD kernels and as scalar code: both must give the same bits.
 
 namespace souple {
 namespace {
@@ -21,12 +20,12 @@ World hanging_cloth(const Settings& settings) {
   world.pin(cloth, vertices({0, 4}));
   ObjectOptions beside;
   beside.transform.translation = {2, 0, 0};
-  world.add_cloth(grid(3, 3, 0.3), {}, beside);  // 63 particles in all: the last do not fill a register
+  world.add_cloth(grid(3, 3, 0.3), {}, beside);  // 63 particles in total: the last do not fill a register
   return world;
 }
 
-// Users' force fields take the world to the code that moves one particle after another: a field without force
-// must not change a bit of what the packed code does.
+// With users' force fields the world uses scalar code: a field without force must give the bits of the SIMD
+// kernels.
 TEST(Motion, AFieldWithoutForceChangesNoBit) {
   for (const Form form : {Form::displacement, Form::plain}) {
     for (const float wind : {0.0f, 8.0f}) {
@@ -84,7 +83,7 @@ struct Bodies {
 constexpr float gravity[3] = {0.5f, -9.81f, 0};
 constexpr float h = 1.0f / 600;
 
-// Predicts, moves one particle as a solver would, finishes: particles [begin, end) of 23.
+// Predicts, moves one particle as a solver would, and finishes: particles [begin, end) of 23.
 Bodies advance(const kernels::MotionKernels& kernels, bool plain, bool windy, std::size_t begin,
                std::size_t end) {
   Bodies bodies(23);
@@ -119,7 +118,7 @@ TEST(Motion, EveryInstructionSetGivesTheSameBits) {
         }
 }
 
-// A free particle falls by the book, a pinned one stays, and neither loses its inverse mass.
+// A free particle falls as the scheme says, a pinned one stays, and both keep their inverse masses.
 TEST(Motion, PinnedParticlesStay) {
   for (const kernels::MotionKernels* kernels : all_kernels())
     for (const bool plain : {false, true}) {

@@ -43,7 +43,7 @@ TEST(Objects, AFlatTetIsNamedWhenItIsAdded) {
   EXPECT_TRUE(world.objects().empty());
 }
 
-// A closed surface keeps its slivers, or it would open; they stretch, but carry no bending.
+// A closed surface keeps its slivers so that it stays closed; they stretch, but have no bending constraint.
 TEST(Objects, ASliverDoesNotStopACloth) {
   World world;
   std::string heard;
@@ -52,7 +52,8 @@ TEST(Objects, ASliverDoesNotStopACloth) {
   mesh.positions.push_back((mesh.positions[mesh.triangles[0][0]] + mesh.positions[mesh.triangles[0][1]]) *
                            0.5);
   const auto middle = static_cast<std::uint32_t>(mesh.positions.size() - 1);
-  const Triangle first = mesh.triangles[0];  // its side 0-1 is cut on this side only: a sliver closes the gap
+  // Its side 0-1 is split on this side only: a sliver closes the gap.
+  const Triangle first = mesh.triangles[0];
   mesh.triangles[0] = {middle, first[1], first[2]};
   mesh.triangles.push_back({first[0], middle, first[2]});
   mesh.triangles.push_back({first[0], first[1], middle});
@@ -69,7 +70,7 @@ TEST(Objects, MassesAreThoseOfTheMaterial) {
   const Vec3d ends[] = {{0, 0, 0}, {3, 0, 0}};
   EXPECT_NEAR(world.total_mass(world.add_rope(ends, 10, {.radius = 0.01f, .density = 1000})),
               1000 * pi * 1e-4 * 3, 1e-4);
-  // A lattice covers more than its surface, but weighs what the surface holds.
+  // A lattice is larger than its surface, but has the mass of the enclosed volume.
   EXPECT_NEAR(world.total_mass(world.add_soft_body(sphere(3, 0.5), {.density = 100}, {.cells = 800})),
               100 * 4.0 / 3 * pi * 0.125, 0.6);
 }
@@ -92,7 +93,7 @@ TEST(Objects, UsersSeeTheirOwnVerticesAtRest) {
   }
 }
 
-// Two triangles whose shared edge is doubled in the file, as at a UV seam, move as one sheet.
+// Two triangles whose shared edge is duplicated in the file, as at a UV seam, move as one sheet.
 TEST(Objects, SeamsAreWelded) {
   TriangleMesh seam;
   seam.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}};
@@ -121,7 +122,7 @@ TEST(Objects, RemovingOneLeavesTheOthersAsIfItHadNeverBeen) {
     world.pin(b, vertices({0, 4}));
     world.attach(b, vertices({24}), {}, 1e-3f);
     if (with_middle) {
-      world.step(1e-9);  // builds everything once with the middle object
+      world.step(1e-9);  // builds all constraints once, including the middle object
       world.restore(world.snapshot());
       world.remove(middle);
     } else {
@@ -154,7 +155,7 @@ TEST(Objects, MaterialsChangeAtOnce) {
   world.set_material(rope, stiff);
   for (int i = 0; i < 240; ++i) world.step(1.0 / 60);
   const double hard = -1 - static_cast<double>(world.positions(rope)[4].y);
-  // The rope's own weight: rho g L^2 / (2 E) = 4.9 mm, and a quarter of it.
+  // Elongation under the rope's own weight: rho g L^2 / (2 E) = 4.9 mm, and a quarter of it.
   EXPECT_NEAR(soft, -1000 * -9.81 / (2 * 1e6), 0.02 * 4.9e-3);
   EXPECT_NEAR(soft / hard, 4, 0.1);
   expect_error([&] { world.set_material(rope, ClothMaterial{}); }, {"rope", "material"});
@@ -191,7 +192,7 @@ TEST(Objects, SettersCheckWhatTheyGet) {
   expect_error([&] { world.set_positions(body, three); }, {"embedded"});
 }
 
-// Objects that are far apart are not looked at in detail; one that flies at another is, in time.
+// Distant objects are excluded from the detailed search; a fast object is included in time.
 TEST(Objects, AFastBodyHitsWhatWasFarAway) {
   World world({.gravity = {}});
   ClothMaterial sheet;

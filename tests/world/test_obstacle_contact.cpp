@@ -1,4 +1,4 @@
-// What obstacles do to others: they carry, push and hold off, and nothing passes.
+// Contacts with obstacles: they support, push and stop other objects, and nothing passes through.
 #include "souple/geometry/adjacency.h"
 #include "souple/souple.h"
 
@@ -14,7 +14,7 @@ void run(World& world, double seconds, int frame_rate = 60) {
   for (int i = 0; i < frames; ++i) world.step(1.0 / frame_rate);
 }
 
-/// Along x at a constant speed, from the start on.
+/// Motion along x at a constant speed, from t = 0 on.
 ColliderMotion sliding(double speed) {
   return ColliderMotion::callback([=](double t) { return Transform{.translation = {speed * t, 0, 0}}; });
 }
@@ -35,7 +35,7 @@ bool crosses(const Vec3d& p, const Vec3d& q, const Vec3d& a, const Vec3d& b, con
   return side == (volume(p, q, b, c) > 0) && side == (volume(p, q, c, a) > 0);
 }
 
-/// Edges of either that go through triangles of the other.
+/// Number of edges of either object that pass through triangles of the other.
 int crossings(const World& world, ObjectId one, ObjectId other) {
   int count = 0;
   for (int turn = 0; turn < 2; ++turn, std::swap(one, other)) {
@@ -65,7 +65,7 @@ TEST(ObstacleContact, AGrainRestsOnAStaticMesh) {
     const double weight = world.total_mass(grain) * 9.81;
     double impulse = 0;
     for (const ContactEvent& event : world.contacts()) impulse += static_cast<double>(event.impulse);
-    EXPECT_NEAR(impulse * 600, weight, 0.05 * weight);  // of a substep
+    EXPECT_NEAR(impulse * 600, weight, 0.05 * weight);  // impulse of one substep
   }
 }
 
@@ -90,7 +90,7 @@ TEST(ObstacleContact, AMovingMeshCarriesACloth) {
   const ObjectId cloth =
       world.add_cloth(grid(11, 11, 0.8), material, {.transform = {.translation = {0, 0.111, 0}}});
   run(world, 2);
-  // It slides until friction has brought it to the speed of the mesh: v^2 / (2 mu g) behind.
+  // It slides until friction has accelerated it to the speed of the mesh: v^2 / (2 mu g) behind.
   EXPECT_NEAR(world.center_of_mass(cloth).x, 1 - 0.25 / (2 * 0.8 * 9.81), 3e-3);
   for (const Vec3f& v : world.velocities(cloth)) EXPECT_NEAR(v.x, 0.5f, 0.005f);
 }
@@ -124,7 +124,7 @@ TEST(ObstacleContact, AWallPushesABallOfClothWithoutPassing) {
       const double wall = speed * frame / 60;
       for (const Vec3f& x : world.positions(ball)) ASSERT_GT(x.x, wall) << speed << " m/s, frame " << frame;
     }
-    // It goes along with the wall, or flies ahead of it.
+    // It moves with the wall or ahead of it.
     EXPECT_GT(world.center_of_mass(ball).x, speed + 0.15);
     EXPECT_EQ(world.report().flags, 0u) << world.report().message;
   }

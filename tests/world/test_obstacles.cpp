@@ -1,4 +1,4 @@
-// Meshes that go where they are told: where they are, how fast, and what cannot be done to them.
+// Obstacles: positions and velocities of their motion, and operations that they refuse.
 #include "souple/souple.h"
 #include "tests/expect_error.h"
 
@@ -15,7 +15,7 @@ ColliderMotion spinning(double turns_per_second) {
   });
 }
 
-/// A sphere that breathes once a second by `part` of its radius.
+/// A sphere whose radius oscillates once per second by the fraction `part`.
 MeshSequence breathing(const TriangleMesh& mesh, double part, double frame_rate) {
   MeshSequence sequence{.frame_rate = frame_rate, .loop = true};
   for (int frame = 0; frame <= static_cast<int>(frame_rate); ++frame) {
@@ -87,7 +87,7 @@ TEST(Obstacles, ASequenceIsFollowedBetweenItsFrames) {
                   2e-6)
             << i;
       const double speed = (size(frame + 1) - size(frame)) * 10;
-      const bool between = t * 10 - frame > 0.05;  // at a frame the speed changes
+      const bool between = t * 10 - frame > 0.05;  // the speed changes at a frame
       if (between) {
         ASSERT_NEAR(length(Vec3d(world.velocities(ball)[5])), std::fabs(speed),
                     0.01 * std::fabs(speed) + 1e-4);
@@ -110,10 +110,10 @@ TEST(Obstacles, ASequenceIsClampedAtItsEndsAndHasItsOwnTimes) {
     world.step(dt);
     return world.positions(plate)[0].y;
   };
-  EXPECT_NEAR(height_after(0.05), 1, 1e-6);    // not begun
-  EXPECT_NEAR(height_after(0.30), 1.5, 1e-5);  // 0.35 s: the middle of the first two
-  EXPECT_NEAR(height_after(0.30), 3.5, 1e-4);  // 0.65 s: the middle of the last two
-  EXPECT_NEAR(height_after(0.20), 5, 1e-5);    // over
+  EXPECT_NEAR(height_after(0.05), 1, 1e-6);    // not started
+  EXPECT_NEAR(height_after(0.30), 1.5, 1e-5);  // 0.35 s: halfway between the first two frames
+  EXPECT_NEAR(height_after(0.30), 3.5, 1e-4);  // 0.65 s: halfway between the last two frames
+  EXPECT_NEAR(height_after(0.20), 5, 1e-5);    // finished
   EXPECT_NEAR(height_after(0.20), 5, 1e-5);
   EXPECT_EQ(world.velocities(plate)[0], Vec3f());
 }
@@ -145,7 +145,7 @@ TEST(Obstacles, ALoopThatStartsOverHasNoVelocityOfTheJump) {
 }
 
 TEST(Obstacles, CachesKeepTheUsersVertices) {
-  // Two triangles that share an edge by position alone; the welded mesh has four particles.
+  // Two triangles with an edge that they share by position only; the welded mesh has four particles.
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}};
   mesh.triangles = {{0, 2, 1}, {3, 4, 5}};

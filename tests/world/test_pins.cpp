@@ -54,8 +54,8 @@ TEST(Pins, ATargetIsFollowedExactly) {
   }
 }
 
-// A spring of 1/compliance between the cloth's one free particle and a moving target: m g / k below it at
-// rest.
+// A spring of stiffness 1/compliance between the cloth's only free particle and a moving target: m g / k
+// below it at rest.
 TEST(Pins, AnAttachmentIsASpring) {
   World world({.substeps = 20, .drag = 4});
   const Vec3d points[] = {{0, 0, 0}};
@@ -102,7 +102,7 @@ struct JoinedRopes {
   float gap() const { return length(world.positions(left)[10] - world.positions(right)[0]); }
 };
 
-// Frames 1 to 30 begin before 0.5 s; the 31st begins then.
+// Frames 1 to 30 start before 0.5 s; the 31st starts then.
 TEST(Pins, JointsAreReleasedInTime) {
   JoinedRopes tied(0.5);
   tied.step(30);
@@ -112,8 +112,8 @@ TEST(Pins, JointsAreReleasedInTime) {
   expect_error([] { JoinedRopes(-1.0); }, {"until", "-1"});
 }
 
-// From before the end of a tie and from after it: a restored world goes on as the first did, and ties again
-// what was tied then.
+// Snapshots from before and after the release: a restored world continues as before, and reactivates the
+// joints that were active.
 TEST(Pins, SnapshotsKeepWhichJointsAreActive) {
   JoinedRopes tied(0.5), other(0.5);
   tied.step(20);
@@ -132,7 +132,7 @@ TEST(Pins, SnapshotsKeepWhichJointsAreActive) {
   EXPECT_EQ(other.world.hash(), end);
 }
 
-// Soft cloth stretches; tethers hold its end within 1 + slack of the rest length.
+// Soft cloth stretches; tethers keep its end within 1 + slack of the rest length.
 TEST(Pins, TethersLimitTheReach) {
   const auto hang = [](bool tethers) {
     World world({.drag = 2});
@@ -157,7 +157,7 @@ TEST(Pins, PressureNeedsAClosedSurface) {
   EXPECT_GT(length(world.positions(ball)[0] - Vec3f(world.center_of_mass(ball))), 0.51f);
 }
 
-// The user's own struct gets the solvers, the colors and the report.
+// The solvers, the coloring and the report work for a user's struct.
 struct OnTheGround {
   static constexpr const char* name = "on_the_ground";
   static constexpr int arity = 1;

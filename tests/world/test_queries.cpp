@@ -52,7 +52,7 @@ TEST(Queries, ContactsAreEvents) {
   const ObjectId grains = world.add_grains(grain, {.radius = 0.1f, .density = 1000});
   world.add_collider(Plane{}, {.name = "floor"});
   for (int i = 0; i < 120; ++i) world.step(1.0 / 60);
-  // At rest a contact touches in most substeps; find one that does.
+  // At rest a contact is active in most substeps; find such a step.
   for (int i = 0; i < 10 && world.contacts().empty(); ++i) world.step(1.0 / 60);
   ASSERT_EQ(world.contacts().size(), 1u);
   const ContactEvent& event = world.contacts()[0];
@@ -65,7 +65,7 @@ TEST(Queries, ContactsAreEvents) {
   EXPECT_NEAR(world.positions(grains)[0].y, 0.1, 1e-4);
 }
 
-// Before the first step too: a rope of one segment, stiffness E pi r^2 / l, pulled to 1.1 times its length.
+// Also before the first step: a rope of one segment, stiffness E pi r^2 / l, at 1.1 times its length.
 TEST(Queries, ElasticEnergyNeedsNoStep) {
   World world;
   const Vec3d ends[] = {{0, 0, 0}, {2, 0, 0}};

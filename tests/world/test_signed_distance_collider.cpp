@@ -1,4 +1,4 @@
-// A signed distance field among the colliders of a world.
+// A signed distance field as a collider of a world.
 #include "souple/souple.h"
 #include "tests/collision/revolved.h"
 
@@ -15,14 +15,14 @@ void run(World& world, double seconds) {
   for (int frame = 0; frame < std::lround(seconds * 60); ++frame) world.step(1.0 / 60);
 }
 
-/// How high the cloth's highest vertex lies.
+/// Height of the cloth's highest vertex.
 double top(const World& world, ObjectId cloth) {
   float highest = -1e9f;
   for (const Vec3f& x : world.positions(cloth)) highest = std::max(highest, x.y);
   return static_cast<double>(highest);
 }
 
-/// How near its nearest vertex is to a torus.
+/// Distance from the cloth's nearest vertex to a torus.
 double nearest_to_torus(const World& world, ObjectId cloth, double major, double minor) {
   double nearest = 1e9;
   for (const Vec3f& x : world.positions(cloth)) {
@@ -53,7 +53,7 @@ TEST(SignedDistanceCollider, AClothLiesOnItAsOnItsMesh) {
   EXPECT_NEAR(on_field.center_of_mass(a).y, on_mesh.center_of_mass(b).y, spacing);
 }
 
-// The wall is as thick as two spacings, a grain as wide as three of them.
+// The wall is two sample spacings thick; a grain is three wide.
 TEST(SignedDistanceCollider, NoGrainLeavesAGlass) {
   const double radius = 0.1, wall = 0.02;
   World world;

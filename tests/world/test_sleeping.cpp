@@ -1,4 +1,4 @@
-// Objects at rest fall asleep, and wake when something moves them or near them.
+// Objects at rest fall asleep. They wake when they or objects near them are moved.
 #include "souple/geometry/builders.h"
 #include "souple/host/grab.h"
 #include "souple/world/world.h"
@@ -33,7 +33,7 @@ void run(World& world, double seconds) {
   for (double t = 0; t < seconds; t += frame) ASSERT_TRUE(world.step(frame).ok());
 }
 
-/// Frames until all sleep; `most` when they do not.
+/// Number of frames until all objects sleep, or `most`.
 int frames_until_asleep(World& world, int most) {
   std::size_t movable = 0;
   for (const ObjectId id : world.objects()) movable += world.kind(id) != ObjectKind::obstacle ? 1 : 0;
@@ -69,7 +69,7 @@ void add_grains(World& world) {
   world.add_grains(centers, {.radius = 0.02f, .friction = 0.8f});
 }
 
-// What every kind does on a floor.
+// Objects of every kind on a floor.
 TEST(Sleeping, WhatLiesStillFallsAsleepAndStaysToTheBit) {
   const std::function<void(World&)> heaps[] = {
       add_heap_of_cloth,
@@ -119,7 +119,7 @@ TEST(Sleeping, NothingSleepsUnlessAsked) {
   EXPECT_EQ(world.report().asleep, 0u);
 }
 
-// A sheet held at its corners: what falls on it must be caught as if it had never slept.
+// A sheet pinned at its corners must catch a falling object as if it had never slept.
 TEST(Sleeping, ABallWakesTheSheetThatCatchesIt) {
   const auto deepest = [](bool enabled) {
     Settings settings = sleepy();
@@ -148,7 +148,7 @@ TEST(Sleeping, ABallWakesTheSheetThatCatchesIt) {
   EXPECT_NEAR(slept, awake, 0.1 * awake);
 }
 
-// The blow is shared: momentum is that of the two, not lost in a wall.
+// Both share the momentum of the impact: no immovable wall absorbs it.
 TEST(Sleeping, ABlowIsFeltByBothSides) {
   Settings settings = sleepy();
   settings.gravity = {};
@@ -254,7 +254,7 @@ TEST(Sleeping, TwoStacksSleepApart) {
   EXPECT_LT(frames_until_asleep(world, 600), 600);
 }
 
-// Every push of a user wakes what it pushes at.
+// Every action of a user wakes the object it affects.
 TEST(Sleeping, UsersWakeWhatTheyTouch) {
   const std::function<void(World&, ObjectId)> touches[] = {
       [](World& w, ObjectId id) { w.set_positions(id, copy(w.positions(id))); },
@@ -353,7 +353,7 @@ TEST(Sleeping, WhatCarriesThemWakesThemWhenItMoves) {
   }
 }
 
-// Far away anything may move; what is slow wakes nobody.
+// Distant objects may move; slow objects wake no others.
 TEST(Sleeping, OthersLeaveThemAlone) {
   World world(sleepy());
   world.add_collider(Plane{});
@@ -434,7 +434,7 @@ TEST(Sleeping, SnapshotsKeepWhoSleeps) {
     ASSERT_EQ(a.hash(), b.hash()) << k;
     ASSERT_EQ(a.report().asleep, b.report().asleep) << k;
   }
-  // Rolled back to before anyone slept.
+  // Restored to a state before any object slept.
   World fresh = three_heaps(1);
   const Snapshot start = fresh.snapshot();
   for (int k = 0; k < 10; ++k) fresh.step(frame);
@@ -443,7 +443,8 @@ TEST(Sleeping, SnapshotsKeepWhoSleeps) {
   EXPECT_EQ(a.hash(), fresh.hash());
 }
 
-// A callback may push in the middle of a step: what it wakes meets others within the same step.
+// A callback may apply an impulse during a step: the awakened object collides with others within the same
+// step.
 TEST(Sleeping, ACallbackMayWakeWithinAStep) {
   World world(sleepy());
   world.add_obstacle(grid(5, 5, 1));
@@ -480,7 +481,7 @@ TEST(Sleeping, ABadStepPutsSleepersBackAsTheyWere) {
   EXPECT_GT(world.carriers(bad, 0)[0].inverse_mass, 0);
 }
 
-// Sleepers are solved by nobody: no contacts when all sleep, and what is stiff under them stays.
+// Nothing is solved when all objects sleep: there are no contacts.
 TEST(Sleeping, NothingIsSolvedWhenAllSleep) {
   World world(sleepy());
   world.add_collider(Plane{}, {.friction = 0.8f});

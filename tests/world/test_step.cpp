@@ -20,7 +20,7 @@ TEST(Step, RefusesATimeThatIsNone) {
   }
 }
 
-// A small number is told as it is, not as 0.000000.
+// A small number is printed as it is, not as 0.000000.
 TEST(Step, MessagesPrintSmallNumbers) {
   World world;
   EXPECT_NE(world.step(-1e-9).message.find("dt is -1e-09 s"), std::string::npos);
@@ -41,13 +41,13 @@ TEST(Step, TheReportCounts) {
   EXPECT_EQ(report.particles, 20u);
   ASSERT_EQ(report.kinds.size(), 2u);
   EXPECT_EQ(report.kinds[0].kind, "distance");
-  EXPECT_EQ(report.kinds[0].count, 4u * 4 + 3u * 5 + 3u * 4);  // rows, columns, one diagonal a square
+  EXPECT_EQ(report.kinds[0].count, 4u * 4 + 3u * 5 + 3u * 4);  // rows, columns, one diagonal per square
   EXPECT_EQ(report.kinds[1].kind, "isometric_bending");
   EXPECT_GT(report.total_milliseconds(), 0);
   EXPECT_NEAR(report.time, 1.0 / 60, 1e-12);
 }
 
-// Half-way through the second an edge is 30 % too long: the flag names the knob.
+// Halfway through the second an edge is 30 % too long: the message names the setting.
 TEST(Step, LargeStrainIsFlagged) {
   World world({.gravity = {}});
   const ObjectId cloth = world.add_cloth(grid(3, 3, 1), {.membrane_stiffness = 1e-3f});
@@ -60,8 +60,7 @@ TEST(Step, LargeStrainIsFlagged) {
   EXPECT_NE(report.message.find("raise substeps"), std::string::npos);
 }
 
-// A sheet falling in still air under its weight reaches the speed where drag carries it: 1/2 rho c v^2 A = m
-// g.
+// A sheet that falls in still air reaches its terminal speed: 1/2 rho c v^2 A = m g.
 TEST(Step, WindCarriesAFlatSheet) {
   World world({.wind = {.velocity = {0, 1e-6f, 0}}});
   const ClothMaterial paper{.areal_density = 0.1f, .air_drag = 1, .air_lift = 0};
@@ -82,8 +81,8 @@ TEST(Step, GustsComeFromTheSeed) {
   EXPECT_NE(blow(1), blow(2));
 }
 
-// Damping of everything but rigid motion (Müller et al. 2007, section 3.5): a spinning, moving body keeps
-// both momenta.
+// Damping of all but rigid motion (Müller et al. 2007, section 3.5): a spinning, moving body keeps both
+// momenta.
 TEST(Step, DampingKeepsRigidMotion) {
   World world({.gravity = {}});
   const ObjectId body =
@@ -105,8 +104,8 @@ TEST(Step, DampingKeepsRigidMotion) {
   EXPECT_LT(spin_before, 0);
 }
 
-// The embedded surface, not its lattice, comes to rest on the floor; between the few nodes that carry it a
-// round surface sinks in by about cell^2 / (4 r), 3 mm here.
+// The embedded surface, not its lattice, rests on the floor. Between the few nodes that support it a round
+// surface penetrates by about cell^2 / (4 r), 3 mm here.
 TEST(Step, ASoftBodyRestsOnItsSurface) {
   World world({.substeps = 20, .drag = 2});
   const ObjectId ball =

@@ -8,7 +8,7 @@
 namespace souple {
 namespace {
 
-/// What a viewer does to advance by one substep of `settings`: a step of dt / substeps in one part.
+/// Advances by one substep of `settings`, like a viewer: a step of dt / substeps with one substep.
 void advance_one_substep(World& world, double dt) {
   const Settings settings = world.settings();
   Settings one = settings;
@@ -26,8 +26,8 @@ double largest_difference(const World& a, const World& b) {
   return largest;
 }
 
-/// Without contacts a step knows nothing of how it is cut: ten substeps are one step to the bit, pins and
-/// attachments with targets included.
+/// Without contacts a step does not depend on its division: ten steps of one substep equal one step of ten
+/// bitwise, including pins and attachments with targets.
 TEST(Substeps, OneByOneEqualAStepToTheBit) {
   const auto build = [] {
     World world({.wind = {.velocity = {1, 0, 0}, .gust = 0.5f}});
@@ -47,7 +47,8 @@ TEST(Substeps, OneByOneEqualAStepToTheBit) {
   EXPECT_NEAR(whole.time(), cut.time(), 1e-12);
 }
 
-/// With contacts as well, unless the broad phase, which then runs ten times instead of once, finds others.
+/// With contacts the same holds unless the broad phase, which then runs ten times instead of once, finds
+/// other candidates.
 TEST(Substeps, OneByOneAreCloseWithContacts) {
   const auto build = [] {
     World world;

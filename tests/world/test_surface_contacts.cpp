@@ -24,7 +24,7 @@ Vec3d total_momentum(const World& world) {
   return sum;
 }
 
-// The checker itself: crumpled sheets, counted with its grid and pair by pair.
+// Test of the checker: crumpled sheets, counted with its grid and pair by pair.
 TEST(Crossings, GridCountsWhatAllPairsCount) {
   for (const int n : {2, 7, 20, 40}) {
     const TriangleMesh mesh = grid(n, n, 1);
@@ -78,7 +78,7 @@ TEST(SurfaceContacts, ThreadsChangeNoBit) {
   EXPECT_EQ(hash(8), one);
 }
 
-// A stone thrown at a free sheet takes it along: nothing passes, and momentum is kept.
+// A stone thrown at a free sheet moves it: no crossing, and momentum is conserved.
 TEST(SurfaceContacts, AFastStoneDoesNotPass) {
   for (const Form form : {Form::displacement, Form::plain}) {
     World world({.form = form, .gravity = {}});
@@ -104,7 +104,7 @@ TEST(SurfaceContacts, AFastStoneDoesNotPass) {
   }
 }
 
-// What lies on a sheet between its vertices is held by its triangles.
+// Triangles support an object that lies between their vertices.
 TEST(SurfaceContacts, AGrainRestsInTheMiddleOfATriangle) {
   World world({.substeps = 20});
   const ObjectId sheet = world.add_cloth(grid(3, 3, 1), {.thickness = 0.01f});
@@ -116,7 +116,7 @@ TEST(SurfaceContacts, AGrainRestsInTheMiddleOfATriangle) {
   EXPECT_LT(double(length(world.velocities(grain)[0])), 1e-3);
 }
 
-// Above a node and between two of them, which are 5 cm apart.
+// Above a node, and between two nodes 5 cm apart.
 TEST(SurfaceContacts, AGrainRestsOnARopeWhereverItIs) {
   World world({.substeps = 20});
   const std::vector<Vec3d> across{{-0.5, 0, 0}, {0.5, 0, 0}};
@@ -131,8 +131,8 @@ TEST(SurfaceContacts, AGrainRestsOnARopeWhereverItIs) {
   }
 }
 
-// A grain on a rope that goes down hill sticks and slides as mu says, over edges and nodes alike:
-// a = g (sin - mu cos).
+// A grain on a sloping rope sticks and slides according to mu, over edges and nodes alike: a = g (sin - mu
+// cos).
 TEST(SurfaceContacts, AGrainSlidesDownARopeAsMuSays) {
   const double mu = 0.4;
   for (const double steepness : {0.9, 1.5}) {  // tan of the slope over mu
@@ -153,8 +153,8 @@ TEST(SurfaceContacts, AGrainSlidesDownARopeAsMuSays) {
   }
 }
 
-// A grain falls on the middle of an edge of a rope that floats: it bounces as restitution says, and what it
-// loses the rope gets.
+// A grain falls on the midpoint of an edge of a free rope: it bounces according to restitution, and the rope
+// receives the momentum that it loses.
 TEST(SurfaceContacts, AGrainBouncesOffAnEdgeOfARope) {
   World world({.substeps = 20, .gravity = {}});
   const std::vector<Vec3d> across{{-0.05, 0, 0}, {0.05, 0, 0}}, above{{0, 0.1, 0}};
@@ -168,8 +168,8 @@ TEST(SurfaceContacts, AGrainBouncesOffAnEdgeOfARope) {
   EXPECT_LT(length(total_momentum(world) - before), 1e-4 * length(before));
 }
 
-// 3.3 m a frame, on either side of a rope 2 cm thick, whose nodes are 25 cm apart. Each grain stays on its
-// side, or goes with the rope.
+// 3.3 m per frame, on either side of a rope 2 cm thick with nodes 25 cm apart. Each grain stays on its side,
+// or moves with the rope.
 TEST(SurfaceContacts, NoGrainThatIsAimedAtARopePasses) {
   std::vector<Vec3f> of_one_thread;
   for (const int threads : {1, 2, 8}) {
@@ -185,7 +185,7 @@ TEST(SurfaceContacts, NoGrainThatIsAimedAtARopePasses) {
       contacts += world.step(1.0 / 60).contacts;
       const auto nodes = world.positions(rope);
       for (const Vec3f& x : world.positions(grains)) {
-        float height = -9;  // of the rope where the grain is
+        float height = -9;  // height of the rope at the grain
         for (std::size_t k = 0; k < 4; ++k)
           if (nodes[k].x <= x.x && x.x <= nodes[k + 1].x)
             height = nodes[k].y +
@@ -216,7 +216,7 @@ TEST(SurfaceContacts, ARopeHangsOverARope) {
   EXPECT_LT(x[21].y, -0.2f);
 }
 
-// A patch of cloth on a slope of cloth sticks and slides as mu says: a = g (sin - mu cos).
+// A patch of cloth on a slope of cloth sticks and slides according to mu: a = g (sin - mu cos).
 TEST(SurfaceContacts, ClothOnAClothSlopeSlidesAsMuSays) {
   const double mu = 0.4;
   for (const double steepness : {0.9, 1.5}) {  // tan of the slope over mu
@@ -239,7 +239,7 @@ TEST(SurfaceContacts, ClothOnAClothSlopeSlidesAsMuSays) {
   }
 }
 
-// Two sheets that begin in one plane have no sides to keep: they come apart, and nothing explodes.
+// Two sheets that start coplanar have no defined sides: they separate, and nothing explodes.
 TEST(SurfaceContacts, SheetsThatBeginInOnePlaneComeApart) {
   World world;
   const ObjectId held = world.add_cloth(grid(9, 9, 1));
