@@ -89,7 +89,8 @@ void FeatureContacts::set_features(std::vector<Feature> features) {
 
 void FeatureContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                  std::span<const float> radius, std::span<const Collider> colliders,
-                                 const ContactMaterialTable& materials, const ContactStep& step, Threads& threads) {
+                                 const ContactMaterialTable& materials, const ContactStep& step,
+                                 Threads& threads) {
   colliders_ = colliders, radius_ = radius;
   materials_ = &materials;
   step_ = step;
@@ -461,7 +462,8 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
   const Vec3f n(body.after.rotation * contact.normal);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   correct(contact, particles,
-          solve_contact(sums, C, contact.slop, n, moved(contact, particles) - contact.surface_motion, contact.material));
+          solve_contact(sums, C, contact.slop, n, moved(contact, particles) - contact.surface_motion,
+                        contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
 }
@@ -475,16 +477,16 @@ void FeatureContacts::apply_restitution(const ParticleView& particles, std::span
 
 // The law of ColliderContacts::apply_restitution_to.
 void FeatureContacts::apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
-                                    std::span<Vec4f> velocity, float h) const {
+                                           std::span<Vec4f> velocity, float h) const {
   if (!(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * contact.normal);
   Vec3f v;
   for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
   const Vec3f u = v - contact.surface_motion * (1 / h);
   const float inverse_h = 1 / h;
-  const auto [change, restitution_velocity] =
-      solve_restitution({contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-              2 * step_.gravity * h, contact.material, inverse_h);
+  const auto [change, restitution_velocity] = solve_restitution(
+      {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
+      2 * step_.gravity * h, contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
@@ -511,7 +513,8 @@ void FeatureContacts::events(const ParticleView& particles, std::vector<ContactP
         point += place(particles, contact.particle[j]) * double(contact.weight[j]);
       const double C = gap(body, contact, particles);
       const Vec3d n = body.after.rotation * contact.normal;
-      const float impulse = (contact.normal_sum * inverse_h + contact.restitution_velocity) / contact.inverse_mass;
+      const float impulse =
+          (contact.normal_sum * inverse_h + contact.restitution_velocity) / contact.inverse_mass;
       out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
                      Vec3f(n), impulse});
     }

@@ -89,15 +89,15 @@ class FeatureContacts final : public Projector {
     float inverse_mass;  // sum_k w_k^2 / m_k [1/kg]
     float target;        // [m]
     ContactMaterialPair material;
-    Vec3d normal;         // in the collider's frame
-    double plane_offset;  // [m]
-    float slop;        // C may stay this negative: an old overlap leaves slowly [m]
-    Vec3f predicted;      // motion of the point relative to the surface before any projection [m]
-    float normal_sum = 0;     // sums of corrections of the point [m]
+    Vec3d normal;          // in the collider's frame
+    double plane_offset;   // [m]
+    float slop;            // C may stay this negative: an old overlap leaves slowly [m]
+    Vec3f predicted;       // motion of the point relative to the surface before any projection [m]
+    float normal_sum = 0;  // sums of corrections of the point [m]
     Vec3f tangent_sum{};
-    Vec3f surface_motion{};    // what the surface moved in the substep at the contact [m]
+    Vec3f surface_motion{};          // what the surface moved in the substep at the contact [m]
     float restitution_velocity = 0;  // normal velocity added by apply_restitution [m/s]
-    float depth = 0;    // what is left of the overlap of one that pushed [m]
+    float depth = 0;                 // what is left of the overlap of one that pushed [m]
   };
   /// What a candidate came to.
   struct Found {
@@ -134,7 +134,7 @@ class FeatureContacts final : public Projector {
   static void correct(const Contact& contact, const ParticleView& particles, const Vec3f& change);
   void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
   void apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
-                     std::span<Vec4f> velocity, float h) const;
+                            std::span<Vec4f> velocity, float h) const;
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
 
   std::vector<Feature> features_;

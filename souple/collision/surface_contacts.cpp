@@ -178,7 +178,8 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                  std::span<const float> radius, std::span<float> pressed,
-                                 const ContactMaterialTable& matrix, const ContactStep& step, Threads& threads) {
+                                 const ContactMaterialTable& matrix, const ContactStep& step,
+                                 Threads& threads) {
   forget_contacts();
   pairs_.clear();
   if (!pairs_.any()) return;
@@ -495,7 +496,7 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
     const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
     threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
       packed().apply_restitution(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin,
-                             first + end);
+                                 first + end);
     });
   }
 }
@@ -526,9 +527,10 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
     for (std::size_t k = other; k < 4; ++k)
       if (c(k) < c(other)) other = k;
     const Vec3f point = particles.relative(one, {}) - normal * (0.5f * columns_.thickness[contact]);
-    out.push_back({one, i(other), point, normal,
-                   (columns_.normal_sum[contact] * limits_.inverse_h + columns_.restitution_velocity[contact]) /
-                       columns_.inverse_mass[contact]});
+    out.push_back(
+        {one, i(other), point, normal,
+         (columns_.normal_sum[contact] * limits_.inverse_h + columns_.restitution_velocity[contact]) /
+             columns_.inverse_mass[contact]});
   }
   std::stable_sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;

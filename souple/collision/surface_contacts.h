@@ -2,8 +2,8 @@
 
 #include "souple/collision/contact.h"
 #include "souple/collision/contact_arrays.h"
-#include "souple/collision/feature_pairs.h"
 #include "souple/collision/contact_material.h"
+#include "souple/collision/feature_pairs.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 

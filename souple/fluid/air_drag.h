@@ -6,8 +6,8 @@ namespace souple {
 
 /// The air around a fluid.
 struct AirDrag {
-  Vec3f wind{};  ///< wind velocity [m/s]
-  float density = 1.2f;  ///< density of the air [kg/m^3]
+  Vec3f wind{};               ///< wind velocity [m/s]
+  float density = 1.2f;       ///< density of the air [kg/m^3]
   float coefficient = 0.47f;  ///< drag coefficient C; 0.47 is that of a ball
 };
 

@@ -101,12 +101,13 @@ class CellOrder {
   void find_cells(const std::vector<Item>& sorted, Threads& threads);
 
   double corner_[3] = {}, inverse_ = 1;  // m, 1/m
-  int bits_[3] = {};  // bits of a cell coordinate along each axis
+  int bits_[3] = {};                     // bits of a cell coordinate along each axis
   std::array<std::vector<NarrowItem>, 2> narrow_;
   std::array<std::vector<WideItem>, 2> wide_;
   std::vector<std::array<float, 6>> chunk_bounds_;
-  std::vector<std::uint32_t> histogram_;                   // [chunk][digit]
-  std::vector<std::array<std::uint32_t, 2>> chunk_first_;  // per chunk: the first cell and row that begin in it or later
+  std::vector<std::uint32_t> histogram_;  // [chunk][digit]
+  std::vector<std::array<std::uint32_t, 2>>
+      chunk_first_;  // per chunk: the first cell and row that begin in it or later
   std::vector<std::uint32_t> order_;
   std::array<std::vector<float>, 3> component_;
   std::vector<Cell> cells_{{0, 0}};

@@ -66,9 +66,9 @@ class CoarsePressure {
   struct Mover {
     double inverse_mass = 0;
     Mat3d inverse_inertia{};
-    std::vector<std::uint32_t> nodes;  // nodes with a nonzero column of J
+    std::vector<std::uint32_t> nodes;             // nodes with a nonzero column of J
     std::vector<std::pair<Vec3d, Vec3d>> pushes;  // J of these nodes: force and torque
-    std::vector<std::uint32_t> slot_of_node;  // per node: its index in `nodes`, or none
+    std::vector<std::uint32_t> slot_of_node;      // per node: its index in `nodes`, or none
   };
 
   void find_nodes();
@@ -80,11 +80,11 @@ class CoarsePressure {
   float size_ = 1;
   CellOrder order_;
   std::vector<std::array<float, 3>> origin_;  // per cell: its lower corner [m]
-  std::vector<Corners> corners_;  // per cell: its nodes
+  std::vector<Corners> corners_;              // per cell: its nodes
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> begin_, terms_;  // per node: 8 cell + corner, ascending
-  std::vector<std::uint32_t> next_;  // per node: where its next term goes
-  std::vector<std::uint32_t> cell_of_;  // per sorted index: its cell
+  std::vector<std::uint32_t> next_;           // per node: where its next term goes
+  std::vector<std::uint32_t> cell_of_;        // per sorted index: its cell
   std::vector<Mover> movers_;
   std::size_t mover_count_ = 0;
   std::vector<double> stiffness_;  // per cell: sum w / H^2

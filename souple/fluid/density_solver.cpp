@@ -11,10 +11,10 @@ namespace souple {
 
 namespace {
 
-constexpr float coarse_spacings = 4;  // cell size of the coarse level, in spacings
+constexpr float coarse_spacings = 4;     // cell size of the coarse level, in spacings
 constexpr float margin_spacings = 0.2f;  // margin of the neighbor lists beyond the support, in spacings
-constexpr float coarse_share = 0.5f;  // of the coarse level's lambda; a larger share overshoots
-constexpr float jacobi_share = 0.25f;  // of the residual, if no pass follows
+constexpr float coarse_share = 0.5f;     // of the coarse level's lambda; a larger share overshoots
+constexpr float jacobi_share = 0.25f;    // of the residual, if no pass follows
 float value_at(SmoothingShape shape, float q) {
   switch (shape) {
     case SmoothingShape::poly6_spiky:

@@ -12,7 +12,7 @@ namespace souple {
 /// Contribution of walls and bodies to a particle's density constraint.
 struct BoundarySums {
   float value = 0;  ///< added to V sum W [-]
-  Vec3f slope{};  ///< gradient of `value` by the particle's position [1/m]
+  Vec3f slope{};    ///< gradient of `value` by the particle's position [1/m]
   /// Contribution of movable bodies to w |grad C|^2: of all bodies, and of per-vertex bodies alone
   /// [1/(kg m^2)].
   float response = 0, local_response = 0;
@@ -63,7 +63,7 @@ class DensitySolver {
  public:
   struct Options {
     SmoothingShape shape = SmoothingShape::wendland;
-    int passes = 1;  ///< 0: the residual is added to the coarse level's lambda, at half the cost
+    int passes = 1;       ///< 0: the residual is added to the coarse level's lambda, at half the cost
     float omega = 0.45f;  ///< relaxation of a pass; above 0.75 it may diverge
     float tolerance = 0;  ///< > 0: passes go on until the mean of max(0, C) is below it
     int max_passes = 50;
@@ -119,12 +119,12 @@ class DensitySolver {
   std::span<const std::uint32_t> order() const { return order_.order(); }
   std::span<const Vec4f> positions() const { return {x_.data(), size()}; }
   std::span<const Vec4f> padded_positions() const { return x_; }  ///< and one extra record, far away
-  std::span<const Vec3f> moved() const { return moved_; }  ///< displacement by `solve` [m]
+  std::span<const Vec3f> moved() const { return moved_; }         ///< displacement by `solve` [m]
   std::span<const float> lambda() const { return lambda_; }
   /// C at the last sampling, before the last push.
   float density_error(std::size_t index) const { return samples_[index].c; }
   const Neighbors& neighbors() const { return neighbors_; }
-  double mean_error() const;  ///< of max(0, C), at the last sampling
+  double mean_error() const;              ///< of max(0, C), at the last sampling
   int passes() const { return passes_; }  ///< passes of the last solve
   int coarse_iterations() const { return coarse_.iterations(); }
 
@@ -159,7 +159,7 @@ class DensitySolver {
   const kernels::DensityKernels* kernels_;
   float margin_;
   int passes_ = 0;
-  float h_ = 1;  // substep [s]
+  float h_ = 1;                     // substep [s]
   kernels::Repulsion repulsion_{};  // for the next push
   CellOrder order_;
   Neighbors neighbors_;

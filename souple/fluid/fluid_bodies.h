@@ -16,7 +16,7 @@ namespace souple {
 /// How a body responds to pressure during the pressure solve.
 enum class BodyCompliance {
   per_vertex,  ///< each vertex by itself; for cloth
-  rigid  ///< as a rigid body; pressure deforms it only afterwards
+  rigid        ///< as a rigid body; pressure deforms it only afterwards
 };
 
 /// A body's surface as a fluid's boundary: triangles over vertices, each interpolated from up to four
@@ -25,9 +25,9 @@ struct BoundaryMesh {
   std::uint32_t begin = 0, end = 0;  ///< range of the body's particles
   std::vector<std::array<std::uint32_t, 4>> particles{};
   std::vector<std::array<float, 4>> weights{};  ///< per vertex; they sum to 1
-  std::vector<Triangle> triangles{};  ///< over vertices, counterclockwise seen from outside
-  float half_thickness = 0;  ///< offset of the surface along its normal [m]
-  bool closed = false;  ///< the body has an inside, where no fluid belongs
+  std::vector<Triangle> triangles{};            ///< over vertices, counterclockwise seen from outside
+  float half_thickness = 0;                     ///< offset of the surface along its normal [m]
+  bool closed = false;                          ///< the body has an inside, where no fluid belongs
   BodyCompliance compliance = BodyCompliance::per_vertex;
 };
 
@@ -98,8 +98,8 @@ class FluidBodies {
   struct State {
     std::vector<Vec3f> start, now;  // vertex positions from the origin, at the substep's start and now [m]
     std::vector<float> vertex_inverse_mass;  // per vertex: displacement per unit of push [1/kg]
-    std::vector<float> slopes;  // per-vertex bodies: sum of |slope| that acts on a vertex [1/m]
-    float slope_sum = 0;  // rigid bodies: sum of all |slope| [1/m]
+    std::vector<float> slopes;               // per-vertex bodies: sum of |slope| that acts on a vertex [1/m]
+    float slope_sum = 0;                     // rigid bodies: sum of all |slope| [1/m]
     bool movable = false;
     double inverse_mass = 0;  // of the rigid body [1/kg]; 0: it does not move as a whole
     Mat3d inverse_inertia{};
@@ -138,8 +138,8 @@ class FluidBodies {
     std::uint32_t particle, mesh, triangle;
   };
   std::vector<Candidate> found_, candidates_;  // in order of search; sorted by particle
-  std::vector<std::uint32_t> first_;  // per particle: its first candidate
-  std::vector<Vec4f> listed_;  // particle positions at the last search
+  std::vector<std::uint32_t> first_;           // per particle: its first candidate
+  std::vector<Vec4f> listed_;                  // particle positions at the last search
   float listed_margin_ = 0;  // motion of particles and vertices that requires a new search [m]
   std::vector<std::vector<Vec3f>> listed_vertices_;
 };

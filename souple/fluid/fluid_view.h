@@ -11,7 +11,7 @@ namespace souple {
 /// neighbor lists: its x is far away and its v is zero.
 struct FluidView {
   std::span<const Vec4f> x;  ///< x, y, z [m] and the inverse mass w > 0 [1/kg]
-  std::span<Vec4f> v;  ///< velocity [m/s] and dynamic viscosity mu >= 0 [Pa s]
+  std::span<Vec4f> v;        ///< velocity [m/s] and dynamic viscosity mu >= 0 [Pa s]
   const Neighbors& neighbors;
   const Smoothing& smoothing;
 

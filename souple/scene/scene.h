@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/collision/collider_motion.h"
-#include "souple/collision/shapes.h"
 #include "souple/collision/contact_material.h"
+#include "souple/collision/shapes.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/vertex_maps.h"
 #include "souple/io/mesh_file.h"

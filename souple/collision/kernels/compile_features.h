@@ -476,18 +476,20 @@ SOUPLE_INLINE inline void project_pack(const FeaturePoints& points, const Contac
     apart += x * pack.c[k];
     moved += (m - first_moved) * pack.c[k];
   }
-  ContactSums<T> sums{load<Isa>(columns.normal_sum + i, pack.count),
-                  {load<Isa>(columns.tangent_sum[0] + i, pack.count), load<Isa>(columns.tangent_sum[1] + i, pack.count),
-                   load<Isa>(columns.tangent_sum[2] + i, pack.count)}};
+  ContactSums<T> sums{
+      load<Isa>(columns.normal_sum + i, pack.count),
+      {load<Isa>(columns.tangent_sum[0] + i, pack.count), load<Isa>(columns.tangent_sum[1] + i, pack.count),
+       load<Isa>(columns.tangent_sum[2] + i, pack.count)}};
   const T C = dot(pack.n, apart) - load<Isa>(columns.thickness + i, pack.count);
   const T slop = load<Isa>(columns.slop + i, pack.count);
   const auto acts = slop > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
   const Vectors<Isa> change =
       solve_contact(sums, C, slop, pack.n, moved, load<Isa>(columns.static_friction + i, pack.count),
-            load<Isa>(columns.kinetic_friction + i, pack.count));
+                    load<Isa>(columns.kinetic_friction + i, pack.count));
   store<Isa>(sums.normal_sum, columns.normal_sum + i, pack.count);
-  for (int axis = 0; axis < 3; ++axis) store<Isa>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);
+  for (int axis = 0; axis < 3; ++axis)
+    store<Isa>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);
   const T share = T(1.f) / load<Isa>(columns.inverse_mass + i, pack.count);
   if (points.corrected != points.moving)
     for (int k = 0; k < 4; ++k) {
@@ -513,8 +515,8 @@ template <class Isa>
 /// rebound(), on the difference of two points.
 template <class Isa>
 [[gnu::flatten]] void apply_restitution(const FeaturePoints& points, const ContactColumns& columns,
-                                    const ContactLimits& limits, float* velocity, std::size_t begin,
-                                    std::size_t end) {
+                                        const ContactLimits& limits, float* velocity, std::size_t begin,
+                                        std::size_t end) {
   using T = Numbers<Isa>;
   const T zero(0.f), inverse_h(limits.inverse_h);
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
@@ -535,12 +537,13 @@ template <class Isa>
       u += corners.component(k) * pack.c[k];
     }
     const auto column = [&](const float* of) { return load<Isa>(of + i, count); };
-    const ContactSums<T> sums{normal_sum,
-                          {column(columns.tangent_sum[0]), column(columns.tangent_sum[1]), column(columns.tangent_sum[2])}};
+    const ContactSums<T> sums{
+        normal_sum,
+        {column(columns.tangent_sum[0]), column(columns.tangent_sum[1]), column(columns.tangent_sum[2])}};
     const auto [change, restitution_velocity] =
-        solve_restitution(sums, pack.n, u, column(columns.approach) * inverse_h, T(limits.restitution_threshold),
-                column(columns.restitution), column(columns.static_friction),
-                column(columns.kinetic_friction), inverse_h);
+        solve_restitution(sums, pack.n, u, column(columns.approach) * inverse_h,
+                          T(limits.restitution_threshold), column(columns.restitution),
+                          column(columns.static_friction), column(columns.kinetic_friction), inverse_h);
     corners.add(change * (T(1.f) / column(columns.inverse_mass)), pack.c, acts, velocity, pack.first_float);
     store<Isa>(select(acts, restitution_velocity, zero), columns.restitution_velocity + i, count);
     const T depth = max(zero, column(columns.thickness) - dot(pack.n, weighted(x, pack.c)));

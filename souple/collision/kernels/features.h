@@ -64,23 +64,23 @@ struct ContactColumns {
   float* c[4];          ///< weights: the distance is between points whose difference is sum_k c_k x_k
   float* normal[3];     ///< unit, from the second point to the first
   float* thickness;     ///< m
-  float* slop;       ///< C may stay this negative: an old overlap leaves slowly [m]
+  float* slop;          ///< C may stay this negative: an old overlap leaves slowly [m]
   float* inverse_mass;  ///< sum_k w_k c_k^2 [1/kg]
   float* approach;      ///< along the normal, what prediction moved the two towards each other [m]
   float* static_friction;
   float* kinetic_friction;
   float* restitution;
-  float* normal_sum;     ///< sum of normal corrections of the distance [m]
-  float* tangent_sum[3];  ///< sum of tangential corrections of the distance [m]
-  float* restitution_velocity;    ///< relative normal velocity added by apply_restitution [m/s]
-  float* depth;      ///< what is left of the overlap of one that pushed [m]
+  float* normal_sum;            ///< sum of normal corrections of the distance [m]
+  float* tangent_sum[3];        ///< sum of tangential corrections of the distance [m]
+  float* restitution_velocity;  ///< relative normal velocity added by apply_restitution [m/s]
+  float* depth;                 ///< what is left of the overlap of one that pushed [m]
 };
 
 /// What all contacts of a substep share.
 struct ContactLimits {
-  float inverse_h;        ///< 1/s
+  float inverse_h;              ///< 1/s
   float restitution_threshold;  ///< approach below it does not bounce [m/s]
-  float depenetration;    ///< how far an old overlap may leave in this substep [m]
+  float depenetration;          ///< how far an old overlap may leave in this substep [m]
 };
 
 /// Each for pairs [begin, end). Index 0: a vertex and a triangle; 1: two edges.
@@ -105,8 +105,8 @@ struct FeatureKernels {
                       const ContactColumns&);
   /// Contacts [begin, end), no two of which share a particle that can move.
   void (*project)(const FeaturePoints&, const ContactColumns&, std::size_t begin, std::size_t end);
-  void (*apply_restitution)(const FeaturePoints&, const ContactColumns&, const ContactLimits&, float* velocity,
-                        std::size_t begin, std::size_t end);
+  void (*apply_restitution)(const FeaturePoints&, const ContactColumns&, const ContactLimits&,
+                            float* velocity, std::size_t begin, std::size_t end);
 };
 
 /// Compiled in one translation unit per instruction set (compile_features.h).
