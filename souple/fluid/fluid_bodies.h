@@ -16,7 +16,7 @@ namespace souple {
 /// How a body responds to pressure during the pressure solve.
 enum class BodyCompliance {
   per_vertex,  ///< each vertex by itself; for cloth
-  rigid        ///< as a rigid body; pressure deforms it only afterwards
+  per_body     ///< as a rigid body; pressure deforms it only afterwards
 };
 
 /// A body's surface as a fluid's boundary: triangles over vertices, each interpolated from up to four

@@ -146,7 +146,7 @@ std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing
   boundary.end = object.end;
   boundary.half_thickness = contact_radius(object.material);
   boundary.closed = solid;
-  boundary.compliance = solid ? BodyCompliance::rigid : BodyCompliance::per_vertex;
+  boundary.compliance = solid ? BodyCompliance::per_body : BodyCompliance::per_vertex;
   return boundary;
 }
 
