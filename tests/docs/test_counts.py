@@ -224,7 +224,7 @@ COUNTS = [
     ("docs/rendering.md", r"of films and folders (\d+) \|",
      lambda: find("app/render.cpp", r"samples = still \? \d+ : (\d+);")),
     ("docs/rendering.md", r"to at most (\d+) colors", lambda: find("app/render.cpp", r"colors > (\d+)\)")),
-    ("docs/rendering.md", r"steps of the other, 1 to (\d+)", lambda: constant("render/renderer.h", "most_liquid_steps")),
+    ("docs/rendering.md", r"steps of curvature flow, 1 to (\d+)", lambda: constant("render/renderer.h", "most_liquid_steps")),
     ("docs/rendering.md", r"best, and at most (\d+) pictures a second",
      lambda: find("app/render.cpp", r"frame_rate / (\d+) -")),
 
