@@ -292,7 +292,7 @@ PRESETS = {
     "grains | radius [mm]": [["radius"], ["density"], ["friction"]],
     "fluid | kg/m^3": [["density"], ["viscosity"]],
 }
-IN_MILLIMETerS = {"thickness", "radius"}
+IN_MILLIMETERS = {"thickness", "radius"}
 
 # Tables of defaults in docs/fluids.md: the head's first cell, the struct, rows whose default is told in words.
 DEFAULTS = [
@@ -393,7 +393,7 @@ class Tables(unittest.TestCase):
             for cells in rows_below("docs/materials.md", f"\n| {head} |"):
                 seen.add(cells[0])
                 for cell, fields in zip(cells[1:], columns):
-                    true = [preset(cells[0], field) * (1000 if field in IN_MILLIMETerS else 1) for field in fields]
+                    true = [preset(cells[0], field) * (1000 if field in IN_MILLIMETERS else 1) for field in fields]
                     said = numbers(cell)
                     with self.subTest(preset=cells[0], fields=fields):
                         for a, b in zip(said + [0] * (len(true) - len(said)), true):
@@ -457,6 +457,23 @@ class Lists(unittest.TestCase):
     def test_index_lists_every_page(self):
         said = set(re.findall(r"\]\(([\w-]+\.md)\)", read("docs/index.md")))
         self.assertEqual(said | {"index.md"}, {path.name for path in ROOT.glob("docs/*.md")}, "docs/index.md")
+
+
+class Where(unittest.TestCase):
+    HEAD = "\n| Where do I change ... | open first |"
+
+    def test_each_row_names_files_that_exist(self):
+        for cells in rows_below("docs/architecture.md", self.HEAD):
+            spans = re.findall(r"`([^`]+)`", cells[1])
+            paths = [span for span in spans if re.fullmatch(r"[\w./-]+(?:/|\.\w+|/[\w-]+)", span)]
+            with self.subTest(row=cells[0]):
+                self.assertEqual(len(cells), 2)
+                self.assertTrue(paths, f"docs/architecture.md: no file to change {cells[0]}")
+                for path in paths:
+                    self.assertTrue((ROOT / path).exists(), f"docs/architecture.md: {path} does not exist")
+
+    def test_readme_links_to_the_table(self):
+        self.assertIn("(docs/architecture.md#where-do-i-change)", read("README.md"))
 
 
 class Links(unittest.TestCase):
