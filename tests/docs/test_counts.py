@@ -205,9 +205,9 @@ COUNTS = [
 
     ("docs/index.md", r"\): (\w+) tests side by side", lambda: len(SEGMENT_TESTS)),
     ("docs/integrators.md", r"[Tt]he (\w+) integrators", lambda: len(INTEGRATORS)),
-    ("docs/known-limits.md", r"coarse beside them \(([\d.]+) of",
+    ("docs/known-limits.md", r"coarse relative to them \(([\d.]+) of",
      lambda: constant("souple/collision/feature_contacts.cpp", "coarse_part")),
-    ("docs/known-limits.md", r"the scene takes (\d+) iterations", lambda: scene("sand_pile")["iterations"]),
+    ("docs/known-limits.md", r"the scene uses (\d+) iterations", lambda: scene("sand_pile")["iterations"]),
     ("docs/materials.md", r"!\[(\w+) jelly ducks", lambda: bodies("jelly_armada", "soft_body")),
     ("docs/performance.md", r"1/60 s: (\d+) substeps of one", lambda: default("scene", "substeps")),
     ("docs/performance.md", r"the median of (\d+) steps", lambda: constant("app/bench_measure.h", "runs")),
