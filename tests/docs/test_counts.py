@@ -140,7 +140,7 @@ COUNTS = [
      lambda: round(measured("displacement", 1, "ms_per_step"), 1)),
     ("README.md", r"and ([\d.]+) ms in the displacement form", lambda: round(measured("displacement", 2, "ms_per_step"), 1)),
 
-    ("docs/architecture.md", r"whole packs of (\d+)", lambda: constant("souple/solver/cut.h", "pack")),
+    ("docs/architecture.md", r"whole packs of (\d+)", lambda: constant("souple/solver/work_partition.h", "pack")),
     ("docs/architecture.md", r"a cap of (\d+) times the weight", lambda: constant("souple/host/grab.cpp", "strength")),
     ("docs/embedding.md", r"no harder than (\d+) weights", lambda: constant("souple/host/grab.cpp", "strength")),
     ("docs/radium.md", r"no harder than (\d+) times its weight", lambda: constant("souple/host/grab.cpp", "strength")),
@@ -151,8 +151,8 @@ COUNTS = [
     ("docs/collisions.md", r"a whole number from 0 to (\d+)", lambda: largest("cloth", "layer")),
     ("docs/collisions.md", r"\*(\d+) x \d+ vertices with `self_collision`",
      lambda: find(CLOTH_TESTS, r"drop_and_look\((\d+),")),
-    ("docs/collisions.md", r"in chunks of (\d+);", lambda: constant("souple/collision/feature_pairs.h", "chunk_size")),
-    ("docs/collisions.md", r"if (\w+) rounds do not", lambda: constant("souple/collision/surface_contacts.cpp", "pushes")),
+    ("docs/collisions.md", r"in chunks of (\d+)\.", lambda: constant("souple/collision/feature_pairs.h", "chunk_size")),
+    ("docs/collisions.md", r"If (\w+) rounds do not", lambda: constant("souple/collision/surface_contacts.cpp", "pushes")),
     ("docs/collisions.md", r"than `speed` \(([\d.]+) m/s,", lambda: default("sleeping", "speed")),
     ("docs/collisions.md", r"for `seconds` \(([\d.]+) s\)", lambda: default("sleeping", "seconds")),
     ("docs/collisions.md", r"a cloth of (\d+) x \d+ falls on",
@@ -164,12 +164,12 @@ COUNTS = [
     ("docs/collisions.md", r"grains at (\d+) m/s at a cloth",
      lambda: find("tests/physics/test_collision_fast.cpp", r"shot_at\(what, n, grains, (\d+)\)")),
     ("docs/collisions.md", r"with the default (\d+) substeps", lambda: default("scene", "substeps")),
-    ("docs/collisions.md", r"every (\w+) step where led", lambda: find("souple/world/contacts.cpp", r"interval = (\d+);")),
+    ("docs/collisions.md", r"every (\w+) step if driven", lambda: find("souple/world/contacts.cpp", r"interval = (\d+);")),
     ("docs/collisions.md", r"objects (\d+) directions and", lambda: constant(UNTANGLING, "all_directions")),
     ("docs/collisions.md", r"directions and (\d+) distances are", lambda: constant(UNTANGLING, "distances")),
     ("docs/collisions.md", r"([\d.]+) to 3 m/s", lambda: constant(UNTANGLING, "least_speed")),
     ("docs/collisions.md", r"0.1 to (\d+) m/s", lambda: constant("souple/collision/contact.h", "depenetration_speed")),
-    ("docs/collisions.md", r"within a (\w+) of the lower one's size",
+    ("docs/collisions.md", r"within a (\w+) of the lower object's size",
      lambda: 1 / constant("souple/collision/layers.cpp", "reach_part")),
     ("docs/collisions.md", r"exact at grid points within (\d+) spacings",
      lambda: constant("souple/collision/signed_distance_field.h", "fine_cells")),
@@ -209,9 +209,9 @@ COUNTS = [
 
     ("docs/index.md", r"\): (\w+) tests side by side", lambda: len(SEGMENT_TESTS)),
     ("docs/integrators.md", r"[Tt]he (\w+) integrators", lambda: len(INTEGRATORS)),
-    ("docs/known-limits.md", r"coarse beside them \(([\d.]+) of",
+    ("docs/known-limits.md", r"coarse relative to them \(([\d.]+) of",
      lambda: constant("souple/collision/feature_contacts.cpp", "coarse_part")),
-    ("docs/known-limits.md", r"the scene takes (\d+) iterations", lambda: scene("sand_pile")["iterations"]),
+    ("docs/known-limits.md", r"the scene uses (\d+) iterations", lambda: scene("sand_pile")["iterations"]),
     ("docs/materials.md", r"!\[(\w+) jelly ducks", lambda: bodies("jelly_armada", "soft_body")),
     ("docs/performance.md", r"1/60 s: (\d+) substeps of one", lambda: default("scene", "substeps")),
     ("docs/performance.md", r"the median of (\d+) steps", lambda: constant("app/bench_measure.h", "runs")),
@@ -228,7 +228,7 @@ COUNTS = [
     ("docs/rendering.md", r"of films and folders (\d+) \|",
      lambda: find("app/render.cpp", r"samples = still \? \d+ : (\d+);")),
     ("docs/rendering.md", r"to at most (\d+) colors", lambda: find("app/render.cpp", r"colors > (\d+)\)")),
-    ("docs/rendering.md", r"steps of the other, 1 to (\d+)", lambda: constant("render/renderer.h", "most_liquid_steps")),
+    ("docs/rendering.md", r"steps of curvature flow, 1 to (\d+)", lambda: constant("render/renderer.h", "most_liquid_steps")),
     ("docs/rendering.md", r"best, and at most (\d+) pictures a second",
      lambda: find("app/render.cpp", r"frame_rate / (\d+) -")),
 
@@ -249,7 +249,7 @@ COUNTS = [
     ("docs/solvers.md", r"from the (\w+) iteration of a substep on",
      lambda: 1 + constant("souple/solver/chebyshev.h", "delay")),
     ("docs/solvers.md", r"a number of colors instead: 1 to (\d+),", lambda: largest("scene", "colors")),
-    ("docs/solvers.md", r"tested within ([\de-]+) of the way",
+    ("docs/solvers.md", r"tested within ([\de-]+) of the particles' displacements",
      lambda: find("tests/solver/test_partition.cpp", r"Form::plain \? 1e-2 : ([\de-]+)")),
     ("docs/solvers.md", r"is halved, at most (\w+) times",
      lambda: constant("souple/solver/linearized_solver.cpp", "most_halvings")),
@@ -261,9 +261,9 @@ COUNTS = [
      lambda: constant("souple/solver/conjugate_gradient.h", "tolerance")),
     ("docs/solvers.md", r"or after (\d+) products",
      lambda: find("souple/solver/conjugate_gradient.cpp", r"std::max\((\d+),")),
-    ("docs/solvers.md", r"no two nearer than ([\d.]+) mean links",
+    ("docs/solvers.md", r"no two closer than ([\d.]+) mean links",
      lambda: constant("souple/solver/hierarchical_levels.cpp", "coarsening")),
-    ("docs/solvers.md", r"the same; (\d+) sweeps a level",
+    ("docs/solvers.md", r"coarse to fine; (\d+) sweeps a level",
      lambda: find("souple/solver/hierarchical.cpp", r"int sweeps = (\d+)")),
     ("docs/solvers.md", r"sweeps a level, (\d+) on the coarsest",
      lambda: constant("souple/solver/hierarchical.cpp", "coarsest_sweeps")),
@@ -296,7 +296,7 @@ PRESETS = {
     "grains | radius [mm]": [["radius"], ["density"], ["friction"]],
     "fluid | kg/m^3": [["density"], ["viscosity"]],
 }
-IN_MILLIMETerS = {"thickness", "radius"}
+IN_MILLIMETERS = {"thickness", "radius"}
 
 # Tables of defaults in docs/fluids.md: the head's first cell, the struct, rows whose default is told in words.
 DEFAULTS = [
@@ -397,7 +397,7 @@ class Tables(unittest.TestCase):
             for cells in rows_below("docs/materials.md", f"\n| {head} |"):
                 seen.add(cells[0])
                 for cell, fields in zip(cells[1:], columns):
-                    true = [preset(cells[0], field) * (1000 if field in IN_MILLIMETerS else 1) for field in fields]
+                    true = [preset(cells[0], field) * (1000 if field in IN_MILLIMETERS else 1) for field in fields]
                     said = numbers(cell)
                     with self.subTest(preset=cells[0], fields=fields):
                         for a, b in zip(said + [0] * (len(true) - len(said)), true):
@@ -461,6 +461,23 @@ class Lists(unittest.TestCase):
     def test_index_lists_every_page(self):
         said = set(re.findall(r"\]\(([\w-]+\.md)\)", read("docs/index.md")))
         self.assertEqual(said | {"index.md"}, {path.name for path in ROOT.glob("docs/*.md")}, "docs/index.md")
+
+
+class Where(unittest.TestCase):
+    HEAD = "\n| Where do I change ... | open first |"
+
+    def test_each_row_names_files_that_exist(self):
+        for cells in rows_below("docs/architecture.md", self.HEAD):
+            spans = re.findall(r"`([^`]+)`", cells[1])
+            paths = [span for span in spans if re.fullmatch(r"[\w./-]+(?:/|\.\w+|/[\w-]+)", span)]
+            with self.subTest(row=cells[0]):
+                self.assertEqual(len(cells), 2)
+                self.assertTrue(paths, f"docs/architecture.md: no file to change {cells[0]}")
+                for path in paths:
+                    self.assertTrue((ROOT / path).exists(), f"docs/architecture.md: {path} does not exist")
+
+    def test_readme_links_to_the_table(self):
+        self.assertIn("(docs/architecture.md#where-do-i-change)", read("README.md"))
 
 
 class Links(unittest.TestCase):
