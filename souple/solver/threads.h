@@ -41,12 +41,12 @@ class Threads {
 };
 
 /// Awake as long as it lives.
-class Wakefulness {
+class ActiveScope {
  public:
-  explicit Wakefulness(Threads& threads) : threads_(threads) { threads_.wake(); }
-  ~Wakefulness() { threads_.rest(); }
-  Wakefulness(const Wakefulness&) = delete;
-  Wakefulness& operator=(const Wakefulness&) = delete;
+  explicit ActiveScope(Threads& threads) : threads_(threads) { threads_.wake(); }
+  ~ActiveScope() { threads_.rest(); }
+  ActiveScope(const ActiveScope&) = delete;
+  ActiveScope& operator=(const ActiveScope&) = delete;
 
  private:
   Threads& threads_;

@@ -80,7 +80,7 @@ TEST(Threads, MeetEveryIndexOnce) {
 TEST(Threads, SeeWhatTheLastJobWrote) {
   for (const Threading kind : kinds) {
     const auto threads = make_threads(kind, 4);
-    const Wakefulness awake(*threads);
+    const ActiveScope awake(*threads);
     std::vector<int> from(256), to(256);
     std::iota(from.begin(), from.end(), 0);
     for (int round = 0; round < 2000; ++round) {
