@@ -130,23 +130,23 @@ bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
 
 void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
   if (n == 0) return;
-  if (count_ > 1 && !started_ && Cut(n, grain, count_).parts() > 1) start();
-  const Cut cut(n, grain, count_);
-  if (cut.parts() < 2) {
+  if (count_ > 1 && !started_ && WorkPartition(n, grain, count_).parts() > 1) start();
+  const WorkPartition partition(n, grain, count_);
+  if (partition.parts() < 2) {
     f(0, n);
     return;
   }
   job_.function = &f;
-  job_.cut = cut;
-  send(cut.parts());
+  job_.partition = partition;
+  send(partition.parts());
   const std::uint64_t signal = job_.signal.load(std::memory_order_relaxed);
-  f(0, cut.begin(1));
-  for (std::size_t t = 1; t < cut.parts(); ++t) {
+  f(0, partition.begin(1));
+  for (std::size_t t = 1; t < partition.parts(); ++t) {
     if (!claim(workers_[t - 1], signal)) continue;
-    f(cut.begin(t), cut.begin(t + 1));
+    f(partition.begin(t), partition.begin(t + 1));
     workers_[t - 1].done.store(signal, std::memory_order_relaxed);
   }
-  for (std::size_t t = 1; t < cut.parts(); ++t)
+  for (std::size_t t = 1; t < partition.parts(); ++t)
     spin_until(patience_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
   if (!awake_) send(to_sleep);
 }
@@ -175,7 +175,7 @@ void ThreadPool::work(std::size_t t) noexcept {
     const std::uint64_t asked = signal & asked_mask;
     if (asked == to_end) return;
     if (asked == to_sleep || t >= asked || !claim(workers_[t - 1], signal)) continue;
-    (*job_.function)(job_.cut.begin(t), job_.cut.begin(t + 1));
+    (*job_.function)(job_.partition.begin(t), job_.partition.begin(t + 1));
     workers_[t - 1].done.store(signal, std::memory_order_release);
   }
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/cut.h"
+#include "souple/solver/work_partition.h"
 #include "souple/solver/threads.h"
 
 #include <atomic>
@@ -42,7 +42,7 @@ class ThreadPool final : public Threads {
   struct alignas(128) Job {
     std::atomic<std::uint64_t> signal{0};
     const RangeFunction* function = nullptr;
-    Cut cut{0, 1, 1};
+    WorkPartition partition{0, 1, 1};
   };
   struct alignas(128) Worker {
     std::atomic<std::uint64_t> claimed{0};  ///< the signal of the last job whose part was taken

@@ -32,7 +32,7 @@ class Threads {
   /// Threads that work, the caller's among them. It may fall, once, when the system refuses to start some.
   virtual int count() const = 0;
   /// Cuts [0, n) into at most count() parts of at least `grain`, calls f once for each, then waits for all;
-  /// see Cut. `f` must not throw. Allocates nothing once the threads have started.
+  /// see WorkPartition. `f` must not throw. Allocates nothing once the threads have started.
   virtual void for_each(std::size_t n, std::size_t grain, RangeFunction f) = 0;
   /// Between these two many for_each follow one another closely: workers may spin instead of sleeping. What
   /// is never cut wakes nobody.

@@ -140,7 +140,7 @@ COUNTS = [
      lambda: round(measured("displacement", 1, "ms_per_step"), 1)),
     ("README.md", r"and ([\d.]+) ms in the displacement form", lambda: round(measured("displacement", 2, "ms_per_step"), 1)),
 
-    ("docs/architecture.md", r"whole packs of (\d+)", lambda: constant("souple/solver/cut.h", "pack")),
+    ("docs/architecture.md", r"whole packs of (\d+)", lambda: constant("souple/solver/work_partition.h", "pack")),
     ("docs/architecture.md", r"a cap of (\d+) times the weight", lambda: constant("souple/host/grab.cpp", "strength")),
     ("docs/embedding.md", r"no harder than (\d+) weights", lambda: constant("souple/host/grab.cpp", "strength")),
     ("docs/radium.md", r"no harder than (\d+) times its weight", lambda: constant("souple/host/grab.cpp", "strength")),
