@@ -38,8 +38,8 @@ void meet_and_part(benchmark::State& state) {
     all += 2;
     threads->for_each(2, 1, [&](std::size_t, std::size_t) {
       arrived.fetch_add(1);
-      for (int looks = 0; arrived.load() < all; ++looks)
-        if (looks > 10000) std::this_thread::yield();
+      for (int spins = 0; arrived.load() < all; ++spins)
+        if (spins > 10000) std::this_thread::yield();
     });
   }
   state.SetLabel(names[state.range(0)]);

@@ -15,13 +15,13 @@ namespace souple {
 namespace {
 
 constexpr int job_bits = 16;
-constexpr std::uint64_t asked_mask = (std::uint64_t{1} << job_bits) - 1;
-constexpr std::uint64_t to_sleep = 0, to_end = asked_mask;  // otherwise: so many parts, 2 or more
+constexpr std::uint64_t command_mask = (std::uint64_t{1} << job_bits) - 1;
+constexpr std::uint64_t command_sleep = 0, command_end = command_mask;  // otherwise: so many parts, 2 or more
 
 /// Looks before a thread that waits offers its processor to others: some tens of microseconds.
-constexpr int patience_alone = 2000;
+constexpr int spin_limit_uncontended = 2000;
 /// Where there are more threads than processors: whom one waits for may need this very one.
-constexpr int patience_crowded = 20;
+constexpr int spin_limit_oversubscribed = 20;
 
 /// Tells the processor that this thread only waits.
 void pause() {
@@ -34,9 +34,9 @@ void pause() {
 
 /// Waits until `ready()`.
 template <class Ready>
-void spin_until(int patience, const Ready& ready) {
-  for (int looks = 0; !ready(); ++looks) {
-    if (looks < patience) {
+void spin_until(int spin_limit, const Ready& ready) {
+  for (int spins = 0; !ready(); ++spins) {
+    if (spins < spin_limit) {
       pause();
     } else {
       std::this_thread::yield();
@@ -80,11 +80,11 @@ int usable_processors() {
 
 ThreadPool::ThreadPool(int count)
     : count_(std::max(count, 1)),
-      patience_(count_ <= usable_processors() ? patience_alone : patience_crowded),
+      spin_limit_(count_ <= usable_processors() ? spin_limit_uncontended : spin_limit_oversubscribed),
       workers_(static_cast<std::size_t>(count_ - 1)) {}
 
 ThreadPool::~ThreadPool() {
-  if (started_) send(to_end);
+  if (started_) send(command_end);
   for (Worker& worker : workers_)
     if (worker.thread.joinable()) worker.thread.join();
 }
@@ -107,9 +107,9 @@ void ThreadPool::start() {
   }
 }
 
-void ThreadPool::send(std::uint64_t asked) {
+void ThreadPool::send(std::uint64_t command) {
   const std::uint64_t number = (job_.signal.load(std::memory_order_relaxed) >> job_bits) + 1;
-  const std::uint64_t signal = number << job_bits | asked;
+  const std::uint64_t signal = number << job_bits | command;
   if (!sleeping_) {
     job_.signal.store(signal, std::memory_order_release);
   } else {
@@ -118,9 +118,9 @@ void ThreadPool::send(std::uint64_t asked) {
       const std::lock_guard lock(mutex_);
       job_.signal.store(signal, std::memory_order_release);
     }
-    alarm_.notify_all();
+    wake_condition_.notify_all();
   }
-  sleeping_ = asked == to_sleep;
+  sleeping_ = command == command_sleep;
 }
 
 bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
@@ -147,23 +147,23 @@ void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
     workers_[t - 1].done.store(signal, std::memory_order_relaxed);
   }
   for (std::size_t t = 1; t < partition.parts(); ++t)
-    spin_until(patience_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
-  if (!awake_) send(to_sleep);
+    spin_until(spin_limit_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
+  if (!awake_) send(command_sleep);
 }
 
 void ThreadPool::rest() {
   awake_ = false;
-  if (started_ && !sleeping_) send(to_sleep);
+  if (started_ && !sleeping_) send(command_sleep);
 }
 
 // The next signal after `seen`: spins for it, or sleeps if the last one said so.
-std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int patience) {
+std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int spin_limit) {
   const auto changed = [&] { return job_.signal.load(std::memory_order_acquire) != seen; };
-  if ((seen & asked_mask) == to_sleep) {
+  if ((seen & command_mask) == command_sleep) {
     std::unique_lock lock(mutex_);
-    alarm_.wait(lock, changed);
+    wake_condition_.wait(lock, changed);
   } else {
-    spin_until(patience, changed);
+    spin_until(spin_limit, changed);
   }
   return job_.signal.load(std::memory_order_acquire);
 }
@@ -171,10 +171,10 @@ std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int patience) {
 void ThreadPool::work(std::size_t t) noexcept {
   std::uint64_t signal = 0;
   for (;;) {
-    signal = next_signal(signal, patience_);
-    const std::uint64_t asked = signal & asked_mask;
-    if (asked == to_end) return;
-    if (asked == to_sleep || t >= asked || !claim(workers_[t - 1], signal)) continue;
+    signal = next_signal(signal, spin_limit_);
+    const std::uint64_t command = signal & command_mask;
+    if (command == command_end) return;
+    if (command == command_sleep || t >= command || !claim(workers_[t - 1], signal)) continue;
     (*job_.function)(job_.partition.begin(t), job_.partition.begin(t + 1));
     workers_[t - 1].done.store(signal, std::memory_order_release);
   }

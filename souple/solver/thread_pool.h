@@ -53,19 +53,19 @@ class ThreadPool final : public Threads {
   /// Whether the part of a job is the one's who asks: true once for each signal.
   static bool claim(Worker& worker, std::uint64_t signal);
   void start();
-  void send(std::uint64_t asked);
+  void send(std::uint64_t command);
   void work(std::size_t t) noexcept;
-  std::uint64_t next_signal(std::uint64_t seen, int patience);
+  std::uint64_t next_signal(std::uint64_t seen, int spin_limit);
 
   int count_;
-  int patience_;
+  int spin_limit_;
   bool started_ = false;
   bool awake_ = false;     // between wake() and rest()
   bool sleeping_ = false;  // the workers, or on their way to it
   Job job_;
   std::vector<Worker> workers_;  // all but the caller
   std::mutex mutex_;             // guards the change from sleep to a job
-  std::condition_variable alarm_;
+  std::condition_variable wake_condition_;
 };
 
 /// Those that the scheduler lets this process use, at least 1.
