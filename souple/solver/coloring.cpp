@@ -15,7 +15,7 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t colors_per_round = 64;  // one bit each
-constexpr std::uint32_t smallest_color = 512;   // fills the packs of two threads many times over
+constexpr std::uint32_t min_color_size = 512;   // fills the packs of two threads many times over
 
 /// Colors that are being given to constraints; at most 64 are looked at together.
 class Palette {
@@ -167,7 +167,7 @@ bool Palette::dissolve_smallest() {
 // Fills small colors up from those above the mean.
 void Palette::fill_small() {
   const auto mean = static_cast<std::uint32_t>(color_of_.size() / count());
-  const std::uint32_t goal = std::min(smallest_color, mean / 2);
+  const std::uint32_t goal = std::min(min_color_size, mean / 2);
   Bits small = 0;
   for (std::uint32_t color = 0; color < count(); ++color)
     if (size_[color] < goal) small |= bit(color);
@@ -183,15 +183,15 @@ void Palette::fill_small() {
 void Palette::improve() {
   if (color_of_.empty()) return;
   list_constraints_of_particles();
-  std::uint32_t fewest = 0;
+  std::uint32_t min_colors = 0;
   for (std::size_t particle = 0; particle < taken_.size(); ++particle)
-    fewest = std::max(fewest, begin_[particle + 1] - begin_[particle]);
+    min_colors = std::max(min_colors, begin_[particle + 1] - begin_[particle]);
   constexpr int passes = 4;  // more gain a color now and then
-  for (int pass = 0; count() > fewest; ++pass) {
-    while (count() > fewest && dissolve_smallest()) {
+  for (int pass = 0; count() > min_colors; ++pass) {
+    while (count() > min_colors && dissolve_smallest()) {
     }
     if (pass == passes) break;
-    if (count() > fewest) refit_reversed();
+    if (count() > min_colors) refit_reversed();
   }
   fill_small();
 }

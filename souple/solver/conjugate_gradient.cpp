@@ -28,7 +28,7 @@ void weigh(const LinearSystem& system, const LinearSystem::Block& block, const d
 
 }  // namespace
 
-int ConjugateGradient::most_products(std::size_t particles) {
+int ConjugateGradient::max_products(std::size_t particles) {
   return std::max(50, static_cast<int>(1.5 * std::sqrt(static_cast<double>(particles))));
 }
 
@@ -56,7 +56,7 @@ void ConjugateGradient::prepare_system(LinearSystem& system, const ParticleView&
   for (std::vector<double>* v : {&row_residual_, &row_direction_, &force_}) v->assign(system.rows(), 0);
   for (std::vector<Vec3d>* v : {&residual_, &direction_, &product_}) v->resize(n);
   partial_.resize((n + chunk - 1) / chunk);
-  products_ = most_used_ = 0;
+  products_ = max_products_used_ = 0;
   reached_ = worst_ = 0;
 }
 
@@ -117,7 +117,7 @@ void ConjugateGradient::multiply(LinearSystem& system, const Lengths& last, Thre
   threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
     for (const LinearSystem::Block& block : system.blocks().subspan(begin, end - begin)) {
       const auto of = system.members(block);
-      double y[LinearSystem::most_rows];
+      double y[LinearSystem::max_rows];
       for (int r = 0; r < block.rows; ++r) {
         const std::size_t row = block.row + static_cast<std::size_t>(r);
         system.dlambda[row] += last.alpha * row_direction_[row];
@@ -143,8 +143,8 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
   double rho = sum(threads, [&](std::size_t u) { return dot(residual_[u], direction_[u]); });
   const double first = rho;
   Lengths lengths;
-  const int most = most_products(system.unknowns());
-  for (products_ = 0; products_ < most && rho > tolerance * tolerance * first; ++products_) {
+  const int limit = max_products(system.unknowns());
+  for (products_ = 0; products_ < limit && rho > tolerance * tolerance * first; ++products_) {
     multiply(system, lengths, threads);
     const double curvature = sum(threads, [&](std::size_t u) { return dot(direction_[u], product_[u]); });
     if (!(curvature > 0)) break;
@@ -164,7 +164,7 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
   if (products_ > 0)
     for (std::size_t r = 0; r < system.rows(); ++r) system.dlambda[r] += lengths.alpha * row_direction_[r];
   reached_ = first > 0 ? std::sqrt(rho / first) : 0;
-  most_used_ = std::max(most_used_, products_);
+  max_products_used_ = std::max(max_products_used_, products_);
   worst_ = std::max(worst_, reached_);
   return std::isfinite(rho);
 }
@@ -173,7 +173,7 @@ std::string ConjugateGradient::diagnostic() const {
   const std::string floor = floor_diagnostic();
   return fmt::format(
       "conjugate gradients: {} products to a residual of {:.1e} of the first, at worst {} to {:.1e}{}{}",
-      products_, reached_, most_used_, worst_, floor.empty() ? "" : "; ", floor);
+      products_, reached_, max_products_used_, worst_, floor.empty() ? "" : "; ", floor);
 }
 
 }  // namespace souple

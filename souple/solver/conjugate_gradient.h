@@ -10,7 +10,7 @@ namespace souple {
 /// no factorization, any size. Rigid rows get the floor of linear_system.h.
 ///
 /// With this preconditioner every iterate is W J^T times something. So one that stops early, at a residual of
-/// `tolerance` times the first or after `most_products` products with the matrix, is made of constraint
+/// `tolerance` times the first or after `max_products` products with the matrix, is made of constraint
 /// forces all the same: momentum and angular momentum are those of the exact solution, what the constraints
 /// leave free moves freely, and what is left is stretch. `remark` tells how far it came.
 ///
@@ -24,7 +24,7 @@ class ConjugateGradient final : public LinearisedSolver {
  public:
   /// A correction crosses one constraint per product, so a large mesh needs more of them: half as many again
   /// as its side has particles, were it a square.
-  static int most_products(std::size_t particles);
+  static int max_products(std::size_t particles);
   static constexpr double tolerance = 1e-4;
 
   std::string_view name() const override { return "conjugate_gradient"; }
@@ -62,7 +62,7 @@ class ConjugateGradient final : public LinearisedSolver {
   std::vector<Vec3d> residual_, direction_, product_;
   std::vector<double> partial_;  // sums, per chunk
   // Of the last system, and the largest since `prepare`.
-  int products_ = 0, most_used_ = 0;
+  int products_ = 0, max_products_used_ = 0;
   double reached_ = 0, worst_ = 0;
 };
 

@@ -33,11 +33,11 @@ Dense::~Dense() = default;
 
 void Dense::prepare_system(LinearSystem& system, const ParticleView&) {
   floors_ = false;
-  if (system.rows() > most_rows)
+  if (system.rows() > max_rows)
     throw Error(
         fmt::format("the solver dense takes {} rows of constraints at most, here are {}: use direct or "
                     "conjugate_gradient",
-                    most_rows, system.rows()));
+                    max_rows, system.rows()));
   impl_->J.resize(static_cast<Eigen::Index>(system.rows()), static_cast<Eigen::Index>(3 * system.unknowns()));
 }
 
@@ -80,9 +80,9 @@ bool Dense::solve_system(LinearSystem& system, Threads&) {
   const Eigen::VectorXd& sigma = impl_->svd.eigenvalues();  // ascending
   const Eigen::MatrixXd& u = impl_->svd.eigenvectors();
   Eigen::VectorXd solution = u.transpose() * impl_->rhs;
-  const double least = singular * sigma[sigma.size() - 1];
+  const double threshold = singular * sigma[sigma.size() - 1];
   for (Eigen::Index k = 0; k < solution.size(); ++k)
-    solution[k] = sigma[k] > least ? solution[k] / sigma[k] : 0;
+    solution[k] = sigma[k] > threshold ? solution[k] / sigma[k] : 0;
   solution = impl_->scale.cwiseProduct(u * solution);
   for (std::size_t r = 0; r < system.rows(); ++r) system.dlambda[r] = solution[static_cast<Eigen::Index>(r)];
   system.moves_from_multipliers();

@@ -12,7 +12,7 @@ namespace souple {
 /// tests.
 class Dense final : public LinearisedSolver {
  public:
-  static constexpr std::size_t most_rows = 600;
+  static constexpr std::size_t max_rows = 600;
 
   Dense();
   ~Dense() override;

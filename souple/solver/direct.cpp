@@ -14,9 +14,9 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;  // lower triangle, by columns
 constexpr double redundant = 1e-9;           // added to the dual's diagonal, as a share of it
-constexpr double most_operations = 5e9;      // multiplications of one factorization: some seconds
-constexpr std::size_t most_unknowns = 300000;
-constexpr std::size_t most_entries = 30000000;  // of the dual, whose rows meet at every particle
+constexpr double max_operations = 5e9;      // multiplications of one factorization: some seconds
+constexpr std::size_t max_unknowns = 300000;
+constexpr std::size_t max_entries = 30000000;  // of the dual, whose rows meet at every particle
 
 /// One place of the lower triangle.
 struct Place {
@@ -38,11 +38,11 @@ class Factorization : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
   double operations() const { return this->m_nonZerosPerCol.template cast<double>().squaredNorm(); }
 };
 
-[[noreturn]] void refuse(double amount, const char* what, double most) {
+[[noreturn]] void refuse(double amount, const char* what, double limit) {
   throw Error(
       fmt::format("the solver direct would need {:.3g} {}, at most {:.3g} are taken: use conjugate_gradient, "
                   "or a coarser mesh",
-                  amount, what, most));
+                  amount, what, limit));
 }
 
 /// An unknown in a constraint row.
@@ -210,7 +210,7 @@ void Direct::Impl::prepare_dual(const LinearSystem& system) {
           entries += static_cast<double>(incidences[of[k]].size());
         }
   }
-  if (entries > static_cast<double>(most_entries)) refuse(entries, "entries of its matrix", most_entries);
+  if (entries > static_cast<double>(max_entries)) refuse(entries, "entries of its matrix", max_entries);
   std::vector<Place> places;
   const auto note = [&](const Place& at, auto&&...) { places.push_back(at); };
   for_each_dual_place(system, incidences, note, note);
@@ -245,7 +245,7 @@ void Direct::prepare_system(LinearSystem& system, const ParticleView& particles)
   impl_->dual = system.floored() > 0 && system.rows() <= 3 * system.unknowns();
   floors_ = !impl_->dual;
   const std::size_t size = impl_->dual ? system.rows() : 3 * system.unknowns();
-  if (size > most_unknowns) refuse(static_cast<double>(size), "unknowns", static_cast<double>(most_unknowns));
+  if (size > max_unknowns) refuse(static_cast<double>(size), "unknowns", static_cast<double>(max_unknowns));
   if (size == 0) return;
   if (impl_->dual) {
     impl_->prepare_dual(system);
@@ -254,7 +254,7 @@ void Direct::prepare_system(LinearSystem& system, const ParticleView& particles)
   }
   impl_->factorization.analyzePattern(impl_->matrix);
   const double operations = impl_->factorization.operations();
-  if (operations > most_operations) refuse(operations, "operations per factorization", most_operations);
+  if (operations > max_operations) refuse(operations, "operations per factorization", max_operations);
 }
 
 bool Direct::solve_system(LinearSystem& system, Threads&) {

@@ -130,21 +130,21 @@ void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, c
   const auto group = groups_[i];
   ScalarState state;
   state.C = measure(surface, group, particles) - surface.wanted_volume;
-  double farthest = 0;  // w |grad C|
+  double max_gradient = 0;  // w |grad C|
   for (std::size_t k = 0; k < group.size(); ++k) {
     const auto w = static_cast<double>(particles.inverse_mass(group[k]));
     const double square = length_squared(surface.gradient[k]);
     state.weighted_square += w * square;
-    farthest = std::fmax(farthest, w * std::sqrt(square));
+    max_gradient = std::fmax(max_gradient, w * std::sqrt(square));
     if (surface.hold.damping_time > 0)
       state.rate += dot(surface.gradient[k], Vec3d(particles.moved(group[k])));
   }
   ScalarStep step = project_scalar(state, surface.hold, surface.multiplier, substep);
-  const double reach = 0.25 * std::cbrt(surface.wanted_volume * 3 / (4 * pi));
-  const double move = farthest * std::fabs(step.factor);
-  if (reach > 0 && move > reach) {
-    step.dlambda *= reach / move;
-    step.factor *= reach / move;
+  const double move_limit = 0.25 * std::cbrt(surface.wanted_volume * 3 / (4 * pi));
+  const double move = max_gradient * std::fabs(step.factor);
+  if (move_limit > 0 && move > move_limit) {
+    step.dlambda *= move_limit / move;
+    step.factor *= move_limit / move;
   }
   if (substep.stores_multipliers()) surface.multiplier += step.dlambda;
   for (std::size_t k = 0; k < group.size(); ++k) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Levels end where one has no more particles than this: eight sweeps solve it.
-constexpr std::size_t smallest_level = 24;
+constexpr std::size_t coarsest_size = 24;
 /// Sweeps on each level. One converges as well where cloth hangs, and less where it swings; three gain
 /// nothing.
 constexpr int sweeps = 2, coarsest_sweeps = 8;
@@ -125,7 +125,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
-  for (CoarseLevel& level : build_levels(links, masses_, smallest_level)) add_level(std::move(level));
+  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size)) add_level(std::move(level));
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
   inverse_masses_.clear();
@@ -133,12 +133,12 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
     inverse_masses_.push_back(particles.inverse_mass(link.a) + particles.inverse_mass(link.b));
   // These columns are rewritten during steps: make room for a number for each constraint now.
   for (Level& level : levels_) {
-    level.longest = level.at_most.set().parameters.data();
-    level.shortest = level.at_least.set().parameters.data();
+    level.max_length = level.at_most.set().parameters.data();
+    level.min_length = level.at_least.set().parameters.data();
     level.compliance = level.at_most.set().compliances.data();
     if (level.at_most.size() == 0) continue;
-    level.longest->set(0, 0);
-    level.shortest->set(0, 0);
+    level.max_length->set(0, 0);
+    level.min_length->set(0, 0);
     if (compliant_) level.compliance->set(0, 1);
   }
   h_ = 0;
@@ -206,9 +206,9 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
     const Vec3f x = level.position[link.a].xyz() - level.position[link.b].xyz();
     const Vec3f d = level.moving[link.a].xyz() - level.moving[link.b].xyz();
     const float now = length(x);
-    const float longest = now * ratio;
-    level.longest->set(level.constraint[e], longest);
-    level.shortest->set(level.constraint[e], std::fmin(longest, std::fmin(now, length(x + d))));
+    const float max_length = now * ratio;
+    level.max_length->set(level.constraint[e], max_length);
+    level.min_length->set(level.constraint[e], std::fmin(max_length, std::fmin(now, length(x + d))));
   }
 }
 
@@ -219,15 +219,15 @@ float Hierarchical::stretch_ratio(std::size_t l, std::size_t e, std::span<const 
   Level& level = levels_[l];
   const Link& link = level.map.links[e];
   const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
-  const float least = 1e-6f * link.length;
-  const float ratio = link.length / std::fmax(now, least);
+  const float length_floor = 1e-6f * link.length;
+  const float ratio = link.length / std::fmax(now, length_floor);
   level.stretch[e] = now - link.length;
   if (l == 0) return ratio;
   float stretch = 0;
   for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k)
     stretch += levels_[l - 1].stretch[level.map.way[k]];
   level.stretch[e] = stretch;
-  return std::fmax(ratio, level.way_length[e] / std::fmax(level.way_length[e] + stretch, least));
+  return std::fmax(ratio, level.way_length[e] / std::fmax(level.way_length[e] + stretch, length_floor));
 }
 
 // A sweep from lambda = 0 acts on a smooth stretch like springs of compliance alpha + c h^2 (w_a + w_b), c

@@ -65,8 +65,8 @@ class Hierarchical final : public Solver {
     std::vector<float> softening;            ///< of each link, see set_compliance
     SetProjector<Tether> at_most;            ///< |X_J - X_K| <= L_JK
     SetProjector<ParticleContact> at_least;  ///< |X_J - X_K| >= l_JK; in the same order
-    Column* longest = nullptr;               ///< L of `at_most`, rewritten during steps
-    Column* shortest = nullptr;              ///< l of `at_least`
+    Column* max_length = nullptr;               ///< L of `at_most`, rewritten during steps
+    Column* min_length = nullptr;              ///< l of `at_least`
     Column* compliance = nullptr;            ///< of `at_most`
   };
 

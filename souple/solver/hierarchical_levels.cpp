@@ -13,9 +13,9 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
-constexpr std::size_t most_parents = 4;
+constexpr std::size_t max_parents = 4;
 // Links of a particle along which lengths are measured; more of them only repeat what the shortest say.
-constexpr std::size_t most_ways = 8;
+constexpr std::size_t max_links = 8;
 // Distance between coarse particles, in mean links of the finer level: a fifth to an eighth of a cloth's
 // particles are kept. At 1.3 what a level gains is lost in the kinks that it leaves, at 2 Gauss-Seidel has
 // too far to smooth.
@@ -106,7 +106,7 @@ class Marcher {
   static std::vector<Link> short_links(std::span<const Link> links, const Graph& graph) {
     std::vector<bool> kept(links.size());
     for (std::uint32_t i = 0; i < graph.size(); ++i)
-      for (const Neighbor& n : graph.of(i).first(std::min(most_ways, graph.of(i).size())))
+      for (const Neighbor& n : graph.of(i).first(std::min(max_links, graph.of(i).size())))
         kept[n.link] = true;
     std::vector<Link> result;
     for (std::size_t e = 0; e < links.size(); ++e)
@@ -187,10 +187,10 @@ std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
       for (const Neighbor& m : graph.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
   std::vector<int> result(graph.size());
   for (std::uint32_t i = 0; i < graph.size(); ++i) {
-    std::uint32_t most = around[i];
+    std::uint32_t max_around = around[i];
     for (const Neighbor& n : graph.of(i))
-      for (const Neighbor& m : graph.of(n.to)) most = std::max(most, around[m.to]);
-    const float part = static_cast<float>(around[i]) / static_cast<float>(std::max(most, 1u));
+      for (const Neighbor& m : graph.of(n.to)) max_around = std::max(max_around, around[m.to]);
+    const float part = static_cast<float>(around[i]) / static_cast<float>(std::max(max_around, 1u));
     result[i] = (masses[i] > 0 ? 3 : 0) + (part < 0.45f ? 0 : part < 0.75f ? 1 : 2);
   }
   return result;
@@ -241,8 +241,8 @@ std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
 using Parents = std::vector<std::uint32_t>;  // of one particle, nearest first
 
 // Gaussian elimination of A w = 1, A symmetric positive definite.
-void solve_ones(std::array<std::array<double, most_parents>, most_parents> A, std::size_t n,
-                std::array<double, most_parents>& w) {
+void solve_ones(std::array<std::array<double, max_parents>, max_parents> A, std::size_t n,
+                std::array<double, max_parents>& w) {
   w.fill(1);
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t i = k + 1; i < n; ++i) {
@@ -265,7 +265,7 @@ std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std:
   std::vector<float> d(to_parent.begin(), to_parent.end());
   for (;;) {
     const std::size_t n = parents.size();
-    std::array<std::array<double, most_parents>, most_parents> G{};
+    std::array<std::array<double, max_parents>, max_parents> G{};
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t k = 0; k < n; ++k) {
         const double dj = static_cast<double>(d[j]), dk = static_cast<double>(d[k]);
@@ -273,7 +273,7 @@ std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std:
             std::min(static_cast<double>(length_between(near, parents[j], parents[k])), dj + dk);
         G[j][k] = 0.5 * (dj * dj + dk * dk - djk * djk) + (j == k ? smoothing * dj * dj : 0);
       }
-    std::array<double, most_parents> w{};
+    std::array<double, max_parents> w{};
     solve_ones(G, n, w);
     double sum = 0;
     std::size_t worst = 0;
@@ -421,7 +421,7 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
       parents.clear();
       std::vector<float> d;
       for (const Marcher::Reached& n : near[i])
-        if (parents.size() < most_parents && (masses[i] > 0 || masses[n.particle] == 0))
+        if (parents.size() < max_parents && (masses[i] > 0 || masses[n.particle] == 0))
           parents.push_back(n.particle), d.push_back(n.length);
       weight = weights_of(d, parents, near);
     }
@@ -442,9 +442,9 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
 }  // namespace
 
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
-                                      std::size_t smallest) {
+                                      std::size_t coarsest_size) {
   std::vector<CoarseLevel> levels;
-  while (masses.size() > smallest) {
+  while (masses.size() > coarsest_size) {
     CoarseLevel level = build_level(links, masses);
     if (level.finer.empty()) break;
     levels.push_back(std::move(level));

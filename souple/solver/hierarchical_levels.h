@@ -39,6 +39,6 @@ struct CoarseLevel {
 /// or no particle more can be spared. Mass 0 marks a particle that does not move. Depends on nothing but what
 /// is given; takes O(n log n) time.
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
-                                      std::size_t smallest);
+                                      std::size_t coarsest_size);
 
 }  // namespace souple

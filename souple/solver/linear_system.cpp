@@ -29,7 +29,7 @@ void invert_packed(int n, const double* a, double* result) {
     result[0] = 1 / a[0];
     return;
   }
-  double m[LinearSystem::most_rows][2 * LinearSystem::most_rows] = {};
+  double m[LinearSystem::max_rows][2 * LinearSystem::max_rows] = {};
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) m[i][j] = a[packed(i, j)];
     m[i][n + i] = 1;
@@ -94,10 +94,10 @@ void LinearSystem::prepare(std::span<Projector* const> projectors, const Particl
 
 void LinearSystem::add_structure(const LinearConstraint& constraint, const ParticleView& particles) {
   const std::size_t rows = constraint.C.size(), arity = constraint.particles.size();
-  if (rows > most_rows)
+  if (rows > max_rows)
     throw Error(fmt::format(
         "a constraint couples {} rows, the linear solvers take at most {}: use the solver gauss_seidel", rows,
-        most_rows));
+        max_rows));
   const double size = shortest_distance(constraint.particles, particles);
   smallest_size_ = std::min(smallest_size_, size);
   blocks_.push_back({static_cast<std::uint32_t>(b.size()), static_cast<std::uint32_t>(unknown.size()),
@@ -175,12 +175,12 @@ void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
       steepest = std::max(steepest, squared);
       if (of[k] != pinned) weighted += squared / mass[of[k]];
     }
-    const double least = std::min(floor_ * block.size * steepest * inverse_h2, floor_share * weighted);
+    const double floor = std::min(floor_ * block.size * steepest * inverse_h2, floor_share * weighted);
     double& diagonal = compliance[block.compliance + packed(r, r)];
     // A row without gradient moves nothing; it must not make A singular.
     if (weighted == 0 && diagonal == 0) diagonal = 1;
-    if (diagonal >= least) continue;
-    diagonal = least;
+    if (diagonal >= floor) continue;
+    diagonal = floor;
     ++floored_;
   }
 }
@@ -213,7 +213,7 @@ void LinearSystem::moves_from_multipliers() {
 
 void LinearSystem::multipliers_from_moves() {
   for (const Block& block : blocks_) {
-    double left[most_rows];
+    double left[max_rows];
     const auto of = members(block);
     for (int r = 0; r < block.rows; ++r) {
       left[r] = b[block.row + static_cast<std::size_t>(r)];

@@ -33,7 +33,7 @@ bool has_linear_form(const Projector& projector, const ParticleView& particles);
 class LinearSystem {
  public:
   static constexpr std::uint32_t pinned = std::numeric_limits<std::uint32_t>::max();
-  static constexpr int most_rows = 6;  ///< of a block
+  static constexpr int max_rows = 6;  ///< of a block
 
   struct Block {
     std::uint32_t row;     ///< its first
@@ -45,7 +45,7 @@ class LinearSystem {
     double size;  ///< shortest distance between its particles when prepared [m]
   };
 
-  /// Collects the structure. Throws Error where a block has more than `most_rows` rows.
+  /// Collects the structure. Throws Error where a block has more than `max_rows` rows.
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles);
 
   /// All multipliers to zero.

@@ -9,9 +9,9 @@
 namespace souple {
 namespace {
 
-constexpr int most_passes = 4;  // over the inequalities that turn out to pull
-constexpr int most_halvings = 4;
-constexpr double most_deformation = 0.5;
+constexpr int max_passes = 4;  // over the inequalities that turn out to pull
+constexpr int max_halvings = 4;
+constexpr double max_deformation = 0.5;
 
 }  // namespace
 
@@ -65,7 +65,7 @@ void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& pa
 // An inequality that the others turn into a pull is let go, and the rest solved again.
 bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
   system_.linearize(particles, substep, floors_);
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < max_passes; ++pass) {
     if (floors_) system_.invert_compliance();
     if (!solve_system(system_, threads)) return false;
     if (!system_.drop_pulling()) break;
@@ -81,11 +81,11 @@ double LinearisedSolver::violation(const ParticleView& particles, const Substep&
 
 void LinearisedSolver::advance(const ParticleView& particles, const Substep& substep) {
   const double deformation = system_.largest_deformation(), kinetic = system_.kinetic();
-  double factor = deformation > most_deformation ? most_deformation / deformation : 1;
+  double factor = deformation > max_deformation ? max_deformation / deformation : 1;
   std::copy(particles.moving.begin(), particles.moving.end(), saved_.begin());
   const double before = violation(particles, substep);
   system_.move(particles, factor);
-  for (int halving = 0; halving < most_halvings; ++halving) {
+  for (int halving = 0; halving < max_halvings; ++halving) {
     if (violation(particles, substep) + factor * factor * kinetic <= before) break;
     std::copy(saved_.begin(), saved_.end(), particles.moving.begin());
     factor /= 2;

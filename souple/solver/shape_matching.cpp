@@ -12,7 +12,7 @@ namespace {
 
 constexpr double pin_weight = 1e4;  // of a pinned particle, in masses of the free ones
 constexpr double flat = 1e-6;  // squared thickness beside squared length below which a direction is missing
-constexpr double least_det = 0.1;  // below it, linear regions turn rigid
+constexpr double min_det = 0.1;  // below it, linear regions turn rigid
 
 void require(bool good, const char* name, float value, const char* expected) {
   if (!good) throw Error(fmt::format("shape_matching: {} is {}, expected {}", name, value, expected));
@@ -136,8 +136,8 @@ ShapeMatching::Pose ShapeMatching::fit(const Region& region, std::span<const std
   const Mat3d r = pose.transform;
   const Mat3d a = a_pq * region.rest_inverse;
   const double det = determinant(a + r * region.missing);
-  const double beta = region.linear * std::clamp(det / least_det, 0.0, 1.0);
-  pose.transform = a * (beta * to_unit_volume(std::fmax(det, least_det), region.dimensions)) + r * (1 - beta);
+  const double beta = region.linear * std::clamp(det / min_det, 0.0, 1.0);
+  pose.transform = a * (beta * to_unit_volume(std::fmax(det, min_det), region.dimensions)) + r * (1 - beta);
   return pose;
 }
 

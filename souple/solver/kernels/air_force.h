@@ -31,10 +31,10 @@ inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, c
   const Vec3<T> across = n - v * (vn / (some_speed * some_speed));
   const Vec3<T> force = v * (-q * T(air.drag) * abs(vn)) - across * (q * T(air.lift) * vn * speed);
 
-  const T most = T(0.5f * air.areal_density) * twice_area * speed / T(air.h);
+  const T max_force = T(0.5f * air.areal_density) * twice_area * speed / T(air.h);
   const T size = length(force);
-  const auto capped = size > most;
-  const T factor = select(capped, most / select(capped, size, T(1)), T(1));
+  const auto capped = size > max_force;
+  const T factor = select(capped, max_force / select(capped, size, T(1)), T(1));
   return {select(blown, force.x * factor, T(0)), select(blown, force.y * factor, T(0)),
           select(blown, force.z * factor, T(0))};
 }

@@ -249,21 +249,21 @@ inline constexpr KindSize size_of_kind{Kind::arity, LocalSet<Isa, Kind>::param_c
 template <class Isa>
 struct Tail {
   static constexpr int lanes = Isa::lanes;
-  static constexpr int most_particles = 4, most_parameters = 16, most_rows = 3;
-  static constexpr int most_compliances = most_rows * (most_rows + 1) / 2;
+  static constexpr int max_particles = 4, max_parameters = 16, max_rows = 3;
+  static constexpr int max_compliances = max_rows * (max_rows + 1) / 2;
   static constexpr bool holds(const KindSize& size) {
-    return size.particles <= most_particles && size.parameters <= most_parameters &&
-           size.compliances <= most_compliances && size.rows <= most_rows;
+    return size.particles <= max_particles && size.parameters <= max_parameters &&
+           size.compliances <= max_compliances && size.rows <= max_rows;
   }
 
-  std::uint32_t indices[most_particles][lanes];
-  float parameter[most_parameters][lanes], compliance[most_compliances][lanes], damping[lanes], scale[lanes];
-  float lambda[most_rows][lanes];
-  alignas(16) float position[most_particles][lanes][4], moving[most_particles][lanes][4],
-      start[most_particles][lanes][4], corrected[most_particles][lanes][4];
-  const std::uint32_t* index_pointers[most_particles];
-  ColumnView parameter_views[most_parameters], compliance_views[most_compliances];
-  float* lambda_pointers[most_rows];
+  std::uint32_t indices[max_particles][lanes];
+  float parameter[max_parameters][lanes], compliance[max_compliances][lanes], damping[lanes], scale[lanes];
+  float lambda[max_rows][lanes];
+  alignas(16) float position[max_particles][lanes][4], moving[max_particles][lanes][4],
+      start[max_particles][lanes][4], corrected[max_particles][lanes][4];
+  const std::uint32_t* index_pointers[max_particles];
+  ColumnView parameter_views[max_parameters], compliance_views[max_compliances];
+  float* lambda_pointers[max_rows];
   KindSize size;
   std::size_t first, count;
 
