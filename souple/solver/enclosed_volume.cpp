@@ -31,23 +31,23 @@ void check(double rest_volume, const EnclosedVolumeOptions& o) {
 
 // Every edge is walked as often one way as the other: only then is the volume independent of the origin.
 void require_closed(std::span<const Triangle> triangles) {
-  struct Walk {
+  struct DirectedEdge {
     std::uint32_t a, b;  // a < b
-    int way;
+    int direction;
   };
-  std::vector<Walk> walks;
+  std::vector<DirectedEdge> edges;
   for (const Triangle& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      if (a != b) walks.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
     }
-  std::sort(walks.begin(), walks.end(), [](const Walk& l, const Walk& r) {
-    return l.a != r.a ? l.a < r.a : (l.b != r.b ? l.b < r.b : l.way < r.way);
+  std::sort(edges.begin(), edges.end(), [](const DirectedEdge& l, const DirectedEdge& r) {
+    return l.a != r.a ? l.a < r.a : (l.b != r.b ? l.b < r.b : l.direction < r.direction);
   });
-  for (std::size_t i = 0; i < walks.size();) {
-    const Walk& first = walks[i];
+  for (std::size_t i = 0; i < edges.size();) {
+    const DirectedEdge& first = edges[i];
     int sum = 0;
-    for (; i < walks.size() && walks[i].a == first.a && walks[i].b == first.b; ++i) sum += walks[i].way;
+    for (; i < edges.size() && edges[i].a == first.a && edges[i].b == first.b; ++i) sum += edges[i].direction;
     if (sum != 0)
       throw Error(
           fmt::format("enclosed_volume: the edge between particles {} and {} has no triangle on its other "

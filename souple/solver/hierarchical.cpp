@@ -153,11 +153,11 @@ void Hierarchical::add_level(CoarseLevel map) {
   level.correction = level.before = level.moving;
   level.constraint.assign(map.links.size(), none);
   level.stretch.resize(map.links.size());
-  level.way_length = level.softening = level.stretch;
+  level.path_length = level.softening = level.stretch;
 
   for (std::size_t e = 0; !levels_.empty() && e < map.links.size(); ++e)
-    for (std::uint32_t k = map.way_begin[e]; k < map.way_begin[e + 1]; ++k)
-      level.way_length[e] += levels_.back().map.links[map.way[k]].length;
+    for (std::uint32_t k = map.path_begin[e]; k < map.path_begin[e + 1]; ++k)
+      level.path_length[e] += levels_.back().map.links[map.path[k]].length;
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
   for (const Link& link : map.links) {
@@ -224,10 +224,10 @@ float Hierarchical::stretch_ratio(std::size_t l, std::size_t e, std::span<const 
   level.stretch[e] = now - link.length;
   if (l == 0) return ratio;
   float stretch = 0;
-  for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k)
-    stretch += levels_[l - 1].stretch[level.map.way[k]];
+  for (std::uint32_t k = level.map.path_begin[e]; k < level.map.path_begin[e + 1]; ++k)
+    stretch += levels_[l - 1].stretch[level.map.path[k]];
   level.stretch[e] = stretch;
-  return std::fmax(ratio, level.way_length[e] / std::fmax(level.way_length[e] + stretch, length_floor));
+  return std::fmax(ratio, level.path_length[e] / std::fmax(level.path_length[e] + stretch, length_floor));
 }
 
 // A sweep from lambda = 0 acts on a smooth stretch like springs of compliance alpha + c h^2 (w_a + w_b), c
@@ -258,8 +258,8 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
   constexpr float c = 0.4f;
   const CoarseLevel& map = levels_[l].map;
   float sum = 0;
-  for (std::uint32_t k = map.way_begin[e]; k < map.way_begin[e + 1]; ++k) {
-    const std::uint32_t step = map.way[k];
+  for (std::uint32_t k = map.path_begin[e]; k < map.path_begin[e + 1]; ++k) {
+    const std::uint32_t step = map.path[k];
     const Level* const finer = l > 0 ? &levels_[l - 1] : nullptr;
     const Link& link = finer ? finer->map.links[step] : links_[step];
     const float factor = finer ? finer->softening[step] : 1;
@@ -268,7 +268,7 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
     const float reached = c * h_ * h_ * w / static_cast<float>(n);
     sum += reached > 0 ? factor * (1 + factor * compliance_of(link) / reached) : factor;
   }
-  return sum / static_cast<float>(map.way_begin[e + 1] - map.way_begin[e]);
+  return sum / static_cast<float>(map.path_begin[e + 1] - map.path_begin[e]);
 }
 
 void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {

@@ -358,19 +358,19 @@ void collapse(std::span<const Link> links, const Realms& realms, std::span<const
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& p, const Candidate& q) { return p.key() < q.key(); });
-  level.way_begin.push_back(0);
+  level.path_begin.push_back(0);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const Candidate& best = candidates[c];
     if (c > 0 && candidates[c - 1].a == best.a && candidates[c - 1].b == best.b) continue;
     level.links.push_back({best.a, best.b, best.length, 0, links[best.link].stiffness});
-    level.way.push_back(best.link);
+    level.path.push_back(best.link);
     for (std::uint32_t i : {links[best.link].a, links[best.link].b})
       while (realms.towards[i] != none) {
         const Link& step = links[realms.towards[i]];
-        level.way.push_back(realms.towards[i]);
+        level.path.push_back(realms.towards[i]);
         i = step.a == i ? step.b : step.a;
       }
-    level.way_begin.push_back(static_cast<std::uint32_t>(level.way.size()));
+    level.path_begin.push_back(static_cast<std::uint32_t>(level.path.size()));
   }
 }
 

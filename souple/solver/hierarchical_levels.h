@@ -21,8 +21,8 @@ struct Link {
 struct CoarseLevel {
   std::vector<std::uint32_t> finer;  ///< of each coarse particle, which of the finer level it is; ascending
   std::vector<Link> links;           ///< between coarse particles; a < b, sorted
-  /// A way along finer links from a to b of each link: way[k], k in [way_begin[e], way_begin[e + 1]).
-  std::vector<std::uint32_t> way_begin, way;
+  /// A way along finer links from a to b of each link: way[k], k in [path_begin[e], path_begin[e + 1]).
+  std::vector<std::uint32_t> path_begin, path;
   /// Where the correction of the finer level's particle i comes from:
   /// sum_k weight[k] * correction(parent[k]), k in [parent_begin[i], parent_begin[i + 1]). Weights of a
   /// particle are at least 0 and sum to 1.
