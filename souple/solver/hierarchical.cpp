@@ -279,15 +279,15 @@ void Hierarchical::restrict_particles(const ParticleView& particles, Threads& th
       for (std::size_t j = begin; j < end; ++j) {
         Sum x, d;
         for (std::uint32_t k = level.map.child_begin[j]; k < level.map.child_begin[j + 1]; ++k) {
-          const float share = level.map.share[k];
+          const float child_weight = level.map.child_weight[k];
           const std::uint32_t child = level.map.child[k];
           if (l > 0) {
-            x.add(levels_[l - 1].position[child], share);
-            d.add(levels_[l - 1].moving[child], share);
+            x.add(levels_[l - 1].position[child], child_weight);
+            d.add(levels_[l - 1].moving[child], child_weight);
           } else {
             const std::uint32_t i = particle_[child];
-            x.add(plain ? particles.start[i] : particles.position[i], share);
-            d.add(particles.moving[i], share);
+            x.add(plain ? particles.start[i] : particles.position[i], child_weight);
+            d.add(particles.moving[i], child_weight);
           }
         }
         level.position[j].set_xyz(x.value.xyz());

@@ -21,7 +21,7 @@ constexpr std::size_t max_links = 8;
 // too far to smooth.
 constexpr float coarsening = 1.6f;
 // How far around a coarse particle lengths are known, in its spacing.
-constexpr float reach = 2.7f;
+constexpr float march_radius = 2.7f;
 // eps of weights_of.
 constexpr double smoothing = 0.1;
 
@@ -209,7 +209,7 @@ std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
     if (covered[j]) return;
     coarse[j] = true;
     const float radius = spacing(graph, j);
-    for (const Marcher::Reached& r : marcher.march(j, reach * radius)) {
+    for (const Marcher::Reached& r : marcher.march(j, march_radius * radius)) {
       near[r.particle].push_back({j, r.length});
       covered[r.particle] = covered[r.particle] || r.length <= radius;
       if (!covered[r.particle] && rank[r.particle] <= rank[j]) front.emplace(r.length, r.particle);
@@ -294,12 +294,12 @@ std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std:
 
 /// Spreads what the finer links hold over the coarse ones: a link between the realms of two coarse particles
 /// goes to their link, one within a realm to all links of its particle.
-void share_energy(std::span<const Link> links, std::span<const std::uint32_t> realm, std::size_t particles,
+void distribute_energy(std::span<const Link> links, std::span<const std::uint32_t> cluster, std::size_t particles,
                   std::vector<Link>& coarse) {
   const Graph graph(coarse, particles);
   std::vector<double> energy(coarse.size());
   for (const Link& link : links) {
-    const std::uint32_t a = realm[link.a], b = realm[link.b];
+    const std::uint32_t a = cluster[link.a], b = cluster[link.b];
     const auto around = graph.of(a);
     for (const Neighbor& n : around) {
       if (a != b && n.to != b) continue;
@@ -310,12 +310,12 @@ void share_energy(std::span<const Link> links, std::span<const std::uint32_t> re
 }
 
 /// The coarse particle nearest to each particle along links, and the link that leads there.
-struct Realms {
+struct Clusters {
   std::vector<std::uint32_t> of;
   std::vector<float> length;
   std::vector<std::uint32_t> towards;  ///< link; `none` of a coarse particle
 
-  Realms(const Graph& graph, const std::vector<bool>& coarse)
+  Clusters(const Graph& graph, const std::vector<bool>& coarse)
       : of(graph.size(), none),
         length(graph.size(), std::numeric_limits<float>::infinity()),
         towards(graph.size(), none) {
@@ -340,7 +340,7 @@ struct Realms {
 
 // Müller 2008, section 4.2: a spared particle collapses into its nearest parent and takes its links along. Of
 // the links that two coarse particles get so, the one with the shortest way along finer links is kept.
-void collapse(std::span<const Link> links, const Realms& realms, std::span<const std::uint32_t> number,
+void collapse(std::span<const Link> links, const Clusters& clusters, std::span<const std::uint32_t> number,
               CoarseLevel& level) {
   struct Candidate {
     std::uint32_t a, b;
@@ -351,10 +351,10 @@ void collapse(std::span<const Link> links, const Realms& realms, std::span<const
   std::vector<Candidate> candidates;
   for (std::uint32_t e = 0; e < links.size(); ++e) {
     const Link& link = links[e];
-    const std::uint32_t a = number[realms.of[link.a]], b = number[realms.of[link.b]];
+    const std::uint32_t a = number[clusters.of[link.a]], b = number[clusters.of[link.b]];
     if (a == b) continue;
     candidates.push_back(
-        {std::min(a, b), std::max(a, b), realms.length[link.a] + link.length + realms.length[link.b], e});
+        {std::min(a, b), std::max(a, b), clusters.length[link.a] + link.length + clusters.length[link.b], e});
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& p, const Candidate& q) { return p.key() < q.key(); });
@@ -365,9 +365,9 @@ void collapse(std::span<const Link> links, const Realms& realms, std::span<const
     level.links.push_back({best.a, best.b, best.length, 0, links[best.link].stiffness});
     level.path.push_back(best.link);
     for (std::uint32_t i : {links[best.link].a, links[best.link].b})
-      while (realms.towards[i] != none) {
-        const Link& step = links[realms.towards[i]];
-        level.path.push_back(realms.towards[i]);
+      while (clusters.towards[i] != none) {
+        const Link& step = links[clusters.towards[i]];
+        level.path.push_back(clusters.towards[i]);
         i = step.a == i ? step.b : step.a;
       }
     level.path_begin.push_back(static_cast<std::uint32_t>(level.path.size()));
@@ -386,14 +386,14 @@ void add_children(std::span<const float> masses, CoarseLevel& level) {
       if (follows(i, level.parent[k])) ++level.child_begin[level.parent[k] + 1];
   for (std::size_t j = 0; j < count; ++j) level.child_begin[j + 1] += level.child_begin[j];
   level.child.resize(level.child_begin[count]);
-  level.share.resize(level.child.size());
+  level.child_weight.resize(level.child.size());
   std::vector<std::uint32_t> next(level.child_begin.begin(), level.child_begin.end() - 1);
   for (std::uint32_t i = 0; i < masses.size(); ++i)
     for (std::uint32_t k = level.parent_begin[i]; k < level.parent_begin[i + 1]; ++k) {
       const std::uint32_t j = level.parent[k];
       if (!follows(i, j)) continue;
       level.child[next[j]] = i;
-      level.share[next[j]++] = level.mass[j] > 0 ? level.weight[k] * masses[i] / level.mass[j] : 1;
+      level.child_weight[next[j]++] = level.mass[j] > 0 ? level.weight[k] * masses[i] / level.mass[j] : 1;
     }
 }
 
@@ -402,13 +402,13 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
   std::vector<Near> near(masses.size());
   const std::vector<bool> coarse = choose_coarse(links, graph, masses, near);
   CoarseLevel level;
-  std::vector<std::uint32_t> number(masses.size(), none), realm(masses.size());
+  std::vector<std::uint32_t> number(masses.size(), none), cluster(masses.size());
   for (std::uint32_t i = 0; i < masses.size(); ++i)
     if (coarse[i]) number[i] = static_cast<std::uint32_t>(level.finer.size()), level.finer.push_back(i);
   if (level.finer.size() == masses.size()) return {};
-  const Realms realms(graph, coarse);
-  collapse(links, realms, number, level);
-  for (std::uint32_t i = 0; i < masses.size(); ++i) realm[i] = number[realms.of[i]];
+  const Clusters clusters(graph, coarse);
+  collapse(links, clusters, number, level);
+  for (std::uint32_t i = 0; i < masses.size(); ++i) cluster[i] = number[clusters.of[i]];
   for (Link& link : level.links)
     link.length = std::min(link.length, length_between(near, level.finer[link.a], level.finer[link.b]));
 
@@ -435,7 +435,7 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
   for (std::size_t j = 0; j < mass.size(); ++j)
     level.mass.push_back(masses[level.finer[j]] > 0 ? static_cast<float>(mass[j]) : 0);
   add_children(masses, level);
-  share_energy(links, realm, level.finer.size(), level.links);
+  distribute_energy(links, cluster, level.finer.size(), level.links);
   return level;
 }
 

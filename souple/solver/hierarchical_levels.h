@@ -31,7 +31,7 @@ struct CoarseLevel {
   /// Mean of the finer particles that follow coarse particle j, by mass: sum_k share[k] * of child[k], k in
   /// [child_begin[j], child_begin[j + 1]). Shares sum to 1; one that does not move has itself alone.
   std::vector<std::uint32_t> child_begin, child;
-  std::vector<float> share;
+  std::vector<float> child_weight;
   std::vector<float> mass;  ///< sum_i weight_i,J m_i of the particles that move [kg]; 0: does not move
 };
 

@@ -16,7 +16,7 @@ namespace {
 constexpr double floor_strain = 1e-5;
 constexpr double gravity = 9.81;
 // And what it leaves of the violation of one that stands alone, however light the scene.
-constexpr double floor_share = 1e-6;
+constexpr double floor_ratio = 1e-6;
 
 std::size_t packed(int row, int column) {
   return static_cast<std::size_t>(row >= column ? row * (row + 1) / 2 + column
@@ -175,7 +175,7 @@ void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
       steepest = std::max(steepest, squared);
       if (of[k] != pinned) weighted += squared / mass[of[k]];
     }
-    const double floor = std::min(floor_ * block.size * steepest * inverse_h2, floor_share * weighted);
+    const double floor = std::min(floor_ * block.size * steepest * inverse_h2, floor_ratio * weighted);
     double& diagonal = compliance[block.compliance + packed(r, r)];
     // A row without gradient moves nothing; it must not make A singular.
     if (weighted == 0 && diagonal == 0) diagonal = 1;

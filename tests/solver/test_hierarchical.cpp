@@ -159,10 +159,10 @@ TEST(HierarchicalLevels, EveryParticleFollowsCoarseOnesByWeightsOfSumOne) {
       double mass = 0;
       for (std::size_t j = 0; j < level.finer.size(); ++j) {
         mass += static_cast<double>(level.mass[j]);
-        double share = 0;
+        double child_weight = 0;
         for (std::uint32_t k = level.child_begin[j]; k < level.child_begin[j + 1]; ++k)
-          share += static_cast<double>(level.share[k]);
-        EXPECT_NEAR(share, 1, 1e-5);
+          child_weight += static_cast<double>(level.child_weight[k]);
+        EXPECT_NEAR(child_weight, 1, 1e-5);
         EXPECT_EQ(level.mass[j] > 0, masses[level.finer[j]] > 0);
       }
       EXPECT_NEAR(mass, followed, 1e-5 * mass) << "mass is handed down, none is lost";
