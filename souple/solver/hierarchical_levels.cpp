@@ -87,7 +87,7 @@ class Marcher {
       if (length > radius) break;
       state_[u].settled = source_;
       reached_.push_back({u, length});
-      spread(u);
+      relax_neighbors(u);
     }
     return reached_;
   }
@@ -122,7 +122,7 @@ class Marcher {
     std::push_heap(heap_.begin(), heap_.end(), later);
   }
 
-  void spread(std::uint32_t u) {
+  void relax_neighbors(std::uint32_t u) {
     for (const Neighbor& n : graph_.of(u)) across_[n.to] = {u, n.length};
     for (const Neighbor& n : graph_.of(u)) {
       const std::uint32_t v = n.to;

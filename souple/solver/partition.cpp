@@ -39,7 +39,7 @@ class Copies {
 
 // Keeps the first colors, which need no phantom, and puts the constraints of the others where they cost
 // least. Returns the color of each constraint.
-std::vector<std::uint32_t> spread(std::span<const std::uint32_t> color_begin,
+std::vector<std::uint32_t> assign_colors(std::span<const std::uint32_t> color_begin,
                                   std::span<const std::uint32_t> indices, std::size_t arity,
                                   std::size_t colors, Copies& copies) {
   std::vector<std::uint32_t> color_of(indices.size() / arity);
@@ -76,7 +76,7 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
   }
   Copies copies(particle_count, limit);
   result.coloring =
-      sorted_by_color(indices, arity, particle_count, spread(color_begin, indices, width, limit, copies));
+      sorted_by_color(indices, arity, particle_count, assign_colors(color_begin, indices, width, limit, copies));
   std::vector<std::uint32_t> first(particle_count), turn(particle_count);
   for (std::uint32_t particle = 0; particle < particle_count; ++particle) {
     const std::uint32_t count = copies.of_particle()[particle];

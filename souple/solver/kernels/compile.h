@@ -17,7 +17,7 @@ namespace souple::kernels {
 /// f(0), f(1), ... f(n - 1) with constants, whatever the compiler thinks of unrolling: an index that it does
 /// not know puts registers into memory.
 template <int n, class Function>
-SOUPLE_INLINE inline void unrolled(const Function& f) {
+SOUPLE_INLINE inline void static_for(const Function& f) {
   [&]<int... k>(std::integer_sequence<int, k...>) SOUPLE_INLINE {
     (f(std::integral_constant<int, k>{}), ...);
   }
@@ -27,7 +27,7 @@ SOUPLE_INLINE inline void unrolled(const Function& f) {
 /// A column that loads as a register everywhere: an equal number for all is spread over one.
 template <class Isa>
 struct LoadedColumn {
-  alignas(64) float spread[Isa::lanes];
+  alignas(64) float broadcast[Isa::lanes];
   const float* values;
   std::size_t stride;
 
@@ -35,8 +35,8 @@ struct LoadedColumn {
     values = column.values;
     stride = column.stride;
     if (stride == 1) return;
-    simd::Pack<Isa>(*column.values).store(spread);
-    values = spread;
+    simd::Pack<Isa>(*column.values).store(broadcast);
+    values = broadcast;
   }
   simd::Pack<Isa> load(std::size_t i) const { return simd::Pack<Isa>::load(values + i * stride); }
 };
@@ -87,8 +87,8 @@ template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
   auto& x = block.moving;
-  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
-    unrolled<4>([&](auto j) SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
+  static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
+    static_for<4>([&](auto j) SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
     simd::transpose<Isa>(x[k]);
     block.in.inverse_mass[k] = T(x[k][3]);
   });
@@ -98,7 +98,7 @@ SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& 
   } else {
     block.in.x[0] = {T(0), T(0), T(0)};
   }
-  unrolled<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
+  static_for<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
     constexpr int k = before + 1;
     block.in.x[k] = Vec3<T>{T(x[k][0]), T(x[k][1]), T(x[k][2])} - first;
   });
@@ -112,14 +112,14 @@ SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Isa, Kin
   using Vector = typename Isa::Vector;
   auto& d = block.moving;
   Vector first[4];
-  unrolled<4>([&](auto j) SOUPLE_INLINE {
+  static_for<4>([&](auto j) SOUPLE_INLINE {
     first[j] = Isa::load_records(p.position, block.records[0] + j);
     d[0][j] = Isa::load_records(p.moving, block.records[0] + j);
   });
-  unrolled<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
+  static_for<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
     constexpr int k = before + 1;
     Vector u[4];
-    unrolled<4>([&](auto j) SOUPLE_INLINE {
+    static_for<4>([&](auto j) SOUPLE_INLINE {
       const Vector x = Isa::load_records(p.position, block.records[k] + j);
       d[k][j] = Isa::load_records(p.moving, block.records[k] + j);
       u[j] = Isa::difference_but_last(x, first[j]) + (d[k][j] - d[0][j]);  // d.w = 0: u.w = x.w
@@ -153,9 +153,9 @@ SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Isa, Kin
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
-  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
+  static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
     typename Isa::Vector moved[4];
-    unrolled<4>([&](auto j) SOUPLE_INLINE {
+    static_for<4>([&](auto j) SOUPLE_INLINE {
       moved[j] = Isa::load_records(p.moving, block.records[k] + j) -
                  Isa::load_records(p.start, block.records[k] + j);
     });
@@ -171,17 +171,17 @@ template <class Isa, class Kind, bool displacement, bool in_place>
 SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block<Isa, Kind>& block,
                                             const Vec3<simd::Pack<Isa>> (&dx)[Kind::arity]) {
   using Vector = typename Isa::Vector;
-  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
+  static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
     const std::uint32_t* records = block.records[k];
     if constexpr (in_place && !displacement) {
       const auto& x = block.moving[k];
       Vector r[4] = {x[0] + dx[k].x.v, x[1] + dx[k].y.v, x[2] + dx[k].z.v, x[3]};
       simd::transpose<Isa>(r);
-      unrolled<4>([&](auto j) SOUPLE_INLINE { Isa::store_records(p.corrected, records + j, r[j]); });
+      static_for<4>([&](auto j) SOUPLE_INLINE { Isa::store_records(p.corrected, records + j, r[j]); });
     } else {
       Vector r[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, Vector{}};
       simd::transpose<Isa>(r);
-      unrolled<4>([&](auto j) SOUPLE_INLINE {
+      static_for<4>([&](auto j) SOUPLE_INLINE {
         const Vector before = in_place ? block.moving[k][j] : Isa::load_records(p.corrected, records + j);
         Isa::store_records(p.corrected, records + j, before + r[j]);
       });

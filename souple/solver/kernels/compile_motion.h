@@ -13,9 +13,9 @@ namespace souple::kernels {
 template <class Isa>
 inline typename Isa::Vector records_of(float x, float y, float z, float w) {
   const float record[4] = {x, y, z, w};
-  float spread[Isa::lanes];
-  for (int lane = 0; lane < Isa::lanes; ++lane) spread[lane] = record[lane % 4];
-  return Isa::load(spread);
+  float broadcast[Isa::lanes];
+  for (int lane = 0; lane < Isa::lanes; ++lane) broadcast[lane] = record[lane % 4];
+  return Isa::load(broadcast);
 }
 
 template <class Isa>

@@ -23,7 +23,7 @@ struct TriangleRecords {
 
 /// Records lane by lane, made by `load(j)`, as three components.
 template <class Isa, class Load>
-inline Vec3<simd::Pack<Isa>> components(const Load& load) {
+inline Vec3<simd::Pack<Isa>> load_transposed(const Load& load) {
   typename Isa::Vector r[4] = {load(0), load(1), load(2), load(3)};
   simd::transpose<Isa>(r);
   return {simd::Pack<Isa>(r[0]), simd::Pack<Isa>(r[1]), simd::Pack<Isa>(r[2])};
@@ -32,7 +32,7 @@ inline Vec3<simd::Pack<Isa>> components(const Load& load) {
 /// Corner k less corner 0.
 template <class Isa, bool displacement>
 inline Vec3<simd::Pack<Isa>> side(const TriangleArrays& a, const TriangleRecords<Isa>& records, int k) {
-  return components<Isa>([&](int j) {
+  return load_transposed<Isa>([&](int j) {
     const auto from_first = [&](const float* base) {
       return Isa::load_records(base, records.corner[k] + j) - Isa::load_records(base, records.corner[0] + j);
     };
@@ -56,7 +56,7 @@ template <class Isa, bool displacement>
   const Vec3<T> wind{T(air.wind[0]), T(air.wind[1]), T(air.wind[2])};
   for (; i + Isa::lanes <= end; i += Isa::lanes) {
     const TriangleRecords<Isa> records(a, i);
-    const Vec3<T> sum = components<Isa>([&](int j) {
+    const Vec3<T> sum = load_transposed<Isa>([&](int j) {
       return Isa::load_records(a.velocity, records.corner[0] + j) +
              Isa::load_records(a.velocity, records.corner[1] + j) +
              Isa::load_records(a.velocity, records.corner[2] + j);
