@@ -82,10 +82,10 @@ void EnclosedVolume::add(std::span<const Triangle> triangles, double rest_volume
     if (rest_volume < 0) std::swap(local[1], local[2]);
     surface.triangles.push_back(local);
   }
-  surface.wanted_volume = std::fabs(rest_volume) * static_cast<double>(options.volume_factor);
+  surface.target_volume = std::fabs(rest_volume) * static_cast<double>(options.volume_factor);
   surface.pressure = static_cast<double>(options.pressure);
-  surface.holds_volume = options.holds_volume;
-  surface.hold = {Sense::equality, static_cast<double>(options.compliance),
+  surface.keep_volume = options.keep_volume;
+  surface.settings = {Sense::equality, static_cast<double>(options.compliance),
                   static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
   surface.position.resize(vertices.size());
   surface.gradient.resize(vertices.size());
@@ -126,21 +126,21 @@ void EnclosedVolume::begin_substep(const ParticleView& particles, const Substep&
 
 void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
   Surface& surface = surfaces_[i];
-  if (!surface.holds_volume) return;
+  if (!surface.keep_volume) return;
   const auto group = groups_[i];
   ScalarState state;
-  state.C = measure(surface, group, particles) - surface.wanted_volume;
+  state.C = measure(surface, group, particles) - surface.target_volume;
   double max_gradient = 0;  // w |grad C|
   for (std::size_t k = 0; k < group.size(); ++k) {
     const auto w = static_cast<double>(particles.inverse_mass(group[k]));
     const double square = length_squared(surface.gradient[k]);
     state.weighted_square += w * square;
     max_gradient = std::fmax(max_gradient, w * std::sqrt(square));
-    if (surface.hold.damping_time > 0)
+    if (surface.settings.damping_time > 0)
       state.rate += dot(surface.gradient[k], Vec3d(particles.moved(group[k])));
   }
-  ScalarStep step = project_scalar(state, surface.hold, surface.multiplier, substep);
-  const double move_limit = 0.25 * std::cbrt(surface.wanted_volume * 3 / (4 * pi));
+  ScalarStep step = project_scalar(state, surface.settings, surface.multiplier, substep);
+  const double move_limit = 0.25 * std::cbrt(surface.target_volume * 3 / (4 * pi));
   const double move = max_gradient * std::fabs(step.factor);
   if (move_limit > 0 && move > move_limit) {
     step.dlambda *= move_limit / move;
@@ -162,16 +162,16 @@ void EnclosedVolume::project(int color, std::size_t begin, std::size_t end, cons
 Residual EnclosedVolume::residual(const ParticleView& particles) const {
   Residual result;
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
-    if (surfaces_[i].holds_volume)
-      add_to_residual(result, surfaces_[i].hold, volume(i, particles) - surfaces_[i].wanted_volume);
+    if (surfaces_[i].keep_volume)
+      add_to_residual(result, surfaces_[i].settings, volume(i, particles) - surfaces_[i].target_volume);
   return result;
 }
 
 void EnclosedVolume::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
   groups_.for_each([&](std::uint32_t i, int color) {
     const Surface& surface = surfaces_[i];
-    const double C = surface.holds_volume ? volume(i, particles) - surface.wanted_volume : 0;
-    visitor({groups_[i], color, 0, static_cast<float>(violation_of(surface.hold, C))});
+    const double C = surface.keep_volume ? volume(i, particles) - surface.target_volume : 0;
+    visitor({groups_[i], color, 0, static_cast<float>(violation_of(surface.settings, C))});
   });
 }
 

@@ -10,7 +10,7 @@ namespace souple {
 
 struct EnclosedVolumeOptions {
   float pressure = 0;         ///< above the surroundings' [Pa]; negative sucks
-  bool holds_volume = false;  ///< whether the volume constraint acts as well
+  bool keep_volume = false;  ///< whether the volume constraint acts as well
   /// The "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume.
   float volume_factor = 1;
   float compliance = 0;  ///< alpha = dV / dP [m^3/Pa = m^6/J]; for a gas or liquid of bulk modulus K, V0 / K
@@ -64,10 +64,10 @@ class EnclosedVolume final : public Projector {
  private:
   struct Surface {
     std::vector<Triangle> triangles;  // of indices into the group, counter-clockwise from outside
-    double wanted_volume = 0;
+    double target_volume = 0;
     double pressure = 0;
-    bool holds_volume = false;
-    Hold hold;
+    bool keep_volume = false;
+    ScalarSettings settings;
     double multiplier = 0;
     std::vector<Vec3d> position, gradient;  // scratch, per vertex
   };

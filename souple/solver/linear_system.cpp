@@ -135,21 +135,21 @@ void LinearSystem::linearize(const ParticleView& particles, const Substep& subst
     projector->linearize(particles, substep, [&context](const LinearConstraint& constraint) {
       Block& block = context.system.blocks_[context.next++];
       context.system.fill(block, constraint, context.particles);
-      if (context.floor && !block.idle) context.system.raise_to_floor(block, context.inverse_h2);
+      if (context.floor && !block.inactive) context.system.raise_to_floor(block, context.inverse_h2);
     });
 }
 
 void LinearSystem::fill(Block& block, const LinearConstraint& constraint, const ParticleView& particles) {
-  block.idle = false;
+  block.inactive = false;
   double gradient_squared = 0;
   const auto of = members(block);
   std::copy(constraint.gradient.begin(), constraint.gradient.end(), gradient.begin() + block.gradient);
   for (int r = 0; r < block.rows; ++r)
     for (std::size_t k = 0; k < block.arity; ++k)
       if (of[k] != pinned) gradient_squared += length_squared(Vec3d(gradient_of(block, r)[k]));
-  const bool holds = block.inequality && constraint.C[0] >= 0;
-  if (holds || !(gradient_squared > 0)) {
-    idle(block);
+  const bool satisfied = block.inequality && constraint.C[0] >= 0;
+  if (satisfied || !(gradient_squared > 0)) {
+    deactivate(block);
     return;
   }
   const double gamma = static_cast<double>(constraint.gamma), scale = static_cast<double>(constraint.scale);
@@ -185,8 +185,8 @@ void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
   }
 }
 
-void LinearSystem::idle(Block& block) {
-  block.idle = true;
+void LinearSystem::deactivate(Block& block) {
+  block.inactive = true;
   const std::size_t rows = block.rows;
   std::fill_n(gradient.begin() + block.gradient, rows * block.arity, Vec3f{});
   std::fill_n(compliance.begin() + block.compliance, rows * (rows + 1) / 2, 0.0);
@@ -226,14 +226,14 @@ void LinearSystem::multipliers_from_moves() {
   }
 }
 
-bool LinearSystem::drop_pulling() {
+bool LinearSystem::deactivate_pulling() {
   bool dropped = false;
   for (Block& block : blocks_) {
-    if (!block.inequality || block.idle) continue;
+    if (!block.inequality || block.inactive) continue;
     // Rounding alone does not make a pull.
     const double bound = -1e-9 * std::fabs(lambda[block.row]);
     if (lambda[block.row] + dlambda[block.row] >= bound) continue;
-    idle(block);
+    deactivate(block);
     std::fill_n(dlambda.begin() + block.row, block.rows, 0.0);
     dropped = true;
   }

@@ -41,7 +41,7 @@ class LinearSystem {
     std::uint32_t gradient;
     std::uint32_t compliance;
     std::uint16_t rows, arity;
-    bool inequality, idle;
+    bool inequality, inactive;
     double size;  ///< shortest distance between its particles when prepared [m]
   };
 
@@ -60,7 +60,7 @@ class LinearSystem {
   /// dlambda = A^-1 (b - J dx). `invert_compliance` comes first.
   void multipliers_from_moves();
   /// Idles the inequalities whose multiplier would become negative: they pull. Whether there were any.
-  bool drop_pulling();
+  bool deactivate_pulling();
   /// 1/2 b^T A^-1 b [J h^2], what is left to solve. `invert_compliance` comes first.
   double violation() const;
 
@@ -104,7 +104,7 @@ class LinearSystem {
   void add_structure(const LinearConstraint& constraint, const ParticleView& particles);
   void fill(Block& block, const LinearConstraint& constraint, const ParticleView& particles);
   void raise_to_floor(const Block& block, double inverse_h2);
-  void idle(Block& block);
+  void deactivate(Block& block);
 
   std::vector<Projector*> projectors_;
   std::vector<Block> blocks_;

@@ -68,7 +68,7 @@ bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep
   for (int pass = 0; pass < max_passes; ++pass) {
     if (floors_) system_.invert_compliance();
     if (!solve_system(system_, threads)) return false;
-    if (!system_.drop_pulling()) break;
+    if (!system_.deactivate_pulling()) break;
   }
   return true;
 }

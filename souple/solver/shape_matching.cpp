@@ -78,7 +78,7 @@ void ShapeMatching::add(std::span<const std::uint32_t> particles, std::span<cons
   for (const Vec3d& q : rest) region.rest.push_back(q - rest[0]);
   region.missing = missing_directions(region.rest, region.dimensions);
   region.linear = static_cast<double>(options.linear);
-  region.hold = {Sense::equality, static_cast<double>(options.compliance),
+  region.settings = {Sense::equality, static_cast<double>(options.compliance),
                  static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
   region.inverse_mass.assign(rest.size(), -1);  // no mass yet: the first substep weighs
   region.mass.assign(rest.size(), 1);
@@ -168,12 +168,12 @@ void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, co
   // grad_i C = -m_i d_i / (M C) with d = g - x, so w_i grad_i C = -d_i / (M C)
   const double scale = -1 / (region.free_mass * state.C);
   state.weighted_square = 1 / region.free_mass;
-  if (region.hold.damping_time > 0 && substep.mode != Mode::pbd)
+  if (region.settings.damping_time > 0 && substep.mode != Mode::pbd)
     for (std::size_t k = 0; k < group.size(); ++k)
       if (region.inverse_mass[k] > 0)
         state.rate += scale * region.mass[k] *
                       dot(to_goal(region, group, particles, pose, k), Vec3d(particles.moved(group[k])));
-  const ScalarStep step = project_scalar(state, region.hold, region.multiplier, substep);
+  const ScalarStep step = project_scalar(state, region.settings, region.multiplier, substep);
   if (substep.stores_multipliers()) region.multiplier += step.dlambda;
   // The first particle last: the others are measured from it.
   for (std::size_t k = group.size(); k-- > 0;) {
@@ -200,7 +200,7 @@ Residual ShapeMatching::residual(const ParticleView& particles) const {
   Residual result;
   for (std::size_t i = 0; i < regions_.size(); ++i) {
     const double C = distance(i, particles);
-    if (regions_[i].free_mass > 0) add_to_residual(result, regions_[i].hold, C);
+    if (regions_[i].free_mass > 0) add_to_residual(result, regions_[i].settings, C);
   }
   return result;
 }

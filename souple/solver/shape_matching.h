@@ -68,7 +68,7 @@ class ShapeMatching final : public Projector {
     Mat3d missing;       // projection onto the directions the rest shape lacks
     int dimensions = 0;  // it has
     double linear = 0;
-    Hold hold;
+    ScalarSettings settings;
     double multiplier = 0;
   };
   struct Pose {

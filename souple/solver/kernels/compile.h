@@ -251,7 +251,7 @@ struct Tail {
   static constexpr int lanes = Isa::lanes;
   static constexpr int max_particles = 4, max_parameters = 16, max_rows = 3;
   static constexpr int max_compliances = max_rows * (max_rows + 1) / 2;
-  static constexpr bool holds(const KindSize& size) {
+  static constexpr bool fits(const KindSize& size) {
     return size.particles <= max_particles && size.parameters <= max_parameters &&
            size.compliances <= max_compliances && size.rows <= max_rows;
   }
@@ -337,7 +337,7 @@ void project(const ParticleArrays& p, const SetArrays& set, std::size_t begin, s
   const auto blocks = project_blocks<Isa, Kind, displacement, terms>;
   if (begin < last) blocks(p, set, begin, last);
   if (last == end) return;
-  static_assert(Tail<Isa>::holds(size_of_kind<Isa, Kind>));
+  static_assert(Tail<Isa>::fits(size_of_kind<Isa, Kind>));
   Tail<Isa> tail(size_of_kind<Isa, Kind>, p, set, last, end);
   blocks(tail.particles(), tail.set(set), 0, Isa::lanes);
   tail.copy_back(p, set);
@@ -349,7 +349,7 @@ void evaluate(const ParticleArrays& p, const SetArrays& set, std::size_t begin, 
   const std::size_t last = whole<Isa>(begin, end);
   if (begin < last) evaluate_blocks<Isa, Kind, displacement>(p, set, begin, last, values);
   if (last == end) return;
-  static_assert(Tail<Isa>::holds(size_of_kind<Isa, Kind>));
+  static_assert(Tail<Isa>::fits(size_of_kind<Isa, Kind>));
   Tail<Isa> tail(size_of_kind<Isa, Kind>, p, set, last, end);
   float C[rows_of<Kind>][Isa::lanes];
   float* pointers[rows_of<Kind>];
