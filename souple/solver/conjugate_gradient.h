@@ -42,14 +42,14 @@ class ConjugateGradient final : public LinearisedSolver {
   };
   /// What a product with the matrix needs of the step before: dx += alpha direction,
   /// direction = W residual + beta direction.
-  struct Lengths {
+  struct StepCoefficients {
     double alpha = 0, beta = 0;
   };
 
   void gather_entries(const LinearSystem& system, Threads& threads);
   void begin(LinearSystem& system, Threads& threads);
-  void multiply(LinearSystem& system, const Lengths& last, Threads& threads);
-  Vec3d pulled(std::size_t unknown) const;
+  void multiply(LinearSystem& system, const StepCoefficients& last, Threads& threads);
+  Vec3d constraint_force(std::size_t unknown) const;
   template <class Term>
   double sum(Threads& threads, const Term& term);
 

@@ -85,7 +85,7 @@ void ShapeMatching::add(std::span<const std::uint32_t> particles, std::span<cons
   regions_.push_back(std::move(region));
 }
 
-void ShapeMatching::weigh(Region& region, std::span<const std::uint32_t> group,
+void ShapeMatching::update_masses(Region& region, std::span<const std::uint32_t> group,
                           const ParticleView& particles) {
   bool changed = false;
   for (std::size_t k = 0; k < group.size(); ++k) {
@@ -117,7 +117,7 @@ void ShapeMatching::weigh(Region& region, std::span<const std::uint32_t> group,
 
 void ShapeMatching::begin_substep(const ParticleView& particles, const Substep&) {
   for (std::size_t i = 0; i < regions_.size(); ++i) {
-    weigh(regions_[i], groups_[i], particles);
+    update_masses(regions_[i], groups_[i], particles);
     regions_[i].multiplier = 0;
   }
 }
@@ -190,7 +190,7 @@ void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const
 
 double ShapeMatching::distance(std::size_t i, const ParticleView& particles) const {
   Region& region = regions_[i];
-  weigh(region, groups_[i], particles);
+  update_masses(region, groups_[i], particles);
   if (!(region.free_mass > 0)) return 0;
   const Pose pose = fit(region, groups_[i], particles);
   return std::sqrt(distance_squared(region, groups_[i], particles, pose));
