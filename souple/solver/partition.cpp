@@ -16,15 +16,15 @@ class Copies {
 
   /// What a further constraint on these particles costs in that color: copies, then how many constraints its
   /// particles have of that color already.
-  using Price = std::pair<std::uint32_t, std::uint32_t>;
-  Price price(std::span<const std::uint32_t> particles, std::size_t color) const {
-    std::uint32_t copies = 0, rivals = 0;
+  using Cost = std::pair<std::uint32_t, std::uint32_t>;
+  Cost cost(std::span<const std::uint32_t> particles, std::size_t color) const {
+    std::uint32_t copies = 0, conflicts = 0;
     for (const std::uint32_t particle : particles) {
       const std::uint32_t here = count_[particle * colors_ + color];
       copies += here >= copies_[particle] ? 1 : 0;
-      rivals += here;
+      conflicts += here;
     }
-    return {copies, rivals};
+    return {copies, conflicts};
   }
   void add(std::span<const std::uint32_t> particles, std::size_t color) {
     for (const std::uint32_t particle : particles)
@@ -43,18 +43,18 @@ std::vector<std::uint32_t> assign_colors(std::span<const std::uint32_t> color_be
                                   std::span<const std::uint32_t> indices, std::size_t arity,
                                   std::size_t colors, Copies& copies) {
   std::vector<std::uint32_t> color_of(indices.size() / arity);
-  const auto place = [&](std::size_t i, std::size_t color) {
+  const auto assign = [&](std::size_t i, std::size_t color) {
     copies.add(indices.subspan(i * arity, arity), color);
     color_of[i] = static_cast<std::uint32_t>(color);
   };
   for (std::size_t color = 0; color < colors; ++color)
-    for (std::size_t i = color_begin[color]; i < color_begin[color + 1]; ++i) place(i, color);
+    for (std::size_t i = color_begin[color]; i < color_begin[color + 1]; ++i) assign(i, color);
   for (std::size_t i = color_begin[colors]; i < color_of.size(); ++i) {
     const auto particles = indices.subspan(i * arity, arity);
     std::size_t best = 0;
     for (std::size_t color = 1; color < colors; ++color)
-      if (copies.price(particles, color) < copies.price(particles, best)) best = color;
-    place(i, best);
+      if (copies.cost(particles, color) < copies.cost(particles, best)) best = color;
+    assign(i, best);
   }
   return color_of;
 }
@@ -77,7 +77,7 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
   Copies copies(particle_count, limit);
   result.coloring =
       sorted_by_color(indices, arity, particle_count, assign_colors(color_begin, indices, width, limit, copies));
-  std::vector<std::uint32_t> first(particle_count), turn(particle_count);
+  std::vector<std::uint32_t> first(particle_count), next_phantom(particle_count);
   for (std::uint32_t particle = 0; particle < particle_count; ++particle) {
     const std::uint32_t count = copies.of_particle()[particle];
     const auto phantoms = static_cast<std::uint32_t>(result.phantom_of.size());
@@ -87,7 +87,7 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
   result.indices.reserve(indices.size());
   for (const std::uint32_t i : result.coloring.order)
     for (const std::uint32_t particle : indices.subspan(i * width, width))
-      result.indices.push_back(first[particle] + turn[particle]++ % copies.of_particle()[particle]);
+      result.indices.push_back(first[particle] + next_phantom[particle]++ % copies.of_particle()[particle]);
   return result;
 }
 

@@ -198,10 +198,10 @@ TEST(HierarchicalLevels, AUniformStretchIsHandedDownInside) {
   const CoarseLevel level = build_levels(links_of(sheet), masses, 24).front();
   double error = 0;
   for (std::uint32_t i = 0; i < masses.size(); ++i) {
-    Vec3d place{};
+    Vec3d position{};
     for (std::uint32_t k = level.parent_begin[i]; k < level.parent_begin[i + 1]; ++k)
-      place += sheet.body.at(level.finer[level.parent[k]]) * static_cast<double>(level.weight[k]);
-    error += length(place - sheet.body.at(i)) / static_cast<double>(masses.size());
+      position += sheet.body.at(level.finer[level.parent[k]]) * static_cast<double>(level.weight[k]);
+    error += length(position - sheet.body.at(i)) / static_cast<double>(masses.size());
   }
   EXPECT_LT(error, 0.1 * 2 / 59) << "mean, a tenth of a cell";
 }
