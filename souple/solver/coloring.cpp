@@ -21,7 +21,7 @@ constexpr std::uint32_t min_color_size = 512;   // fills the packs of two thread
 class Palette {
  public:
   Palette(std::span<const std::uint32_t> indices, std::size_t arity, std::size_t particle_count)
-      : indices_(indices), arity_(arity), color_of_(indices.size() / arity), taken_(particle_count) {}
+      : indices_(indices), arity_(arity), color_of_(indices.size() / arity), used_colors_(particle_count) {}
 
   /// Gives each constraint of `pending` the first color in [first, first + 64) that its particles do not
   /// have yet; returns those that found none.
@@ -40,7 +40,7 @@ class Palette {
   }
   Bits used_around(std::uint32_t i) const {
     Bits used = 0;
-    for (const std::uint32_t particle : particles(i)) used |= taken_[particle];
+    for (const std::uint32_t particle : particles(i)) used |= used_colors_[particle];
     return used;
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(size_.size()); }
@@ -48,14 +48,14 @@ class Palette {
   void list_constraints_of_particles();
   void refit_reversed();
   bool dissolve_smallest();
-  bool make_room(std::uint32_t i, Bits allowed);
-  bool vacate(std::uint32_t i, std::uint32_t color, Bits allowed);
+  bool recolor(std::uint32_t i, Bits allowed);
+  bool evict_conflicts(std::uint32_t i, std::uint32_t color, Bits allowed);
   void fill_small();
 
   std::span<const std::uint32_t> indices_;
   std::size_t arity_;
   std::vector<std::uint32_t> color_of_;
-  std::vector<Bits> taken_;          // colors that a particle has
+  std::vector<Bits> used_colors_;          // colors that a particle has
   std::vector<std::uint32_t> size_;  // of each color; those at the end of a round may be empty
 
   // The constraints that particle p is in: constraints_[begin_[p] .. begin_[p + 1]).
@@ -64,39 +64,39 @@ class Palette {
     std::uint32_t constraint, from;
   };
   std::vector<Move> log_;              // to take back
-  std::vector<std::uint32_t> rivals_;  // what vacate moves
+  std::vector<std::uint32_t> conflicts_;  // what evict_conflicts moves
 };
 
 std::vector<std::uint32_t> Palette::first_fit(std::span<const std::uint32_t> pending, std::uint32_t first) {
   size_.resize(first);
   for (const std::uint32_t i : pending)
-    for (const std::uint32_t particle : particles(i)) taken_[particle] = 0;
-  std::vector<std::uint32_t> left;
+    for (const std::uint32_t particle : particles(i)) used_colors_[particle] = 0;
+  std::vector<std::uint32_t> uncolored;
   for (const std::uint32_t i : pending) {
     const Bits used = used_around(i);
     if (~used == 0) {
-      left.push_back(i);
+      uncolored.push_back(i);
       continue;
     }
     const auto color = static_cast<std::uint32_t>(std::countr_one(used));
-    for (const std::uint32_t particle : particles(i)) taken_[particle] |= bit(color);
+    for (const std::uint32_t particle : particles(i)) used_colors_[particle] |= bit(color);
     color_of_[i] = first + color;
     if (size_.size() <= first + color) size_.resize(first + color + 1);
     ++size_[first + color];
   }
-  return left;
+  return uncolored;
 }
 
 void Palette::move(std::uint32_t i, std::uint32_t color) {
   std::uint32_t& from = color_of_[i];
   for (const std::uint32_t particle : particles(i))
-    taken_[particle] = (taken_[particle] & ~bit(from)) | bit(color);
+    used_colors_[particle] = (used_colors_[particle] & ~bit(from)) | bit(color);
   --size_[from], ++size_[color];
   from = color;
 }
 
 void Palette::list_constraints_of_particles() {
-  begin_.assign(taken_.size() + 1, 0);
+  begin_.assign(used_colors_.size() + 1, 0);
   for (const std::uint32_t particle : indices_) ++begin_[particle + 1];
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   constraints_.resize(indices_.size());
@@ -118,28 +118,28 @@ void Palette::refit_reversed() {
 
 // Moves those of a color that stand in the way of constraint i out of it, each to a color that is free for
 // it. They share no particle, so they may even go to the same one.
-bool Palette::vacate(std::uint32_t i, std::uint32_t color, Bits allowed) {
-  rivals_.clear();
+bool Palette::evict_conflicts(std::uint32_t i, std::uint32_t color, Bits allowed) {
+  conflicts_.clear();
   for (const std::uint32_t particle : particles(i)) {
-    if (!(taken_[particle] & bit(color))) continue;
+    if (!(used_colors_[particle] & bit(color))) continue;
     std::uint32_t k = begin_[particle];
     while (color_of_[constraints_[k]] != color) ++k;
     if ((allowed & ~used_around(constraints_[k])) == 0) return false;
-    rivals_.push_back(constraints_[k]);
+    conflicts_.push_back(constraints_[k]);
   }
-  for (const std::uint32_t rival : rivals_) {
-    if (color_of_[rival] != color) continue;  // it shares two particles with i, and has left
-    log_.push_back({rival, color});
-    move(rival, static_cast<std::uint32_t>(std::countr_zero(allowed & ~used_around(rival))));
+  for (const std::uint32_t conflict : conflicts_) {
+    if (color_of_[conflict] != color) continue;  // it shares two particles with i, and has left
+    log_.push_back({conflict, color});
+    move(conflict, static_cast<std::uint32_t>(std::countr_zero(allowed & ~used_around(conflict))));
   }
   return true;
 }
 
 // Moves constraint i to a color of `allowed`, its rivals there to others if need be.
-bool Palette::make_room(std::uint32_t i, Bits allowed) {
+bool Palette::recolor(std::uint32_t i, Bits allowed) {
   Bits open = allowed & ~used_around(i);
   for (std::uint32_t color = 0; open == 0 && color < count(); ++color)
-    if ((allowed & bit(color)) && vacate(i, color, allowed)) open = bit(color);
+    if ((allowed & bit(color)) && evict_conflicts(i, color, allowed)) open = bit(color);
   if (open == 0) return false;
   log_.push_back({i, color_of_[i]});
   move(i, static_cast<std::uint32_t>(std::countr_zero(open)));
@@ -154,7 +154,7 @@ bool Palette::dissolve_smallest() {
   const Bits allowed = (bit(last) | (bit(last) - 1)) & ~bit(smallest);
   log_.clear();
   for (std::uint32_t i = 0; i < color_of_.size() && size_[smallest] > 0; ++i) {
-    if (color_of_[i] != smallest || make_room(i, allowed)) continue;
+    if (color_of_[i] != smallest || recolor(i, allowed)) continue;
     for (auto undo = log_.rbegin(); undo != log_.rend(); ++undo) move(undo->constraint, undo->from);
     return false;
   }
@@ -184,7 +184,7 @@ void Palette::improve() {
   if (color_of_.empty()) return;
   list_constraints_of_particles();
   std::uint32_t min_colors = 0;
-  for (std::size_t particle = 0; particle < taken_.size(); ++particle)
+  for (std::size_t particle = 0; particle < used_colors_.size(); ++particle)
     min_colors = std::max(min_colors, begin_[particle + 1] - begin_[particle]);
   constexpr int passes = 4;  // more gain a color now and then
   for (int pass = 0; count() > min_colors; ++pass) {
