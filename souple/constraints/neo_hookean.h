@@ -48,7 +48,7 @@ struct NeoHookean {
   static Params<float> from_rest(const Vec3d (&x)[4]) {
     const Mat3d edges{x[1] - x[0], x[2] - x[0], x[3] - x[0]};
     const double edge = detail::longest_edge(x);
-    detail::require_sound_rest_shape(determinant(edges) / 6, 0.1 * edge * edge * edge, name);
+    detail::require_valid_rest_shape(determinant(edges) / 6, 0.1 * edge * edge * edge, name);
     return {Mat3f(inverse(edges))};
   }
 

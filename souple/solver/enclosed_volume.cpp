@@ -12,8 +12,8 @@ namespace {
 
 using Triangle = EnclosedVolume::Triangle;
 
-void require(bool good, const char* name, double value, const char* expected) {
-  if (!good) throw Error(fmt::format("enclosed_volume: {} is {:g}, expected {}", name, value, expected));
+void require(bool valid, const char* name, double value, const char* expected) {
+  if (!valid) throw Error(fmt::format("enclosed_volume: {} is {:g}, expected {}", name, value, expected));
 }
 
 void check(double rest_volume, const EnclosedVolumeOptions& o) {

@@ -14,8 +14,8 @@ constexpr double pin_weight = 1e4;  // of a pinned particle, in masses of the fr
 constexpr double flat = 1e-6;  // squared thickness beside squared length below which a direction is missing
 constexpr double min_det = 0.1;  // below it, linear regions turn rigid
 
-void require(bool good, const char* name, float value, const char* expected) {
-  if (!good) throw Error(fmt::format("shape_matching: {} is {}, expected {}", name, value, expected));
+void require(bool valid, const char* name, float value, const char* expected) {
+  if (!valid) throw Error(fmt::format("shape_matching: {} is {}, expected {}", name, value, expected));
 }
 
 void check(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest,

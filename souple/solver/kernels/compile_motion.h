@@ -28,14 +28,14 @@ inline typename Isa::Mask three_of_four() {
 /// Says at the end whether a number came by that is infinite, no number, or so large that the sum of three
 /// is.
 template <class Isa>
-class Watch {
+class FiniteCheck {
  public:
   void add(typename Isa::Vector a) {
     const typename Isa::Vector large = a * 8.0f;
     sum_ = sum_ + (large - large);  // NOLINT(misc-redundant-expression): infinity less infinity is no number,
                                     // nor is any sum with it
   }
-  bool is_clean() const {
+  bool all_finite() const {
     for (int lane = 0; lane < Isa::lanes; ++lane)
       if (sum_[lane] != 0.0f) return false;
     return true;
@@ -95,7 +95,7 @@ template <class Isa, bool windy>
   using Vector = typename Isa::Vector;
   const Vector g = records_of<Isa>(gravity[0], gravity[1], gravity[2], 0);
   const typename Isa::Mask xyz = three_of_four<Isa>();
-  Watch<Isa> watch;
+  FiniteCheck<Isa> finite_check;
   for_each_register<Isa>(arrays, begin, end, [&](const MotionArrays& at) {
     const Vector w = Isa::broadcast_last(Isa::load(at.position));
     const Vector p = Isa::load(at.moving), v = Isa::load(at.velocity);
@@ -103,12 +103,12 @@ template <class Isa, bool windy>
     Vector a = g;
     if constexpr (windy) a = a + Isa::load(at.force) * w;
     const Vector v_star = moves ? v + a * h : v;
-    watch.add(v_star);
+    finite_check.add(v_star);
     Isa::store(at.start, p);
     Isa::store(at.velocity, v_star);
     Isa::store(at.moving, moves ? p + v_star * h : p);
   });
-  return watch.is_clean();
+  return finite_check.all_finite();
 }
 
 template <class Isa>
@@ -121,21 +121,21 @@ template <class Isa, bool displacement>
 [[gnu::flatten]] bool finish(const MotionArrays& arrays, std::size_t begin, std::size_t end, float h) {
   using Vector = typename Isa::Vector;
   const typename Isa::Mask xyz = three_of_four<Isa>();
-  Watch<Isa> watch;
+  FiniteCheck<Isa> finite_check;
   for_each_register<Isa>(arrays, begin, end, [&](const MotionArrays& at) {
     const Vector x = Isa::load(at.position), q = Isa::load(at.moving), v_star = Isa::load(at.velocity);
     const Vector base = Isa::broadcast_last(x) != 0.0f ? v_star : Vector{};
     const Vector v = base + (q - (Isa::load(at.start) + base * h)) / h;
-    watch.add(xyz ? v : Vector{});
+    finite_check.add(xyz ? v : Vector{});
     Isa::store(at.velocity, xyz ? v : v_star);
     if constexpr (displacement) {
       const Vector moved = x + q;
-      watch.add(moved);
+      finite_check.add(moved);
       Isa::store(at.position, xyz ? moved : x);
       Isa::store(at.moving, xyz ? q - (moved - x) : q);
     }
   });
-  return watch.is_clean();
+  return finite_check.all_finite();
 }
 
 template <class Isa>

@@ -71,10 +71,10 @@ void limit_to_reach(const typename Kind::template Params<T>& params, Vec3<T> (&d
   for (int i = 0; i < Kind::arity; ++i) farthest = max(farthest, dot(dx[i], dx[i]));
   const auto too_far = farthest > reach * reach;
   const T factor = select(too_far, reach / sqrt(select(too_far, farthest, T(1))), T(1));
-  const auto sound = farthest < T(1e38f);
+  const auto bounded = farthest < T(1e38f);
   for (int i = 0; i < Kind::arity; ++i)
-    for (int axis = 0; axis < 3; ++axis) dx[i][axis] = select(sound, dx[i][axis] * factor, T(0));
-  for (int r = 0; r < rows_of<Kind>; ++r) dlambda[r] = select(sound, dlambda[r] * factor, T(0));
+    for (int axis = 0; axis < 3; ++axis) dx[i][axis] = select(bounded, dx[i][axis] * factor, T(0));
+  for (int r = 0; r < rows_of<Kind>; ++r) dlambda[r] = select(bounded, dlambda[r] * factor, T(0));
 }
 
 /// Which terms of dlambda there are; the others cost nothing.
