@@ -36,7 +36,7 @@ void LinearisedSolver::prepare_structure(const ParticleView& particles) {
 }
 
 // Pins come and go between steps, and from callbacks within them.
-void LinearisedSolver::follow_pins(const ParticleView& particles) {
+void LinearisedSolver::update_pins(const ParticleView& particles) {
   if (std::equal(inverse_mass_.begin(), inverse_mass_.end(), particles.position.begin(),
                  particles.position.end(), [](float w, const Vec4f& x) { return w == x.w; }))
     return;
@@ -49,7 +49,7 @@ void LinearisedSolver::follow_pins(const ParticleView& particles) {
 
 void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& particles,
                              const Substep& substep, Threads& threads) {
-  follow_pins(particles);
+  update_pins(particles);
   system_.begin_substep();
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (solvable_ && solve_active(particles, substep, threads)) {

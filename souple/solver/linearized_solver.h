@@ -42,7 +42,7 @@ class LinearisedSolver : public Solver {
 
  private:
   void prepare_structure(const ParticleView& particles);
-  void follow_pins(const ParticleView& particles);
+  void update_pins(const ParticleView& particles);
   bool solve_active(const ParticleView& particles, const Substep& substep, Threads& threads);
   void advance(const ParticleView& particles, const Substep& substep);
   double violation(const ParticleView& particles, const Substep& substep);

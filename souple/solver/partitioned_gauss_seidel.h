@@ -34,7 +34,7 @@ class PartitionedGaussSeidel final : public Solver {
  private:
   class Split;
   /// The particles, then the phantoms.
-  struct Everyone {
+  struct ParticlesAndPhantoms {
     std::vector<Vec4f> position, moving, start;
     ParticleView view;
     std::uint32_t substep = 0;  ///< grows with each
@@ -45,7 +45,7 @@ class PartitionedGaussSeidel final : public Solver {
   int colors_;
   GaussSeidel gauss_seidel_;
   std::size_t particle_count_ = 0;
-  Everyone all_;
+  ParticlesAndPhantoms all_;
   std::vector<std::unique_ptr<Split>> split_;
   std::vector<Projector*> projectors_;  // those that were not split, and the Splits of the others
 };

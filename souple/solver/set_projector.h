@@ -70,7 +70,7 @@ class SetProjector final : public Projector {
   }
 
   std::span<const std::uint32_t> split(int colors, std::uint32_t first_phantom) override {
-    if (!split_.whole.order.empty()) arrange(std::move(split_.whole));
+    if (!split_.unsplit.order.empty()) arrange(std::move(split_.unsplit));
     split_ = {};
     if (colors == 0 || color_count() <= colors) return {};
     const std::vector<std::uint32_t> flat = flat_indices();
@@ -78,7 +78,7 @@ class SetProjector final : public Projector {
         partition_constraints(flat, Kind::arity, *std::max_element(flat.begin(), flat.end()) + std::size_t{1},
                               set_.color_begin, colors, first_phantom);
     split_.phantom_of = std::move(partition.phantom_of);
-    split_.whole = {inverse_order(partition.coloring.order), set_.color_begin};
+    split_.unsplit = {inverse_order(partition.coloring.order), set_.color_begin};
     for (std::size_t k = 0; k < Set::arity; ++k)
       for (std::size_t i = k; i < partition.indices.size(); i += Set::arity)
         split_.records[k].push_back(4 * partition.indices[i]);
@@ -200,7 +200,7 @@ class SetProjector final : public Projector {
     find_scales({});  // a solver may linearize before the first substep
   }
   // What `project` acts on: where particles were split, phantoms in their place.
-  const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
+  const std::array<std::vector<std::uint32_t>, Set::arity>& projected_records() const {
     return split_.phantom_of.empty() ? set_.records : split_.records;
   }
 
@@ -313,7 +313,7 @@ class SetProjector final : public Projector {
   void project_packed(std::size_t begin, std::size_t end, const ParticleView& particles,
                       const Substep& substep, bool general) {
     Arrays arrays(set_);
-    for (std::size_t k = 0; k < Kind::arity; ++k) arrays.records[k] = acted_on()[k].data();
+    for (std::size_t k = 0; k < Kind::arity; ++k) arrays.records[k] = projected_records()[k].data();
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
@@ -395,7 +395,7 @@ class SetProjector final : public Projector {
   template <Terms terms>
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
     Indices indices;
-    for (std::size_t k = 0; k < Set::arity; ++k) indices[k] = acted_on()[k][i] / 4;
+    for (std::size_t k = 0; k < Set::arity; ++k) indices[k] = projected_records()[k][i] / 4;
     ProjectionInput<Kind, float> in;
     load(indices, i, particles, in);
     set_terms(i, substep, in);
@@ -422,7 +422,7 @@ class SetProjector final : public Projector {
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
     std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records, with phantoms
-    Coloring whole;                                              // leads back
+    Coloring unsplit;                                              // leads back
   } split_;
   bool dirty_ = true;
   bool damped_ = true;
