@@ -20,7 +20,7 @@ namespace souple {
 /// space from zero finds them at once, and the restart spoils it).
 ///
 /// Bitwise equal for any number of threads. Allocates nothing in a warm step.
-class ConjugateGradient final : public LinearisedSolver {
+class ConjugateGradient final : public LinearizedSolver {
  public:
   /// A correction crosses one constraint per product, so a large mesh needs more of them: half as many again
   /// as its side has particles, were it a square.

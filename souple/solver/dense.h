@@ -10,7 +10,7 @@ namespace souple {
 /// pseudo-inverse from its singular values, so that redundant and contradictory constraints share what they
 /// ask for in the least-squares sense. Costs the cube of the rows, 600 of them at most: the oracle of the
 /// tests.
-class Dense final : public LinearisedSolver {
+class Dense final : public LinearizedSolver {
  public:
   static constexpr std::size_t max_rows = 600;
 

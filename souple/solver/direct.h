@@ -15,7 +15,7 @@ namespace souple {
 ///   diagonal that keeps redundant rows from dividing by zero.
 ///
 /// Eigen allocates in every iteration.
-class Direct final : public LinearisedSolver {
+class Direct final : public LinearizedSolver {
  public:
   Direct();
   ~Direct() override;

@@ -15,7 +15,7 @@ constexpr double max_deformation = 0.5;
 
 }  // namespace
 
-void LinearisedSolver::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+void LinearizedSolver::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
   linear_.clear();
   others_.clear();
   for (Projector* projector : projectors)
@@ -26,7 +26,7 @@ void LinearisedSolver::prepare(std::span<Projector* const> projectors, const Par
   prepare_structure(particles);
 }
 
-void LinearisedSolver::prepare_structure(const ParticleView& particles) {
+void LinearizedSolver::prepare_structure(const ParticleView& particles) {
   solvable_ = false;
   inverse_mass_.clear();
   for (const Vec4f& x : particles.position) inverse_mass_.push_back(x.w);
@@ -36,7 +36,7 @@ void LinearisedSolver::prepare_structure(const ParticleView& particles) {
 }
 
 // Pins come and go between steps, and from callbacks within them.
-void LinearisedSolver::update_pins(const ParticleView& particles) {
+void LinearizedSolver::update_pins(const ParticleView& particles) {
   if (std::equal(inverse_mass_.begin(), inverse_mass_.end(), particles.position.begin(),
                  particles.position.end(), [](float w, const Vec4f& x) { return w == x.w; }))
     return;
@@ -47,7 +47,7 @@ void LinearisedSolver::update_pins(const ParticleView& particles) {
   }
 }
 
-void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& particles,
+void LinearizedSolver::solve(std::span<Projector* const>, const ParticleView& particles,
                              const Substep& substep, Threads& threads) {
   update_pins(particles);
   system_.begin_substep();
@@ -63,7 +63,7 @@ void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& pa
 }
 
 // An inequality that the others turn into a pull is let go, and the rest solved again.
-bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
+bool LinearizedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
   system_.linearize(particles, substep, floors_);
   for (int pass = 0; pass < max_passes; ++pass) {
     if (floors_) system_.invert_compliance();
@@ -73,13 +73,13 @@ bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep
   return true;
 }
 
-double LinearisedSolver::violation(const ParticleView& particles, const Substep& substep) {
+double LinearizedSolver::violation(const ParticleView& particles, const Substep& substep) {
   system_.linearize(particles, substep, true);
   system_.invert_compliance();
   return system_.violation();
 }
 
-void LinearisedSolver::advance(const ParticleView& particles, const Substep& substep) {
+void LinearizedSolver::advance(const ParticleView& particles, const Substep& substep) {
   const double deformation = system_.largest_deformation(), kinetic = system_.kinetic();
   double factor = deformation > max_deformation ? max_deformation / deformation : 1;
   std::copy(particles.moving.begin(), particles.moving.end(), saved_.begin());
@@ -94,7 +94,7 @@ void LinearisedSolver::advance(const ParticleView& particles, const Substep& sub
   system_.accept(factor);
 }
 
-std::string LinearisedSolver::floor_diagnostic() const {
+std::string LinearizedSolver::floor_diagnostic() const {
   std::string text;
   if (floors_ && system_.floored() > 0) {
     text += fmt::format(

@@ -20,7 +20,7 @@ namespace souple {
 ///
 /// (b taken anew after the move): the very function that the linear system minimizes. After four halvings it
 /// is taken as it is.
-class LinearisedSolver : public Solver {
+class LinearizedSolver : public Solver {
  public:
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) final;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
