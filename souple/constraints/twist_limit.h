@@ -21,7 +21,7 @@ struct TwistLimit {
   template <class T>
   struct Params {
     T rest_sine, rest_cosine;  ///< of theta0
-    T max_angle;                  ///< rad, in [0, pi)
+    T max_angle;               ///< rad, in [0, pi)
   };
 
   /// The present angle as rest angle.

@@ -55,7 +55,7 @@ class Palette {
   std::span<const std::uint32_t> indices_;
   std::size_t arity_;
   std::vector<std::uint32_t> color_of_;
-  std::vector<Bits> used_colors_;          // colors that a particle has
+  std::vector<Bits> used_colors_;    // colors that a particle has
   std::vector<std::uint32_t> size_;  // of each color; those at the end of a round may be empty
 
   // The constraints that particle p is in: constraints_[begin_[p] .. begin_[p + 1]).
@@ -63,7 +63,7 @@ class Palette {
   struct Move {
     std::uint32_t constraint, from;
   };
-  std::vector<Move> log_;              // to take back
+  std::vector<Move> log_;                 // to take back
   std::vector<std::uint32_t> conflicts_;  // what evict_conflicts moves
 };
 

@@ -13,7 +13,8 @@ constexpr std::size_t chunk = 1024;
 constexpr std::size_t grain = 512;
 
 // A^-1 y for the rows of a block.
-void apply_inverse_compliance(const LinearSystem& system, const LinearSystem::Block& block, const double* y, double* result) {
+void apply_inverse_compliance(const LinearSystem& system, const LinearSystem::Block& block, const double* y,
+                              double* result) {
   const double* inverse = &system.inverse[block.compliance];
   if (block.rows == 1) {
     result[0] = inverse[0] * y[0];
@@ -134,7 +135,8 @@ void ConjugateGradient::multiply(LinearSystem& system, const StepCoefficients& l
     }
   });
   threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u) product_[u] = direction_[u] * system.mass[u] + constraint_force(u);
+    for (std::size_t u = begin; u < end; ++u)
+      product_[u] = direction_[u] * system.mass[u] + constraint_force(u);
   });
 }
 
@@ -162,7 +164,8 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
     });
   }
   if (products_ > 0)
-    for (std::size_t r = 0; r < system.rows(); ++r) system.dlambda[r] += coefficients.alpha * row_direction_[r];
+    for (std::size_t r = 0; r < system.rows(); ++r)
+      system.dlambda[r] += coefficients.alpha * row_direction_[r];
   reached_ = first > 0 ? std::sqrt(rho / first) : 0;
   max_products_used_ = std::max(max_products_used_, products_);
   worst_ = std::max(worst_, reached_);

@@ -14,7 +14,7 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;  // lower triangle, by columns
 constexpr double redundant = 1e-9;           // added to the dual's diagonal, as a share of it
-constexpr double max_operations = 5e9;      // multiplications of one factorization: some seconds
+constexpr double max_operations = 5e9;       // multiplications of one factorization: some seconds
 constexpr std::size_t max_unknowns = 300000;
 constexpr std::size_t max_entries = 30000000;  // of the dual, whose rows meet at every particle
 
@@ -24,7 +24,9 @@ struct MatrixEntry {
   friend bool operator<(const MatrixEntry& a, const MatrixEntry& b) {
     return a.column != b.column ? a.column < b.column : a.row < b.row;
   }
-  friend bool operator==(const MatrixEntry& a, const MatrixEntry& b) { return a.column == b.column && a.row == b.row; }
+  friend bool operator==(const MatrixEntry& a, const MatrixEntry& b) {
+    return a.column == b.column && a.row == b.row;
+  }
 };
 
 void sort_unique(std::vector<MatrixEntry>& matrix_entries) {
@@ -193,7 +195,8 @@ void for_each_dual_entry(const LinearSystem& system, const std::vector<std::vect
   for (std::size_t u = 0; u < incidences.size(); ++u)
     for (std::size_t a = 0; a < incidences[u].size(); ++a)
       for (std::size_t b = 0; b <= a; ++b)
-        pair_term(MatrixEntry{incidences[u][b].row, incidences[u][a].row}, u, incidences[u][a], incidences[u][b]);
+        pair_term(MatrixEntry{incidences[u][b].row, incidences[u][a].row}, u, incidences[u][a],
+                  incidences[u][b]);
 }
 
 }  // namespace
@@ -218,8 +221,8 @@ void Direct::Impl::prepare_dual(const LinearSystem& system) {
   build_dual_pattern(system.rows(), matrix_entries);
   slot.clear();
   const auto find = [&](const MatrixEntry& at, auto&&...) {
-    slot.push_back(
-        static_cast<std::uint32_t>(std::lower_bound(matrix_entries.begin(), matrix_entries.end(), at) - matrix_entries.begin()));
+    slot.push_back(static_cast<std::uint32_t>(
+        std::lower_bound(matrix_entries.begin(), matrix_entries.end(), at) - matrix_entries.begin()));
   };
   for_each_dual_entry(system, incidences, find, find);
 }
@@ -232,7 +235,9 @@ void Direct::Impl::fill_dual(const LinearSystem& system) {
   std::size_t next = 0;
   for_each_dual_entry(
       system, incidences,
-      [&](const MatrixEntry&, std::uint32_t compliance) { values[slot[next++]] += system.compliance[compliance]; },
+      [&](const MatrixEntry&, std::uint32_t compliance) {
+        values[slot[next++]] += system.compliance[compliance];
+      },
       [&](const MatrixEntry&, std::size_t u, const Incidence& a, const Incidence& b) {
         values[slot[next++]] +=
             dot(Vec3d(system.gradient[a.gradient]), Vec3d(system.gradient[b.gradient])) / system.mass[u];

@@ -86,7 +86,7 @@ void EnclosedVolume::add(std::span<const Triangle> triangles, double rest_volume
   surface.pressure = static_cast<double>(options.pressure);
   surface.keep_volume = options.keep_volume;
   surface.settings = {Sense::equality, static_cast<double>(options.compliance),
-                  static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
+                      static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
   surface.position.resize(vertices.size());
   surface.gradient.resize(vertices.size());
   surfaces_.push_back(std::move(surface));

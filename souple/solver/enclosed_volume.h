@@ -9,7 +9,7 @@
 namespace souple {
 
 struct EnclosedVolumeOptions {
-  float pressure = 0;         ///< above the surroundings' [Pa]; negative sucks
+  float pressure = 0;        ///< above the surroundings' [Pa]; negative sucks
   bool keep_volume = false;  ///< whether the volume constraint acts as well
   /// The "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume.
   float volume_factor = 1;

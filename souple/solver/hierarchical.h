@@ -61,12 +61,12 @@ class Hierarchical final : public Solver {
     std::vector<Vec4f> before;               ///< the same before anything was corrected
     std::vector<Vec4f> correction;           ///< moving - before, once solved
     std::vector<float> stretch;              ///< of the way along finer links of each link [m]
-    std::vector<float> path_length;           ///< at rest [m]
+    std::vector<float> path_length;          ///< at rest [m]
     std::vector<float> softening;            ///< of each link, see set_compliance
     SetProjector<Tether> at_most;            ///< |X_J - X_K| <= L_JK
     SetProjector<ParticleContact> at_least;  ///< |X_J - X_K| >= l_JK; in the same order
-    Column* max_length = nullptr;               ///< L of `at_most`, rewritten during steps
-    Column* min_length = nullptr;              ///< l of `at_least`
+    Column* max_length = nullptr;            ///< L of `at_most`, rewritten during steps
+    Column* min_length = nullptr;            ///< l of `at_least`
     Column* compliance = nullptr;            ///< of `at_most`
   };
 

@@ -294,8 +294,8 @@ std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std:
 
 /// Spreads what the finer links hold over the coarse ones: a link between the realms of two coarse particles
 /// goes to their link, one within a realm to all links of its particle.
-void distribute_energy(std::span<const Link> links, std::span<const std::uint32_t> cluster, std::size_t particles,
-                  std::vector<Link>& coarse) {
+void distribute_energy(std::span<const Link> links, std::span<const std::uint32_t> cluster,
+                       std::size_t particles, std::vector<Link>& coarse) {
   const Graph graph(coarse, particles);
   std::vector<double> energy(coarse.size());
   for (const Link& link : links) {

@@ -40,8 +40,8 @@ class Copies {
 // Keeps the first colors, which need no phantom, and puts the constraints of the others where they cost
 // least. Returns the color of each constraint.
 std::vector<std::uint32_t> assign_colors(std::span<const std::uint32_t> color_begin,
-                                  std::span<const std::uint32_t> indices, std::size_t arity,
-                                  std::size_t colors, Copies& copies) {
+                                         std::span<const std::uint32_t> indices, std::size_t arity,
+                                         std::size_t colors, Copies& copies) {
   std::vector<std::uint32_t> color_of(indices.size() / arity);
   const auto assign = [&](std::size_t i, std::size_t color) {
     copies.add(indices.subspan(i * arity, arity), color);
@@ -75,8 +75,8 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
     return result;
   }
   Copies copies(particle_count, limit);
-  result.coloring =
-      sorted_by_color(indices, arity, particle_count, assign_colors(color_begin, indices, width, limit, copies));
+  result.coloring = sorted_by_color(indices, arity, particle_count,
+                                    assign_colors(color_begin, indices, width, limit, copies));
   std::vector<std::uint32_t> first(particle_count), next_phantom(particle_count);
   for (std::uint32_t particle = 0; particle < particle_count; ++particle) {
     const std::uint32_t count = copies.of_particle()[particle];

@@ -14,7 +14,8 @@ constexpr std::size_t copy_grain = 4096;  // particles
 /// colors of a set, forward or backward, needs to know nothing of phantoms.
 class PartitionedGaussSeidel::Split final : public Projector {
  public:
-  Split(Projector& set, std::span<const std::uint32_t> phantom_of, std::uint32_t first_phantom, ParticlesAndPhantoms& all)
+  Split(Projector& set, std::span<const std::uint32_t> phantom_of, std::uint32_t first_phantom,
+        ParticlesAndPhantoms& all)
       : set_(set), all_(all) {
     for (std::uint32_t j = 0; j < phantom_of.size(); ++j) {
       if (particles_.empty() || particles_.back().particle != phantom_of[j])

@@ -422,7 +422,7 @@ class SetProjector final : public Projector {
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
     std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records, with phantoms
-    Coloring unsplit;                                              // leads back
+    Coloring unsplit;                                            // leads back
   } split_;
   bool dirty_ = true;
   bool damped_ = true;

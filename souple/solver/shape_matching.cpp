@@ -11,7 +11,7 @@ namespace souple {
 namespace {
 
 constexpr double pin_weight = 1e4;  // of a pinned particle, in masses of the free ones
-constexpr double flat = 1e-6;  // squared thickness beside squared length below which a direction is missing
+constexpr double flat = 1e-6;    // squared thickness beside squared length below which a direction is missing
 constexpr double min_det = 0.1;  // below it, linear regions turn rigid
 
 void require(bool valid, const char* name, float value, const char* expected) {
@@ -79,14 +79,14 @@ void ShapeMatching::add(std::span<const std::uint32_t> particles, std::span<cons
   region.missing = missing_directions(region.rest, region.dimensions);
   region.linear = static_cast<double>(options.linear);
   region.settings = {Sense::equality, static_cast<double>(options.compliance),
-                 static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
+                     static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
   region.inverse_mass.assign(rest.size(), -1);  // no mass yet: the first substep weighs
   region.mass.assign(rest.size(), 1);
   regions_.push_back(std::move(region));
 }
 
 void ShapeMatching::update_masses(Region& region, std::span<const std::uint32_t> group,
-                          const ParticleView& particles) {
+                                  const ParticleView& particles) {
   bool changed = false;
   for (std::size_t k = 0; k < group.size(); ++k) {
     const float w = particles.inverse_mass(group[k]);

@@ -76,7 +76,8 @@ class ShapeMatching final : public Projector {
     Mat3d transform;
   };
 
-  static void update_masses(Region& region, std::span<const std::uint32_t> group, const ParticleView& particles);
+  static void update_masses(Region& region, std::span<const std::uint32_t> group,
+                            const ParticleView& particles);
   static Pose fit(const Region& region, std::span<const std::uint32_t> group, const ParticleView& particles);
   static Vec3d to_goal(const Region& region, std::span<const std::uint32_t> group,
                        const ParticleView& particles, const Pose& pose, std::size_t k);

@@ -24,7 +24,8 @@ class TbbThreads final : public Threads {
     }
     arena_.execute([&] {
       oneapi::tbb::parallel_for(
-          std::size_t{0}, partition.parts(), [&](std::size_t t) { f(partition.begin(t), partition.begin(t + 1)); },
+          std::size_t{0}, partition.parts(),
+          [&](std::size_t t) { f(partition.begin(t), partition.begin(t + 1)); },
           oneapi::tbb::static_partitioner{});
     });
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/solver/work_partition.h"
 #include "souple/solver/threads.h"
+#include "souple/solver/work_partition.h"
 
 #include <atomic>
 #include <condition_variable>

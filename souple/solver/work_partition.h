@@ -12,7 +12,8 @@ class WorkPartition {
  public:
   WorkPartition(std::size_t n, std::size_t grain, int count)
       : n_(n), unit_(grain >= pack ? pack : 1), units_(n / unit_) {
-    const std::size_t min_units = std::max<std::size_t>(1, grain / unit_ + (grain % unit_ != 0));  // units a part
+    const std::size_t min_units =
+        std::max<std::size_t>(1, grain / unit_ + (grain % unit_ != 0));  // units a part
     parts_ = std::clamp<std::size_t>(units_ / min_units, 1, static_cast<std::size_t>(std::max(count, 1)));
   }
 

@@ -88,7 +88,8 @@ SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& 
   using T = simd::Pack<Isa>;
   auto& x = block.moving;
   static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
-    static_for<4>([&](auto j) SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
+    static_for<4>([&](auto j)
+                      SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
     simd::transpose<Isa>(x[k]);
     block.in.inverse_mass[k] = T(x[k][3]);
   });
