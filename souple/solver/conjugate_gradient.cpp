@@ -8,7 +8,7 @@
 namespace souple {
 namespace {
 
-// Unknowns summed by one thread: fixed, so that sums do not depend on threads.
+// Unknowns per partial sum: fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t chunk = 1024;
 constexpr std::size_t grain = 512;
 
@@ -61,7 +61,7 @@ void ConjugateGradient::prepare_system(LinearSystem& system, const ParticleView&
   reached_ = worst_ = 0;
 }
 
-// Copies the gradients to where a particle finds all of its own in one place.
+// Copies the gradients so that the entries of one particle are contiguous.
 void ConjugateGradient::gather_entries(const LinearSystem& system, Threads& threads) {
   threads.for_each(entries_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) entries_[i].gradient = system.gradient[gradient_of_[i]];
@@ -112,8 +112,8 @@ void ConjugateGradient::begin(LinearSystem& system, Threads& threads) {
   });
 }
 
-// product = (M + J^T A^-1 J) direction: by rows, then by particles, so that no two threads add to one number.
-// Rows first take the step before, which the particles have taken already.
+// product = (M + J^T A^-1 J) direction: first by rows, then by particles, so that no two threads add to one
+// number. The row loop first applies the previous step, which the particle vectors contain already.
 void ConjugateGradient::multiply(LinearSystem& system, const StepCoefficients& last, Threads& threads) {
   threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
     for (const LinearSystem::Block& block : system.blocks().subspan(begin, end - begin)) {

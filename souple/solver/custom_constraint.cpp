@@ -49,7 +49,7 @@ std::string CustomProjector::take_error() {
   return first;
 }
 
-// Returns whether C and gradient can be used.
+// Returns whether C and gradient are usable.
 bool CustomProjector::evaluate(Item& item, std::span<const std::uint32_t> group,
                                const ParticleView& particles, float& C) {
   std::string reason;
@@ -126,7 +126,7 @@ Residual CustomProjector::residual(const ParticleView& particles) const {
 void CustomProjector::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
   groups_.for_each([&](std::uint32_t i, int color) {
     Item& item = items_[i];
-    const std::string error = item.error;  // looking records none
+    const std::string error = item.error;  // visiting records no error
     float C = 0;
     if (!evaluate(item, groups_[i], particles, C)) C = 0;
     item.error = error;

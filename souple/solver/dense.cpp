@@ -10,9 +10,9 @@
 namespace souple {
 namespace {
 
-// Singular values below this share of the largest are zero: rows of length 1 that are the same to a
-// thousandth of a radian. J comes in float, and a rigid cloth locks in directions that are nearly dependent;
-// what is cut is left to the next linearization.
+// Singular values below this fraction of the largest count as zero: rows of length 1 that agree within a
+// thousandth of a radian. J is computed in float, and the constraints of a rigid cloth are nearly dependent
+// in some directions. The next linearization handles the discarded part.
 constexpr double singular = 1e-6;
 
 }  // namespace
@@ -20,9 +20,9 @@ constexpr double singular = 1e-6;
 struct Dense::Impl {
   Eigen::MatrixXd J, weighted, matrix;
   Eigen::VectorXd scale, rhs;
-  // Of a symmetric positive semidefinite matrix the eigenvalues are the singular values, and its eigenvectors
-  // both sets of singular vectors. (Eigen's BDCSVD now and then returns NaN for such matrices, JacobiSVD
-  // takes many times as long.)
+  // For a symmetric positive semidefinite matrix, the eigenvalues are the singular values and the
+  // eigenvectors are both sets of singular vectors. (Eigen's BDCSVD sometimes returns NaN for such matrices;
+  // JacobiSVD takes many times as long.)
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> svd;
 
   void fill(const LinearSystem& system);
@@ -41,8 +41,8 @@ void Dense::prepare_system(LinearSystem& system, const ParticleView&) {
   impl_->J.resize(static_cast<Eigen::Index>(system.rows()), static_cast<Eigen::Index>(3 * system.unknowns()));
 }
 
-// J W J^T + A, each row and column divided by the root of its diagonal: rows in meters and rows in radians
-// are then alike, and "singular" has a meaning.
+// J W J^T + A, each row and column divided by the square root of its diagonal. This makes rows in meters and
+// rows in radians comparable and gives "singular" a meaning.
 void Dense::Impl::fill(const LinearSystem& system) {
   J.setZero();
   matrix.setZero(J.rows(), J.rows());

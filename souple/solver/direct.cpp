@@ -13,12 +13,13 @@ namespace souple {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;  // lower triangle, by columns
-constexpr double redundant = 1e-9;           // added to the dual's diagonal, as a share of it
+constexpr double redundant = 1e-9;           // added to the diagonal of the dual matrix, as a fraction of it
 constexpr double max_operations = 5e9;       // multiplications of one factorization: some seconds
 constexpr std::size_t max_unknowns = 300000;
-constexpr std::size_t max_entries = 30000000;  // of the dual, whose rows meet at every particle
+// Of the dual matrix: every pair of rows that share a particle has an entry.
+constexpr std::size_t max_entries = 30000000;
 
-/// One place of the lower triangle.
+/// An entry of the lower triangle.
 struct MatrixEntry {
   std::uint32_t column, row;
   friend bool operator<(const MatrixEntry& a, const MatrixEntry& b) {
@@ -34,7 +35,7 @@ void sort_unique(std::vector<MatrixEntry>& matrix_entries) {
   matrix_entries.erase(std::unique(matrix_entries.begin(), matrix_entries.end()), matrix_entries.end());
 }
 
-/// Knows what its numbers will cost before they are computed.
+/// Reports the cost of a factorization before it is computed.
 class Factorization : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
  public:
   double operations() const { return this->m_nonZerosPerCol.template cast<double>().squaredNorm(); }
@@ -47,7 +48,7 @@ class Factorization : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
                   amount, what, limit));
 }
 
-/// An unknown in a constraint row.
+/// A constraint row that involves an unknown, and its gradient there.
 struct Incidence {
   std::uint32_t row, gradient;
 };
@@ -59,10 +60,10 @@ struct Direct::Impl {
   Matrix matrix;
   Factorization factorization;
   Eigen::VectorXd rhs, solution;
-  // Where what is added goes, in the order in which it is added. Primal: the block's place in its column of
-  // 3 x 3 blocks; dual: an index into the values.
+  // Destination of each added term, in the order in which terms are added. Primal: index of the block in its
+  // column of 3 x 3 blocks. Dual: index into the values.
   std::vector<std::uint32_t> slot;
-  std::vector<std::vector<Incidence>> incidences;  // dual: of each unknown
+  std::vector<std::vector<Incidence>> incidences;  // dual: per unknown
 
   void prepare_primal(const LinearSystem& system);
   void prepare_dual(const LinearSystem& system);
@@ -77,7 +78,7 @@ Direct::~Direct() = default;
 
 namespace {
 
-// Calls f(a, b) for the pairs of free members whose 3 x 3 block lies in the lower triangle.
+// Calls f(a, b) for the pairs of free members whose 3 x 3 block is in the lower triangle.
 template <class Function>
 void for_each_pair(std::span<const std::uint32_t> members, const Function& f) {
   for (std::size_t a = 0; a < members.size(); ++a)
@@ -147,7 +148,7 @@ void Direct::Impl::fill_primal(const LinearSystem& system) {
     for_each_pair(of, [&](std::size_t a, std::size_t b) {
       const auto at = static_cast<int>(3 * slot[next++]);
       for (int s = 0; s < block.rows; ++s) {
-        Vec3d left{};  // row s of A^-1 times J, at member a
+        Vec3d left{};  // row s of A^-1 J, at member a
         for (int r = 0; r < block.rows; ++r) left += Vec3d(system.gradient_of(block, r)[a]) * stiffness(r, s);
         const Vec3d right(system.gradient_of(block, s)[b]);
         for (int j = 0; j < 3; ++j)
@@ -183,8 +184,9 @@ void Direct::Impl::build_dual_pattern(std::size_t rows, const std::vector<Matrix
 
 namespace {
 
-// Calls f(row, column, block, r, s) for the compliance of each block, then f for the pairs of rows that meet
-// at an unknown: the places of the dual's lower triangle, in the order in which numbers are added.
+// Visits the terms of the dual's lower triangle in the order in which they are added: compliance_term(entry,
+// index into the compliances) for each block, then pair_term(entry, unknown, a, b) for the pairs of rows that
+// share an unknown.
 template <class ComplianceTerm, class PairTerm>
 void for_each_dual_entry(const LinearSystem& system, const std::vector<std::vector<Incidence>>& incidences,
                          const ComplianceTerm& compliance_term, const PairTerm& pair_term) {

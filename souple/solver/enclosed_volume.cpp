@@ -29,7 +29,8 @@ void check(double rest_volume, const EnclosedVolumeOptions& o) {
   require(o.stiffness >= 0 && o.stiffness <= 1, "stiffness", static_cast<double>(o.stiffness), "0 to 1");
 }
 
-// Every edge is walked as often one way as the other: only then is the volume independent of the origin.
+// Throws Error unless every edge is used equally often in both directions: only then is the volume
+// independent of the origin.
 void require_closed(std::span<const Triangle> triangles) {
   struct DirectedEdge {
     std::uint32_t a, b;  // a < b

@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
 constexpr std::size_t max_parents = 4;
-// Links of a particle along which lengths are measured; more of them only repeat what the shortest say.
+// Links per particle along which lengths are measured. Longer links add no information.
 constexpr std::size_t max_links = 8;
-// Distance between coarse particles, in mean links of the finer level: a fifth to an eighth of a cloth's
-// particles are kept. At 1.3 what a level gains is lost in the kinks that it leaves, at 2 Gauss-Seidel has
-// too far to smooth.
+// Distance between coarse particles, in mean links of the finer level: keeps a fifth to an eighth of a
+// cloth's particles. At 1.3 the kinks that a level leaves cancel its gain; at 2 Gauss-Seidel has too far to
+// smooth.
 constexpr float coarsening = 1.6f;
-// How far around a coarse particle lengths are known, in its spacing.
+// Radius around a coarse particle within which lengths are computed, in its spacing.
 constexpr float march_radius = 2.7f;
 // eps of weights_of.
 constexpr double smoothing = 0.1;
@@ -57,9 +57,9 @@ struct Graph {
   }
 };
 
-/// Lengths of shortest ways along the material, from its rest lengths alone: across triangles of links, not
-/// only along links, so that they do not depend on how the mesh is cut (fast marching, Kimmel and Sethian
-/// 1998, with the unfolding of a triangle's known edge).
+/// Lengths of the shortest paths along the material, from rest lengths alone. Paths cross triangles of links
+/// and do not only follow links, so lengths do not depend on the triangulation (fast marching, Kimmel and
+/// Sethian 1998, with the unfolding of a triangle's known edge).
 class Marcher {
  public:
   struct Reached {
@@ -137,8 +137,8 @@ class Marcher {
     }
   }
 
-  /// From the source, at distances du and dw of u and w, straight across the edge u w of length c to v, at
-  /// distances a of u and b of w; infinite when the way does not cross the edge.
+  /// Distance from the source straight across the edge u w of length c to v. du, dw: distances of u and w
+  /// from the source; a, b: distances of v from u and w. Infinite if the path does not cross the edge.
   static float unfold(float du, float dw, float c, float a, float b) {
     constexpr float never = std::numeric_limits<float>::infinity();
     const float sx = (du * du - dw * dw + c * c) / (2 * c), vx = (a * a - b * b + c * c) / (2 * c);
@@ -159,17 +159,17 @@ class Marcher {
   std::vector<Reached> reached_;
 };
 
-/// The coarse particles around a particle, nearest first, and how far.
+/// The coarse particles around a particle, nearest first, with their distances.
 using Near = std::vector<Marcher::Reached>;
 
-/// From particle i to coarse particle j along the material; infinite where no march came so far.
+/// Length along the material from particle i to coarse particle j; infinite beyond the march radius.
 float length_between(const std::vector<Near>& near, std::uint32_t i, std::uint32_t j) {
   for (const Marcher::Reached& n : near[i])
     if (n.particle == j) return n.length;
   return std::numeric_limits<float>::infinity();
 }
 
-/// How far apart coarse particles lie around particle i: what its links measure, stretched.
+/// Distance between coarse particles around particle i: the mean length of its links times `coarsening`.
 float spacing(const Graph& graph, std::uint32_t i) {
   const auto around = graph.of(i);
   float sum = 0;
@@ -177,9 +177,9 @@ float spacing(const Graph& graph, std::uint32_t i) {
   return around.empty() ? 0 : coarsening * sum / static_cast<float>(around.size());
 }
 
-/// Who is chosen first: what does not move, then corners, edges and the inside of what moves. A coarser level
-/// that reaches to the edges need not extrapolate there. An edge shows by how few particles lie within two
-/// links.
+/// Rank of each particle, lowest chosen first: fixed particles, then free ones; of each, corners, then edges,
+/// then the interior. A coarser level that reaches the edges need not extrapolate there. Edges and corners
+/// have few particles within two links.
 std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
   std::vector<std::uint32_t> around(graph.size()), seen(graph.size(), none);
   for (std::uint32_t i = 0; i < graph.size(); ++i)
@@ -196,8 +196,8 @@ std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
   return result;
 }
 
-/// Chooses the particles that the coarser level keeps, no two nearer than their spacing, each next one as
-/// near to those before as that allows. Fills `near` for all particles.
+/// Chooses the particles of the coarser level: no two nearer than their spacing, and each as near to those
+/// already chosen as that allows. Fills `near` for all particles.
 std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
                                 std::span<const float> masses, std::vector<Near>& near) {
   using Entry = std::pair<float, std::uint32_t>;
@@ -256,10 +256,10 @@ void solve_ones(std::array<std::array<double, max_parents>, max_parents> A, std:
   }
 }
 
-/// Weights that give back a particle's place from those of its parents at x_j, from distances alone:
+/// Weights that reproduce a particle's position from those of its parents at x_j, from distances alone:
 ///   minimize |sum_j w_j (x_j - x_i)|^2 + eps sum_j w_j^2 |x_j - x_i|^2,   sum_j w_j = 1,   w_j >= 0.
-/// With G_jk = (d_ij^2 + d_ik^2 - d_jk^2)/2 the first term is w^T G w. Müller 2008, section 4.3 takes 1/d_ij,
-/// which is wrong already for a uniform stretch wherever the parents do not lie evenly around the particle.
+/// With G_jk = (d_ij^2 + d_ik^2 - d_jk^2)/2 the first term is w^T G w. Müller 2008, section 4.3 uses 1/d_ij,
+/// which is wrong even for a uniform stretch unless the parents surround the particle evenly.
 std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std::uint32_t>& parents,
                               const std::vector<Near>& near) {
   std::vector<float> d(to_parent.begin(), to_parent.end());
@@ -292,8 +292,9 @@ std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std:
   }
 }
 
-/// Spreads what the finer links hold over the coarse ones: a link between the realms of two coarse particles
-/// goes to their link, one within a realm to all links of its particle.
+/// Distributes the energy of the finer links among the coarse links. A link between the clusters of two
+/// coarse particles adds to the link of these two; a link within a cluster adds to all links of its coarse
+/// particle.
 void distribute_energy(std::span<const Link> links, std::span<const std::uint32_t> cluster,
                        std::size_t particles, std::vector<Link>& coarse) {
   const Graph graph(coarse, particles);
@@ -309,11 +310,12 @@ void distribute_energy(std::span<const Link> links, std::span<const std::uint32_
   for (std::size_t e = 0; e < coarse.size(); ++e) coarse[e].energy = static_cast<float>(energy[e]);
 }
 
-/// The coarse particle nearest to each particle along links, and the link that leads there.
+/// Assigns each particle to the coarse particle nearest along links, and stores the link towards it.
 struct Clusters {
   std::vector<std::uint32_t> of;
   std::vector<float> length;
-  std::vector<std::uint32_t> towards;  ///< link; `none` of a coarse particle
+  /// Per particle: link towards its coarse particle; `none` for a coarse particle.
+  std::vector<std::uint32_t> towards;
 
   Clusters(const Graph& graph, const std::vector<bool>& coarse)
       : of(graph.size(), none),
@@ -338,8 +340,8 @@ struct Clusters {
   }
 };
 
-// Müller 2008, section 4.2: a spared particle collapses into its nearest parent and takes its links along. Of
-// the links that two coarse particles get so, the one with the shortest way along finer links is kept.
+// Müller 2008, section 4.2: a removed particle collapses into its nearest parent together with its links. If
+// two coarse particles get several links, the one with the shortest path along finer links is kept.
 void collapse(std::span<const Link> links, const Clusters& clusters, std::span<const std::uint32_t> number,
               CoarseLevel& level) {
   struct Candidate {

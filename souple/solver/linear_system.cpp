@@ -10,12 +10,13 @@
 namespace souple {
 namespace {
 
-// The strain of a rigid constraint of the primal system that carries the weight of the whole scene, under
-// 9.81 m/s^2. Ten times smaller still factorizes in double (the condition number of a 50 x 50 cloth is 1e6),
-// but then a linearization that is off is off with more force.
+// Strain of a rigid constraint of the primal system that carries the weight of the whole scene, under 9.81
+// m/s^2. Ten times less still factorizes in double (the condition number of a 50 x 50 cloth is 1e6), but then
+// the errors of an inexact linearization act with more force.
 constexpr double floor_strain = 1e-5;
 constexpr double gravity = 9.81;
-// And what it leaves of the violation of one that stands alone, however light the scene.
+// Upper bound of the violation that the floor leaves of an isolated constraint, as a fraction, however light
+// the scene.
 constexpr double floor_ratio = 1e-6;
 
 std::size_t packed(int row, int column) {
@@ -80,7 +81,7 @@ void LinearSystem::prepare(std::span<Projector* const> projectors, const Particl
           add_structure(constraint, particles);
         }))
       projectors_.push_back(projector);
-  // Without a distance to go by (attachments alone) a meter is as good as anything.
+  // No distance as a reference (attachments alone): use a meter.
   if (!std::isfinite(smallest_size_)) smallest_size_ = 1;
   for (Block& block : blocks_)
     if (!std::isfinite(block.size)) block.size = smallest_size_;
@@ -177,7 +178,7 @@ void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
     }
     const double floor = std::min(floor_ * block.size * steepest * inverse_h2, floor_ratio * weighted);
     double& diagonal = compliance[block.compliance + packed(r, r)];
-    // A row without gradient moves nothing; it must not make A singular.
+    // A row without a gradient moves nothing, but must not make A singular.
     if (weighted == 0 && diagonal == 0) diagonal = 1;
     if (diagonal >= floor) continue;
     diagonal = floor;
@@ -230,7 +231,7 @@ bool LinearSystem::deactivate_pulling() {
   bool dropped = false;
   for (Block& block : blocks_) {
     if (!block.inequality || block.inactive) continue;
-    // Rounding alone does not make a pull.
+    // Tolerance: rounding alone does not count as pulling.
     const double bound = -1e-9 * std::fabs(lambda[block.row]);
     if (lambda[block.row] + dlambda[block.row] >= bound) continue;
     deactivate(block);

@@ -9,7 +9,7 @@
 namespace souple {
 namespace {
 
-constexpr int max_passes = 4;  // over the inequalities that turn out to pull
+constexpr int max_passes = 4;  // passes over the inequalities that would pull
 constexpr int max_halvings = 4;
 constexpr double max_deformation = 0.5;
 
@@ -35,7 +35,7 @@ void LinearizedSolver::prepare_structure(const ParticleView& particles) {
   solvable_ = system_.rows() > 0;
 }
 
-// Pins come and go between steps, and from callbacks within them.
+// Pins change between steps, and in callbacks within a step.
 void LinearizedSolver::update_pins(const ParticleView& particles) {
   if (std::equal(inverse_mass_.begin(), inverse_mass_.end(), particles.position.begin(),
                  particles.position.end(), [](float w, const Vec4f& x) { return w == x.w; }))
@@ -43,7 +43,7 @@ void LinearizedSolver::update_pins(const ParticleView& particles) {
   try {
     prepare_structure(particles);
   } catch (const Error&) {
-    // Too large without its pins. A step does not throw: project, and let the remark tell.
+    // Too large without its pins. A step does not throw: it projects, and `diagnostic` reports it.
   }
 }
 
@@ -62,7 +62,7 @@ void LinearizedSolver::solve(std::span<Projector* const>, const ParticleView& pa
   }
 }
 
-// An inequality that the others turn into a pull is let go, and the rest solved again.
+// Deactivates inequalities that the other constraints would make pull, and solves again.
 bool LinearizedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
   system_.linearize(particles, substep, floors_);
   for (int pass = 0; pass < max_passes; ++pass) {

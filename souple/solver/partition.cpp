@@ -7,15 +7,16 @@
 namespace souple {
 namespace {
 
-/// The constraints of each particle, counted by color. A particle that has n of one color needs n copies,
-/// and n are enough: dealt out in turn, color after color, no copy gets two of the same color.
+/// The constraints of each particle, counted by color. A particle that has n constraints of one color needs n
+/// copies. n copies are enough: constraints are assigned to them in turn, color after color, so no copy gets
+/// two of one color.
 class Copies {
  public:
   Copies(std::size_t particle_count, std::size_t colors)
       : colors_(colors), count_(particle_count * colors), copies_(particle_count, 1) {}
 
-  /// What a further constraint on these particles costs in that color: copies, then how many constraints its
-  /// particles have of that color already.
+  /// Cost of another constraint of this color on these particles: new copies, then the number of constraints
+  /// of this color that the particles have already.
   using Cost = std::pair<std::uint32_t, std::uint32_t>;
   Cost cost(std::span<const std::uint32_t> particles, std::size_t color) const {
     std::uint32_t copies = 0, conflicts = 0;
@@ -37,8 +38,8 @@ class Copies {
   std::vector<std::uint32_t> count_, copies_;
 };
 
-// Keeps the first colors, which need no phantom, and puts the constraints of the others where they cost
-// least. Returns the color of each constraint.
+// Keeps the first `colors` colors, which need no phantom, and assigns the constraints of the other colors
+// where they cost least. Returns the color of each constraint.
 std::vector<std::uint32_t> assign_colors(std::span<const std::uint32_t> color_begin,
                                          std::span<const std::uint32_t> indices, std::size_t arity,
                                          std::size_t colors, Copies& copies) {

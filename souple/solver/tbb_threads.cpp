@@ -9,7 +9,7 @@
 namespace souple {
 namespace {
 
-/// The same cut as everywhere, each part a task; which thread takes it is oneTBB's affair.
+/// Uses the same partition as all Threads, one task per part; oneTBB chooses the thread of each task.
 class TbbThreads final : public Threads {
  public:
   explicit TbbThreads(int count) : count_(count), arena_(count) {}

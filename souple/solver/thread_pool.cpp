@@ -16,14 +16,15 @@ namespace {
 
 constexpr int job_bits = 16;
 constexpr std::uint64_t command_mask = (std::uint64_t{1} << job_bits) - 1;
-constexpr std::uint64_t command_sleep = 0, command_end = command_mask;  // otherwise: so many parts, 2 or more
+// Otherwise: number of parts, 2 or more.
+constexpr std::uint64_t command_sleep = 0, command_end = command_mask;
 
-/// Looks before a thread that waits offers its processor to others: some tens of microseconds.
+/// Spins before a waiting thread yields its processor: some tens of microseconds.
 constexpr int spin_limit_uncontended = 2000;
-/// Where there are more threads than processors: whom one waits for may need this very one.
+/// With more threads than processors: the awaited thread may need this processor.
 constexpr int spin_limit_oversubscribed = 20;
 
-/// Tells the processor that this thread only waits.
+/// Hints to the processor that this thread only waits.
 void pause() {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
@@ -44,8 +45,8 @@ void spin_until(int spin_limit, const Ready& ready) {
   }
 }
 
-/// While it lives no signal from outside is delivered to this thread, nor to those it starts, ever: a user's
-/// handlers run on the user's threads.
+/// While it exists, no external signal is delivered to this thread. Threads that it starts never receive one:
+/// a user's handlers run on the user's threads.
 class SignalsBlocked {
  public:
 #if defined(__unix__) || defined(__APPLE__)
@@ -89,7 +90,7 @@ ThreadPool::~ThreadPool() {
     if (worker.thread.joinable()) worker.thread.join();
 }
 
-// Where the system refuses a thread, the pool goes on with those it has.
+// If the system refuses a thread, the pool continues with the threads it has.
 void ThreadPool::start() {
   started_ = true;
   sleeping_ = true;
@@ -113,7 +114,7 @@ void ThreadPool::send(std::uint64_t command) {
   if (!sleeping_) {
     job_.signal.store(signal, std::memory_order_release);
   } else {
-    // Under the lock, so that nobody falls asleep between having looked and being woken.
+    // Under the lock, so that no worker falls asleep between its check and the notification.
     {
       const std::lock_guard lock(mutex_);
       job_.signal.store(signal, std::memory_order_release);
@@ -156,7 +157,7 @@ void ThreadPool::rest() {
   if (started_ && !sleeping_) send(command_sleep);
 }
 
-// The next signal after `seen`: spins for it, or sleeps if the last one said so.
+// Returns the next signal after `seen`: spins for it, or sleeps if `seen` commands sleep.
 std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int spin_limit) {
   const auto changed = [&] { return job_.signal.load(std::memory_order_acquire) != seen; };
   if ((seen & command_mask) == command_sleep) {

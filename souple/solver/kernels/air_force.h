@@ -4,7 +4,7 @@
 
 namespace souple::kernels {
 
-/// What the air is to one material.
+/// Air and the material it acts on.
 struct Air {
   float wind[3] = {};  ///< m/s
   float density = 0;   ///< kg/m^3
@@ -13,11 +13,12 @@ struct Air {
   float h = 0;              ///< s
 };
 
-/// The force of the air on a triangle with edges e and f, which moves through it at velocity v. [N] With n
-/// its normal and A its area
+/// Force of the air on a triangle with edges e and f that moves through the air at velocity v. [N] With n its
+/// normal and A its area
 ///   drag = -rho/2 c_d A |v.n| v
 ///   lift = -rho/2 c_l A (v.n) |v| (n - (n.v) v / |v|^2)
-/// The impulse is capped at what stops the triangle in the air: light cloth stays stable in any wind.
+/// The impulse is limited to the one that stops the triangle in the air: light cloth stays stable in any
+/// wind.
 template <class T>
 inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, const Air& air) {
   const T speed = length(v);

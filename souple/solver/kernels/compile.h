@@ -6,16 +6,17 @@
 
 #include <utility>
 
-// The projection of many constraints, a register's worth at a time. Included by the translation units that
-// are compiled for one instruction set, and by nothing else; every template here carries the set's tag.
+// The projection of many constraints, one register of constraints at a time. Included only by the translation
+// units that are compiled for one instruction set; every template here has the set's tag as parameter.
 
-// What is not inlined passes registers through memory, at half the speed; g++'s flatten leaves lambdas out.
+// Functions that are not inlined pass registers through memory, at half the speed. g++'s flatten does not
+// inline lambdas.
 #define SOUPLE_INLINE __attribute__((always_inline))
 
 namespace souple::kernels {
 
-/// f(0), f(1), ... f(n - 1) with constants, whatever the compiler thinks of unrolling: an index that it does
-/// not know puts registers into memory.
+/// Calls f(0), f(1), ... f(n - 1) with constants, independent of the compiler's unrolling: an index unknown
+/// at compile time would force registers into memory.
 template <int n, class Function>
 SOUPLE_INLINE inline void static_for(const Function& f) {
   [&]<int... k>(std::integer_sequence<int, k...>) SOUPLE_INLINE {
@@ -24,7 +25,7 @@ SOUPLE_INLINE inline void static_for(const Function& f) {
   (std::make_integer_sequence<int, n>{});
 }
 
-/// A column that loads as a register everywhere: an equal number for all is spread over one.
+/// A column that always loads as a register: a uniform value is broadcast to one.
 template <class Isa>
 struct LoadedColumn {
   alignas(64) float broadcast[Isa::lanes];
@@ -41,7 +42,7 @@ struct LoadedColumn {
   simd::Pack<Isa> load(std::size_t i) const { return simd::Pack<Isa>::load(values + i * stride); }
 };
 
-/// A copy of SetArrays that the compiler knows no store of positions to change.
+/// A local copy of SetArrays: the compiler knows that no store of positions changes it.
 template <class Isa, class Kind>
 struct LocalSet {
   static constexpr int param_count = sizeof(typename Kind::template Params<float>) / sizeof(float);
@@ -64,7 +65,7 @@ struct LocalSet {
   }
 };
 
-/// `lanes` neighboring constraints: what their projection reads.
+/// Input of the projection of `lanes` neighboring constraints.
 template <class Isa, class Kind>
 struct Block {
   using T = simd::Pack<Isa>;
@@ -82,7 +83,8 @@ struct Block {
   }
 };
 
-/// x_k - x_0 (or x_0 - origin) and the inverse masses; components of the plain form stay in registers.
+/// Loads x_k - x_0 (or x_0 - origin) and the inverse masses. In the plain form the components stay in
+/// registers.
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
@@ -105,8 +107,9 @@ SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& 
   });
 }
 
-/// The same of (x_k - x_0) + (d_k - d_0), taken record by record before they are transposed: the displacement
-/// form then costs loads and additions, but no transpose more.
+/// Loads (x_k - x_0) + (d_k - d_0) and the inverse masses. Differences are computed record by record before
+/// they are transposed: the displacement form costs additional loads and additions, but no additional
+/// transpose.
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
@@ -150,7 +153,7 @@ SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Isa, Kin
   }
 }
 
-/// What the particles have moved since the substep began.
+/// Loads the displacements of the particles since the start of the substep.
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
@@ -165,8 +168,8 @@ SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Isa, Kind>& 
   });
 }
 
-/// Adds the corrections to the records of `corrected`; the fourth lane stays. `in_place`: it is `moving`,
-/// which the block still holds. (The general terms read it again: a third of the code less, at the same
+/// Adds the corrections to the records of `corrected`; the fourth lane stays. `in_place`: `corrected` is
+/// `moving`, which the block still holds. (The general terms read it again: a third less code at the same
 /// speed.)
 template <class Isa, class Kind, bool displacement, bool in_place>
 SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block<Isa, Kind>& block,
@@ -190,7 +193,7 @@ SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block
   });
 }
 
-/// Blocks of a register's worth of constraints from the i-th on.
+/// Projects blocks of one register of constraints, from the i-th constraint on.
 template <class Isa, class Kind, bool displacement, Terms terms>
 [[gnu::flatten]] void project_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
                                      std::size_t end) {
@@ -219,7 +222,7 @@ template <class Isa, class Kind, bool displacement, Terms terms>
   }
 }
 
-/// C of the same.
+/// Evaluates C of blocks of one register of constraints, from the i-th constraint on.
 template <class Isa, class Kind, bool displacement>
 [[gnu::flatten]] void evaluate_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays,
                                       std::size_t i, std::size_t end, float* const* values) {
@@ -235,7 +238,7 @@ template <class Isa, class Kind, bool displacement>
   }
 }
 
-/// How much of everything a constraint of some kind has.
+/// Numbers of particles, parameters, compliances and rows of a constraint kind.
 struct KindSize {
   int particles, parameters, compliances, rows;
 };
@@ -244,9 +247,9 @@ template <class Isa, class Kind>
 inline constexpr KindSize size_of_kind{Kind::arity, LocalSet<Isa, Kind>::param_count,
                                        LocalSet<Isa, Kind>::alpha_count, rows_of<Kind>};
 
-/// A copy of the last constraints of a range, filled up to a whole block with constraints on dummy particles
-/// that weigh nothing to anyone: the end of a range runs the same code, so it gives the same bits. One text
-/// for all kinds: compiled for each, it took a quarter of the time that kernels take to compile.
+/// A copy of the last constraints of a range, padded to a whole block with copies that act on dummy
+/// particles. The end of a range thus runs the same code and gives the same bits. One implementation for all
+/// kinds: compiled for each kind, it took a quarter of the compile time of the kernels.
 template <class Isa>
 struct Tail {
   static constexpr int lanes = Isa::lanes;

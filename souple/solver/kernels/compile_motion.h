@@ -3,13 +3,12 @@
 #include "souple/math/simd/instruction_sets.h"
 #include "souple/solver/kernels/motion.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag. A record's fourth float is never written: it may hold the inverse
-// mass.
+// Included only by the translation units that are compiled for one instruction set; every template here has
+// the set's tag as parameter. A record's fourth float is never changed: it may hold the inverse mass.
 
 namespace souple::kernels {
 
-/// Four floats, repeated over a register.
+/// Four floats, repeated to fill a register.
 template <class Isa>
 inline typename Isa::Vector records_of(float x, float y, float z, float w) {
   const float record[4] = {x, y, z, w};
@@ -25,8 +24,7 @@ inline typename Isa::Mask three_of_four() {
   return mask;
 }
 
-/// Says at the end whether a number came by that is infinite, no number, or so large that the sum of three
-/// is.
+/// Detects infinity, NaN, and values so large that a sum of three of them would be infinite.
 template <class Isa>
 class FiniteCheck {
  public:
@@ -45,7 +43,8 @@ class FiniteCheck {
   typename Isa::Vector sum_{};
 };
 
-/// The last particles, fewer than a register holds, copied to where a whole register may be read and written.
+/// A copy of the last particles, fewer than a register holds, in arrays that can be read and written as whole
+/// registers.
 template <class Isa>
 class LastRecords {
  public:
@@ -73,7 +72,7 @@ class LastRecords {
       force_[Isa::lanes]{};
 };
 
-/// Calls f on every register's worth of particles [begin, end).
+/// Calls f for every register of particles [begin, end).
 template <class Isa, class Function>
 inline void for_each_register(const MotionArrays& a, std::size_t begin, std::size_t end, const Function& f) {
   constexpr std::size_t records = Isa::lanes / 4;

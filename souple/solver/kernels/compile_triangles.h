@@ -3,12 +3,12 @@
 #include "souple/math/simd/pack.h"
 #include "souple/solver/kernels/triangles.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Included only by the translation units that are compiled for one instruction set; every template here has
+// the set's tag as parameter.
 
 namespace souple::kernels {
 
-/// The corners of as many triangles as a register has lanes, and where their results go.
+/// The corners of one register of triangles, and the destinations of their results.
 template <class Isa>
 struct TriangleRecords {
   std::uint32_t corner[3][Isa::lanes], result[Isa::lanes];
@@ -21,7 +21,7 @@ struct TriangleRecords {
   }
 };
 
-/// Records lane by lane, made by `load(j)`, as three components.
+/// Loads records by `load(j)` and transposes them to three components.
 template <class Isa, class Load>
 inline Vec3<simd::Pack<Isa>> load_transposed(const Load& load) {
   typename Isa::Vector r[4] = {load(0), load(1), load(2), load(3)};
@@ -29,7 +29,7 @@ inline Vec3<simd::Pack<Isa>> load_transposed(const Load& load) {
   return {simd::Pack<Isa>(r[0]), simd::Pack<Isa>(r[1]), simd::Pack<Isa>(r[2])};
 }
 
-/// Corner k less corner 0.
+/// Corner k minus corner 0.
 template <class Isa, bool displacement>
 inline Vec3<simd::Pack<Isa>> side(const TriangleArrays& a, const TriangleRecords<Isa>& records, int k) {
   return load_transposed<Isa>([&](int j) {
