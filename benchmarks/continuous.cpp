@@ -65,7 +65,7 @@ void safe_time(benchmark::State& state, Case kind, bool edges) {
     free += t == 1;
   }
   benchmark::DoNotOptimize(sum);
-  state.counters["acquitted"] = double(free) / double(i);
+  state.counters["collision_free"] = double(free) / double(i);
 }
 BENCHMARK_CAPTURE(safe_time, vertex_triangle_boxes, boxes, false);
 BENCHMARK_CAPTURE(safe_time, vertex_triangle_apart, apart, false);
@@ -126,8 +126,8 @@ constexpr int packs = 64;
 
 /// Items are triangles or pairs of edges: their inverse rate is the time of one.
 void nearest_of_packs(benchmark::State& state, int lanes, void (*run)(const float*, int, float*),
-                      bool there) {
-  if (!there) return state.SkipWithError("this processor has no such instructions");
+                      bool supported) {
+  if (!supported) return state.SkipWithError("this processor has no such instructions");
   Random random(5);
   std::vector<float> x(std::size_t(packs * 12 * lanes)), sum(16);
   for (float& v : x) v = float(random.uniform(-1, 1));

@@ -167,7 +167,7 @@ void with_solver(Body& body, Variant& variant, Threads& threads, const Function&
     const Substep substep{.h = 1.0f / 600, .iterations = iterations, .mode = Mode::pbd};
     body.offset = body.start;
     body.set->begin_substep(body.view(), substep);
-    const Wakefulness awake(threads);
+    const ActiveScope awake(threads);
     const double begin = milliseconds(threads);
     solver->solve(projectors, body.view(), substep, threads);
     return milliseconds(threads) - begin;

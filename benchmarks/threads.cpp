@@ -21,7 +21,7 @@ void fork_and_join(benchmark::State& state) {
   const auto kind = static_cast<Threading>(state.range(0));
   const int count = static_cast<int>(state.range(1));
   const auto threads = make_threads(kind, count);
-  const Wakefulness awake(*threads);
+  const ActiveScope awake(*threads);
   for (auto _ : state)
     threads->for_each(static_cast<std::size_t>(count), 1,
                       [](std::size_t begin, std::size_t) { benchmark::DoNotOptimize(begin); });
@@ -31,15 +31,15 @@ void fork_and_join(benchmark::State& state) {
 /// Two parts that wait for each other, so that both threads are in it: the way there and back.
 void meet_and_part(benchmark::State& state) {
   const auto threads = make_threads(static_cast<Threading>(state.range(0)), 2);
-  const Wakefulness awake(*threads);
+  const ActiveScope awake(*threads);
   std::atomic<std::int64_t> arrived{0};
   std::int64_t all = 0;
   for (auto _ : state) {
     all += 2;
     threads->for_each(2, 1, [&](std::size_t, std::size_t) {
       arrived.fetch_add(1);
-      for (int looks = 0; arrived.load() < all; ++looks)
-        if (looks > 10000) std::this_thread::yield();
+      for (int spins = 0; arrived.load() < all; ++spins)
+        if (spins > 10000) std::this_thread::yield();
     });
   }
   state.SetLabel(names[state.range(0)]);
@@ -49,7 +49,7 @@ void meet_and_part(benchmark::State& state) {
 void short_color(benchmark::State& state) {
   const auto threads = make_threads(static_cast<Threading>(state.range(0)), static_cast<int>(state.range(1)));
   std::vector<float> values(8192, 2.0f);
-  const Wakefulness awake(*threads);
+  const ActiveScope awake(*threads);
   for (auto _ : state) {
     threads->for_each(values.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) values[i] = std::sqrt(values[i]) + 1;

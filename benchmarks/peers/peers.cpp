@@ -145,11 +145,11 @@ std::vector<double> play(Game& game, int frames) {
   constexpr int warm_up = 2;
   for (int f = 0; f < frames; ++f)
     for (std::size_t k = 0; k < game.contestants.size(); ++k) {
-      const std::size_t who = (k + static_cast<std::size_t>(f)) % game.contestants.size();
+      const std::size_t engine = (k + static_cast<std::size_t>(f)) % game.contestants.size();
       const auto start = std::chrono::steady_clock::now();
-      game.contestants[who]->step(frame);
+      game.contestants[engine]->step(frame);
       const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
-      if (f >= warm_up || frames <= warm_up) milliseconds[who].push_back(spent.count());
+      if (f >= warm_up || frames <= warm_up) milliseconds[engine].push_back(spent.count());
     }
   std::vector<double> result;
   result.reserve(milliseconds.size());

@@ -41,17 +41,17 @@ class BulletSheet {
   }
 
   void update() {
-    constexpr float room = 3;
+    constexpr float steps_ahead = 3;
     for (std::size_t v = 0; v < nodes_.size(); ++v) {
       btDbvtVolume volume = node_volume(v);
-      node_tree.update(nodes_[v], volume, bullet(scene_.motion()[first_ + v]) * room, margin / 4);
+      node_tree.update(nodes_[v], volume, bullet(scene_.motion()[first_ + v]) * steps_ahead, margin / 4);
     }
     const auto& triangles = scene_.triangles_of_sheet();
     for (std::size_t t = 0; t < faces_.size(); ++t) {
       btDbvtVolume volume = face_volume(triangles[t]);
       Vec3f motion;
       for (const std::uint32_t i : triangles[t]) motion += scene_.motion()[first_ + i];
-      face_tree.update(faces_[t], volume, bullet(motion * (1 / 3.0f)) * room, margin / 4);
+      face_tree.update(faces_[t], volume, bullet(motion * (1 / 3.0f)) * steps_ahead, margin / 4);
     }
     node_tree.optimizeIncremental(1);
     face_tree.optimizeIncremental(1);

@@ -92,7 +92,7 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   elements_ = &elements;
   meets_ = &meets;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
-  const Wakefulness awake(threads);
+  const ActiveScope awake(threads);
   auto start = Clock::now();
   make_boxes(boxes, position_w, threads);
   milliseconds_.boxes = milliseconds_since(start);

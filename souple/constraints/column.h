@@ -22,13 +22,13 @@ class Column {
 
   void push_back(float value) {
     if (size_ == 0) values_.assign(1, value), uniform_ = true;
-    if (uniform_ && !same(value)) spread();
+    if (uniform_ && !same(value)) expand();
     if (!uniform_) values_.push_back(value);
     ++size_;
   }
   void set(std::size_t i, float value) {
     if (uniform_ && same(value)) return;
-    if (uniform_) spread();
+    if (uniform_) expand();
     values_[i] = value;
   }
   /// Keeps value order[k] as the k-th.
@@ -47,7 +47,7 @@ class Column {
   bool same(float value) const {
     return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(values_[0]);
   }
-  void spread() {
+  void expand() {
     values_.resize(size_, values_[0]);
     uniform_ = false;
   }

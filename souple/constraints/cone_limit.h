@@ -6,7 +6,7 @@ namespace souple {
 
 /// The segment x1 x2 stays within a cone about the direction of x0 x1: the swing of a ball joint at x1.
 ///
-///   u = x1 - x0,  v = x2 - x1,  angle = atan2(|u x v|, u . v) in [0, pi],  C = widest - angle >= 0  [rad]
+///   u = x1 - x0,  v = x2 - x1,  angle = atan2(|u x v|, u . v) in [0, pi],  C = max_angle - angle >= 0  [rad]
 ///   n = u x v / |u x v|,  d angle/dv = n x v / |v|^2,  d angle/du = -n x u / |u|^2
 ///
 /// Compliance alpha in rad^2/J. Folded right back, every way out is as good: n is some normal of u. Straight
@@ -18,7 +18,7 @@ struct ConeLimit {
 
   template <class T>
   struct Params {
-    T widest;  ///< rad, in [0, pi)
+    T max_angle;  ///< rad, in [0, pi)
   };
 
   template <class T>
@@ -45,7 +45,7 @@ struct ConeLimit {
     gradient[0] = cross(u, n) * inverse_uu;  // C falls as the angle grows
     gradient[2] = cross(v, n) * inverse_vv;
     gradient[1] = -(gradient[0] + gradient[2]);
-    return p.widest - select(long_enough, atan2(sqrt(nn), uv), T(0));
+    return p.max_angle - select(long_enough, atan2(sqrt(nn), uv), T(0));
   }
 };
 

@@ -34,7 +34,7 @@ struct DihedralBending {
     const Vec3d e = x[1] - x[0];
     const double edge = detail::longest_edge(x);
     const double area2 = 0.5 * length(cross(e, x[2] - x[0])), area3 = 0.5 * length(cross(e, x[3] - x[0]));
-    detail::require_sound_rest_shape(std::fmin(area2, area3), 0.4 * edge * edge, name);
+    detail::require_valid_rest_shape(std::fmin(area2, area3), 0.4 * edge * edge, name);
     const DihedralAngle<double> angle = dihedral_angle(x);
     const double norm = std::hypot(angle.sine, angle.cosine);
     return {static_cast<float>(length(e) / std::sqrt(area2 + area3)), static_cast<float>(angle.sine / norm),

@@ -34,7 +34,7 @@ struct IsometricBending {
     const Vec3d e = x[1] - x[0];
     const double edge = detail::longest_edge(x), ee = dot(e, e);
     const double twice2 = length(cross(e, x[2] - x[0])), twice3 = length(cross(e, x[3] - x[0]));
-    detail::require_sound_rest_shape(std::fmin(twice2, twice3), 0.8 * edge * edge, name);
+    detail::require_valid_rest_shape(std::fmin(twice2, twice3), 0.8 * edge * edge, name);
     // The apex of a triangle of height H = twice / |e| above foot f: |e| times the unit vector from the foot
     // to the apex is |e| / H (x2 - (1 - f) x0 - f x1). Both together vanish when flat.
     const double scale = 1 / std::sqrt(0.5 * (twice2 + twice3));

@@ -48,7 +48,7 @@ struct NeoHookean {
   static Params<float> from_rest(const Vec3d (&x)[4]) {
     const Mat3d edges{x[1] - x[0], x[2] - x[0], x[3] - x[0]};
     const double edge = detail::longest_edge(x);
-    detail::require_sound_rest_shape(determinant(edges) / 6, 0.1 * edge * edge * edge, name);
+    detail::require_valid_rest_shape(determinant(edges) / 6, 0.1 * edge * edge * edge, name);
     return {Mat3f(inverse(edges))};
   }
 
@@ -82,8 +82,8 @@ struct NeoHookean {
     C[1] = select(is_near, near.j, J - T(1));
     Mat3<T> dD;
     for (int k = 0; k < 3; ++k) dD.column[k] = choose(is_near, near.dD.column[k], far.dD.column[k]);
-    spread(dD, p.rest_inverse, gradient[0]);
-    spread(cof, p.rest_inverse, gradient[1]);
+    particle_gradients(dD, p.rest_inverse, gradient[0]);
+    particle_gradients(cof, p.rest_inverse, gradient[1]);
   }
 
  private:
@@ -149,7 +149,7 @@ struct NeoHookean {
 
   /// From dC/dF to the four particles: dC/dx_k = dC/dF B^T e_k.
   template <class T>
-  static void spread(const Mat3<T>& dF, const Mat3<T>& rest_inverse, Vec3<T> (&gradient)[4]) {
+  static void particle_gradients(const Mat3<T>& dF, const Mat3<T>& rest_inverse, Vec3<T> (&gradient)[4]) {
     const Mat3<T> edges = dF * transpose(rest_inverse);
     for (int k = 0; k < 3; ++k) gradient[k + 1] = edges.column[k];
     gradient[0] = -(edges.column[0] + edges.column[1] + edges.column[2]);

@@ -6,7 +6,7 @@
 
 namespace souple::detail {
 
-void require_sound_rest_shape(double measure, double regular, const char* what) {
+void require_valid_rest_shape(double measure, double regular, const char* what) {
   if (measure > 1e-6 * regular) return;
   throw Error(
       fmt::format("{}: the rest shape is {} (its area or volume is below a millionth of a regular shape's of "

@@ -18,7 +18,7 @@ double longest_edge(const Vec3d (&x)[n]) {
 
 /// Throws unless `measure` (an area or a volume) is a sound part of that of a regular shape of this size.
 /// Below a millionth of it float positions cannot tell the shape from a flat one.
-void require_sound_rest_shape(double measure, double regular, const char* what);
+void require_valid_rest_shape(double measure, double regular, const char* what);
 
 /// Throws unless value is a finite number in [low, high).
 void require_in(double value, double low, double high, const char* what);

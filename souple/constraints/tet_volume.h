@@ -26,7 +26,7 @@ struct TetVolume {
   static Params<float> from_rest(const Vec3d (&x)[4]) {
     const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6;
     const double edge = detail::longest_edge(x);
-    detail::require_sound_rest_shape(volume, 0.1 * edge * edge * edge, name);
+    detail::require_valid_rest_shape(volume, 0.1 * edge * edge * edge, name);
     return {static_cast<float>(volume), static_cast<float>(std::cbrt(volume))};
   }
 

@@ -15,7 +15,7 @@ struct Tether {
 
   template <class T>
   struct Params {
-    T longest;  ///< L, the rest distance along the material or in a straight line [m]
+    T max_length;  ///< L, the rest distance along the material or in a straight line [m]
   };
 
   /// L as the straight rest distance times `slack` (1: none).
@@ -29,7 +29,7 @@ struct Tether {
     const T l = sqrt(dot(d, d));
     gradient[0] = d * (T(1) / max(l, T(1e-18f)));
     gradient[1] = -gradient[0];
-    return p.longest - l;
+    return p.max_length - l;
   }
 };
 

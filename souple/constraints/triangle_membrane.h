@@ -31,7 +31,7 @@ struct TriangleMembrane {
   static Params<float> from_rest(const Vec3d (&x)[3], const Vec3d& warp) {
     const Vec3d e1 = x[1] - x[0], e2 = x[2] - x[0];
     const double twice_area = length(cross(e1, e2)), edge = detail::longest_edge(x);
-    detail::require_sound_rest_shape(twice_area, 0.8 * edge * edge, name);
+    detail::require_valid_rest_shape(twice_area, 0.8 * edge * edge, name);
     const Vec3d normal = normalized(cross(e1, e2)), direction = normalized(warp);
     Vec3d u = direction - normal * dot(direction, normal);
     u = normalized(length(u) > 1e-6 ? u : e1);

@@ -5,11 +5,11 @@
 
 namespace souple {
 
-/// Two side particles turn about the axis x0 x1 by no more than `widest` from their rest angle: the twist of
+/// Two side particles turn about the axis x0 x1 by no more than `max_angle` from their rest angle: the twist of
 /// a joint. x2 belongs to the body at x0, x3 to the body at x1. For a joint at b between a b and b c take the
 /// axis a c: the twist about the mean of the two directions does not change as the joint swings either way.
 ///
-///   C = widest - |theta - theta0| >= 0  [rad],  theta as in dihedral_angle.h,  theta - theta0 in (-pi, pi]
+///   C = max_angle - |theta - theta0| >= 0  [rad],  theta as in dihedral_angle.h,  theta - theta0 in (-pi, pi]
 ///
 /// Compliance alpha in rad^2/J. A side particle on the axis has no angle: C and gradient are then those of an
 /// untwisted joint and zero.
@@ -21,16 +21,16 @@ struct TwistLimit {
   template <class T>
   struct Params {
     T rest_sine, rest_cosine;  ///< of theta0
-    T widest;                  ///< rad, in [0, pi)
+    T max_angle;               ///< rad, in [0, pi)
   };
 
   /// The present angle as rest angle.
-  static Params<float> from_rest(const Vec3d (&x)[4], double widest) {
+  static Params<float> from_rest(const Vec3d (&x)[4], double max_angle) {
     const DihedralAngle<double> angle = dihedral_angle(x);
     const double norm = std::hypot(angle.sine, angle.cosine);
-    if (!(norm > 0)) return {0, 1, static_cast<float>(widest)};
+    if (!(norm > 0)) return {0, 1, static_cast<float>(max_angle)};
     return {static_cast<float>(angle.sine / norm), static_cast<float>(angle.cosine / norm),
-            static_cast<float>(widest)};
+            static_cast<float>(max_angle)};
   }
 
   template <class T>
@@ -40,7 +40,7 @@ struct TwistLimit {
                           angle.cosine * p.rest_cosine + angle.sine * p.rest_sine);
     const T sign = select(twist > T(0), T(-1), T(1));
     for (int i = 0; i < 4; ++i) gradient[i] = angle.gradient[i] * sign;
-    return p.widest - abs(twist);
+    return p.max_angle - abs(twist);
   }
 };
 

@@ -13,20 +13,20 @@ namespace souple {
 ///   x_{k+1} = omega_{k+1} (gamma (x^ - x_k) + x_k - x_{k-1}) + x_{k-1}
 ///   omega_{k+1} = 1 for k < S,   2 / (2 - rho^2) for k = S,   4 / (4 - rho^2 omega_k) beyond
 ///
-/// rho is the spectral radius that the iteration is assumed to have, gamma = 0.9 keeps a nonlinear one from
-/// overshooting and S = 2 lets the first iterations take out what is rough (Wang has 10: he iterates 100
-/// times). Multipliers are extrapolated with the positions, so that compliance stays what it is.
+/// rho is the assumed spectral radius of the iteration. gamma = 0.9 keeps a nonlinear iteration from
+/// overshooting. S = 2 lets the first iterations smooth the error (Wang uses 10: he iterates 100 times).
+/// Multipliers are extrapolated with the positions, so compliance is unchanged.
 class Chebyshev {
  public:
   /// rho in [0, 1); 0: no acceleration.
   explicit Chebyshev(float rho) : rho_squared_(rho * rho) {}
 
-  /// Whether so many iterations of a substep gain anything.
+  /// Whether this many iterations per substep are enough for acceleration.
   bool helps(int iterations) const { return rho_squared_ > 0 && iterations > delay; }
-  /// Before the first iteration of a substep. `projectors`: whose multipliers go along.
+  /// Before the first iteration of a substep. `projectors`: their multipliers are extrapolated too.
   void begin(std::span<Projector* const> projectors, const ParticleView& particles);
-  /// After each iteration: what `moving` and the multipliers hold is x^ and becomes x_{k+1}. What did not
-  /// change keeps its bits.
+  /// After each iteration: `moving` and the multipliers hold x^ and become x_{k+1}. Unchanged values keep
+  /// their bits.
   void accelerate(std::span<Projector* const> projectors, const ParticleView& particles);
 
  private:
@@ -52,7 +52,7 @@ class Chebyshev {
   float omega_ = 1;
   int iteration_ = 0;
   History<Vec4f> moving_;
-  std::vector<History<float>> multipliers_;  // one for each array that the projectors hand out
+  std::vector<History<float>> multipliers_;  // per array of multipliers, in the order of the projectors
 };
 
 }  // namespace souple

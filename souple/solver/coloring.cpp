@@ -4,29 +4,30 @@
 #include <bit>
 #include <numeric>
 
-// First-fit, then what repairs its long tail of small colors. On regular grids first-fit alone is optimal:
-// as many colors as constraints meet in a particle. On an irregular mesh it takes up to half as many again,
-// the last of a few dozen constraints: each costs a barrier, and what does not fill a SIMD pack.
+// First-fit, then repairs of its long tail of small colors. On regular grids first-fit alone is optimal: it
+// uses as many colors as constraints meet in a particle. On an irregular mesh it uses up to half as many
+// again, and the last colors hold a few dozen constraints. Each color costs a barrier and a partly filled
+// SIMD pack.
 //
-// Tried and left out: orders by degree (smallest last, largest first) gain no more than the reversed passes
-// below and scatter the particles; sizes made equal throughout gain nothing, a barrier costs what it costs.
+// Tried and rejected: orders by degree (smallest last, largest first) gain no more than the reversed passes
+// below and scatter the particles. Making all sizes equal gains nothing: it saves no barrier.
 
 namespace souple {
 namespace {
 
-constexpr std::uint32_t colors_per_round = 64;  // one bit each
-constexpr std::uint32_t smallest_color = 512;   // fills the packs of two threads many times over
+constexpr std::uint32_t colors_per_round = 64;  // one bit per color
+constexpr std::uint32_t min_color_size = 512;   // fills the packs of two threads many times over
 
-/// Colors that are being given to constraints; at most 64 are looked at together.
+/// Assigns colors to constraints; considers at most 64 colors at a time.
 class Palette {
  public:
   Palette(std::span<const std::uint32_t> indices, std::size_t arity, std::size_t particle_count)
-      : indices_(indices), arity_(arity), color_of_(indices.size() / arity), taken_(particle_count) {}
+      : indices_(indices), arity_(arity), color_of_(indices.size() / arity), used_colors_(particle_count) {}
 
-  /// Gives each constraint of `pending` the first color in [first, first + 64) that its particles do not
-  /// have yet; returns those that found none.
+  /// Gives each constraint of `pending` the first color in [first, first + 64) that none of its particles has
+  /// yet. Returns the constraints that found no color.
   std::vector<std::uint32_t> first_fit(std::span<const std::uint32_t> pending, std::uint32_t first);
-  /// Of at most 64 colors: fewer and larger ones.
+  /// Makes colors fewer and larger. Requires at most 64 colors.
   void improve();
 
   const std::vector<std::uint32_t>& color_of() const { return color_of_; }
@@ -40,7 +41,7 @@ class Palette {
   }
   Bits used_around(std::uint32_t i) const {
     Bits used = 0;
-    for (const std::uint32_t particle : particles(i)) used |= taken_[particle];
+    for (const std::uint32_t particle : particles(i)) used |= used_colors_[particle];
     return used;
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(size_.size()); }
@@ -48,55 +49,55 @@ class Palette {
   void list_constraints_of_particles();
   void refit_reversed();
   bool dissolve_smallest();
-  bool make_room(std::uint32_t i, Bits allowed);
-  bool vacate(std::uint32_t i, std::uint32_t color, Bits allowed);
+  bool recolor(std::uint32_t i, Bits allowed);
+  bool evict_conflicts(std::uint32_t i, std::uint32_t color, Bits allowed);
   void fill_small();
 
   std::span<const std::uint32_t> indices_;
   std::size_t arity_;
   std::vector<std::uint32_t> color_of_;
-  std::vector<Bits> taken_;          // colors that a particle has
-  std::vector<std::uint32_t> size_;  // of each color; those at the end of a round may be empty
+  std::vector<Bits> used_colors_;    // per particle: bit mask of its colors in this round
+  std::vector<std::uint32_t> size_;  // per color: its constraints; the last colors of a round may be empty
 
-  // The constraints that particle p is in: constraints_[begin_[p] .. begin_[p + 1]).
+  // Constraints of particle p: constraints_[begin_[p] .. begin_[p + 1]).
   std::vector<std::uint32_t> begin_, constraints_;
   struct Move {
     std::uint32_t constraint, from;
   };
-  std::vector<Move> log_;              // to take back
-  std::vector<std::uint32_t> rivals_;  // what vacate moves
+  std::vector<Move> log_;                 // moves to undo
+  std::vector<std::uint32_t> conflicts_;  // scratch of evict_conflicts
 };
 
 std::vector<std::uint32_t> Palette::first_fit(std::span<const std::uint32_t> pending, std::uint32_t first) {
   size_.resize(first);
   for (const std::uint32_t i : pending)
-    for (const std::uint32_t particle : particles(i)) taken_[particle] = 0;
-  std::vector<std::uint32_t> left;
+    for (const std::uint32_t particle : particles(i)) used_colors_[particle] = 0;
+  std::vector<std::uint32_t> uncolored;
   for (const std::uint32_t i : pending) {
     const Bits used = used_around(i);
     if (~used == 0) {
-      left.push_back(i);
+      uncolored.push_back(i);
       continue;
     }
     const auto color = static_cast<std::uint32_t>(std::countr_one(used));
-    for (const std::uint32_t particle : particles(i)) taken_[particle] |= bit(color);
+    for (const std::uint32_t particle : particles(i)) used_colors_[particle] |= bit(color);
     color_of_[i] = first + color;
     if (size_.size() <= first + color) size_.resize(first + color + 1);
     ++size_[first + color];
   }
-  return left;
+  return uncolored;
 }
 
 void Palette::move(std::uint32_t i, std::uint32_t color) {
   std::uint32_t& from = color_of_[i];
   for (const std::uint32_t particle : particles(i))
-    taken_[particle] = (taken_[particle] & ~bit(from)) | bit(color);
+    used_colors_[particle] = (used_colors_[particle] & ~bit(from)) | bit(color);
   --size_[from], ++size_[color];
   from = color;
 }
 
 void Palette::list_constraints_of_particles() {
-  begin_.assign(taken_.size() + 1, 0);
+  begin_.assign(used_colors_.size() + 1, 0);
   for (const std::uint32_t particle : indices_) ++begin_[particle + 1];
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   constraints_.resize(indices_.size());
@@ -105,8 +106,8 @@ void Palette::list_constraints_of_particles() {
     for (const std::uint32_t particle : particles(i)) constraints_[next[particle]++] = i;
 }
 
-// Iterated greedy (Culberson 1992): first-fit over the colors of the last fit, last one first, never takes
-// more colors and often fewer, because the constraints that were hard to place now choose first.
+// Iterated greedy (Culberson 1992): first-fit over the colors of the last fit in reverse order. It never
+// takes more colors and often fewer, because the constraints that were hard to place choose first.
 void Palette::refit_reversed() {
   std::vector<std::uint32_t> next(count());
   std::uint32_t begin = 0;
@@ -116,37 +117,38 @@ void Palette::refit_reversed() {
   first_fit(order, 0);
 }
 
-// Moves those of a color that stand in the way of constraint i out of it, each to a color that is free for
-// it. They share no particle, so they may even go to the same one.
-bool Palette::vacate(std::uint32_t i, std::uint32_t color, Bits allowed) {
-  rivals_.clear();
+// Frees color `color` for constraint i: each constraint of that color that shares a particle with i moves to
+// another allowed color. The evicted constraints share no particle with each other, so two of them may take
+// the same color.
+bool Palette::evict_conflicts(std::uint32_t i, std::uint32_t color, Bits allowed) {
+  conflicts_.clear();
   for (const std::uint32_t particle : particles(i)) {
-    if (!(taken_[particle] & bit(color))) continue;
+    if (!(used_colors_[particle] & bit(color))) continue;
     std::uint32_t k = begin_[particle];
     while (color_of_[constraints_[k]] != color) ++k;
     if ((allowed & ~used_around(constraints_[k])) == 0) return false;
-    rivals_.push_back(constraints_[k]);
+    conflicts_.push_back(constraints_[k]);
   }
-  for (const std::uint32_t rival : rivals_) {
-    if (color_of_[rival] != color) continue;  // it shares two particles with i, and has left
-    log_.push_back({rival, color});
-    move(rival, static_cast<std::uint32_t>(std::countr_zero(allowed & ~used_around(rival))));
+  for (const std::uint32_t conflict : conflicts_) {
+    if (color_of_[conflict] != color) continue;  // it shares two particles with i and has moved already
+    log_.push_back({conflict, color});
+    move(conflict, static_cast<std::uint32_t>(std::countr_zero(allowed & ~used_around(conflict))));
   }
   return true;
 }
 
-// Moves constraint i to a color of `allowed`, its rivals there to others if need be.
-bool Palette::make_room(std::uint32_t i, Bits allowed) {
+// Moves constraint i to a color of `allowed`; evicts conflicting constraints if necessary.
+bool Palette::recolor(std::uint32_t i, Bits allowed) {
   Bits open = allowed & ~used_around(i);
   for (std::uint32_t color = 0; open == 0 && color < count(); ++color)
-    if ((allowed & bit(color)) && vacate(i, color, allowed)) open = bit(color);
+    if ((allowed & bit(color)) && evict_conflicts(i, color, allowed)) open = bit(color);
   if (open == 0) return false;
   log_.push_back({i, color_of_[i]});
   move(i, static_cast<std::uint32_t>(std::countr_zero(open)));
   return true;
 }
 
-// Spreads the smallest color over the others; all of it or nothing.
+// Distributes the constraints of the smallest color among the other colors: all of them or none.
 bool Palette::dissolve_smallest() {
   const auto smallest =
       static_cast<std::uint32_t>(std::min_element(size_.begin(), size_.end()) - size_.begin());
@@ -154,7 +156,7 @@ bool Palette::dissolve_smallest() {
   const Bits allowed = (bit(last) | (bit(last) - 1)) & ~bit(smallest);
   log_.clear();
   for (std::uint32_t i = 0; i < color_of_.size() && size_[smallest] > 0; ++i) {
-    if (color_of_[i] != smallest || make_room(i, allowed)) continue;
+    if (color_of_[i] != smallest || recolor(i, allowed)) continue;
     for (auto undo = log_.rbegin(); undo != log_.rend(); ++undo) move(undo->constraint, undo->from);
     return false;
   }
@@ -164,10 +166,10 @@ bool Palette::dissolve_smallest() {
   return true;
 }
 
-// Fills small colors up from those above the mean.
+// Fills small colors with constraints from colors above the mean size.
 void Palette::fill_small() {
   const auto mean = static_cast<std::uint32_t>(color_of_.size() / count());
-  const std::uint32_t goal = std::min(smallest_color, mean / 2);
+  const std::uint32_t goal = std::min(min_color_size, mean / 2);
   Bits small = 0;
   for (std::uint32_t color = 0; color < count(); ++color)
     if (size_[color] < goal) small |= bit(color);
@@ -183,15 +185,15 @@ void Palette::fill_small() {
 void Palette::improve() {
   if (color_of_.empty()) return;
   list_constraints_of_particles();
-  std::uint32_t fewest = 0;
-  for (std::size_t particle = 0; particle < taken_.size(); ++particle)
-    fewest = std::max(fewest, begin_[particle + 1] - begin_[particle]);
-  constexpr int passes = 4;  // more gain a color now and then
-  for (int pass = 0; count() > fewest; ++pass) {
-    while (count() > fewest && dissolve_smallest()) {
+  std::uint32_t min_colors = 0;
+  for (std::size_t particle = 0; particle < used_colors_.size(); ++particle)
+    min_colors = std::max(min_colors, begin_[particle + 1] - begin_[particle]);
+  constexpr int passes = 4;  // more passes gain a color now and then
+  for (int pass = 0; count() > min_colors; ++pass) {
+    while (count() > min_colors && dissolve_smallest()) {
     }
     if (pass == passes) break;
-    if (count() > fewest) refit_reversed();
+    if (count() > min_colors) refit_reversed();
   }
   fill_small();
 }

@@ -8,12 +8,13 @@
 namespace souple {
 namespace {
 
-// Unknowns summed by one thread: fixed, so that sums do not depend on threads.
+// Unknowns per partial sum: fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t chunk = 1024;
 constexpr std::size_t grain = 512;
 
 // A^-1 y for the rows of a block.
-void weigh(const LinearSystem& system, const LinearSystem::Block& block, const double* y, double* result) {
+void apply_inverse_compliance(const LinearSystem& system, const LinearSystem::Block& block, const double* y,
+                              double* result) {
   const double* inverse = &system.inverse[block.compliance];
   if (block.rows == 1) {
     result[0] = inverse[0] * y[0];
@@ -28,7 +29,7 @@ void weigh(const LinearSystem& system, const LinearSystem::Block& block, const d
 
 }  // namespace
 
-int ConjugateGradient::most_products(std::size_t particles) {
+int ConjugateGradient::max_products(std::size_t particles) {
   return std::max(50, static_cast<int>(1.5 * std::sqrt(static_cast<double>(particles))));
 }
 
@@ -56,11 +57,11 @@ void ConjugateGradient::prepare_system(LinearSystem& system, const ParticleView&
   for (std::vector<double>* v : {&row_residual_, &row_direction_, &force_}) v->assign(system.rows(), 0);
   for (std::vector<Vec3d>* v : {&residual_, &direction_, &product_}) v->resize(n);
   partial_.resize((n + chunk - 1) / chunk);
-  products_ = most_used_ = 0;
+  products_ = max_products_used_ = 0;
   reached_ = worst_ = 0;
 }
 
-// Copies the gradients to where a particle finds all of its own in one place.
+// Copies the gradients so that the entries of one particle are contiguous.
 void ConjugateGradient::gather_entries(const LinearSystem& system, Threads& threads) {
   threads.for_each(entries_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) entries_[i].gradient = system.gradient[gradient_of_[i]];
@@ -68,7 +69,7 @@ void ConjugateGradient::gather_entries(const LinearSystem& system, Threads& thre
 }
 
 // J^T force at one unknown.
-Vec3d ConjugateGradient::pulled(std::size_t unknown) const {
+Vec3d ConjugateGradient::constraint_force(std::size_t unknown) const {
   Vec3d sum{};
   for (std::uint32_t i = entry_begin_[unknown]; i < entry_begin_[unknown + 1]; ++i)
     sum += Vec3d(entries_[i].gradient) * force_[entries_[i].row];
@@ -95,7 +96,7 @@ void ConjugateGradient::begin(LinearSystem& system, Threads& threads) {
   gather_entries(system, threads);
   threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
     for (const LinearSystem::Block& block : system.blocks().subspan(begin, end - begin)) {
-      weigh(system, block, &system.b[block.row], &force_[block.row]);
+      apply_inverse_compliance(system, block, &system.b[block.row], &force_[block.row]);
       for (std::uint32_t r = block.row; r < block.row + block.rows; ++r) {
         row_residual_[r] = row_direction_[r] = force_[r];
         system.dlambda[r] = 0;
@@ -104,20 +105,20 @@ void ConjugateGradient::begin(LinearSystem& system, Threads& threads) {
   });
   threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t u = begin; u < end; ++u) {
-      residual_[u] = pulled(u);
+      residual_[u] = constraint_force(u);
       direction_[u] = residual_[u] / system.mass[u];
       system.dx[u] = {};
     }
   });
 }
 
-// product = (M + J^T A^-1 J) direction: by rows, then by particles, so that no two threads add to one number.
-// Rows first take the step before, which the particles have taken already.
-void ConjugateGradient::multiply(LinearSystem& system, const Lengths& last, Threads& threads) {
+// product = (M + J^T A^-1 J) direction: first by rows, then by particles, so that no two threads add to one
+// number. The row loop first applies the previous step, which the particle vectors contain already.
+void ConjugateGradient::multiply(LinearSystem& system, const StepCoefficients& last, Threads& threads) {
   threads.for_each(system.blocks().size(), grain, [&](std::size_t begin, std::size_t end) {
     for (const LinearSystem::Block& block : system.blocks().subspan(begin, end - begin)) {
       const auto of = system.members(block);
-      double y[LinearSystem::most_rows];
+      double y[LinearSystem::max_rows];
       for (int r = 0; r < block.rows; ++r) {
         const std::size_t row = block.row + static_cast<std::size_t>(r);
         system.dlambda[row] += last.alpha * row_direction_[row];
@@ -130,11 +131,12 @@ void ConjugateGradient::multiply(LinearSystem& system, const Lengths& last, Thre
         for (std::size_t k = 0; k < block.arity; ++k)
           if (of[k] != LinearSystem::pinned) y[r] += dot(Vec3d(gradient[k]), direction_[of[k]]);
       }
-      weigh(system, block, y, &force_[block.row]);
+      apply_inverse_compliance(system, block, y, &force_[block.row]);
     }
   });
   threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u) product_[u] = direction_[u] * system.mass[u] + pulled(u);
+    for (std::size_t u = begin; u < end; ++u)
+      product_[u] = direction_[u] * system.mass[u] + constraint_force(u);
   });
 }
 
@@ -142,10 +144,10 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
   begin(system, threads);
   double rho = sum(threads, [&](std::size_t u) { return dot(residual_[u], direction_[u]); });
   const double first = rho;
-  Lengths lengths;
-  const int most = most_products(system.unknowns());
-  for (products_ = 0; products_ < most && rho > tolerance * tolerance * first; ++products_) {
-    multiply(system, lengths, threads);
+  StepCoefficients coefficients;
+  const int limit = max_products(system.unknowns());
+  for (products_ = 0; products_ < limit && rho > tolerance * tolerance * first; ++products_) {
+    multiply(system, coefficients, threads);
     const double curvature = sum(threads, [&](std::size_t u) { return dot(direction_[u], product_[u]); });
     if (!(curvature > 0)) break;
     const double alpha = rho / curvature;
@@ -154,17 +156,18 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
       residual_[u] -= product_[u] * alpha;
       return length_squared(residual_[u]) / system.mass[u];
     });
-    lengths = {alpha, next / rho};
+    coefficients = {alpha, next / rho};
     rho = next;
     sum(threads, [&](std::size_t u) {
-      direction_[u] = residual_[u] / system.mass[u] + direction_[u] * lengths.beta;
+      direction_[u] = residual_[u] / system.mass[u] + direction_[u] * coefficients.beta;
       return 0.0;
     });
   }
   if (products_ > 0)
-    for (std::size_t r = 0; r < system.rows(); ++r) system.dlambda[r] += lengths.alpha * row_direction_[r];
+    for (std::size_t r = 0; r < system.rows(); ++r)
+      system.dlambda[r] += coefficients.alpha * row_direction_[r];
   reached_ = first > 0 ? std::sqrt(rho / first) : 0;
-  most_used_ = std::max(most_used_, products_);
+  max_products_used_ = std::max(max_products_used_, products_);
   worst_ = std::max(worst_, reached_);
   return std::isfinite(rho);
 }
@@ -173,7 +176,7 @@ std::string ConjugateGradient::diagnostic() const {
   const std::string floor = floor_diagnostic();
   return fmt::format(
       "conjugate gradients: {} products to a residual of {:.1e} of the first, at worst {} to {:.1e}{}{}",
-      products_, reached_, most_used_, worst_, floor.empty() ? "" : "; ", floor);
+      products_, reached_, max_products_used_, worst_, floor.empty() ? "" : "; ", floor);
 }
 
 }  // namespace souple

@@ -11,14 +11,14 @@ std::string label(const CustomConstraint& constraint) {
   return "custom constraint '" + constraint.name + "'";
 }
 
-Hold hold_of(const CustomConstraint& c) {
+ScalarSettings settings_of(const CustomConstraint& c) {
   return {c.sense, static_cast<double>(c.compliance), static_cast<double>(c.damping_time),
           static_cast<double>(c.stiffness)};
 }
 
-bool valid(const Hold& hold) {
-  return hold.compliance >= 0 && std::isfinite(hold.compliance) && hold.damping_time >= 0 &&
-         std::isfinite(hold.damping_time) && hold.stiffness >= 0 && hold.stiffness <= 1;
+bool valid(const ScalarSettings& settings) {
+  return settings.compliance >= 0 && std::isfinite(settings.compliance) && settings.damping_time >= 0 &&
+         std::isfinite(settings.damping_time) && settings.stiffness >= 0 && settings.stiffness <= 1;
 }
 
 constexpr const char* expected_settings =
@@ -29,7 +29,7 @@ constexpr const char* expected_settings =
 void CustomProjector::add(std::shared_ptr<CustomConstraint> constraint) {
   if (!constraint) throw Error("custom constraint is null, expected an object");
   const std::string what = label(*constraint);
-  if (!valid(hold_of(*constraint))) throw Error(what + expected_settings);
+  if (!valid(settings_of(*constraint))) throw Error(what + expected_settings);
   const auto particles = constraint->particles();
   Item item;
   item.position.resize(particles.size());
@@ -49,12 +49,12 @@ std::string CustomProjector::take_error() {
   return first;
 }
 
-// Returns whether C and gradient can be used.
+// Returns whether C and gradient are usable.
 bool CustomProjector::evaluate(Item& item, std::span<const std::uint32_t> group,
                                const ParticleView& particles, float& C) {
   std::string reason;
   try {
-    if (!valid(hold_of(*item.constraint))) throw Error(std::string("bad settings") + expected_settings);
+    if (!valid(settings_of(*item.constraint))) throw Error(std::string("bad settings") + expected_settings);
     const Vec3f origin = item.constraint->origin();
     for (std::size_t k = 0; k < group.size(); ++k) {
       item.position[k] = particles.relative(group[k], origin);
@@ -83,15 +83,15 @@ void CustomProjector::project_one(std::size_t i, const ParticleView& particles, 
   const auto group = groups_[i];
   float C = 0;
   if (!evaluate(item, group, particles, C)) return;
-  const Hold hold = hold_of(*item.constraint);
+  const ScalarSettings settings = settings_of(*item.constraint);
   ScalarState state;
   state.C = static_cast<double>(C);
   for (std::size_t k = 0; k < group.size(); ++k) {
     const Vec3d gradient(item.gradient[k]);
     state.weighted_square += static_cast<double>(particles.inverse_mass(group[k])) * length_squared(gradient);
-    if (hold.damping_time > 0) state.rate += dot(gradient, Vec3d(particles.moved(group[k])));
+    if (settings.damping_time > 0) state.rate += dot(gradient, Vec3d(particles.moved(group[k])));
   }
-  const ScalarStep step = project_scalar(state, hold, item.multiplier, substep);
+  const ScalarStep step = project_scalar(state, settings, item.multiplier, substep);
   bool finite = true;
   for (std::size_t k = 0; k < group.size(); ++k) {
     const auto w = static_cast<double>(particles.inverse_mass(group[k]));
@@ -118,7 +118,7 @@ Residual CustomProjector::residual(const ParticleView& particles) const {
   for (std::size_t i = 0; i < items_.size(); ++i) {
     float C = 0;
     if (!evaluate(items_[i], groups_[i], particles, C)) continue;
-    add_to_residual(result, hold_of(*items_[i].constraint), static_cast<double>(C));
+    add_to_residual(result, settings_of(*items_[i].constraint), static_cast<double>(C));
   }
   return result;
 }
@@ -126,11 +126,11 @@ Residual CustomProjector::residual(const ParticleView& particles) const {
 void CustomProjector::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
   groups_.for_each([&](std::uint32_t i, int color) {
     Item& item = items_[i];
-    const std::string error = item.error;  // looking records none
+    const std::string error = item.error;  // visiting records no error
     float C = 0;
     if (!evaluate(item, groups_[i], particles, C)) C = 0;
     item.error = error;
-    const double violation = violation_of(hold_of(*item.constraint), static_cast<double>(C));
+    const double violation = violation_of(settings_of(*item.constraint), static_cast<double>(C));
     visitor({groups_[i], color, 0, static_cast<float>(violation)});
   });
 }

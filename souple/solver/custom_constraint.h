@@ -11,19 +11,19 @@
 
 namespace souple {
 
-/// A constraint written at run time on any number of particles: one scalar C(x) and its gradient. For one
-/// whose number of particles is known when it is compiled, a struct (constraints/constraint.h) is faster.
+/// A constraint defined at run time on any number of particles: one scalar C(x) and its gradient. If the
+/// number of particles is known at compile time, a struct (constraints/constraint.h) is faster.
 class CustomConstraint {
  public:
   virtual ~CustomConstraint() = default;
 
-  /// The particles it acts on; read once, when it is added.
+  /// The particles of the constraint; read once, by `add`.
   virtual std::span<const std::uint32_t> particles() const = 0;
   /// C at positions x [m], measured from `origin`; x[k] belongs to particles()[k]. Fills `gradient` (zero at
-  /// entry) with dC/dx[k]. May throw, or return what is not finite: it is then left out and the reason
-  /// recorded.
+  /// entry) with dC/dx[k]. If it throws or returns a non-finite value, the constraint is skipped and the
+  /// reason recorded.
   virtual float evaluate(std::span<const Vec3f> x, std::span<Vec3f> gradient) = 0;
-  /// Where positions are measured from [m, world]: a point near the particles keeps digits.
+  /// Reference point of the positions [m, world]: a point near the particles keeps float digits.
   virtual Vec3f origin() const { return {}; }
 
   std::string name = "custom";    ///< for messages
@@ -31,7 +31,7 @@ class CustomConstraint {
   float compliance = 0;           ///< alpha [(unit of C)^2 / J]
   float damping_time = 0;         ///< s
   float stiffness = 1;            ///< PBD mode only: k in [0, 1]
-  /// `evaluate` may run at the same time as that of other constraints, on other threads.
+  /// Whether `evaluate` may run on several threads, concurrently with other constraints.
   bool concurrent = false;
 };
 
@@ -53,17 +53,17 @@ class CallbackConstraint final : public CustomConstraint {
   Function function_;
 };
 
-/// Custom constraints behind the Projector interface, by the formulas of projection.h. Nothing that a user's
-/// code does gets out of a step: an evaluation that throws, or whose C, gradient or correction is not finite,
-/// moves nothing and leaves a message. The next one is tried again.
+/// Custom constraints behind the Projector interface, by the formulas of projection.h. Errors of user code
+/// never leave a step: if an evaluation throws, or if C, its gradient or the correction is not finite,
+/// nothing moves and a message is recorded. The next evaluation tries again.
 class CustomProjector final : public Projector {
  public:
-  /// Throws Error when the constraint is null, names no particle or one twice, or a number is out of range.
-  /// `prepare` must follow before the next substep. Its settings may change between steps, its particles may
-  /// not.
+  /// Throws Error when the constraint is null, has no particles or one twice, or a number is out of range.
+  /// `prepare` must follow before the next substep. Settings of the constraint may change between steps; its
+  /// particles may not.
   void add(std::shared_ptr<CustomConstraint> constraint);
 
-  /// What went wrong first since the last call, empty if nothing: "custom constraint 'name': ...".
+  /// The first error since the last call, empty if there was none: "custom constraint 'name': ...".
   std::string take_error();
 
   std::string_view kind() const override { return "custom"; }
@@ -72,7 +72,7 @@ class CustomProjector final : public Projector {
   int color_count() const override { return groups_.color_count(); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   std::size_t color_size(int color) const override { return groups_.color(color).size(); }
-  /// One thread for all, unless all may run at the same time.
+  /// All constraints of a color on one thread, unless all constraints are concurrent.
   std::size_t grain() const override { return concurrent_ ? 1 : std::numeric_limits<std::size_t>::max(); }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -86,7 +86,7 @@ class CustomProjector final : public Projector {
     std::shared_ptr<CustomConstraint> constraint;
     double multiplier = 0;
     std::vector<Vec3f> position, gradient;  // scratch
-    std::string error;                      // of its own, so that colors may run in parallel
+    std::string error;                      // per constraint, so that threads do not share it
   };
 
   static bool evaluate(Item& item, std::span<const std::uint32_t> group, const ParticleView& particles,
@@ -95,7 +95,7 @@ class CustomProjector final : public Projector {
 
   ParticleGroups groups_;
   bool concurrent_ = true;
-  mutable std::vector<Item> items_;  // `residual` uses the scratch and may meet an error
+  mutable std::vector<Item> items_;  // `residual` writes the scratch arrays and may record an error
 };
 
 }  // namespace souple

@@ -10,9 +10,9 @@
 namespace souple {
 namespace {
 
-// Singular values below this share of the largest are zero: rows of length 1 that are the same to a
-// thousandth of a radian. J comes in float, and a rigid cloth locks in directions that are nearly dependent;
-// what is cut is left to the next linearization.
+// Singular values below this fraction of the largest count as zero: rows of length 1 that agree within a
+// thousandth of a radian. J is computed in float, and the constraints of a rigid cloth are nearly dependent
+// in some directions. The next linearization handles the discarded part.
 constexpr double singular = 1e-6;
 
 }  // namespace
@@ -20,9 +20,9 @@ constexpr double singular = 1e-6;
 struct Dense::Impl {
   Eigen::MatrixXd J, weighted, matrix;
   Eigen::VectorXd scale, rhs;
-  // Of a symmetric positive semidefinite matrix the eigenvalues are the singular values, and its eigenvectors
-  // both sets of singular vectors. (Eigen's BDCSVD now and then returns NaN for such matrices, JacobiSVD
-  // takes many times as long.)
+  // For a symmetric positive semidefinite matrix, the eigenvalues are the singular values and the
+  // eigenvectors are both sets of singular vectors. (Eigen's BDCSVD sometimes returns NaN for such matrices;
+  // JacobiSVD takes many times as long.)
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> svd;
 
   void fill(const LinearSystem& system);
@@ -33,16 +33,16 @@ Dense::~Dense() = default;
 
 void Dense::prepare_system(LinearSystem& system, const ParticleView&) {
   floors_ = false;
-  if (system.rows() > most_rows)
+  if (system.rows() > max_rows)
     throw Error(
         fmt::format("the solver dense takes {} rows of constraints at most, here are {}: use direct or "
                     "conjugate_gradient",
-                    most_rows, system.rows()));
+                    max_rows, system.rows()));
   impl_->J.resize(static_cast<Eigen::Index>(system.rows()), static_cast<Eigen::Index>(3 * system.unknowns()));
 }
 
-// J W J^T + A, each row and column divided by the root of its diagonal: rows in meters and rows in radians
-// are then alike, and "singular" has a meaning.
+// J W J^T + A, each row and column divided by the square root of its diagonal. This makes rows in meters and
+// rows in radians comparable and gives "singular" a meaning.
 void Dense::Impl::fill(const LinearSystem& system) {
   J.setZero();
   matrix.setZero(J.rows(), J.rows());
@@ -80,9 +80,9 @@ bool Dense::solve_system(LinearSystem& system, Threads&) {
   const Eigen::VectorXd& sigma = impl_->svd.eigenvalues();  // ascending
   const Eigen::MatrixXd& u = impl_->svd.eigenvectors();
   Eigen::VectorXd solution = u.transpose() * impl_->rhs;
-  const double least = singular * sigma[sigma.size() - 1];
+  const double threshold = singular * sigma[sigma.size() - 1];
   for (Eigen::Index k = 0; k < solution.size(); ++k)
-    solution[k] = sigma[k] > least ? solution[k] / sigma[k] : 0;
+    solution[k] = sigma[k] > threshold ? solution[k] / sigma[k] : 0;
   solution = impl_->scale.cwiseProduct(u * solution);
   for (std::size_t r = 0; r < system.rows(); ++r) system.dlambda[r] = solution[static_cast<Eigen::Index>(r)];
   system.moves_from_multipliers();

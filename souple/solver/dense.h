@@ -6,13 +6,13 @@
 
 namespace souple {
 
-/// The seed's classical method: the dual system (J W J^T + A) dlambda = b as a dense matrix, by the
-/// pseudo-inverse from its singular values, so that redundant and contradictory constraints share what they
-/// ask for in the least-squares sense. Costs the cube of the rows, 600 of them at most: the oracle of the
-/// tests.
-class Dense final : public LinearisedSolver {
+/// The seed's classical method: the dual system (J W J^T + A) dlambda = b as a dense matrix, solved by the
+/// pseudo-inverse from its singular values. Redundant and contradictory constraints are satisfied in the
+/// least-squares sense. Cost: cubic in the number of rows, at most 600. The tests use it as the reference
+/// solution.
+class Dense final : public LinearizedSolver {
  public:
-  static constexpr std::size_t most_rows = 600;
+  static constexpr std::size_t max_rows = 600;
 
   Dense();
   ~Dense() override;

@@ -13,39 +13,42 @@ namespace souple {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;  // lower triangle, by columns
-constexpr double redundant = 1e-9;           // added to the dual's diagonal, as a share of it
-constexpr double most_operations = 5e9;      // multiplications of one factorization: some seconds
-constexpr std::size_t most_unknowns = 300000;
-constexpr std::size_t most_entries = 30000000;  // of the dual, whose rows meet at every particle
+constexpr double redundant = 1e-9;           // added to the diagonal of the dual matrix, as a fraction of it
+constexpr double max_operations = 5e9;       // multiplications of one factorization: some seconds
+constexpr std::size_t max_unknowns = 300000;
+// Of the dual matrix: every pair of rows that share a particle has an entry.
+constexpr std::size_t max_entries = 30000000;
 
-/// One place of the lower triangle.
-struct Place {
+/// An entry of the lower triangle.
+struct MatrixEntry {
   std::uint32_t column, row;
-  friend bool operator<(const Place& a, const Place& b) {
+  friend bool operator<(const MatrixEntry& a, const MatrixEntry& b) {
     return a.column != b.column ? a.column < b.column : a.row < b.row;
   }
-  friend bool operator==(const Place& a, const Place& b) { return a.column == b.column && a.row == b.row; }
+  friend bool operator==(const MatrixEntry& a, const MatrixEntry& b) {
+    return a.column == b.column && a.row == b.row;
+  }
 };
 
-void sort_unique(std::vector<Place>& places) {
-  std::sort(places.begin(), places.end());
-  places.erase(std::unique(places.begin(), places.end()), places.end());
+void sort_unique(std::vector<MatrixEntry>& matrix_entries) {
+  std::sort(matrix_entries.begin(), matrix_entries.end());
+  matrix_entries.erase(std::unique(matrix_entries.begin(), matrix_entries.end()), matrix_entries.end());
 }
 
-/// Knows what its numbers will cost before they are computed.
+/// Reports the cost of a factorization before it is computed.
 class Factorization : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
  public:
   double operations() const { return this->m_nonZerosPerCol.template cast<double>().squaredNorm(); }
 };
 
-[[noreturn]] void refuse(double amount, const char* what, double most) {
+[[noreturn]] void refuse(double amount, const char* what, double limit) {
   throw Error(
       fmt::format("the solver direct would need {:.3g} {}, at most {:.3g} are taken: use conjugate_gradient, "
                   "or a coarser mesh",
-                  amount, what, most));
+                  amount, what, limit));
 }
 
-/// An unknown in a constraint row.
+/// A constraint row that involves an unknown, and its gradient there.
 struct Incidence {
   std::uint32_t row, gradient;
 };
@@ -57,15 +60,15 @@ struct Direct::Impl {
   Matrix matrix;
   Factorization factorization;
   Eigen::VectorXd rhs, solution;
-  // Where what is added goes, in the order in which it is added. Primal: the block's place in its column of
-  // 3 x 3 blocks; dual: an index into the values.
-  std::vector<std::uint32_t> place;
-  std::vector<std::vector<Incidence>> incidences;  // dual: of each unknown
+  // Destination of each added term, in the order in which terms are added. Primal: index of the block in its
+  // column of 3 x 3 blocks. Dual: index into the values.
+  std::vector<std::uint32_t> slot;
+  std::vector<std::vector<Incidence>> incidences;  // dual: per unknown
 
   void prepare_primal(const LinearSystem& system);
   void prepare_dual(const LinearSystem& system);
-  void build_primal_pattern(std::size_t unknowns, const std::vector<Place>& blocks);
-  void build_dual_pattern(std::size_t rows, const std::vector<Place>& places);
+  void build_primal_pattern(std::size_t unknowns, const std::vector<MatrixEntry>& blocks);
+  void build_dual_pattern(std::size_t rows, const std::vector<MatrixEntry>& matrix_entries);
   void fill_primal(const LinearSystem& system);
   void fill_dual(const LinearSystem& system);
 };
@@ -75,7 +78,7 @@ Direct::~Direct() = default;
 
 namespace {
 
-// Calls f(a, b) for the pairs of free members whose 3 x 3 block lies in the lower triangle.
+// Calls f(a, b) for the pairs of free members whose 3 x 3 block is in the lower triangle.
 template <class Function>
 void for_each_pair(std::span<const std::uint32_t> members, const Function& f) {
   for (std::size_t a = 0; a < members.size(); ++a)
@@ -85,7 +88,7 @@ void for_each_pair(std::span<const std::uint32_t> members, const Function& f) {
 
 }  // namespace
 
-void Direct::Impl::build_primal_pattern(std::size_t unknowns, const std::vector<Place>& blocks) {
+void Direct::Impl::build_primal_pattern(std::size_t unknowns, const std::vector<MatrixEntry>& blocks) {
   const auto n = static_cast<Eigen::Index>(3 * unknowns);
   matrix = Matrix(n, n);
   matrix.resizeNonZeros(static_cast<Eigen::Index>(9 * blocks.size() - 3 * unknowns));
@@ -106,7 +109,7 @@ void Direct::Impl::build_primal_pattern(std::size_t unknowns, const std::vector<
 }
 
 void Direct::Impl::prepare_primal(const LinearSystem& system) {
-  std::vector<Place> blocks;
+  std::vector<MatrixEntry> blocks;
   for (std::uint32_t u = 0; u < system.unknowns(); ++u) blocks.push_back({u, u});
   for (const LinearSystem::Block& block : system.blocks()) {
     const auto of = system.members(block);
@@ -115,13 +118,13 @@ void Direct::Impl::prepare_primal(const LinearSystem& system) {
   sort_unique(blocks);
   std::vector<std::size_t> begin(system.unknowns() + 1, blocks.size());
   for (std::size_t k = blocks.size(); k-- > 0;) begin[blocks[k].column] = k;
-  place.clear();
+  slot.clear();
   for (const LinearSystem::Block& block : system.blocks()) {
     const auto of = system.members(block);
     for_each_pair(of, [&](std::size_t a, std::size_t b) {
       const auto first = blocks.begin() + static_cast<std::ptrdiff_t>(begin[of[b]]);
-      const auto at = std::lower_bound(first, blocks.end(), Place{of[b], of[a]});
-      place.push_back(static_cast<std::uint32_t>(at - first));
+      const auto at = std::lower_bound(first, blocks.end(), MatrixEntry{of[b], of[a]});
+      slot.push_back(static_cast<std::uint32_t>(at - first));
     });
   }
   build_primal_pattern(system.unknowns(), blocks);
@@ -143,9 +146,9 @@ void Direct::Impl::fill_primal(const LinearSystem& system) {
       return inverse[r >= s ? r * (r + 1) / 2 + s : s * (s + 1) / 2 + r];
     };
     for_each_pair(of, [&](std::size_t a, std::size_t b) {
-      const auto at = static_cast<int>(3 * place[next++]);
+      const auto at = static_cast<int>(3 * slot[next++]);
       for (int s = 0; s < block.rows; ++s) {
-        Vec3d left{};  // row s of A^-1 times J, at member a
+        Vec3d left{};  // row s of A^-1 J, at member a
         for (int r = 0; r < block.rows; ++r) left += Vec3d(system.gradient_of(block, r)[a]) * stiffness(r, s);
         const Vec3d right(system.gradient_of(block, s)[b]);
         for (int j = 0; j < 3; ++j)
@@ -166,34 +169,36 @@ void Direct::Impl::fill_primal(const LinearSystem& system) {
   }
 }
 
-void Direct::Impl::build_dual_pattern(std::size_t rows, const std::vector<Place>& places) {
+void Direct::Impl::build_dual_pattern(std::size_t rows, const std::vector<MatrixEntry>& matrix_entries) {
   const auto n = static_cast<Eigen::Index>(rows);
   matrix = Matrix(n, n);
-  matrix.resizeNonZeros(static_cast<Eigen::Index>(places.size()));
+  matrix.resizeNonZeros(static_cast<Eigen::Index>(matrix_entries.size()));
   int* starts = matrix.outerIndexPtr();
   std::fill_n(starts, n + 1, 0);
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    ++starts[places[k].column + 1];
-    matrix.innerIndexPtr()[k] = static_cast<int>(places[k].row);
+  for (std::size_t k = 0; k < matrix_entries.size(); ++k) {
+    ++starts[matrix_entries[k].column + 1];
+    matrix.innerIndexPtr()[k] = static_cast<int>(matrix_entries[k].row);
   }
   for (Eigen::Index c = 0; c < n; ++c) starts[c + 1] += starts[c];
 }
 
 namespace {
 
-// Calls f(row, column, block, r, s) for the compliance of each block, then f for the pairs of rows that meet
-// at an unknown: the places of the dual's lower triangle, in the order in which numbers are added.
-template <class Own, class Meeting>
-void for_each_dual_place(const LinearSystem& system, const std::vector<std::vector<Incidence>>& incidences,
-                         const Own& own, const Meeting& meeting) {
+// Visits the terms of the dual's lower triangle in the order in which they are added: compliance_term(entry,
+// index into the compliances) for each block, then pair_term(entry, unknown, a, b) for the pairs of rows that
+// share an unknown.
+template <class ComplianceTerm, class PairTerm>
+void for_each_dual_entry(const LinearSystem& system, const std::vector<std::vector<Incidence>>& incidences,
+                         const ComplianceTerm& compliance_term, const PairTerm& pair_term) {
   for (const LinearSystem::Block& block : system.blocks())
     for (std::uint32_t r = 0; r < block.rows; ++r)
       for (std::uint32_t s = 0; s <= r; ++s)
-        own(Place{block.row + s, block.row + r}, block.compliance + r * (r + 1) / 2 + s);
+        compliance_term(MatrixEntry{block.row + s, block.row + r}, block.compliance + r * (r + 1) / 2 + s);
   for (std::size_t u = 0; u < incidences.size(); ++u)
     for (std::size_t a = 0; a < incidences[u].size(); ++a)
       for (std::size_t b = 0; b <= a; ++b)
-        meeting(Place{incidences[u][b].row, incidences[u][a].row}, u, incidences[u][a], incidences[u][b]);
+        pair_term(MatrixEntry{incidences[u][b].row, incidences[u][a].row}, u, incidences[u][a],
+                  incidences[u][b]);
 }
 
 }  // namespace
@@ -210,18 +215,18 @@ void Direct::Impl::prepare_dual(const LinearSystem& system) {
           entries += static_cast<double>(incidences[of[k]].size());
         }
   }
-  if (entries > static_cast<double>(most_entries)) refuse(entries, "entries of its matrix", most_entries);
-  std::vector<Place> places;
-  const auto note = [&](const Place& at, auto&&...) { places.push_back(at); };
-  for_each_dual_place(system, incidences, note, note);
-  sort_unique(places);
-  build_dual_pattern(system.rows(), places);
-  place.clear();
-  const auto find = [&](const Place& at, auto&&...) {
-    place.push_back(
-        static_cast<std::uint32_t>(std::lower_bound(places.begin(), places.end(), at) - places.begin()));
+  if (entries > static_cast<double>(max_entries)) refuse(entries, "entries of its matrix", max_entries);
+  std::vector<MatrixEntry> matrix_entries;
+  const auto collect = [&](const MatrixEntry& at, auto&&...) { matrix_entries.push_back(at); };
+  for_each_dual_entry(system, incidences, collect, collect);
+  sort_unique(matrix_entries);
+  build_dual_pattern(system.rows(), matrix_entries);
+  slot.clear();
+  const auto find = [&](const MatrixEntry& at, auto&&...) {
+    slot.push_back(static_cast<std::uint32_t>(
+        std::lower_bound(matrix_entries.begin(), matrix_entries.end(), at) - matrix_entries.begin()));
   };
-  for_each_dual_place(system, incidences, find, find);
+  for_each_dual_entry(system, incidences, find, find);
 }
 
 // J W J^T + A.
@@ -230,11 +235,13 @@ void Direct::Impl::fill_dual(const LinearSystem& system) {
   std::fill_n(values, matrix.nonZeros(), 0.0);
   rhs = Eigen::Map<const Eigen::VectorXd>(system.b.data(), static_cast<Eigen::Index>(system.b.size()));
   std::size_t next = 0;
-  for_each_dual_place(
+  for_each_dual_entry(
       system, incidences,
-      [&](const Place&, std::uint32_t compliance) { values[place[next++]] += system.compliance[compliance]; },
-      [&](const Place&, std::size_t u, const Incidence& a, const Incidence& b) {
-        values[place[next++]] +=
+      [&](const MatrixEntry&, std::uint32_t compliance) {
+        values[slot[next++]] += system.compliance[compliance];
+      },
+      [&](const MatrixEntry&, std::size_t u, const Incidence& a, const Incidence& b) {
+        values[slot[next++]] +=
             dot(Vec3d(system.gradient[a.gradient]), Vec3d(system.gradient[b.gradient])) / system.mass[u];
       });
   for (Eigen::Index row = 0; row < matrix.rows(); ++row) values[matrix.outerIndexPtr()[row]] *= 1 + redundant;
@@ -245,7 +252,7 @@ void Direct::prepare_system(LinearSystem& system, const ParticleView& particles)
   impl_->dual = system.floored() > 0 && system.rows() <= 3 * system.unknowns();
   floors_ = !impl_->dual;
   const std::size_t size = impl_->dual ? system.rows() : 3 * system.unknowns();
-  if (size > most_unknowns) refuse(static_cast<double>(size), "unknowns", static_cast<double>(most_unknowns));
+  if (size > max_unknowns) refuse(static_cast<double>(size), "unknowns", static_cast<double>(max_unknowns));
   if (size == 0) return;
   if (impl_->dual) {
     impl_->prepare_dual(system);
@@ -254,7 +261,7 @@ void Direct::prepare_system(LinearSystem& system, const ParticleView& particles)
   }
   impl_->factorization.analyzePattern(impl_->matrix);
   const double operations = impl_->factorization.operations();
-  if (operations > most_operations) refuse(operations, "operations per factorization", most_operations);
+  if (operations > max_operations) refuse(operations, "operations per factorization", max_operations);
 }
 
 bool Direct::solve_system(LinearSystem& system, Threads&) {

@@ -6,16 +6,17 @@
 
 namespace souple {
 
-/// The global system by a sparse Cholesky factorization L D L^T (Eigen's, ordered by approximate minimum
-/// degree), its pattern analyzed once in `prepare`, its numbers factorized in every iteration.
+/// Solves the global system by a sparse Cholesky factorization L D L^T (Eigen's, ordered by approximate
+/// minimum degree). `prepare` analyzes the pattern once; every iteration factorizes the numbers.
 ///
-/// - primal where every row has compliance, or where rigid rows outnumber the unknowns (a cloth): 3 unknowns
-///   per free particle. Rigid rows then get the floor of linear_system.h, and `remark` says so;
-/// - dual where rigid rows do not outnumber the unknowns (ropes, chains): exact, but for a billionth of its
-///   diagonal that keeps redundant rows from dividing by zero.
+/// - primal if no row needs the floor of linear_system.h (every row has compliance), or if the rows outnumber
+///   the unknowns (a cloth): 3 unknowns per free particle. Rigid rows then get the floor, and `diagnostic`
+///   reports it;
+/// - dual if a row is rigid and the rows do not outnumber the unknowns (ropes, chains): exact, except that a
+///   billionth of the diagonal is added so that redundant rows do not divide by zero.
 ///
 /// Eigen allocates in every iteration.
-class Direct final : public LinearisedSolver {
+class Direct final : public LinearizedSolver {
  public:
   Direct();
   ~Direct() override;
@@ -23,7 +24,8 @@ class Direct final : public LinearisedSolver {
   std::string diagnostic() const override;
 
  protected:
-  /// Throws Error where a factorization would take more than about a second.
+  /// Throws Error when the system has too many unknowns or entries, or a factorization would take more than
+  /// some seconds (5e9 multiplications).
   void prepare_system(LinearSystem& system, const ParticleView& particles) override;
   bool solve_system(LinearSystem& system, Threads& threads) override;
 

@@ -12,8 +12,8 @@ namespace {
 
 using Triangle = EnclosedVolume::Triangle;
 
-void require(bool good, const char* name, double value, const char* expected) {
-  if (!good) throw Error(fmt::format("enclosed_volume: {} is {:g}, expected {}", name, value, expected));
+void require(bool valid, const char* name, double value, const char* expected) {
+  if (!valid) throw Error(fmt::format("enclosed_volume: {} is {:g}, expected {}", name, value, expected));
 }
 
 void check(double rest_volume, const EnclosedVolumeOptions& o) {
@@ -29,25 +29,26 @@ void check(double rest_volume, const EnclosedVolumeOptions& o) {
   require(o.stiffness >= 0 && o.stiffness <= 1, "stiffness", static_cast<double>(o.stiffness), "0 to 1");
 }
 
-// Every edge is walked as often one way as the other: only then is the volume independent of the origin.
+// Throws Error unless every edge is used equally often in both directions: only then is the volume
+// independent of the origin.
 void require_closed(std::span<const Triangle> triangles) {
-  struct Walk {
+  struct DirectedEdge {
     std::uint32_t a, b;  // a < b
-    int way;
+    int direction;
   };
-  std::vector<Walk> walks;
+  std::vector<DirectedEdge> edges;
   for (const Triangle& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      if (a != b) walks.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
     }
-  std::sort(walks.begin(), walks.end(), [](const Walk& l, const Walk& r) {
-    return l.a != r.a ? l.a < r.a : (l.b != r.b ? l.b < r.b : l.way < r.way);
+  std::sort(edges.begin(), edges.end(), [](const DirectedEdge& l, const DirectedEdge& r) {
+    return l.a != r.a ? l.a < r.a : (l.b != r.b ? l.b < r.b : l.direction < r.direction);
   });
-  for (std::size_t i = 0; i < walks.size();) {
-    const Walk& first = walks[i];
+  for (std::size_t i = 0; i < edges.size();) {
+    const DirectedEdge& first = edges[i];
     int sum = 0;
-    for (; i < walks.size() && walks[i].a == first.a && walks[i].b == first.b; ++i) sum += walks[i].way;
+    for (; i < edges.size() && edges[i].a == first.a && edges[i].b == first.b; ++i) sum += edges[i].direction;
     if (sum != 0)
       throw Error(
           fmt::format("enclosed_volume: the edge between particles {} and {} has no triangle on its other "
@@ -82,11 +83,11 @@ void EnclosedVolume::add(std::span<const Triangle> triangles, double rest_volume
     if (rest_volume < 0) std::swap(local[1], local[2]);
     surface.triangles.push_back(local);
   }
-  surface.wanted_volume = std::fabs(rest_volume) * static_cast<double>(options.volume_factor);
+  surface.target_volume = std::fabs(rest_volume) * static_cast<double>(options.volume_factor);
   surface.pressure = static_cast<double>(options.pressure);
-  surface.holds_volume = options.holds_volume;
-  surface.hold = {Sense::equality, static_cast<double>(options.compliance),
-                  static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
+  surface.keep_volume = options.keep_volume;
+  surface.settings = {Sense::equality, static_cast<double>(options.compliance),
+                      static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
   surface.position.resize(vertices.size());
   surface.gradient.resize(vertices.size());
   surfaces_.push_back(std::move(surface));
@@ -126,25 +127,25 @@ void EnclosedVolume::begin_substep(const ParticleView& particles, const Substep&
 
 void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
   Surface& surface = surfaces_[i];
-  if (!surface.holds_volume) return;
+  if (!surface.keep_volume) return;
   const auto group = groups_[i];
   ScalarState state;
-  state.C = measure(surface, group, particles) - surface.wanted_volume;
-  double farthest = 0;  // w |grad C|
+  state.C = measure(surface, group, particles) - surface.target_volume;
+  double max_gradient = 0;  // w |grad C|
   for (std::size_t k = 0; k < group.size(); ++k) {
     const auto w = static_cast<double>(particles.inverse_mass(group[k]));
     const double square = length_squared(surface.gradient[k]);
     state.weighted_square += w * square;
-    farthest = std::fmax(farthest, w * std::sqrt(square));
-    if (surface.hold.damping_time > 0)
+    max_gradient = std::fmax(max_gradient, w * std::sqrt(square));
+    if (surface.settings.damping_time > 0)
       state.rate += dot(surface.gradient[k], Vec3d(particles.moved(group[k])));
   }
-  ScalarStep step = project_scalar(state, surface.hold, surface.multiplier, substep);
-  const double reach = 0.25 * std::cbrt(surface.wanted_volume * 3 / (4 * pi));
-  const double move = farthest * std::fabs(step.factor);
-  if (reach > 0 && move > reach) {
-    step.dlambda *= reach / move;
-    step.factor *= reach / move;
+  ScalarStep step = project_scalar(state, surface.settings, surface.multiplier, substep);
+  const double move_limit = 0.25 * std::cbrt(surface.target_volume * 3 / (4 * pi));
+  const double move = max_gradient * std::fabs(step.factor);
+  if (move_limit > 0 && move > move_limit) {
+    step.dlambda *= move_limit / move;
+    step.factor *= move_limit / move;
   }
   if (substep.stores_multipliers()) surface.multiplier += step.dlambda;
   for (std::size_t k = 0; k < group.size(); ++k) {
@@ -162,16 +163,16 @@ void EnclosedVolume::project(int color, std::size_t begin, std::size_t end, cons
 Residual EnclosedVolume::residual(const ParticleView& particles) const {
   Residual result;
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
-    if (surfaces_[i].holds_volume)
-      add_to_residual(result, surfaces_[i].hold, volume(i, particles) - surfaces_[i].wanted_volume);
+    if (surfaces_[i].keep_volume)
+      add_to_residual(result, surfaces_[i].settings, volume(i, particles) - surfaces_[i].target_volume);
   return result;
 }
 
 void EnclosedVolume::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
   groups_.for_each([&](std::uint32_t i, int color) {
     const Surface& surface = surfaces_[i];
-    const double C = surface.holds_volume ? volume(i, particles) - surface.wanted_volume : 0;
-    visitor({groups_[i], color, 0, static_cast<float>(violation_of(surface.hold, C))});
+    const double C = surface.keep_volume ? volume(i, particles) - surface.target_volume : 0;
+    visitor({groups_[i], color, 0, static_cast<float>(violation_of(surface.settings, C))});
   });
 }
 

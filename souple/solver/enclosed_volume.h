@@ -9,36 +9,35 @@
 namespace souple {
 
 struct EnclosedVolumeOptions {
-  float pressure = 0;         ///< above the surroundings' [Pa]; negative sucks
-  bool holds_volume = false;  ///< whether the volume constraint acts as well
-  /// The "pressure" p of Müller's C = V - p V0: the wanted volume over the rest volume.
+  float pressure = 0;        ///< relative to the surroundings [Pa]; negative sucks
+  bool keep_volume = false;  ///< whether the volume constraint is active too
+  /// The "pressure" p of Müller's C = V - p V0: target volume over rest volume.
   float volume_factor = 1;
   float compliance = 0;  ///< alpha = dV / dP [m^3/Pa = m^6/J]; for a gas or liquid of bulk modulus K, V0 / K
   float damping_time = 0;  ///< s
   float stiffness = 1;     ///< PBD mode only: k in [0, 1]
 };
 
-/// Closed triangle surfaces that hold a volume, or a pressure, or both.
+/// Closed triangle surfaces with a volume constraint, a pressure, or both.
 ///
 /// The volume, Müller et al. 2007, section 4.4, with the 1/6 that makes V a volume:
 ///   C = V - p V0  [m^3],   V = 1/6 sum x0 . (x1 x x2) over the triangles,
 ///   grad_i V = 1/6 sum (x1 - x0) x (x2 - x0) over the triangles at i.
-/// Energy C^2 / (2 alpha). One projection moves no particle further than a quarter of the radius of the ball
-/// of volume p V0: a collapsed surface has hardly a gradient, and would be thrown apart.
+/// Energy C^2 / (2 alpha). One projection moves no particle farther than a quarter of the radius of a ball of
+/// volume p V0: a collapsed surface has almost no gradient, and unlimited corrections would throw it apart.
 ///
-/// The pressure is the linear energy -P V, that is C = V with the multiplier known beforehand,
-/// lambda = P h^2:
+/// The pressure is the linear energy -P V, that is C = V with a known multiplier, lambda = P h^2:
 ///   dx_i = w_i h^2 P grad_i V
-/// the force P times a third of the area on each corner of each triangle. It is applied once per substep, in
-/// `begin_substep`, to the predicted positions: iterations do not multiply it, and mode, compliance and
-/// stiffness have no say.
+/// This is the force P times a third of the area on each corner of each triangle. `begin_substep` applies it
+/// once per substep to the predicted positions. So the number of iterations, mode, compliance and stiffness
+/// do not affect it.
 class EnclosedVolume final : public Projector {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
 
-  /// Adds a surface over particles; `rest_volume` in m^3 by its winding: a negative one turns all triangles.
-  /// Throws Error when the surface is not closed or not consistently wound, or a number is out of range.
-  /// `prepare` must follow before the next substep.
+  /// Adds a surface over particles. `rest_volume` in m^3, signed by the winding: a negative volume flips all
+  /// triangles. Throws Error when the surface is not closed or not consistently wound, or a number is out of
+  /// range. `prepare` must follow before the next substep.
   void add(std::span<const Triangle> triangles, double rest_volume,
            const EnclosedVolumeOptions& options = {});
 
@@ -46,28 +45,28 @@ class EnclosedVolume final : public Projector {
   std::size_t size() const override { return surfaces_.size(); }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
   int color_count() const override { return groups_.color_count(); }
-  /// Applies the pressure. Must run after positions were predicted.
+  /// Applies the pressure. Must run after positions have been predicted.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   std::size_t color_size(int color) const override { return groups_.color(color).size(); }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  /// Of the surfaces that hold their volume [m^3].
+  /// Of the surfaces with an active volume constraint [m^3].
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
-  /// The volume of surface i, in the order they were added [m^3].
+  /// The volume of surface i, in the order in which surfaces were added [m^3].
   double volume(std::size_t i, const ParticleView& particles) const;
 
  private:
   struct Surface {
-    std::vector<Triangle> triangles;  // of indices into the group, counter-clockwise from outside
-    double wanted_volume = 0;
+    std::vector<Triangle> triangles;  // indices into the group, counter-clockwise from outside
+    double target_volume = 0;
     double pressure = 0;
-    bool holds_volume = false;
-    Hold hold;
+    bool keep_volume = false;
+    ScalarSettings settings;
     double multiplier = 0;
     std::vector<Vec3d> position, gradient;  // scratch, per vertex
   };
@@ -77,7 +76,7 @@ class EnclosedVolume final : public Projector {
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
 
   ParticleGroups groups_;
-  mutable std::vector<Surface> surfaces_;  // `residual` and `volume` use the scratch
+  mutable std::vector<Surface> surfaces_;  // `residual` and `volume` write the scratch arrays
 };
 
 }  // namespace souple

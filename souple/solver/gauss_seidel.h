@@ -7,16 +7,16 @@
 
 namespace souple {
 
-/// Nonlinear Gauss-Seidel, the seed's chapter 6 and Müller et al. 2007, section 3.4: constraint after
-/// constraint, each from where the ones before it left the particles. Those of a color share no particle and
-/// are projected at the same time.
+/// Nonlinear Gauss-Seidel, the seed's chapter 6 and Müller et al. 2007, section 3.4: projects one constraint
+/// after another, each from the positions that the previous ones left. Constraints of one color share no
+/// particle and are projected at the same time.
 ///
 /// `SolverSettings` may add, alone or together:
-/// - relaxation: each correction and its multiplier times omega (contacts excepted);
+/// - relaxation: multiplies each correction and its multiplier by omega (not contacts);
 /// - symmetric sweeps: all colors forward, then backward. Kinds without a linear form (contacts, shape
-///   matching, enclosed volumes, custom constraints) follow once, so that contacts keep the last word;
-/// - Chebyshev acceleration of the sweeps, from the third iteration of a substep on. In substeps in which a
-///   kind without a linear form has constraints it is off: an extrapolated contact bounces.
+///   matching, enclosed volumes, custom constraints) follow once, so that contacts come last;
+/// - Chebyshev acceleration of the sweeps, from the third iteration of a substep on. It is off in substeps
+///   in which a kind without a linear form has constraints: an extrapolated contact bounces.
 class GaussSeidel final : public Solver {
  public:
   explicit GaussSeidel(const SolverSettings& settings)
@@ -32,7 +32,8 @@ class GaussSeidel final : public Solver {
 
   SolverSettings settings_;
   Chebyshev chebyshev_;
-  std::vector<Projector*> linear_, others_;  // with and without a linear form; only when it matters
+  // With and without a linear form; only for symmetric sweeps or Chebyshev.
+  std::vector<Projector*> linear_, others_;
 };
 
 }  // namespace souple

@@ -12,12 +12,11 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
-/// Levels end where one has no more particles than this: eight sweeps solve it.
-constexpr std::size_t smallest_level = 24;
-/// Sweeps on each level. One converges as well where cloth hangs, and less where it swings; three gain
-/// nothing.
+/// Particles of the coarsest level, at most: eight sweeps solve it.
+constexpr std::size_t coarsest_size = 24;
+/// Sweeps per level. One converges as well for hanging cloth and less for swinging cloth; three gain nothing.
 constexpr int sweeps = 2, coarsest_sweeps = 8;
-/// Coarse particles worth a thread of their own.
+/// Minimum number of coarse particles per thread.
 constexpr std::size_t grain = 1024;
 
 void add_links(const SetProjector<Distance>& distances, std::vector<Link>& links) {
@@ -31,7 +30,7 @@ void add_links(const SetProjector<Distance>& distances, std::vector<Link>& links
   }
 }
 
-// The edges of a triangle with rest shape B^-1 share its stiffness: an edge holds S A of its triangle's
+// The edges of a triangle with rest shape B^-1 divide its stiffness: each edge gets S A of the triangle's
 // strain energy, with the mean S of warp and weft.
 void add_links(const SetProjector<TriangleMembrane>& membranes, std::vector<Link>& links) {
   const auto& set = membranes.set();
@@ -52,7 +51,7 @@ void add_links(const SetProjector<TriangleMembrane>& membranes, std::vector<Link
   }
 }
 
-/// One link for each pair, as strong as all of the pair's together.
+/// Merges the links of each pair of particles into one as strong as all of them together.
 void merge(std::vector<Link>& links) {
   const auto key = [](const Link& link) { return std::tuple(link.a, link.b, link.length, link.energy); };
   std::sort(links.begin(), links.end(), [&](const Link& p, const Link& q) { return key(p) < key(q); });
@@ -67,7 +66,7 @@ void merge(std::vector<Link>& links) {
   links.resize(count);
 }
 
-/// The particles that links name, ascending.
+/// The particles of the links, ascending.
 std::vector<std::uint32_t> linked(std::span<const Link> links, std::size_t particles) {
   std::vector<bool> named(particles);
   for (const Link& link : links) named[link.a] = named[link.b] = true;
@@ -85,7 +84,7 @@ float compliance_of(const Link& link) {
   return link.length * link.length / link.energy;
 }
 
-/// A sum of scaled records, all four lanes: one instruction each.
+/// Weighted sum of records, all four lanes: one instruction each.
 struct Sum {
   Vec4f value;
   void add(const Vec4f& v, float scale) {
@@ -93,7 +92,7 @@ struct Sum {
   }
 };
 
-/// What the coarse particles that particle i follows were corrected by.
+/// Correction of particle i: weighted sum of its coarse particles' corrections.
 Vec3f prolonged(const CoarseLevel& map, std::span<const Vec4f> correction, std::size_t i) {
   Sum sum;
   for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
@@ -125,20 +124,20 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
-  for (CoarseLevel& level : build_levels(links, masses_, smallest_level)) add_level(std::move(level));
+  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size)) add_level(std::move(level));
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
   inverse_masses_.clear();
   for (const Link& link : links_)
     inverse_masses_.push_back(particles.inverse_mass(link.a) + particles.inverse_mass(link.b));
-  // These columns are rewritten during steps: make room for a number for each constraint now.
+  // Steps rewrite these columns: allocate one number per constraint now.
   for (Level& level : levels_) {
-    level.longest = level.at_most.set().parameters.data();
-    level.shortest = level.at_least.set().parameters.data();
+    level.max_length = level.at_most.set().parameters.data();
+    level.min_length = level.at_least.set().parameters.data();
     level.compliance = level.at_most.set().compliances.data();
     if (level.at_most.size() == 0) continue;
-    level.longest->set(0, 0);
-    level.shortest->set(0, 0);
+    level.max_length->set(0, 0);
+    level.min_length->set(0, 0);
     if (compliant_) level.compliance->set(0, 1);
   }
   h_ = 0;
@@ -153,11 +152,11 @@ void Hierarchical::add_level(CoarseLevel map) {
   level.correction = level.before = level.moving;
   level.constraint.assign(map.links.size(), none);
   level.stretch.resize(map.links.size());
-  level.way_length = level.softening = level.stretch;
+  level.path_length = level.softening = level.stretch;
 
   for (std::size_t e = 0; !levels_.empty() && e < map.links.size(); ++e)
-    for (std::uint32_t k = map.way_begin[e]; k < map.way_begin[e + 1]; ++k)
-      level.way_length[e] += levels_.back().map.links[map.way[k]].length;
+    for (std::uint32_t k = map.path_begin[e]; k < map.path_begin[e + 1]; ++k)
+      level.path_length[e] += levels_.back().map.links[map.path[k]].length;
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;
   for (const Link& link : map.links) {
@@ -188,7 +187,7 @@ std::size_t Hierarchical::coarse_projections() const {
   return sum;
 }
 
-// How far ways are stretched and where coarse links end, from where the substep began.
+// Stretch of the paths and length limits of the coarse links, at the start of the substep.
 void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
   const std::span<const Vec4f> start = particles.form == Form::plain ? particles.start : particles.position;
   for (std::size_t l = 0; l < levels_.size(); ++l)
@@ -206,39 +205,39 @@ void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, st
     const Vec3f x = level.position[link.a].xyz() - level.position[link.b].xyz();
     const Vec3f d = level.moving[link.a].xyz() - level.moving[link.b].xyz();
     const float now = length(x);
-    const float longest = now * ratio;
-    level.longest->set(level.constraint[e], longest);
-    level.shortest->set(level.constraint[e], std::fmin(longest, std::fmin(now, length(x + d))));
+    const float max_length = now * ratio;
+    level.max_length->set(level.constraint[e], max_length);
+    level.min_length->set(level.constraint[e], std::fmin(max_length, std::fmin(now, length(x + d))));
   }
 }
 
-// By what a link has to shrink (below 1) or may grow. Notes the stretch of the link for the ways of coarser
-// ones. Links of the first coarse level need no way: their lengths are those of ways across triangles of
-// finer links, so no state in which the finer ones hold is longer.
+// Factor from the length of a link to its limit: below 1 it must shrink, above 1 it may grow. Stores the
+// link's stretch for the paths of coarser links. Links of the first coarse level need no path: their lengths
+// are those of paths across triangles of finer links, so no state that satisfies the finer links is longer.
 float Hierarchical::stretch_ratio(std::size_t l, std::size_t e, std::span<const Vec4f> start) {
   Level& level = levels_[l];
   const Link& link = level.map.links[e];
   const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
-  const float least = 1e-6f * link.length;
-  const float ratio = link.length / std::fmax(now, least);
+  const float length_floor = 1e-6f * link.length;
+  const float ratio = link.length / std::fmax(now, length_floor);
   level.stretch[e] = now - link.length;
   if (l == 0) return ratio;
   float stretch = 0;
-  for (std::uint32_t k = level.map.way_begin[e]; k < level.map.way_begin[e + 1]; ++k)
-    stretch += levels_[l - 1].stretch[level.map.way[k]];
+  for (std::uint32_t k = level.map.path_begin[e]; k < level.map.path_begin[e + 1]; ++k)
+    stretch += levels_[l - 1].stretch[level.map.path[k]];
   level.stretch[e] = stretch;
-  return std::fmax(ratio, level.way_length[e] / std::fmax(level.way_length[e] + stretch, least));
+  return std::fmax(ratio, level.path_length[e] / std::fmax(level.path_length[e] + stretch, length_floor));
 }
 
-// A sweep from lambda = 0 acts on a smooth stretch like springs of compliance alpha + c h^2 (w_a + w_b), c
-// measured on cloths of 50 to 200: of the stiffness 1/alpha that a level has to supply it supplies k, and the
-// next coarser one the rest:
+// A sweep from lambda = 0 acts on a smooth stretch like springs of compliance alpha + c h^2 (w_a + w_b), with
+// c measured on cloths of 50 to 200. Of the stiffness 1/alpha that a level has to supply, it supplies k; the
+// next coarser level supplies the rest:
 //
 //   k = 1 / (alpha + c h^2 w),   1/alpha - k = 1 / (alpha (1 + alpha / (c h^2 w)))
 //
-// So each level's compliance is that of the material times a factor, its softening, which grows towards
-// coarser levels; rigid stays rigid. Without it each level supplies all, and a soft cloth hangs five times
-// too stiff (measured).
+// So each level's compliance is the material's times a factor, its softening, which grows towards coarser
+// levels. Rigid stays rigid. Without softening each level supplies all of the stiffness, and a soft cloth
+// hangs five times too stiff (measured).
 void Hierarchical::set_compliance(const Substep& substep) {
   if (!compliant_ || (h_ == substep.h && iterations_ == substep.iterations)) return;
   h_ = substep.h;
@@ -253,13 +252,13 @@ void Hierarchical::set_compliance(const Substep& substep) {
   }
 }
 
-// The mean of what the links of the way leave to the next level.
+// Mean softening that the finer links of the path leave to this link.
 float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
   constexpr float c = 0.4f;
   const CoarseLevel& map = levels_[l].map;
   float sum = 0;
-  for (std::uint32_t k = map.way_begin[e]; k < map.way_begin[e + 1]; ++k) {
-    const std::uint32_t step = map.way[k];
+  for (std::uint32_t k = map.path_begin[e]; k < map.path_begin[e + 1]; ++k) {
+    const std::uint32_t step = map.path[k];
     const Level* const finer = l > 0 ? &levels_[l - 1] : nullptr;
     const Link& link = finer ? finer->map.links[step] : links_[step];
     const float factor = finer ? finer->softening[step] : 1;
@@ -268,7 +267,7 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
     const float reached = c * h_ * h_ * w / static_cast<float>(n);
     sum += reached > 0 ? factor * (1 + factor * compliance_of(link) / reached) : factor;
   }
-  return sum / static_cast<float>(map.way_begin[e + 1] - map.way_begin[e]);
+  return sum / static_cast<float>(map.path_begin[e + 1] - map.path_begin[e]);
 }
 
 void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
@@ -279,15 +278,15 @@ void Hierarchical::restrict_particles(const ParticleView& particles, Threads& th
       for (std::size_t j = begin; j < end; ++j) {
         Sum x, d;
         for (std::uint32_t k = level.map.child_begin[j]; k < level.map.child_begin[j + 1]; ++k) {
-          const float share = level.map.share[k];
+          const float child_weight = level.map.child_weight[k];
           const std::uint32_t child = level.map.child[k];
           if (l > 0) {
-            x.add(levels_[l - 1].position[child], share);
-            d.add(levels_[l - 1].moving[child], share);
+            x.add(levels_[l - 1].position[child], child_weight);
+            d.add(levels_[l - 1].moving[child], child_weight);
           } else {
             const std::uint32_t i = particle_[child];
-            x.add(plain ? particles.start[i] : particles.position[i], share);
-            d.add(particles.moving[i], share);
+            x.add(plain ? particles.start[i] : particles.position[i], child_weight);
+            d.add(particles.moving[i], child_weight);
           }
         }
         level.position[j].set_xyz(x.value.xyz());

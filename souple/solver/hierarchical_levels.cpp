@@ -13,15 +13,15 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
-constexpr std::size_t most_parents = 4;
-// Links of a particle along which lengths are measured; more of them only repeat what the shortest say.
-constexpr std::size_t most_ways = 8;
-// Distance between coarse particles, in mean links of the finer level: a fifth to an eighth of a cloth's
-// particles are kept. At 1.3 what a level gains is lost in the kinks that it leaves, at 2 Gauss-Seidel has
-// too far to smooth.
+constexpr std::size_t max_parents = 4;
+// Links per particle along which lengths are measured. Longer links add no information.
+constexpr std::size_t max_links = 8;
+// Distance between coarse particles, in mean links of the finer level: keeps a fifth to an eighth of a
+// cloth's particles. At 1.3 the kinks that a level leaves cancel its gain; at 2 Gauss-Seidel has too far to
+// smooth.
 constexpr float coarsening = 1.6f;
-// How far around a coarse particle lengths are known, in its spacing.
-constexpr float reach = 2.7f;
+// Radius around a coarse particle within which lengths are computed, in its spacing.
+constexpr float march_radius = 2.7f;
 // eps of weights_of.
 constexpr double smoothing = 0.1;
 
@@ -57,9 +57,9 @@ struct Graph {
   }
 };
 
-/// Lengths of shortest ways along the material, from its rest lengths alone: across triangles of links, not
-/// only along links, so that they do not depend on how the mesh is cut (fast marching, Kimmel and Sethian
-/// 1998, with the unfolding of a triangle's known edge).
+/// Lengths of the shortest paths along the material, from rest lengths alone. Paths cross triangles of links
+/// and do not only follow links, so lengths do not depend on the triangulation (fast marching, Kimmel and
+/// Sethian 1998, with the unfolding of a triangle's known edge).
 class Marcher {
  public:
   struct Reached {
@@ -87,7 +87,7 @@ class Marcher {
       if (length > radius) break;
       state_[u].settled = source_;
       reached_.push_back({u, length});
-      spread(u);
+      relax_neighbors(u);
     }
     return reached_;
   }
@@ -106,7 +106,7 @@ class Marcher {
   static std::vector<Link> short_links(std::span<const Link> links, const Graph& graph) {
     std::vector<bool> kept(links.size());
     for (std::uint32_t i = 0; i < graph.size(); ++i)
-      for (const Neighbor& n : graph.of(i).first(std::min(most_ways, graph.of(i).size())))
+      for (const Neighbor& n : graph.of(i).first(std::min(max_links, graph.of(i).size())))
         kept[n.link] = true;
     std::vector<Link> result;
     for (std::size_t e = 0; e < links.size(); ++e)
@@ -122,7 +122,7 @@ class Marcher {
     std::push_heap(heap_.begin(), heap_.end(), later);
   }
 
-  void spread(std::uint32_t u) {
+  void relax_neighbors(std::uint32_t u) {
     for (const Neighbor& n : graph_.of(u)) across_[n.to] = {u, n.length};
     for (const Neighbor& n : graph_.of(u)) {
       const std::uint32_t v = n.to;
@@ -137,8 +137,8 @@ class Marcher {
     }
   }
 
-  /// From the source, at distances du and dw of u and w, straight across the edge u w of length c to v, at
-  /// distances a of u and b of w; infinite when the way does not cross the edge.
+  /// Distance from the source straight across the edge u w of length c to v. du, dw: distances of u and w
+  /// from the source; a, b: distances of v from u and w. Infinite if the path does not cross the edge.
   static float unfold(float du, float dw, float c, float a, float b) {
     constexpr float never = std::numeric_limits<float>::infinity();
     const float sx = (du * du - dw * dw + c * c) / (2 * c), vx = (a * a - b * b + c * c) / (2 * c);
@@ -159,17 +159,17 @@ class Marcher {
   std::vector<Reached> reached_;
 };
 
-/// The coarse particles around a particle, nearest first, and how far.
+/// The coarse particles around a particle, nearest first, with their distances.
 using Near = std::vector<Marcher::Reached>;
 
-/// From particle i to coarse particle j along the material; infinite where no march came so far.
+/// Length along the material from particle i to coarse particle j; infinite beyond the march radius.
 float length_between(const std::vector<Near>& near, std::uint32_t i, std::uint32_t j) {
   for (const Marcher::Reached& n : near[i])
     if (n.particle == j) return n.length;
   return std::numeric_limits<float>::infinity();
 }
 
-/// How far apart coarse particles lie around particle i: what its links measure, stretched.
+/// Distance between coarse particles around particle i: the mean length of its links times `coarsening`.
 float spacing(const Graph& graph, std::uint32_t i) {
   const auto around = graph.of(i);
   float sum = 0;
@@ -177,9 +177,9 @@ float spacing(const Graph& graph, std::uint32_t i) {
   return around.empty() ? 0 : coarsening * sum / static_cast<float>(around.size());
 }
 
-/// Who is chosen first: what does not move, then corners, edges and the inside of what moves. A coarser level
-/// that reaches to the edges need not extrapolate there. An edge shows by how few particles lie within two
-/// links.
+/// Rank of each particle, lowest chosen first: fixed particles, then free ones; of each, corners, then edges,
+/// then the interior. A coarser level that reaches the edges need not extrapolate there. Edges and corners
+/// have few particles within two links.
 std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
   std::vector<std::uint32_t> around(graph.size()), seen(graph.size(), none);
   for (std::uint32_t i = 0; i < graph.size(); ++i)
@@ -187,17 +187,17 @@ std::vector<int> ranks(const Graph& graph, std::span<const float> masses) {
       for (const Neighbor& m : graph.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
   std::vector<int> result(graph.size());
   for (std::uint32_t i = 0; i < graph.size(); ++i) {
-    std::uint32_t most = around[i];
+    std::uint32_t max_around = around[i];
     for (const Neighbor& n : graph.of(i))
-      for (const Neighbor& m : graph.of(n.to)) most = std::max(most, around[m.to]);
-    const float part = static_cast<float>(around[i]) / static_cast<float>(std::max(most, 1u));
+      for (const Neighbor& m : graph.of(n.to)) max_around = std::max(max_around, around[m.to]);
+    const float part = static_cast<float>(around[i]) / static_cast<float>(std::max(max_around, 1u));
     result[i] = (masses[i] > 0 ? 3 : 0) + (part < 0.45f ? 0 : part < 0.75f ? 1 : 2);
   }
   return result;
 }
 
-/// Chooses the particles that the coarser level keeps, no two nearer than their spacing, each next one as
-/// near to those before as that allows. Fills `near` for all particles.
+/// Chooses the particles of the coarser level: no two nearer than their spacing, and each as near to those
+/// already chosen as that allows. Fills `near` for all particles.
 std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
                                 std::span<const float> masses, std::vector<Near>& near) {
   using Entry = std::pair<float, std::uint32_t>;
@@ -209,7 +209,7 @@ std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
     if (covered[j]) return;
     coarse[j] = true;
     const float radius = spacing(graph, j);
-    for (const Marcher::Reached& r : marcher.march(j, reach * radius)) {
+    for (const Marcher::Reached& r : marcher.march(j, march_radius * radius)) {
       near[r.particle].push_back({j, r.length});
       covered[r.particle] = covered[r.particle] || r.length <= radius;
       if (!covered[r.particle] && rank[r.particle] <= rank[j]) front.emplace(r.length, r.particle);
@@ -241,8 +241,8 @@ std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
 using Parents = std::vector<std::uint32_t>;  // of one particle, nearest first
 
 // Gaussian elimination of A w = 1, A symmetric positive definite.
-void solve_ones(std::array<std::array<double, most_parents>, most_parents> A, std::size_t n,
-                std::array<double, most_parents>& w) {
+void solve_ones(std::array<std::array<double, max_parents>, max_parents> A, std::size_t n,
+                std::array<double, max_parents>& w) {
   w.fill(1);
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t i = k + 1; i < n; ++i) {
@@ -256,16 +256,16 @@ void solve_ones(std::array<std::array<double, most_parents>, most_parents> A, st
   }
 }
 
-/// Weights that give back a particle's place from those of its parents at x_j, from distances alone:
+/// Weights that reproduce a particle's position from those of its parents at x_j, from distances alone:
 ///   minimize |sum_j w_j (x_j - x_i)|^2 + eps sum_j w_j^2 |x_j - x_i|^2,   sum_j w_j = 1,   w_j >= 0.
-/// With G_jk = (d_ij^2 + d_ik^2 - d_jk^2)/2 the first term is w^T G w. Müller 2008, section 4.3 takes 1/d_ij,
-/// which is wrong already for a uniform stretch wherever the parents do not lie evenly around the particle.
+/// With G_jk = (d_ij^2 + d_ik^2 - d_jk^2)/2 the first term is w^T G w. Müller 2008, section 4.3 uses 1/d_ij,
+/// which is wrong even for a uniform stretch unless the parents surround the particle evenly.
 std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std::uint32_t>& parents,
                               const std::vector<Near>& near) {
   std::vector<float> d(to_parent.begin(), to_parent.end());
   for (;;) {
     const std::size_t n = parents.size();
-    std::array<std::array<double, most_parents>, most_parents> G{};
+    std::array<std::array<double, max_parents>, max_parents> G{};
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t k = 0; k < n; ++k) {
         const double dj = static_cast<double>(d[j]), dk = static_cast<double>(d[k]);
@@ -273,7 +273,7 @@ std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std:
             std::min(static_cast<double>(length_between(near, parents[j], parents[k])), dj + dk);
         G[j][k] = 0.5 * (dj * dj + dk * dk - djk * djk) + (j == k ? smoothing * dj * dj : 0);
       }
-    std::array<double, most_parents> w{};
+    std::array<double, max_parents> w{};
     solve_ones(G, n, w);
     double sum = 0;
     std::size_t worst = 0;
@@ -292,14 +292,15 @@ std::vector<float> weights_of(std::span<const float> to_parent, std::vector<std:
   }
 }
 
-/// Spreads what the finer links hold over the coarse ones: a link between the realms of two coarse particles
-/// goes to their link, one within a realm to all links of its particle.
-void share_energy(std::span<const Link> links, std::span<const std::uint32_t> realm, std::size_t particles,
-                  std::vector<Link>& coarse) {
+/// Distributes the energy of the finer links among the coarse links. A link between the clusters of two
+/// coarse particles adds to the link of these two; a link within a cluster adds to all links of its coarse
+/// particle.
+void distribute_energy(std::span<const Link> links, std::span<const std::uint32_t> cluster,
+                       std::size_t particles, std::vector<Link>& coarse) {
   const Graph graph(coarse, particles);
   std::vector<double> energy(coarse.size());
   for (const Link& link : links) {
-    const std::uint32_t a = realm[link.a], b = realm[link.b];
+    const std::uint32_t a = cluster[link.a], b = cluster[link.b];
     const auto around = graph.of(a);
     for (const Neighbor& n : around) {
       if (a != b && n.to != b) continue;
@@ -309,13 +310,14 @@ void share_energy(std::span<const Link> links, std::span<const std::uint32_t> re
   for (std::size_t e = 0; e < coarse.size(); ++e) coarse[e].energy = static_cast<float>(energy[e]);
 }
 
-/// The coarse particle nearest to each particle along links, and the link that leads there.
-struct Realms {
+/// Assigns each particle to the coarse particle nearest along links, and stores the link towards it.
+struct Clusters {
   std::vector<std::uint32_t> of;
   std::vector<float> length;
-  std::vector<std::uint32_t> towards;  ///< link; `none` of a coarse particle
+  /// Per particle: link towards its coarse particle; `none` for a coarse particle.
+  std::vector<std::uint32_t> towards;
 
-  Realms(const Graph& graph, const std::vector<bool>& coarse)
+  Clusters(const Graph& graph, const std::vector<bool>& coarse)
       : of(graph.size(), none),
         length(graph.size(), std::numeric_limits<float>::infinity()),
         towards(graph.size(), none) {
@@ -338,9 +340,9 @@ struct Realms {
   }
 };
 
-// Müller 2008, section 4.2: a spared particle collapses into its nearest parent and takes its links along. Of
-// the links that two coarse particles get so, the one with the shortest way along finer links is kept.
-void collapse(std::span<const Link> links, const Realms& realms, std::span<const std::uint32_t> number,
+// Müller 2008, section 4.2: a removed particle collapses into its nearest parent together with its links. If
+// two coarse particles get several links, the one with the shortest path along finer links is kept.
+void collapse(std::span<const Link> links, const Clusters& clusters, std::span<const std::uint32_t> number,
               CoarseLevel& level) {
   struct Candidate {
     std::uint32_t a, b;
@@ -351,26 +353,26 @@ void collapse(std::span<const Link> links, const Realms& realms, std::span<const
   std::vector<Candidate> candidates;
   for (std::uint32_t e = 0; e < links.size(); ++e) {
     const Link& link = links[e];
-    const std::uint32_t a = number[realms.of[link.a]], b = number[realms.of[link.b]];
+    const std::uint32_t a = number[clusters.of[link.a]], b = number[clusters.of[link.b]];
     if (a == b) continue;
     candidates.push_back(
-        {std::min(a, b), std::max(a, b), realms.length[link.a] + link.length + realms.length[link.b], e});
+        {std::min(a, b), std::max(a, b), clusters.length[link.a] + link.length + clusters.length[link.b], e});
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& p, const Candidate& q) { return p.key() < q.key(); });
-  level.way_begin.push_back(0);
+  level.path_begin.push_back(0);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const Candidate& best = candidates[c];
     if (c > 0 && candidates[c - 1].a == best.a && candidates[c - 1].b == best.b) continue;
     level.links.push_back({best.a, best.b, best.length, 0, links[best.link].stiffness});
-    level.way.push_back(best.link);
+    level.path.push_back(best.link);
     for (std::uint32_t i : {links[best.link].a, links[best.link].b})
-      while (realms.towards[i] != none) {
-        const Link& step = links[realms.towards[i]];
-        level.way.push_back(realms.towards[i]);
+      while (clusters.towards[i] != none) {
+        const Link& step = links[clusters.towards[i]];
+        level.path.push_back(clusters.towards[i]);
         i = step.a == i ? step.b : step.a;
       }
-    level.way_begin.push_back(static_cast<std::uint32_t>(level.way.size()));
+    level.path_begin.push_back(static_cast<std::uint32_t>(level.path.size()));
   }
 }
 
@@ -386,14 +388,14 @@ void add_children(std::span<const float> masses, CoarseLevel& level) {
       if (follows(i, level.parent[k])) ++level.child_begin[level.parent[k] + 1];
   for (std::size_t j = 0; j < count; ++j) level.child_begin[j + 1] += level.child_begin[j];
   level.child.resize(level.child_begin[count]);
-  level.share.resize(level.child.size());
+  level.child_weight.resize(level.child.size());
   std::vector<std::uint32_t> next(level.child_begin.begin(), level.child_begin.end() - 1);
   for (std::uint32_t i = 0; i < masses.size(); ++i)
     for (std::uint32_t k = level.parent_begin[i]; k < level.parent_begin[i + 1]; ++k) {
       const std::uint32_t j = level.parent[k];
       if (!follows(i, j)) continue;
       level.child[next[j]] = i;
-      level.share[next[j]++] = level.mass[j] > 0 ? level.weight[k] * masses[i] / level.mass[j] : 1;
+      level.child_weight[next[j]++] = level.mass[j] > 0 ? level.weight[k] * masses[i] / level.mass[j] : 1;
     }
 }
 
@@ -402,13 +404,13 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
   std::vector<Near> near(masses.size());
   const std::vector<bool> coarse = choose_coarse(links, graph, masses, near);
   CoarseLevel level;
-  std::vector<std::uint32_t> number(masses.size(), none), realm(masses.size());
+  std::vector<std::uint32_t> number(masses.size(), none), cluster(masses.size());
   for (std::uint32_t i = 0; i < masses.size(); ++i)
     if (coarse[i]) number[i] = static_cast<std::uint32_t>(level.finer.size()), level.finer.push_back(i);
   if (level.finer.size() == masses.size()) return {};
-  const Realms realms(graph, coarse);
-  collapse(links, realms, number, level);
-  for (std::uint32_t i = 0; i < masses.size(); ++i) realm[i] = number[realms.of[i]];
+  const Clusters clusters(graph, coarse);
+  collapse(links, clusters, number, level);
+  for (std::uint32_t i = 0; i < masses.size(); ++i) cluster[i] = number[clusters.of[i]];
   for (Link& link : level.links)
     link.length = std::min(link.length, length_between(near, level.finer[link.a], level.finer[link.b]));
 
@@ -421,7 +423,7 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
       parents.clear();
       std::vector<float> d;
       for (const Marcher::Reached& n : near[i])
-        if (parents.size() < most_parents && (masses[i] > 0 || masses[n.particle] == 0))
+        if (parents.size() < max_parents && (masses[i] > 0 || masses[n.particle] == 0))
           parents.push_back(n.particle), d.push_back(n.length);
       weight = weights_of(d, parents, near);
     }
@@ -435,16 +437,16 @@ CoarseLevel build_level(std::span<const Link> links, std::span<const float> mass
   for (std::size_t j = 0; j < mass.size(); ++j)
     level.mass.push_back(masses[level.finer[j]] > 0 ? static_cast<float>(mass[j]) : 0);
   add_children(masses, level);
-  share_energy(links, realm, level.finer.size(), level.links);
+  distribute_energy(links, cluster, level.finer.size(), level.links);
   return level;
 }
 
 }  // namespace
 
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
-                                      std::size_t smallest) {
+                                      std::size_t coarsest_size) {
   std::vector<CoarseLevel> levels;
-  while (masses.size() > smallest) {
+  while (masses.size() > coarsest_size) {
     CoarseLevel level = build_level(links, masses);
     if (level.finer.empty()) break;
     levels.push_back(std::move(level));

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array all{InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
                          InstructionSet::avx512, InstructionSet::neon};
 
-bool is_there(InstructionSet set) {
+bool is_supported(InstructionSet set) {
 #if defined(__x86_64__)
   if (set == InstructionSet::avx2) return __builtin_cpu_supports("avx2") != 0;
   if (set == InstructionSet::avx512)
@@ -28,20 +28,20 @@ bool is_there(InstructionSet set) {
 InstructionSet widest() {
   InstructionSet result = InstructionSet::scalar;
   for (const InstructionSet set : all)
-    if (is_there(set)) result = set;
+    if (is_supported(set)) result = set;
   return result;
 }
 
 InstructionSet chosen() {
   const char* wanted = std::getenv("SOUPLE_SIMD");
   if (!wanted || *wanted == '\0') return widest();
-  std::string there;
+  std::string available;
   for (const InstructionSet set : all) {
-    if (!is_there(set)) continue;
+    if (!is_supported(set)) continue;
     if (simd_name(set) == wanted) return set;
-    there += (there.empty() ? "" : ", ") + std::string(simd_name(set));
+    available += (available.empty() ? "" : ", ") + std::string(simd_name(set));
   }
-  throw Error("SOUPLE_SIMD is '" + std::string(wanted) + "': expected one of " + there +
+  throw Error("SOUPLE_SIMD is '" + std::string(wanted) + "': expected one of " + available +
               ", which this build and this processor have");
 }
 

@@ -9,14 +9,14 @@
 
 namespace souple {
 
-/// The instruction sets that kernels are compiled for. Results are the same bits with each.
+/// The instruction sets for which kernels are compiled. All give the same bits.
 enum class InstructionSet { scalar, sse, avx2, avx512, neon };
 
-/// The widest that this build and this processor have, or the one that the environment variable SOUPLE_SIMD
-/// names. Read once. Throws Error where SOUPLE_SIMD names none, or one that is not there.
+/// The widest set that this build and this processor support, or the one named by the environment variable
+/// SOUPLE_SIMD. Read once. Throws Error when SOUPLE_SIMD names no set, or one that is not supported.
 InstructionSet instruction_set();
 
-/// As SOUPLE_SIMD names it.
+/// The name as in SOUPLE_SIMD.
 std::string_view simd_name(InstructionSet set);
 inline std::string_view simd_name() {
   return simd_name(instruction_set());
@@ -24,7 +24,7 @@ inline std::string_view simd_name() {
 
 namespace detail {
 
-/// find(the set's tag), or null where kernels are not compiled.
+/// find(tag of the set), or null if no kernels are compiled for it.
 template <class Find>
 auto find_for(InstructionSet set, const Find& find) {
   switch (set) {
@@ -46,9 +46,9 @@ auto find_for(InstructionSet set, const Find& find) {
 
 }  // namespace detail
 
-// Each gives null where there are none: use the scalar code.
+// Each returns null if there are no kernels: use the scalar code.
 
-/// The kernels of a kind of constraints for an instruction set.
+/// Kernels of a constraint kind for an instruction set.
 template <class Kind>
 const kernels::KindKernels* find_kernels(InstructionSet set) {
   if constexpr (kernels::is_compiled<Kind>)
@@ -57,13 +57,13 @@ const kernels::KindKernels* find_kernels(InstructionSet set) {
   return nullptr;
 }
 
-/// The kernels that move particles.
+/// Kernels that move particles.
 inline const kernels::MotionKernels* find_motion_kernels(InstructionSet set) {
   return detail::find_for(set,
                           []<class Isa>(std::type_identity<Isa>) { return &kernels::motion_kernels<Isa>(); });
 }
 
-/// The kernels of triangles: wind and normals.
+/// Kernels of triangles: wind and normals.
 inline const kernels::TriangleKernels* find_triangle_kernels(InstructionSet set) {
   return detail::find_for(
       set, []<class Isa>(std::type_identity<Isa>) { return &kernels::triangle_kernels<Isa>(); });

@@ -5,7 +5,7 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t grain = 1024;  // particles worth a thread
+constexpr std::size_t grain = 1024;  // minimum number of particles per thread
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void Jacobi::solve(std::span<Projector* const>, const ParticleView& particles, c
   }
 }
 
-// The projectors read `split_` and add to `correction_`: what they read stays the same until all are done.
+// The projectors read `split_` and add to `correction_`, so all of them see the same positions.
 void Jacobi::iterate(const ParticleView& particles, const Substep& substep, Threads& threads) {
   threads.for_each(split_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -7,19 +7,19 @@
 
 namespace souple {
 
-/// Jacobi: all constraints from the same positions, their corrections averaged at each particle.
+/// Jacobi: projects all constraints from the same positions and averages their corrections at each particle.
 ///
-/// A plain average divides what reaches particle i by the number n_i of its constraints; where n_i differs
-/// between the particles of a constraint, its ends then move by different impulses and momentum is lost. So
-/// the mass is split instead (Tonge et al. 2012, "Mass splitting for jitter-free parallel rigid body
-/// simulation"): each constraint has a particle of its own, of mass m_i / n_i,
+/// A plain average divides the corrections of particle i by the number n_i of its constraints. Where n_i
+/// differs between the particles of a constraint, its ends then move by different impulses, and momentum is
+/// lost. So the mass is split instead (Tonge et al. 2012, "Mass splitting for jitter-free parallel rigid body
+/// simulation"): each constraint acts on its own copy of a particle, of mass m_i / n_i,
 ///
 ///   dlambda = (-C - alpha~ lambda) / (sum_i n_i w_i |grad_i C|^2 + alpha~)
 ///   dx_i = omega / n_i sum (n_i w_i grad_i C dlambda)
 ///
-/// which is the average where all n_i are equal, keeps momentum everywhere, and converges for every omega in
-/// (0, 2) (`SolverSettings::relaxation`; 1.5 to 1.9 pays). Kinds without a linear form are projected after
-/// each iteration, by Gauss-Seidel. `SolverSettings::chebyshev` accelerates it as it does GaussSeidel.
+/// This is the average if all n_i are equal. It keeps momentum everywhere and converges for every omega in
+/// (0, 2) (`SolverSettings::relaxation`; 1.5 to 1.9 pays). Gauss-Seidel projects kinds without a linear form
+/// after each iteration. `SolverSettings::chebyshev` accelerates it as in GaussSeidel.
 class Jacobi final : public Solver {
  public:
   explicit Jacobi(const SolverSettings& settings) : chebyshev_(settings.chebyshev) {}
@@ -34,9 +34,9 @@ class Jacobi final : public Solver {
 
   Chebyshev chebyshev_;
   std::vector<Projector*> linear_, others_;  // with and without a linear form
-  std::vector<float> count_;                 // n_i
-  std::vector<Vec4f> split_;                 // positions, with the inverse mass n_i w_i
-  std::vector<Vec4f> correction_;            // sums
+  std::vector<float> count_;                 // n_i, per particle
+  std::vector<Vec4f> split_;                 // positions, with inverse mass n_i w_i
+  std::vector<Vec4f> correction_;            // sum of corrections, per particle
 };
 
 }  // namespace souple

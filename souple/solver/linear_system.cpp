@@ -10,13 +10,14 @@
 namespace souple {
 namespace {
 
-// The strain of a rigid constraint of the primal system that carries the weight of the whole scene, under
-// 9.81 m/s^2. Ten times smaller still factorizes in double (the condition number of a 50 x 50 cloth is 1e6),
-// but then a linearization that is off is off with more force.
+// Strain of a rigid constraint of the primal system that carries the weight of the whole scene, under 9.81
+// m/s^2. Ten times less still factorizes in double (the condition number of a 50 x 50 cloth is 1e6), but then
+// the errors of an inexact linearization act with more force.
 constexpr double floor_strain = 1e-5;
 constexpr double gravity = 9.81;
-// And what it leaves of the violation of one that stands alone, however light the scene.
-constexpr double floor_share = 1e-6;
+// Upper bound of the violation that the floor leaves of an isolated constraint, as a fraction, however light
+// the scene.
+constexpr double floor_ratio = 1e-6;
 
 std::size_t packed(int row, int column) {
   return static_cast<std::size_t>(row >= column ? row * (row + 1) / 2 + column
@@ -29,7 +30,7 @@ void invert_packed(int n, const double* a, double* result) {
     result[0] = 1 / a[0];
     return;
   }
-  double m[LinearSystem::most_rows][2 * LinearSystem::most_rows] = {};
+  double m[LinearSystem::max_rows][2 * LinearSystem::max_rows] = {};
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) m[i][j] = a[packed(i, j)];
     m[i][n + i] = 1;
@@ -80,7 +81,7 @@ void LinearSystem::prepare(std::span<Projector* const> projectors, const Particl
           add_structure(constraint, particles);
         }))
       projectors_.push_back(projector);
-  // Without a distance to go by (attachments alone) a meter is as good as anything.
+  // No distance as a reference (attachments alone): use a meter.
   if (!std::isfinite(smallest_size_)) smallest_size_ = 1;
   for (Block& block : blocks_)
     if (!std::isfinite(block.size)) block.size = smallest_size_;
@@ -94,10 +95,10 @@ void LinearSystem::prepare(std::span<Projector* const> projectors, const Particl
 
 void LinearSystem::add_structure(const LinearConstraint& constraint, const ParticleView& particles) {
   const std::size_t rows = constraint.C.size(), arity = constraint.particles.size();
-  if (rows > most_rows)
+  if (rows > max_rows)
     throw Error(fmt::format(
         "a constraint couples {} rows, the linear solvers take at most {}: use the solver gauss_seidel", rows,
-        most_rows));
+        max_rows));
   const double size = shortest_distance(constraint.particles, particles);
   smallest_size_ = std::min(smallest_size_, size);
   blocks_.push_back({static_cast<std::uint32_t>(b.size()), static_cast<std::uint32_t>(unknown.size()),
@@ -135,21 +136,21 @@ void LinearSystem::linearize(const ParticleView& particles, const Substep& subst
     projector->linearize(particles, substep, [&context](const LinearConstraint& constraint) {
       Block& block = context.system.blocks_[context.next++];
       context.system.fill(block, constraint, context.particles);
-      if (context.floor && !block.idle) context.system.raise_to_floor(block, context.inverse_h2);
+      if (context.floor && !block.inactive) context.system.raise_to_floor(block, context.inverse_h2);
     });
 }
 
 void LinearSystem::fill(Block& block, const LinearConstraint& constraint, const ParticleView& particles) {
-  block.idle = false;
+  block.inactive = false;
   double gradient_squared = 0;
   const auto of = members(block);
   std::copy(constraint.gradient.begin(), constraint.gradient.end(), gradient.begin() + block.gradient);
   for (int r = 0; r < block.rows; ++r)
     for (std::size_t k = 0; k < block.arity; ++k)
       if (of[k] != pinned) gradient_squared += length_squared(Vec3d(gradient_of(block, r)[k]));
-  const bool holds = block.inequality && constraint.C[0] >= 0;
-  if (holds || !(gradient_squared > 0)) {
-    idle(block);
+  const bool satisfied = block.inequality && constraint.C[0] >= 0;
+  if (satisfied || !(gradient_squared > 0)) {
+    deactivate(block);
     return;
   }
   const double gamma = static_cast<double>(constraint.gamma), scale = static_cast<double>(constraint.scale);
@@ -175,18 +176,18 @@ void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
       steepest = std::max(steepest, squared);
       if (of[k] != pinned) weighted += squared / mass[of[k]];
     }
-    const double least = std::min(floor_ * block.size * steepest * inverse_h2, floor_share * weighted);
+    const double floor = std::min(floor_ * block.size * steepest * inverse_h2, floor_ratio * weighted);
     double& diagonal = compliance[block.compliance + packed(r, r)];
-    // A row without gradient moves nothing; it must not make A singular.
+    // A row without a gradient moves nothing, but must not make A singular.
     if (weighted == 0 && diagonal == 0) diagonal = 1;
-    if (diagonal >= least) continue;
-    diagonal = least;
+    if (diagonal >= floor) continue;
+    diagonal = floor;
     ++floored_;
   }
 }
 
-void LinearSystem::idle(Block& block) {
-  block.idle = true;
+void LinearSystem::deactivate(Block& block) {
+  block.inactive = true;
   const std::size_t rows = block.rows;
   std::fill_n(gradient.begin() + block.gradient, rows * block.arity, Vec3f{});
   std::fill_n(compliance.begin() + block.compliance, rows * (rows + 1) / 2, 0.0);
@@ -213,7 +214,7 @@ void LinearSystem::moves_from_multipliers() {
 
 void LinearSystem::multipliers_from_moves() {
   for (const Block& block : blocks_) {
-    double left[most_rows];
+    double left[max_rows];
     const auto of = members(block);
     for (int r = 0; r < block.rows; ++r) {
       left[r] = b[block.row + static_cast<std::size_t>(r)];
@@ -226,14 +227,14 @@ void LinearSystem::multipliers_from_moves() {
   }
 }
 
-bool LinearSystem::drop_pulling() {
+bool LinearSystem::deactivate_pulling() {
   bool dropped = false;
   for (Block& block : blocks_) {
-    if (!block.inequality || block.idle) continue;
-    // Rounding alone does not make a pull.
+    if (!block.inequality || block.inactive) continue;
+    // Tolerance: rounding alone does not count as pulling.
     const double bound = -1e-9 * std::fabs(lambda[block.row]);
     if (lambda[block.row] + dlambda[block.row] >= bound) continue;
-    idle(block);
+    deactivate(block);
     std::fill_n(dlambda.begin() + block.row, block.rows, 0.0);
     dropped = true;
   }

@@ -9,13 +9,13 @@
 namespace souple {
 namespace {
 
-constexpr int most_passes = 4;  // over the inequalities that turn out to pull
-constexpr int most_halvings = 4;
-constexpr double most_deformation = 0.5;
+constexpr int max_passes = 4;  // passes over the inequalities that would pull
+constexpr int max_halvings = 4;
+constexpr double max_deformation = 0.5;
 
 }  // namespace
 
-void LinearisedSolver::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+void LinearizedSolver::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
   linear_.clear();
   others_.clear();
   for (Projector* projector : projectors)
@@ -26,7 +26,7 @@ void LinearisedSolver::prepare(std::span<Projector* const> projectors, const Par
   prepare_structure(particles);
 }
 
-void LinearisedSolver::prepare_structure(const ParticleView& particles) {
+void LinearizedSolver::prepare_structure(const ParticleView& particles) {
   solvable_ = false;
   inverse_mass_.clear();
   for (const Vec4f& x : particles.position) inverse_mass_.push_back(x.w);
@@ -35,21 +35,21 @@ void LinearisedSolver::prepare_structure(const ParticleView& particles) {
   solvable_ = system_.rows() > 0;
 }
 
-// Pins come and go between steps, and from callbacks within them.
-void LinearisedSolver::follow_pins(const ParticleView& particles) {
+// Pins change between steps, and in callbacks within a step.
+void LinearizedSolver::update_pins(const ParticleView& particles) {
   if (std::equal(inverse_mass_.begin(), inverse_mass_.end(), particles.position.begin(),
                  particles.position.end(), [](float w, const Vec4f& x) { return w == x.w; }))
     return;
   try {
     prepare_structure(particles);
   } catch (const Error&) {
-    // Too large without its pins. A step does not throw: project, and let the remark tell.
+    // Too large without its pins. A step does not throw: it projects, and `diagnostic` reports it.
   }
 }
 
-void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& particles,
+void LinearizedSolver::solve(std::span<Projector* const>, const ParticleView& particles,
                              const Substep& substep, Threads& threads) {
-  follow_pins(particles);
+  update_pins(particles);
   system_.begin_substep();
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (solvable_ && solve_active(particles, substep, threads)) {
@@ -62,30 +62,30 @@ void LinearisedSolver::solve(std::span<Projector* const>, const ParticleView& pa
   }
 }
 
-// An inequality that the others turn into a pull is let go, and the rest solved again.
-bool LinearisedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
+// Deactivates inequalities that the other constraints would make pull, and solves again.
+bool LinearizedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
   system_.linearize(particles, substep, floors_);
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < max_passes; ++pass) {
     if (floors_) system_.invert_compliance();
     if (!solve_system(system_, threads)) return false;
-    if (!system_.drop_pulling()) break;
+    if (!system_.deactivate_pulling()) break;
   }
   return true;
 }
 
-double LinearisedSolver::violation(const ParticleView& particles, const Substep& substep) {
+double LinearizedSolver::violation(const ParticleView& particles, const Substep& substep) {
   system_.linearize(particles, substep, true);
   system_.invert_compliance();
   return system_.violation();
 }
 
-void LinearisedSolver::advance(const ParticleView& particles, const Substep& substep) {
+void LinearizedSolver::advance(const ParticleView& particles, const Substep& substep) {
   const double deformation = system_.largest_deformation(), kinetic = system_.kinetic();
-  double factor = deformation > most_deformation ? most_deformation / deformation : 1;
+  double factor = deformation > max_deformation ? max_deformation / deformation : 1;
   std::copy(particles.moving.begin(), particles.moving.end(), saved_.begin());
   const double before = violation(particles, substep);
   system_.move(particles, factor);
-  for (int halving = 0; halving < most_halvings; ++halving) {
+  for (int halving = 0; halving < max_halvings; ++halving) {
     if (violation(particles, substep) + factor * factor * kinetic <= before) break;
     std::copy(saved_.begin(), saved_.end(), particles.moving.begin());
     factor /= 2;
@@ -94,7 +94,7 @@ void LinearisedSolver::advance(const ParticleView& particles, const Substep& sub
   system_.accept(factor);
 }
 
-std::string LinearisedSolver::floor_diagnostic() const {
+std::string LinearizedSolver::floor_diagnostic() const {
   std::string text;
   if (floors_ && system_.floored() > 0) {
     text += fmt::format(

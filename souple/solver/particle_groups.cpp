@@ -29,8 +29,8 @@ void ParticleGroups::prepare(std::size_t particle_count, std::string_view what) 
     if (particle >= particle_count)
       throw Error(fmt::format("{} names particle {}, expected one below {}: add the particles first", what,
                               particle, particle_count));
-  // The groups already placed on each particle have taken colors; a group takes the first color free on all
-  // of its own.
+  // taken[particle][c]: whether a group on this particle has color c. A group takes the first color that is
+  // free on all its particles.
   std::vector<std::vector<bool>> taken(particle_count);
   std::vector<std::vector<std::uint32_t>> groups_of;
   for (std::uint32_t i = 0; i < size(); ++i) {

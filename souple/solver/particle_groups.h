@@ -8,11 +8,11 @@
 
 namespace souple {
 
-/// The particles of constraints whose number of particles is known at run time only, in the order they were
-/// added, and their colors: what shape matching, enclosed volume and custom constraints share.
+/// The particles of constraints whose number of particles is known only at run time, in the order in which
+/// they were added, and their colors. Used by shape matching, enclosed volumes and custom constraints.
 class ParticleGroups {
  public:
-  /// Adds a group. Throws Error when it is empty or names a particle twice; `what` begins the message.
+  /// Adds a group. Throws Error when it is empty or names a particle twice; the message begins with `what`.
   void add(std::span<const std::uint32_t> particles, std::string_view what);
 
   std::size_t size() const { return begin_.size() - 1; }
@@ -21,14 +21,14 @@ class ParticleGroups {
     return std::span(particles_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
 
-  /// Colors the groups if any was added or erased: those of one color share no particle, each group takes
-  /// the first color it can. Throws Error when a particle is not below particle_count.
+  /// Colors the groups if any was added or erased. Groups of one color share no particle; each group takes
+  /// the first free color. Throws Error when a particle is not below particle_count.
   void prepare(std::size_t particle_count, std::string_view what);
   int color_count() const { return static_cast<int>(colors_.color_begin.size()) - 1; }
   /// The groups of color c, ascending.
   std::span<const std::uint32_t> color(int c) const;
 
-  /// Calls f(group i, color), color after color.
+  /// Calls f(index of the group, color), color after color.
   template <class Function>
   void for_each(const Function& f) const {
     for (int c = 0; c < color_count(); ++c)
@@ -36,8 +36,8 @@ class ParticleGroups {
   }
 
   std::size_t bytes() const { return bytes_of(particles_, begin_, colors_.order, colors_.color_begin); }
-  /// Drops groups that name a particle of [begin, end), renumbers the rest; returns which were kept,
-  /// ascending.
+  /// Removes groups that name a particle of [begin, end) and renumbers the others. Returns the indices of the
+  /// remaining groups, ascending.
   std::vector<std::uint32_t> erase_particles(std::uint32_t begin, std::uint32_t end);
 
  private:

@@ -7,24 +7,25 @@
 namespace souple {
 namespace {
 
-/// The constraints of each particle, counted by color. A particle that has n of one color needs n copies,
-/// and n are enough: dealt out in turn, color after color, no copy gets two of the same color.
+/// The constraints of each particle, counted by color. A particle that has n constraints of one color needs n
+/// copies. n copies are enough: constraints are assigned to them in turn, color after color, so no copy gets
+/// two of one color.
 class Copies {
  public:
   Copies(std::size_t particle_count, std::size_t colors)
       : colors_(colors), count_(particle_count * colors), copies_(particle_count, 1) {}
 
-  /// What a further constraint on these particles costs in that color: copies, then how many constraints its
-  /// particles have of that color already.
-  using Price = std::pair<std::uint32_t, std::uint32_t>;
-  Price price(std::span<const std::uint32_t> particles, std::size_t color) const {
-    std::uint32_t copies = 0, rivals = 0;
+  /// Cost of another constraint of this color on these particles: new copies, then the number of constraints
+  /// of this color that the particles have already.
+  using Cost = std::pair<std::uint32_t, std::uint32_t>;
+  Cost cost(std::span<const std::uint32_t> particles, std::size_t color) const {
+    std::uint32_t copies = 0, conflicts = 0;
     for (const std::uint32_t particle : particles) {
       const std::uint32_t here = count_[particle * colors_ + color];
       copies += here >= copies_[particle] ? 1 : 0;
-      rivals += here;
+      conflicts += here;
     }
-    return {copies, rivals};
+    return {copies, conflicts};
   }
   void add(std::span<const std::uint32_t> particles, std::size_t color) {
     for (const std::uint32_t particle : particles)
@@ -37,24 +38,24 @@ class Copies {
   std::vector<std::uint32_t> count_, copies_;
 };
 
-// Keeps the first colors, which need no phantom, and puts the constraints of the others where they cost
-// least. Returns the color of each constraint.
-std::vector<std::uint32_t> spread(std::span<const std::uint32_t> color_begin,
-                                  std::span<const std::uint32_t> indices, std::size_t arity,
-                                  std::size_t colors, Copies& copies) {
+// Keeps the first `colors` colors, which need no phantom, and assigns the constraints of the other colors
+// where they cost least. Returns the color of each constraint.
+std::vector<std::uint32_t> assign_colors(std::span<const std::uint32_t> color_begin,
+                                         std::span<const std::uint32_t> indices, std::size_t arity,
+                                         std::size_t colors, Copies& copies) {
   std::vector<std::uint32_t> color_of(indices.size() / arity);
-  const auto place = [&](std::size_t i, std::size_t color) {
+  const auto assign = [&](std::size_t i, std::size_t color) {
     copies.add(indices.subspan(i * arity, arity), color);
     color_of[i] = static_cast<std::uint32_t>(color);
   };
   for (std::size_t color = 0; color < colors; ++color)
-    for (std::size_t i = color_begin[color]; i < color_begin[color + 1]; ++i) place(i, color);
+    for (std::size_t i = color_begin[color]; i < color_begin[color + 1]; ++i) assign(i, color);
   for (std::size_t i = color_begin[colors]; i < color_of.size(); ++i) {
     const auto particles = indices.subspan(i * arity, arity);
     std::size_t best = 0;
     for (std::size_t color = 1; color < colors; ++color)
-      if (copies.price(particles, color) < copies.price(particles, best)) best = color;
-    place(i, best);
+      if (copies.cost(particles, color) < copies.cost(particles, best)) best = color;
+    assign(i, best);
   }
   return color_of;
 }
@@ -75,9 +76,9 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
     return result;
   }
   Copies copies(particle_count, limit);
-  result.coloring =
-      sorted_by_color(indices, arity, particle_count, spread(color_begin, indices, width, limit, copies));
-  std::vector<std::uint32_t> first(particle_count), turn(particle_count);
+  result.coloring = sorted_by_color(indices, arity, particle_count,
+                                    assign_colors(color_begin, indices, width, limit, copies));
+  std::vector<std::uint32_t> first(particle_count), next_phantom(particle_count);
   for (std::uint32_t particle = 0; particle < particle_count; ++particle) {
     const std::uint32_t count = copies.of_particle()[particle];
     const auto phantoms = static_cast<std::uint32_t>(result.phantom_of.size());
@@ -87,7 +88,7 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
   result.indices.reserve(indices.size());
   for (const std::uint32_t i : result.coloring.order)
     for (const std::uint32_t particle : indices.subspan(i * width, width))
-      result.indices.push_back(first[particle] + turn[particle]++ % copies.of_particle()[particle]);
+      result.indices.push_back(first[particle] + next_phantom[particle]++ % copies.of_particle()[particle]);
   return result;
 }
 

@@ -9,12 +9,13 @@ constexpr std::size_t copy_grain = 4096;  // particles
 
 }  // namespace
 
-/// A set whose particles were split, as a projector on particles without phantoms: two colors of its own,
-/// before and after those of the set, bring the phantoms and their particles together. So whatever walks the
-/// colors of a set, forward or backward, needs to know nothing of phantoms.
+/// A constraint set with split particles, as a projector on particles without phantoms. Two additional
+/// colors, before and after those of the set, join the phantoms with their particles. So a loop over the
+/// colors of a set, forward or backward, need not know about phantoms.
 class PartitionedGaussSeidel::Split final : public Projector {
  public:
-  Split(Projector& set, std::span<const std::uint32_t> phantom_of, std::uint32_t first_phantom, Everyone& all)
+  Split(Projector& set, std::span<const std::uint32_t> phantom_of, std::uint32_t first_phantom,
+        ParticlesAndPhantoms& all)
       : set_(set), all_(all) {
     for (std::uint32_t j = 0; j < phantom_of.size(); ++j) {
       if (particles_.empty() || particles_.back().particle != phantom_of[j])
@@ -50,15 +51,15 @@ class PartitionedGaussSeidel::Split final : public Projector {
 
  private:
   struct SplitParticle {
-    Vec3f joined;  // where its phantoms were when they last were together
+    Vec3f joined;  // common position after the last join
     std::uint32_t particle = 0, begin = 0, end = 0;
-    std::uint32_t substep = 0;  // of `joined`
+    std::uint32_t substep = 0;  // substep of `joined`
   };
 
   bool joins(int color) const { return color == 0 || color == set_.color_count() + 1; }
 
-  // The particle goes where its phantoms' center of mass went, then they to it: meanwhile another set may
-  // have moved the particle alone.
+  // Moves the particle by the displacement of its phantoms' center of mass, then the phantoms to the
+  // particle: another set may have moved the particle alone.
   void join(SplitParticle& split) const {
     const std::span<Vec4f> moving = all_.view.moving;
     Vec4f& particle = moving[split.particle];
@@ -73,7 +74,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
     for (std::uint32_t j = split.begin; j < split.end; ++j) moving[j].set_xyz(split.joined);
   }
 
-  // Once in a substep the phantoms become what their particle is, but for the mass.
+  // Once per substep: copies the particle to its phantoms, except for the mass.
   void refresh(SplitParticle& split) const {
     Vec4f position = all_.position[split.particle];
     position.w *= static_cast<float>(split.end - split.begin);
@@ -85,7 +86,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
   }
 
   Projector& set_;
-  Everyone& all_;
+  ParticlesAndPhantoms& all_;
   std::vector<SplitParticle> particles_;
 };
 
@@ -109,7 +110,7 @@ void PartitionedGaussSeidel::prepare(std::span<Projector* const> projectors, con
     }
     projectors_.push_back(projector);
   }
-  if (count == particle_count_) count = 0;  // nothing is split, and nothing copied
+  if (count == particle_count_) count = 0;  // no particle is split, so none is copied
   for (std::vector<Vec4f>* array : {&all_.position, &all_.moving, &all_.start}) array->resize(count);
   gauss_seidel_.prepare(projectors_, particles);
 }

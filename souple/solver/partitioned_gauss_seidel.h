@@ -8,17 +8,17 @@
 
 namespace souple {
 
-/// Gauss-Seidel in a chosen number of colors (Fratarcangeli & Pellacini 2015). Particles in which too many
-/// constraints meet are split into phantoms (partition.h), which are brought together after each sweep of a
-/// set.
+/// Gauss-Seidel in a chosen number of colors (Fratarcangeli & Pellacini 2015). Particles with too many
+/// constraints are split into phantoms (partition.h), which are joined after each sweep of a set.
 ///
-/// A split particle shares its mass equally among its n phantoms (Tonge et al. 2012, "Mass Splitting for
+/// A split particle divides its mass equally among its n phantoms (Tonge et al. 2012, "Mass Splitting for
 /// Jitter-Free Parallel Rigid Body Simulation"): w_k = n w, and x = 1/n sum_k x_k is their common center of
-/// mass. So momentum is kept whatever two particles' numbers of phantoms are, and since
+/// mass. So momentum is kept whatever the numbers of phantoms are, and since
 ///   w grad C dlambda = 1/n (n w) grad C dlambda,
-/// x = x* + W J^T lambda holds as without phantoms: the solution is the same, the way to it longer.
+/// x = x* + W J^T lambda holds as without phantoms: the solution is the same, but convergence is slower.
 ///
-/// Kinds that cannot be split (contacts, shape matching, custom constraints) are projected as usual.
+/// Kinds that cannot be split (contacts, shape matching, enclosed volumes, custom constraints) are projected
+/// as usual.
 class PartitionedGaussSeidel final : public Solver {
  public:
   /// settings.colors >= 1.
@@ -34,10 +34,10 @@ class PartitionedGaussSeidel final : public Solver {
  private:
   class Split;
   /// The particles, then the phantoms.
-  struct Everyone {
+  struct ParticlesAndPhantoms {
     std::vector<Vec4f> position, moving, start;
     ParticleView view;
-    std::uint32_t substep = 0;  ///< grows with each
+    std::uint32_t substep = 0;  ///< number of the current substep
   };
 
   void copy_in(const ParticleView& particles, Threads& threads);
@@ -45,9 +45,9 @@ class PartitionedGaussSeidel final : public Solver {
   int colors_;
   GaussSeidel gauss_seidel_;
   std::size_t particle_count_ = 0;
-  Everyone all_;
+  ParticlesAndPhantoms all_;
   std::vector<std::unique_ptr<Split>> split_;
-  std::vector<Projector*> projectors_;  // those that were not split, and the Splits of the others
+  std::vector<Projector*> projectors_;  // unsplit projectors, and Splits in place of the others
 };
 
 }  // namespace souple

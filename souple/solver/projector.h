@@ -18,19 +18,19 @@ enum class Mode {
   pbd  ///< stiffness k in [0, 1], made independent of the iteration count (Müller et al. 2007, section 3.3)
 };
 
-/// Which numbers the solver moves: predicted positions, or displacements from the position (see
+/// The array that the solver modifies: predicted positions, or displacements from the position (see
 /// state/particles.h).
 enum class Form { displacement, plain };
 
-/// What the current substep is.
+/// The current substep.
 struct Substep {
   float h = 0;         ///< s
   int iterations = 1;  ///< per substep
   Mode mode = Mode::small_steps;
   Form form = Form::displacement;
   int count = 1;  ///< substeps per step
-  /// Factor on every correction and its multiplier (over-relaxation above 1), the same from begin_substep on:
-  /// for solvers that sweep. Contacts do not know it.
+  /// Factor of every correction and its multiplier (above 1: over-relaxation), constant from begin_substep
+  /// on. Only solvers that sweep use it. Contacts ignore it.
   float relaxation = 1;
 
   bool stores_multipliers() const {
@@ -38,19 +38,19 @@ struct Substep {
   }
 };
 
-/// The particles a projector reads and moves. Writes go to `moving` only: predicted positions (plain form) or
-/// displacements; its w lane is not touched.
+/// The particles that a projector reads and moves. Projectors write to `moving` only: predicted positions
+/// (plain form) or displacements. Its w lane is not changed.
 struct ParticleView {
-  std::span<const Vec4f> position;  ///< plain form: the same array as `moving`; w = inverse mass
+  std::span<const Vec4f> position;  ///< plain form: same array as `moving`; w = inverse mass
   std::span<Vec4f> moving;          ///< displacement form: w = 0
-  std::span<const Vec4f> start;     ///< what `moving` was when the substep began
+  std::span<const Vec4f> start;     ///< `moving` at the start of the substep
   Form form = Form::displacement;
-  /// Where corrections are added: `moving` where it is empty, as in Gauss-Seidel.
+  /// Array that corrections are added to; empty: `moving`, as in Gauss-Seidel.
   std::span<Vec4f> corrected{};
 
   float inverse_mass(std::size_t i) const { return position[i].w; }
 
-  /// x_i - origin, without the rounding of a far away x_i. [m]
+  /// x_i - origin, without the rounding error of a large x_i. [m]
   Vec3f relative(std::size_t i, const Vec3f& origin) const {
     const Vec3f x = position[i].xyz() - origin;
     return form == Form::displacement ? x + moving[i].xyz() : x;
@@ -60,7 +60,7 @@ struct ParticleView {
     const Vec3f x = position[i].xyz() - position[j].xyz();
     return form == Form::displacement ? x + (moving[i].xyz() - moving[j].xyz()) : x;
   }
-  /// What particle i has moved since the substep began. [m]
+  /// Displacement of particle i since the start of the substep. [m]
   Vec3f moved(std::size_t i) const { return moving[i].xyz() - start[i].xyz(); }
   /// Adds a correction. [m]
   void correct(std::size_t i, const Vec3f& dx) const {
@@ -69,16 +69,15 @@ struct ParticleView {
   }
 };
 
-/// How far constraints are from being satisfied, in the unit of their C. Inequalities count only when
-/// violated.
+/// Violation of constraints, in the unit of their C. Inequalities count only when violated.
 struct Residual {
   double largest = 0;
   double sum = 0;  ///< of absolute values; divide by count for the mean
   std::size_t count = 0;
-  double energy = 0;          ///< 1/2 C^T alpha^-1 C of those with compliance [J]
-  double largest_strain = 0;  ///< (l - l0) / l0, extension only; kinds that have one
+  double energy = 0;          ///< 1/2 C^T alpha^-1 C of the constraints with compliance [J]
+  double largest_strain = 0;  ///< (l - l0) / l0, extension only; for kinds that have a strain
 
-  /// Takes in the residual of further constraints.
+  /// Adds the residual of further constraints.
   void add(const Residual& other) {
     largest = max(largest, other.largest);
     sum += other.sum;
@@ -88,20 +87,20 @@ struct Residual {
   }
 };
 
-/// One constraint as it is now, for those who show it.
+/// Current state of one constraint, for display.
 struct ConstraintState {
   std::span<const std::uint32_t> particles;  ///< valid during the call
   int color = 0;
-  float strain = 0;    ///< (l - l0) / l0 of kinds that have one, else 0
-  float residual = 0;  ///< largest |C| of its rows, in the unit of C; 0 where an inequality holds
+  float strain = 0;    ///< (l - l0) / l0 of kinds that have a strain, else 0
+  float residual = 0;  ///< largest |C| of its rows, in the unit of C; 0 for a satisfied inequality
 };
 using ConstraintVisitor = std::function<void(const ConstraintState&)>;
 
-/// One constraint linearized where its particles are now, for solvers of the global system:
+/// One constraint linearized at the current positions, for solvers of the global system:
 ///   C(x + dx) = C + sum_k gradient_k . dx_k.
 struct LinearConstraint {
-  std::span<const std::uint32_t> particles;  ///< arity; spans are valid during the call
-  std::span<const float> C;                  ///< rows
+  std::span<const std::uint32_t> particles;  ///< [arity]; spans are valid during the call
+  std::span<const float> C;                  ///< [rows]
   std::span<const Vec3f> gradient;           ///< [row * arity + k]
   std::span<const float> alpha;              ///< alpha / h^2, packed lower triangle of rows x rows; 0 in PBD
   float gamma = 0;                           ///< damping, tau / h (see kernels/projection.h)
@@ -111,52 +110,54 @@ struct LinearConstraint {
 using LinearVisitor = std::function<void(const LinearConstraint&)>;
 using MultiplierVisitor = std::function<void(std::span<float>)>;
 
-/// The one interface a solver sees: something that moves particles towards satisfying its constraints. It is
-/// called per set and color, never per constraint. Constraints of one color share no particle, so their
-/// order within it is free, and parts of a color may be projected at the same time.
+/// The interface between solvers and constraints: moves particles towards satisfying its constraints. Called
+/// per set and color, never per constraint. Constraints of one color share no particle, so their order within
+/// a color is free, and parts of a color may be projected at the same time.
 class Projector {
  public:
   virtual ~Projector() = default;
 
   virtual std::string_view kind() const = 0;
   virtual std::size_t size() const = 0;
-  /// After constraints were added or erased and before the next substep: sort, color, allocate.
+  /// Sorts, colors and allocates. Call after constraints were added or erased and before the next substep.
   virtual void prepare(std::size_t particle_count) = 0;
-  /// Cuts the constraints into at most `colors` colors by splitting the particles in which too many of them
-  /// meet (see partition.h). `project` then acts on phantoms, numbered from `first_phantom`, in their place;
-  /// everything else keeps naming the particles. Returns which particle each phantom stands for, ascending,
-  /// valid until the next split or prepare; nothing where none was split or this kind cannot be.
-  /// 0 colors: as many as it takes, and nothing split, as `prepare` leaves it.
+  /// Reduces the constraints to at most `colors` colors by splitting particles into phantoms (see
+  /// partition.h). `project` then acts on phantoms, numbered from `first_phantom`, instead of split
+  /// particles; all other functions still name the particles. Returns the particle of each phantom,
+  /// ascending, valid until the next split or prepare; empty if no particle was split or the kind cannot be
+  /// split. 0 colors: restores the state after `prepare`, with no particle split.
   virtual std::span<const std::uint32_t> split([[maybe_unused]] int colors,
                                                [[maybe_unused]] std::uint32_t first_phantom) {
     return {};
   }
   virtual int color_count() const = 0;
-  /// Constraints of a color.
+  /// Number of constraints of a color.
   virtual std::size_t color_size(int color) const = 0;
-  /// How many constraints are worth a thread of their own.
+  /// Minimum number of constraints per thread.
   virtual std::size_t grain() const { return 1; }
   virtual void begin_substep(const ParticleView&, const Substep&) {}
-  /// Projects constraints [begin, end) of a color. Other parts of it may be projected at the same time.
+  /// Projects constraints [begin, end) of a color. Other parts of the color may be projected at the same
+  /// time.
   virtual void project(int color, std::size_t begin, std::size_t end, const ParticleView&,
                        const Substep&) = 0;
-  /// A whole color.
+  /// Projects a whole color.
   void project(int color, const ParticleView& particles, const Substep& substep) {
     project(color, 0, color_size(color), particles, substep);
   }
-  /// Calls the visitor for each constraint, in an order that changes only in `prepare`. False: this kind has
-  /// no linear form (contacts, the user's own); solvers of a global system project it instead.
+  /// Calls the visitor for each constraint, in an order that changes only in `prepare`. Returns false if the
+  /// kind has no linear form (contacts, shape matching, enclosed volumes, custom constraints); solvers of a
+  /// global system project it instead.
   virtual bool linearize(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
-  /// Hands out the multipliers stored in this substep, for solvers that extrapolate them with the positions.
+  /// Visits the multipliers stored in this substep, for solvers that extrapolate them with the positions.
   virtual void multipliers(const MultiplierVisitor&) {}
   virtual Residual residual(const ParticleView&) const = 0;
-  /// The same without the energy, on all threads: what every step asks for.
+  /// Residual for the report of a step: may omit the energy, and may use all threads.
   virtual Residual measure(const ParticleView& particles, Threads&) { return residual(particles); }
-  /// Calls the visitor for each constraint, color after color; unless a kind says how, for none.
+  /// Calls the visitor for each constraint, color after color. The default visits none.
   virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
-  /// What the constraints take on the heap. [bytes]
+  /// Heap memory of the constraints. [bytes]
   virtual std::size_t bytes() const { return 0; }
-  /// Particles [begin, end) cease to exist: drop the constraints that name one of them, renumber the rest.
+  /// Removes the constraints of particles [begin, end), which cease to exist, and renumbers the others.
   virtual void erase_particles(std::uint32_t begin, std::uint32_t end) = 0;
 };
 

@@ -26,8 +26,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// Many constraints of one kind behind the Projector interface: this template is what gives a user's own
-/// struct the solvers, the colors and the report.
+/// Many constraints of one kind behind the Projector interface. This template makes solvers, colors and
+/// reports work for a user's own struct.
 template <class Kind>
 class SetProjector final : public Projector {
  public:
@@ -70,7 +70,7 @@ class SetProjector final : public Projector {
   }
 
   std::span<const std::uint32_t> split(int colors, std::uint32_t first_phantom) override {
-    if (!split_.whole.order.empty()) arrange(std::move(split_.whole));
+    if (!split_.unsplit.order.empty()) arrange(std::move(split_.unsplit));
     split_ = {};
     if (colors == 0 || color_count() <= colors) return {};
     const std::vector<std::uint32_t> flat = flat_indices();
@@ -78,7 +78,7 @@ class SetProjector final : public Projector {
         partition_constraints(flat, Kind::arity, *std::max_element(flat.begin(), flat.end()) + std::size_t{1},
                               set_.color_begin, colors, first_phantom);
     split_.phantom_of = std::move(partition.phantom_of);
-    split_.whole = {inverse_order(partition.coloring.order), set_.color_begin};
+    split_.unsplit = {inverse_order(partition.coloring.order), set_.color_begin};
     for (std::size_t k = 0; k < Set::arity; ++k)
       for (std::size_t i = k; i < partition.indices.size(); i += Set::arity)
         split_.records[k].push_back(4 * partition.indices[i]);
@@ -199,13 +199,13 @@ class SetProjector final : public Projector {
     scales_for_ = -1;
     find_scales({});  // a solver may linearize before the first substep
   }
-  // What `project` acts on: where particles were split, phantoms in their place.
-  const std::array<std::vector<std::uint32_t>, Set::arity>& acted_on() const {
+  // Particles that `project` acts on: phantoms instead of split particles.
+  const std::array<std::vector<std::uint32_t>, Set::arity>& projected_records() const {
     return split_.phantom_of.empty() ? set_.records : split_.records;
   }
 
-  // Positions relative to the constraint's origin, or to its first particle, so that far from the world's
-  // origin and in small steps no digit is lost.
+  // Positions relative to the constraint's origin, or to its first particle, so that no digit is lost far
+  // from the world's origin and in small steps.
   void load(const Indices& indices, std::size_t i, const ParticleView& particles,
             ProjectionInput<Kind, float>& in) const {
     for (int k = 0; k < Kind::arity; ++k) {
@@ -242,7 +242,7 @@ class SetProjector final : public Projector {
 
   std::size_t chunk_count() const { return (set_.size() + residual_chunk - 1) / residual_chunk; }
 
-  // Chunks are the same for any number of threads, and so are the bits of what is made of them.
+  // Chunks do not depend on the number of threads, so the result has the same bits for any number.
   Residual residual_of(std::size_t chunk, const ParticleView& particles, bool with_energy) const {
     const std::size_t begin = chunk * residual_chunk, end = std::min(begin + residual_chunk, set_.size());
     const std::size_t count = end - begin;
@@ -267,7 +267,7 @@ class SetProjector final : public Projector {
     return result;
   }
 
-  // Parameters are spread first: the loop over them then knows neither strides nor aliases.
+  // First copies the parameters to plain arrays: the loop over them then has neither strides nor aliasing.
   void find_strains(std::size_t begin, std::size_t count, const float (&C)[residual_chunk],
                     float (&strains)[residual_chunk]) const {
     float parameters[Set::param_count][residual_chunk];
@@ -282,7 +282,7 @@ class SetProjector final : public Projector {
     }
   }
 
-  // What the kernels see of a set.
+  // Pointers to the arrays of a set, as kernels use them.
   struct Arrays {
     const std::uint32_t* records[Kind::arity];
     kernels::ColumnView parameters[Set::param_count], compliances[compliance_size<Kind>];
@@ -313,7 +313,7 @@ class SetProjector final : public Projector {
   void project_packed(std::size_t begin, std::size_t end, const ParticleView& particles,
                       const Substep& substep, bool general) {
     Arrays arrays(set_);
-    for (std::size_t k = 0; k < Kind::arity; ++k) arrays.records[k] = acted_on()[k].data();
+    for (std::size_t k = 0; k < Kind::arity; ++k) arrays.records[k] = projected_records()[k].data();
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
@@ -327,10 +327,10 @@ class SetProjector final : public Projector {
     (general ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin, end);
   }
 
-  // The scalar, readable version: what packs are tested against, and what a user's own kind runs.
+  // The scalar, readable version: the reference for the packed kernels, and the code for a user's own kinds.
   void project_scalar(std::size_t begin, std::size_t end, const ParticleView& view, const Substep& of,
                       bool general) {
-    const ParticleView particles = view;  // copies: what the loop writes cannot be them
+    const ParticleView particles = view;  // local copies: the loop's stores cannot alias them
     const Substep substep = of;
     if (general) {
       for (std::size_t i = begin; i < end; ++i) project_one<Terms::general>(i, particles, substep);
@@ -362,7 +362,7 @@ class SetProjector final : public Projector {
   }
 
   static float violation_of(float C) {
-    // std::fmax is a call; what is no number gives 0 here too.
+    // std::fmax would be a function call; a NaN of an inequality gives 0 with both.
     return Kind::sense == Sense::equality ? std::fabs(C) : -C > 0 ? -C : 0;
   }
 
@@ -373,7 +373,7 @@ class SetProjector final : public Projector {
     return 0;
   }
 
-  // 1/2 C^T alpha^-1 C; rows of no compliance store nothing, nor does a satisfied inequality.
+  // 1/2 C^T alpha^-1 C. Rows without compliance and satisfied inequalities store no energy.
   static double energy(const float (&C)[rows_of<Kind>], const Compliance& compliance) {
     if (Kind::sense == Sense::non_negative && C[0] >= 0) return 0;
     double alpha[compliance_size<Kind>], y[rows_of<Kind>], sum = 0;
@@ -395,7 +395,7 @@ class SetProjector final : public Projector {
   template <Terms terms>
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) {
     Indices indices;
-    for (std::size_t k = 0; k < Set::arity; ++k) indices[k] = acted_on()[k][i] / 4;
+    for (std::size_t k = 0; k < Set::arity; ++k) indices[k] = projected_records()[k][i] / 4;
     ProjectionInput<Kind, float> in;
     load(indices, i, particles, in);
     set_terms(i, substep, in);
@@ -415,20 +415,20 @@ class SetProjector final : public Projector {
   }
 
   Set set_;
-  std::vector<Residual> partial_;  // of each chunk
-  Column scales_;                  // k', for:
-  int scales_for_ = -1;            // iterations in PBD mode, else 0
+  std::vector<Residual> partial_;  // per chunk
+  Column scales_;                  // k' of each constraint, for scales_for_
+  int scales_for_ = -1;            // number of iterations in PBD mode, else 0
   const kernels::KindKernels* kernels_ = nullptr;
   struct Split {
-    std::vector<std::uint32_t> phantom_of;                       // nothing: no particle is split
+    std::vector<std::uint32_t> phantom_of;                       // empty: no particle is split
     std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records, with phantoms
-    Coloring whole;                                              // leads back
+    Coloring unsplit;  // restores the order and colors without phantoms
   } split_;
   bool dirty_ = true;
   bool damped_ = true;
 };
 
-// What worlds are made of is compiled once, by set_projector.cpp.
+// The kinds that worlds use are compiled once, in set_projector.cpp.
 extern template class SetProjector<Distance>;
 extern template class SetProjector<DihedralBending>;
 extern template class SetProjector<IsometricBending>;

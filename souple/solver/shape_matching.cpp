@@ -10,12 +10,14 @@
 namespace souple {
 namespace {
 
-constexpr double pin_weight = 1e4;  // of a pinned particle, in masses of the free ones
-constexpr double flat = 1e-6;  // squared thickness beside squared length below which a direction is missing
-constexpr double least_det = 0.1;  // below it, linear regions turn rigid
+// Mass of a pinned particle, as a multiple of the free particles' total mass.
+constexpr double pin_weight = 1e4;
+// Ratio of squared thickness to squared length below which a direction is missing.
+constexpr double flat = 1e-6;
+constexpr double min_det = 0.1;  // below this determinant, linear regions become rigid
 
-void require(bool good, const char* name, float value, const char* expected) {
-  if (!good) throw Error(fmt::format("shape_matching: {} is {}, expected {}", name, value, expected));
+void require(bool valid, const char* name, float value, const char* expected) {
+  if (!valid) throw Error(fmt::format("shape_matching: {} is {}, expected {}", name, value, expected));
 }
 
 void check(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest,
@@ -33,7 +35,8 @@ void check(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest
           options.damping_time, "a finite number of seconds, 0 or more");
 }
 
-// The directions in which the rest shape has no extent, whatever its masses; fills how many it has.
+// Projection onto the directions in which the rest shape has no extent, whatever its masses. Sets
+// `dimensions` to the number of the other directions.
 Mat3d missing_directions(std::span<const Vec3d> rest, int& dimensions) {
   Vec3d center{};
   for (const Vec3d& q : rest) center += q / static_cast<double>(rest.size());
@@ -52,7 +55,7 @@ Mat3d missing_directions(std::span<const Vec3d> rest, int& dimensions) {
   return missing;
 }
 
-// A^-1 within the directions that are not missing, 0 in the others.
+// A^-1 within the present directions, 0 in the missing ones.
 Mat3d pseudo_inverse(const Mat3d& a, const Mat3d& missing) {
   const double t = trace(a);
   if (!(t > 0)) return {};
@@ -78,15 +81,15 @@ void ShapeMatching::add(std::span<const std::uint32_t> particles, std::span<cons
   for (const Vec3d& q : rest) region.rest.push_back(q - rest[0]);
   region.missing = missing_directions(region.rest, region.dimensions);
   region.linear = static_cast<double>(options.linear);
-  region.hold = {Sense::equality, static_cast<double>(options.compliance),
-                 static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
-  region.inverse_mass.assign(rest.size(), -1);  // no mass yet: the first substep weighs
+  region.settings = {Sense::equality, static_cast<double>(options.compliance),
+                     static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
+  region.inverse_mass.assign(rest.size(), -1);  // no mass yet: the first substep computes the masses
   region.mass.assign(rest.size(), 1);
   regions_.push_back(std::move(region));
 }
 
-void ShapeMatching::weigh(Region& region, std::span<const std::uint32_t> group,
-                          const ParticleView& particles) {
+void ShapeMatching::update_masses(Region& region, std::span<const std::uint32_t> group,
+                                  const ParticleView& particles) {
   bool changed = false;
   for (std::size_t k = 0; k < group.size(); ++k) {
     const float w = particles.inverse_mass(group[k]);
@@ -117,7 +120,7 @@ void ShapeMatching::weigh(Region& region, std::span<const std::uint32_t> group,
 
 void ShapeMatching::begin_substep(const ParticleView& particles, const Substep&) {
   for (std::size_t i = 0; i < regions_.size(); ++i) {
-    weigh(regions_[i], groups_[i], particles);
+    update_masses(regions_[i], groups_[i], particles);
     regions_[i].multiplier = 0;
   }
 }
@@ -125,7 +128,7 @@ void ShapeMatching::begin_substep(const ParticleView& particles, const Substep&)
 ShapeMatching::Pose ShapeMatching::fit(const Region& region, std::span<const std::uint32_t> group,
                                        const ParticleView& particles) {
   Vec3d sum{};
-  Mat3d a_pq;  // sum m x q^T: as sum m q = 0, the center of x drops out
+  Mat3d a_pq;  // sum m x q^T: because sum m q = 0, the center of x cancels
   for (std::size_t k = 0; k < group.size(); ++k) {
     const Vec3d mx = Vec3d(particles.difference(group[k], group[0])) * region.mass[k];
     sum += mx;
@@ -136,8 +139,8 @@ ShapeMatching::Pose ShapeMatching::fit(const Region& region, std::span<const std
   const Mat3d r = pose.transform;
   const Mat3d a = a_pq * region.rest_inverse;
   const double det = determinant(a + r * region.missing);
-  const double beta = region.linear * std::clamp(det / least_det, 0.0, 1.0);
-  pose.transform = a * (beta * to_unit_volume(std::fmax(det, least_det), region.dimensions)) + r * (1 - beta);
+  const double beta = region.linear * std::clamp(det / min_det, 0.0, 1.0);
+  pose.transform = a * (beta * to_unit_volume(std::fmax(det, min_det), region.dimensions)) + r * (1 - beta);
   return pose;
 }
 
@@ -168,14 +171,14 @@ void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, co
   // grad_i C = -m_i d_i / (M C) with d = g - x, so w_i grad_i C = -d_i / (M C)
   const double scale = -1 / (region.free_mass * state.C);
   state.weighted_square = 1 / region.free_mass;
-  if (region.hold.damping_time > 0 && substep.mode != Mode::pbd)
+  if (region.settings.damping_time > 0 && substep.mode != Mode::pbd)
     for (std::size_t k = 0; k < group.size(); ++k)
       if (region.inverse_mass[k] > 0)
         state.rate += scale * region.mass[k] *
                       dot(to_goal(region, group, particles, pose, k), Vec3d(particles.moved(group[k])));
-  const ScalarStep step = project_scalar(state, region.hold, region.multiplier, substep);
+  const ScalarStep step = project_scalar(state, region.settings, region.multiplier, substep);
   if (substep.stores_multipliers()) region.multiplier += step.dlambda;
-  // The first particle last: the others are measured from it.
+  // The first particle last: the positions of the others are relative to it.
   for (std::size_t k = group.size(); k-- > 0;) {
     if (!(region.inverse_mass[k] > 0)) continue;
     particles.correct(group[k], Vec3f(to_goal(region, group, particles, pose, k) * (step.factor * scale)));
@@ -190,7 +193,7 @@ void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const
 
 double ShapeMatching::distance(std::size_t i, const ParticleView& particles) const {
   Region& region = regions_[i];
-  weigh(region, groups_[i], particles);
+  update_masses(region, groups_[i], particles);
   if (!(region.free_mass > 0)) return 0;
   const Pose pose = fit(region, groups_[i], particles);
   return std::sqrt(distance_squared(region, groups_[i], particles, pose));
@@ -200,7 +203,7 @@ Residual ShapeMatching::residual(const ParticleView& particles) const {
   Residual result;
   for (std::size_t i = 0; i < regions_.size(); ++i) {
     const double C = distance(i, particles);
-    if (regions_[i].free_mass > 0) add_to_residual(result, regions_[i].hold, C);
+    if (regions_[i].free_mass > 0) add_to_residual(result, regions_[i].settings, C);
   }
   return result;
 }

@@ -7,37 +7,38 @@
 namespace souple {
 
 struct ShapeMatchingOptions {
-  float linear = 0;  ///< beta in [0, 1]: 0 rigid, towards 1 the best linear map of the shape, of its volume
+  /// Beta in [0, 1]: 0 rigid; towards 1 the best-fit linear map, scaled to the rest volume.
+  float linear = 0;
   float compliance = 0;    ///< of the whole region [m/N], see ShapeMatching
   float damping_time = 0;  ///< s
   float stiffness = 1;     ///< PBD mode only: k in [0, 1]
 };
 
-/// Pulls regions of particles towards their rest shape, moved to where it fits best. Müller et al. 2005,
-/// "Meshless deformations based on shape matching", sections 3.3 to 4.2.
+/// Pulls regions of particles towards their best-fit rest shape. Müller et al. 2005, "Meshless deformations
+/// based on shape matching", sections 3.3 to 4.2.
 ///
 ///   c = sum m x / M,  A_pq = sum m (x - c) q^T,  A_qq = sum m q q^T  (q: rest positions about their center)
 ///   R = polar(A_pq),  A = A_pq A_qq^-1,  T = beta A / det(A)^(1/3) + (1 - beta) R,  g = c + T q
 ///   C = sqrt(sum m |x - g|^2 / M)  [m]
 ///
 /// C is the mass-weighted root mean square distance from the goals g, so the energy C^2 / (2 alpha) gives
-/// alpha the unit m/N: 1/alpha is the stiffness of the region as a whole. As T is best,
+/// alpha the unit m/N: 1/alpha is the stiffness of the region as a whole. As T is optimal,
 ///   grad_i C = m_i (x_i - g_i) / (M C) and sum w |grad C|^2 = 1/M:
-/// with alpha = 0 a projection moves the particles onto their goals.
-/// Linear and angular momentum are kept, for any beta and compliance.
+/// with alpha = 0 a projection moves the particles onto their goals. Linear and angular momentum are kept,
+/// for any beta and compliance.
 ///
-/// Where we deviate, so that nothing breaks: a flat or straight rest shape has no A in the directions it
-/// lacks; there A is R, and its area (or length) is kept instead of its volume. When det A falls below 0.1
-/// (crushed or inverted), beta fades to 0 with it: the region comes back as a rigid one.
+/// Deviations for robustness: a flat or straight rest shape has no A in the directions that it lacks. There A
+/// is R, and its area (or length) is kept instead of its volume. When det A falls below 0.1 (crushed or
+/// inverted), beta fades to 0 with it: the region recovers as a rigid one.
 ///
-/// A pinned particle (inverse mass 0) counts as ten thousand times the mass of the free ones, so that the
-/// region follows its pins; C and M are of the free particles alone.
+/// A pinned particle (inverse mass 0) counts as ten thousand times the mass of the free particles, so that
+/// the region follows its pins. C and M include the free particles only.
 ///
 /// Sums are in double and relative to the region's first particle. Regions may overlap.
 class ShapeMatching final : public Projector {
  public:
   /// `rest` holds the rest positions of `particles`, in the same order, anywhere in space [m]. Throws Error
-  /// when the counts differ, a particle comes twice, or a number is out of range. `prepare` must follow
+  /// when the counts differ, a particle appears twice, or a number is out of range. `prepare` must follow
   /// before the next substep.
   void add(std::span<const std::uint32_t> particles, std::span<const Vec3d> rest,
            const ShapeMatchingOptions& options = {});
@@ -46,7 +47,7 @@ class ShapeMatching final : public Projector {
   std::size_t size() const override { return regions_.size(); }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
   int color_count() const override { return groups_.color_count(); }
-  /// Must run before `project`: it looks for changed masses.
+  /// Must run before `project`: it updates changed masses.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   std::size_t color_size(int color) const override { return groups_.color(color).size(); }
   using Projector::project;
@@ -59,16 +60,16 @@ class ShapeMatching final : public Projector {
 
  private:
   struct Region {
-    std::vector<Vec3d> rest;          // relative to the first
-    std::vector<float> inverse_mass;  // that the following were made for
-    std::vector<double> mass;         // with pins as heavy
+    std::vector<Vec3d> rest;          // per particle: rest position relative to the first particle [m]
+    std::vector<float> inverse_mass;  // per particle: input of the masses below [1/kg]
+    std::vector<double> mass;         // per particle: pinned ones are heavy [kg]
     double total_mass = 0, free_mass = 0;
-    Vec3d center;        // of `rest`, by mass
+    Vec3d center;        // center of mass of `rest`
     Mat3d rest_inverse;  // pseudo-inverse of A_qq
     Mat3d missing;       // projection onto the directions the rest shape lacks
-    int dimensions = 0;  // it has
+    int dimensions = 0;  // number of directions with extent
     double linear = 0;
-    Hold hold;
+    ScalarSettings settings;
     double multiplier = 0;
   };
   struct Pose {
@@ -76,7 +77,8 @@ class ShapeMatching final : public Projector {
     Mat3d transform;
   };
 
-  static void weigh(Region& region, std::span<const std::uint32_t> group, const ParticleView& particles);
+  static void update_masses(Region& region, std::span<const std::uint32_t> group,
+                            const ParticleView& particles);
   static Pose fit(const Region& region, std::span<const std::uint32_t> group, const ParticleView& particles);
   static Vec3d to_goal(const Region& region, std::span<const std::uint32_t> group,
                        const ParticleView& particles, const Pose& pose, std::size_t k);
@@ -87,7 +89,7 @@ class ShapeMatching final : public Projector {
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
 
   ParticleGroups groups_;
-  mutable std::vector<Region> regions_;  // `residual` refreshes what depends on the masses
+  mutable std::vector<Region> regions_;  // `residual` updates values that depend on the masses
 };
 
 }  // namespace souple

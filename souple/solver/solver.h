@@ -10,17 +10,17 @@
 
 namespace souple {
 
-/// How the constraints of a substep are solved; docs/solvers.md compares them.
+/// Solver of the constraints of a substep; docs/solvers.md compares them.
 enum class SolverKind {
   gauss_seidel,        ///< nonlinear, colored: the default
-  jacobi,              ///< all constraints from the same positions, corrections averaged
+  jacobi,              ///< all constraints projected from the same positions, corrections averaged
   direct,              ///< the linearized system by a sparse Cholesky factorization
-  conjugate_gradient,  ///< the same without a factorization, for what is too large for one
-  dense,               ///< the same by SVD pseudo-inverse: small scenes only
+  conjugate_gradient,  ///< the linearized system without a factorization, for scenes too large for one
+  dense,               ///< the linearized system by SVD pseudo-inverse: small scenes only
   hierarchical         ///< levels of coarser constraints (Müller 2008)
 };
 
-/// In which order Gauss-Seidel visits the colors.
+/// The order in which Gauss-Seidel visits the colors.
 enum class Sweep {
   forward,   ///< first to last, every iteration
   symmetric  ///< forward, then backward, every iteration; kinds without a linear form once, last
@@ -29,12 +29,12 @@ enum class Sweep {
 struct SolverSettings {
   SolverKind kind = SolverKind::gauss_seidel;
   Sweep sweep = Sweep::forward;
-  /// Factor on every correction, in (0, 2): over-relaxation above 1.
+  /// Factor of every correction, in (0, 2): over-relaxation above 1.
   float relaxation = 1;
-  /// Chebyshev acceleration of the iterations: the spectral radius rho in [0, 1) that it assumes; 0: none.
+  /// Chebyshev acceleration of the iterations: the assumed spectral radius rho in [0, 1); 0: none.
   float chebyshev = 0;
-  /// Gauss-Seidel: colors to which phantom particles cut the constraint graph (Fratarcangeli and Pellacini
-  /// 2015); 0: as many as it takes without.
+  /// Gauss-Seidel: number of colors to which phantom particles reduce the constraint graph (Fratarcangeli and
+  /// Pellacini 2015); 0: as many colors as are needed without phantoms.
   int colors = 0;
 };
 
@@ -48,22 +48,24 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// As users name it.
+  /// The name that users write.
   virtual std::string_view name() const = 0;
-  /// After constraints or particles changed and before the next `solve`; projectors are prepared already.
-  /// Throws Error where the solver cannot take the scene (too large, no mesh), saying what to use instead.
+  /// Call after constraints or particles changed and before the next `solve`; projectors are prepared
+  /// already. Throws Error when the solver cannot handle the scene (too large, too many coupled rows); the
+  /// message names an alternative.
   virtual void prepare(std::span<Projector* const> projectors, const ParticleView& particles) = 0;
-  /// All iterations of a substep. `projectors` are in the order they are solved, contacts last; their
-  /// begin_substep has been called.
+  /// Runs all iterations of a substep. `projectors` are in solving order, contacts last; begin_substep of
+  /// each has been called.
   virtual void solve(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads) = 0;
-  /// What users should know of how it went (a floor on alpha, iterations of conjugate gradients), or nothing.
+  /// Information for users about the solution (a floor on alpha, iterations of conjugate gradients), or
+  /// empty.
   virtual std::string diagnostic() const { return {}; }
 };
 
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings);
 
-/// Projects all constraints of a projector once, color after color, each on all threads.
+/// Projects all constraints of a projector once, color after color, each color on all threads.
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads);
 
 }  // namespace souple

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-// The one list of what solvers and their choices are called: in scenes, on the command line, in reports.
+// The only list of the names of solvers and their options: in scenes, on the command line, in reports.
 
 namespace souple {
 

@@ -1,6 +1,6 @@
 #include "souple/solver/tbb_threads.h"
 
-#include "souple/solver/cut.h"
+#include "souple/solver/work_partition.h"
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
@@ -9,7 +9,7 @@
 namespace souple {
 namespace {
 
-/// The same cut as everywhere, each part a task; which thread takes it is oneTBB's affair.
+/// Uses the same partition as all Threads, one task per part; oneTBB chooses the thread of each task.
 class TbbThreads final : public Threads {
  public:
   explicit TbbThreads(int count) : count_(count), arena_(count) {}
@@ -17,14 +17,15 @@ class TbbThreads final : public Threads {
   int count() const override { return count_; }
   void for_each(std::size_t n, std::size_t grain, RangeFunction f) override {
     if (n == 0) return;
-    const Cut cut(n, grain, count_);
-    if (cut.parts() < 2) {
+    const WorkPartition partition(n, grain, count_);
+    if (partition.parts() < 2) {
       f(0, n);
       return;
     }
     arena_.execute([&] {
       oneapi::tbb::parallel_for(
-          std::size_t{0}, cut.parts(), [&](std::size_t t) { f(cut.begin(t), cut.begin(t + 1)); },
+          std::size_t{0}, partition.parts(),
+          [&](std::size_t t) { f(partition.begin(t), partition.begin(t + 1)); },
           oneapi::tbb::static_partitioner{});
     });
   }

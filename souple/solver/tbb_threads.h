@@ -4,7 +4,7 @@
 
 namespace souple {
 
-/// oneTBB's threads. Only where the library was built with SOUPLE_WITH_TBB.
+/// oneTBB's threads. Exists only if the library was built with SOUPLE_WITH_TBB.
 std::unique_ptr<Threads> make_tbb_threads(int count);
 
 }  // namespace souple

@@ -15,15 +15,16 @@ namespace souple {
 namespace {
 
 constexpr int job_bits = 16;
-constexpr std::uint64_t asked_mask = (std::uint64_t{1} << job_bits) - 1;
-constexpr std::uint64_t to_sleep = 0, to_end = asked_mask;  // otherwise: so many parts, 2 or more
+constexpr std::uint64_t command_mask = (std::uint64_t{1} << job_bits) - 1;
+// Otherwise: number of parts, 2 or more.
+constexpr std::uint64_t command_sleep = 0, command_end = command_mask;
 
-/// Looks before a thread that waits offers its processor to others: some tens of microseconds.
-constexpr int patience_alone = 2000;
-/// Where there are more threads than processors: whom one waits for may need this very one.
-constexpr int patience_crowded = 20;
+/// Spins before a waiting thread yields its processor: some tens of microseconds.
+constexpr int spin_limit_uncontended = 2000;
+/// With more threads than processors: the awaited thread may need this processor.
+constexpr int spin_limit_oversubscribed = 20;
 
-/// Tells the processor that this thread only waits.
+/// Hints to the processor that this thread only waits.
 void pause() {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
@@ -34,9 +35,9 @@ void pause() {
 
 /// Waits until `ready()`.
 template <class Ready>
-void spin_until(int patience, const Ready& ready) {
-  for (int looks = 0; !ready(); ++looks) {
-    if (looks < patience) {
+void spin_until(int spin_limit, const Ready& ready) {
+  for (int spins = 0; !ready(); ++spins) {
+    if (spins < spin_limit) {
       pause();
     } else {
       std::this_thread::yield();
@@ -44,8 +45,8 @@ void spin_until(int patience, const Ready& ready) {
   }
 }
 
-/// While it lives no signal from outside is delivered to this thread, nor to those it starts, ever: a user's
-/// handlers run on the user's threads.
+/// While it exists, no external signal is delivered to this thread. Threads that it starts never receive one:
+/// a user's handlers run on the user's threads.
 class SignalsBlocked {
  public:
 #if defined(__unix__) || defined(__APPLE__)
@@ -80,16 +81,16 @@ int usable_processors() {
 
 ThreadPool::ThreadPool(int count)
     : count_(std::max(count, 1)),
-      patience_(count_ <= usable_processors() ? patience_alone : patience_crowded),
+      spin_limit_(count_ <= usable_processors() ? spin_limit_uncontended : spin_limit_oversubscribed),
       workers_(static_cast<std::size_t>(count_ - 1)) {}
 
 ThreadPool::~ThreadPool() {
-  if (started_) send(to_end);
+  if (started_) send(command_end);
   for (Worker& worker : workers_)
     if (worker.thread.joinable()) worker.thread.join();
 }
 
-// Where the system refuses a thread, the pool goes on with those it has.
+// If the system refuses a thread, the pool continues with the threads it has.
 void ThreadPool::start() {
   started_ = true;
   sleeping_ = true;
@@ -107,20 +108,20 @@ void ThreadPool::start() {
   }
 }
 
-void ThreadPool::send(std::uint64_t asked) {
+void ThreadPool::send(std::uint64_t command) {
   const std::uint64_t number = (job_.signal.load(std::memory_order_relaxed) >> job_bits) + 1;
-  const std::uint64_t signal = number << job_bits | asked;
+  const std::uint64_t signal = number << job_bits | command;
   if (!sleeping_) {
     job_.signal.store(signal, std::memory_order_release);
   } else {
-    // Under the lock, so that nobody falls asleep between having looked and being woken.
+    // Under the lock, so that no worker falls asleep between its check and the notification.
     {
       const std::lock_guard lock(mutex_);
       job_.signal.store(signal, std::memory_order_release);
     }
-    alarm_.notify_all();
+    wake_condition_.notify_all();
   }
-  sleeping_ = asked == to_sleep;
+  sleeping_ = command == command_sleep;
 }
 
 bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
@@ -130,40 +131,40 @@ bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
 
 void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
   if (n == 0) return;
-  if (count_ > 1 && !started_ && Cut(n, grain, count_).parts() > 1) start();
-  const Cut cut(n, grain, count_);
-  if (cut.parts() < 2) {
+  if (count_ > 1 && !started_ && WorkPartition(n, grain, count_).parts() > 1) start();
+  const WorkPartition partition(n, grain, count_);
+  if (partition.parts() < 2) {
     f(0, n);
     return;
   }
   job_.function = &f;
-  job_.cut = cut;
-  send(cut.parts());
+  job_.partition = partition;
+  send(partition.parts());
   const std::uint64_t signal = job_.signal.load(std::memory_order_relaxed);
-  f(0, cut.begin(1));
-  for (std::size_t t = 1; t < cut.parts(); ++t) {
+  f(0, partition.begin(1));
+  for (std::size_t t = 1; t < partition.parts(); ++t) {
     if (!claim(workers_[t - 1], signal)) continue;
-    f(cut.begin(t), cut.begin(t + 1));
+    f(partition.begin(t), partition.begin(t + 1));
     workers_[t - 1].done.store(signal, std::memory_order_relaxed);
   }
-  for (std::size_t t = 1; t < cut.parts(); ++t)
-    spin_until(patience_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
-  if (!awake_) send(to_sleep);
+  for (std::size_t t = 1; t < partition.parts(); ++t)
+    spin_until(spin_limit_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
+  if (!awake_) send(command_sleep);
 }
 
 void ThreadPool::rest() {
   awake_ = false;
-  if (started_ && !sleeping_) send(to_sleep);
+  if (started_ && !sleeping_) send(command_sleep);
 }
 
-// The next signal after `seen`: spins for it, or sleeps if the last one said so.
-std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int patience) {
+// Returns the next signal after `seen`: spins for it, or sleeps if `seen` commands sleep.
+std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int spin_limit) {
   const auto changed = [&] { return job_.signal.load(std::memory_order_acquire) != seen; };
-  if ((seen & asked_mask) == to_sleep) {
+  if ((seen & command_mask) == command_sleep) {
     std::unique_lock lock(mutex_);
-    alarm_.wait(lock, changed);
+    wake_condition_.wait(lock, changed);
   } else {
-    spin_until(patience, changed);
+    spin_until(spin_limit, changed);
   }
   return job_.signal.load(std::memory_order_acquire);
 }
@@ -171,11 +172,11 @@ std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int patience) {
 void ThreadPool::work(std::size_t t) noexcept {
   std::uint64_t signal = 0;
   for (;;) {
-    signal = next_signal(signal, patience_);
-    const std::uint64_t asked = signal & asked_mask;
-    if (asked == to_end) return;
-    if (asked == to_sleep || t >= asked || !claim(workers_[t - 1], signal)) continue;
-    (*job_.function)(job_.cut.begin(t), job_.cut.begin(t + 1));
+    signal = next_signal(signal, spin_limit_);
+    const std::uint64_t command = signal & command_mask;
+    if (command == command_end) return;
+    if (command == command_sleep || t >= command || !claim(workers_[t - 1], signal)) continue;
+    (*job_.function)(job_.partition.begin(t), job_.partition.begin(t + 1));
     workers_[t - 1].done.store(signal, std::memory_order_release);
   }
 }

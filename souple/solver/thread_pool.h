@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/solver/cut.h"
 #include "souple/solver/threads.h"
+#include "souple/solver/work_partition.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -12,19 +12,19 @@
 
 namespace souple {
 
-/// Threads that spin on one word for their next job: a fork and join of two threads costs a few hundred
-/// nanoseconds, where waking a sleeping thread costs fifty microseconds. Between steps they sleep.
+/// Threads that spin on one word for their next job. Fork and join of two threads costs a few hundred
+/// nanoseconds; waking a sleeping thread costs fifty microseconds. Between steps the threads sleep.
 ///
-/// That word, the signal, holds the number of the job (upper 48 bits) and what is asked (lower 16): so many
-/// parts to work on, or to sleep, or to end. Part 0 is the caller's and part t worker t's, so that a thread
-/// meets the same particles color after color; but a worker that does not run just now, because it still
-/// wakes up or the system gave its processor to others, would make all wait: whoever works on a part claims
-/// it first, and the caller takes those that nobody has claimed when its own is done. Which thread works on a
-/// part changes no result. (Without this, a job took 90 microseconds on a busy machine; parts handed out one
+/// That word, the signal, holds the number of the job (upper 48 bits) and a command (lower 16): the number of
+/// parts to work on, or sleep, or end. Part 0 belongs to the caller and part t to worker t, so that a thread
+/// gets the same particles color after color. A worker may not be running: it is still waking up, or the
+/// system gave its processor to another process. To avoid waiting for it, a thread claims a part before
+/// working on it, and the caller, after its own part, takes all unclaimed ones. The assignment of parts to
+/// threads changes no result. (Without claims, a job took 90 microseconds on a busy machine; taking parts one
 /// by one from a counter would move particles from cache to cache.)
 ///
-/// All parts of a job are claimed before the next is sent, and signals only grow: a worker that comes late
-/// finds its claim refused and never looks at a job that is being written.
+/// All parts of a job are claimed before the next job is sent, and signals only grow. So the claim of a late
+/// worker fails, and it never reads a job that is being written.
 class ThreadPool final : public Threads {
  public:
   explicit ThreadPool(int count);
@@ -38,37 +38,37 @@ class ThreadPool final : public Threads {
   void rest() override;
 
  private:
-  /// What the caller tells the workers, on one cache line (two, where the processor fetches pairs).
+  /// What the caller sends to the workers, on one cache line (two, where the processor fetches pairs).
   struct alignas(128) Job {
     std::atomic<std::uint64_t> signal{0};
     const RangeFunction* function = nullptr;
-    Cut cut{0, 1, 1};
+    WorkPartition partition{0, 1, 1};
   };
   struct alignas(128) Worker {
-    std::atomic<std::uint64_t> claimed{0};  ///< the signal of the last job whose part was taken
-    std::atomic<std::uint64_t> done{0};     ///< and of the last whose part is finished
+    std::atomic<std::uint64_t> claimed{0};  ///< signal of the last job whose part was claimed
+    std::atomic<std::uint64_t> done{0};     ///< signal of the last job whose part is finished
     std::thread thread;
   };
 
-  /// Whether the part of a job is the one's who asks: true once for each signal.
+  /// Claims the worker's part of the job with this signal. Returns true only once per signal.
   static bool claim(Worker& worker, std::uint64_t signal);
   void start();
-  void send(std::uint64_t asked);
+  void send(std::uint64_t command);
   void work(std::size_t t) noexcept;
-  std::uint64_t next_signal(std::uint64_t seen, int patience);
+  std::uint64_t next_signal(std::uint64_t seen, int spin_limit);
 
   int count_;
-  int patience_;
+  int spin_limit_;
   bool started_ = false;
   bool awake_ = false;     // between wake() and rest()
-  bool sleeping_ = false;  // the workers, or on their way to it
+  bool sleeping_ = false;  // the workers sleep or are about to
   Job job_;
-  std::vector<Worker> workers_;  // all but the caller
-  std::mutex mutex_;             // guards the change from sleep to a job
-  std::condition_variable alarm_;
+  std::vector<Worker> workers_;  // all threads but the caller
+  std::mutex mutex_;             // guards the transition from sleep to a job
+  std::condition_variable wake_condition_;
 };
 
-/// Those that the scheduler lets this process use, at least 1.
+/// Number of processors that the scheduler lets this process use, at least 1.
 int usable_processors();
 
 }  // namespace souple

@@ -7,7 +7,7 @@
 
 namespace souple {
 
-/// A function called on ranges [begin, end): refers to a callable of the caller, owns and allocates nothing.
+/// A function called on ranges [begin, end). Refers to a callable of the caller; owns and allocates nothing.
 class RangeFunction {
  public:
   template <class Function>
@@ -24,52 +24,52 @@ class RangeFunction {
   void (*call_)(const void*, std::size_t, std::size_t);
 };
 
-/// The threads a world computes on. One thread of the user's calls it at a time.
+/// The threads on which a world computes. Only one user thread may call it at a time.
 class Threads {
  public:
   virtual ~Threads() = default;
 
-  /// Threads that work, the caller's among them. It may fall, once, when the system refuses to start some.
+  /// Number of working threads, including the caller's. It may fall, once, when the system refuses to start
+  /// some.
   virtual int count() const = 0;
-  /// Cuts [0, n) into at most count() parts of at least `grain`, calls f once for each, then waits for all;
-  /// see Cut. `f` must not throw. Allocates nothing once the threads have started.
+  /// Divides [0, n) into at most count() parts of at least `grain`, calls f once per part, and waits for all
+  /// parts; see WorkPartition. `f` must not throw. Allocates nothing once the threads have started.
   virtual void for_each(std::size_t n, std::size_t grain, RangeFunction f) = 0;
-  /// Between these two many for_each follow one another closely: workers may spin instead of sleeping. What
-  /// is never cut wakes nobody.
+  /// Enclose many for_each calls in close succession: in between, workers may spin instead of sleeping. A
+  /// for_each with a single part wakes no worker.
   virtual void wake() {}
   virtual void rest() {}
 };
 
-/// Awake as long as it lives.
-class Wakefulness {
+/// Keeps the threads awake while it exists.
+class ActiveScope {
  public:
-  explicit Wakefulness(Threads& threads) : threads_(threads) { threads_.wake(); }
-  ~Wakefulness() { threads_.rest(); }
-  Wakefulness(const Wakefulness&) = delete;
-  Wakefulness& operator=(const Wakefulness&) = delete;
+  explicit ActiveScope(Threads& threads) : threads_(threads) { threads_.wake(); }
+  ~ActiveScope() { threads_.rest(); }
+  ActiveScope(const ActiveScope&) = delete;
+  ActiveScope& operator=(const ActiveScope&) = delete;
 
  private:
   Threads& threads_;
 };
 
-/// Which threads: see docs/performance.md for what each costs.
+/// Implementation of the threads; docs/performance.md has the cost of each.
 enum class Threading {
-  automatic,  ///< what measures best: the pool, or serial where one thread is asked for
-  serial,     ///< the caller's only
-  pool,       ///< our own, with a spinning barrier
-  tbb         ///< oneTBB's; where the library was built without it, the pool
+  automatic,  ///< the fastest by measurement: the pool, or serial for one thread
+  serial,     ///< only the caller's thread
+  pool,       ///< Souple's own threads, with a spinning barrier
+  tbb         ///< oneTBB's threads; the pool if the library was built without oneTBB
 };
 
 /// Whether the library was built with oneTBB.
 bool has_tbb();
 
-/// How many threads `count` means. Itself where it is not 0; otherwise the environment's SOUPLE_THREADS, or
-/// one for each processor this process may use. Throws Error when SOUPLE_THREADS is no whole number from 1
-/// to 1024.
+/// The number of threads that `count` requests: `count` itself if it is not 0; otherwise the environment
+/// variable SOUPLE_THREADS, or one per processor that this process may use. Throws Error when SOUPLE_THREADS
+/// is not a whole number from 1 to 1024.
 int thread_count(int count);
 
-/// `count` threads, the caller's among them, by the rules of thread_count. They start when they first have
-/// work.
+/// thread_count(count) threads, including the caller's. They start when they first have work.
 std::unique_ptr<Threads> make_threads(Threading kind, int count);
 
 }  // namespace souple

@@ -140,7 +140,7 @@ FluidSurface::FluidSurface(const SurfaceOptions& options)
     : options_(completed(options)), particles_(options_), field_(options_.cell, options_.level) {}
 
 const SurfaceMesh& FluidSurface::build(std::span<const Vec3f> positions, Threads& threads) {
-  const Wakefulness awake(threads);
+  const ActiveScope awake(threads);
   Clock::time_point clock = Clock::now();
   const float radius = options_.neighbor_radius * options_.spacing;
   // Within this distance, the coordinates of cells and bricks are in range.

@@ -31,7 +31,7 @@ SurfaceOptions options_of(float spacing) {
 SplatShapes::SplatShapes(float spacing) : options_(options_of(spacing)), particles_(options_) {}
 
 void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
-  const Wakefulness awake(threads);
+  const ActiveScope awake(threads);
   const float radius = options_.neighbor_radius * options_.spacing;
   const float limit = radius * 0x1p18f;  // within it, the coordinates of cells are in range
   positions_.clear();

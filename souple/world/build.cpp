@@ -160,7 +160,7 @@ void add_gas(const Object& object, Kinds& kinds) {
   for (const Triangle& t : object.surface) triangles.push_back(shifted(t, object.begin));
   EnclosedVolumeOptions options{.pressure = object.pressure};
   if (object.enclosed_volume) {
-    options.holds_volume = true;
+    options.keep_volume = true;
     options.volume_factor = object.enclosed_volume->first;
     options.compliance = object.enclosed_volume->second;
   }

@@ -29,7 +29,7 @@ const StepReport& World::step(double dt) {
   const double start = world.time;
   bool valid = true;
   world.stepping = true;
-  const Wakefulness awake(*world.threads);
+  const ActiveScope awake(*world.threads);
   save_last_valid(world);
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; valid && i <= substep.count; ++i) {

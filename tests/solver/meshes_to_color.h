@@ -17,7 +17,7 @@ struct ColorCase {
   std::vector<std::uint32_t> indices;
   int arity = 2;
   std::size_t particles = 0;
-  std::size_t most_colors = 0;  ///< a color or two above what it takes
+  std::size_t max_colors = 0;  ///< a color or two above what it takes
 
   std::size_t count() const { return indices.size() / static_cast<std::size_t>(arity); }
   std::span<const std::uint32_t> constraint(std::size_t i) const {
@@ -28,8 +28,8 @@ struct ColorCase {
 
 template <class Element>
 ColorCase color_case(const std::string& name, const std::vector<Element>& elements, std::size_t particles,
-                     std::size_t most_colors) {
-  ColorCase result{name, {}, static_cast<int>(std::tuple_size_v<Element>), particles, most_colors};
+                     std::size_t max_colors) {
+  ColorCase result{name, {}, static_cast<int>(std::tuple_size_v<Element>), particles, max_colors};
   for (const Element& element : elements)
     result.indices.insert(result.indices.end(), element.begin(), element.end());
   return result;

@@ -50,7 +50,7 @@ TEST(Coloring, MeshesTakeFewColorsAndNoneIsTiny) {
   for (const ColorCase& of : test::meshes_to_color(200)) {
     const Coloring coloring = coloring_of(of);
     expect_valid(of, coloring);
-    EXPECT_LE(color_count(coloring), of.most_colors) << of.name;
+    EXPECT_LE(color_count(coloring), of.max_colors) << of.name;
     const std::size_t mean = of.count() / color_count(coloring);
     for (std::size_t c = 0; c < color_count(coloring); ++c)
       EXPECT_GE(color(coloring, c).size(), std::min<std::size_t>(512, mean / 2)) << of.name;
@@ -105,7 +105,7 @@ TEST(Coloring, HubInACloth) {
   for (std::uint32_t i = 1; i <= 1000; ++i) of.indices.insert(of.indices.end(), {0, 9 * i});
   const Coloring coloring = coloring_of(of);
   expect_valid(of, coloring);
-  EXPECT_LE(color_count(coloring), of.most_colors);
+  EXPECT_LE(color_count(coloring), of.max_colors);
   for (std::size_t c = 0; c < 16; ++c) EXPECT_GE(color(coloring, c).size(), 512u);
 }
 

@@ -77,7 +77,7 @@ TEST(EnclosedVolume, HoldsItsVolumeAtEverySize) {
         Body body = body_of(s, size, form);
         const double rest = volume_of(s.positions, s.triangles) * size * size * size;
         EnclosedVolume projector;
-        projector.add(s.triangles, rest, {.holds_volume = true, .volume_factor = static_cast<float>(factor)});
+        projector.add(s.triangles, rest, {.keep_volume = true, .volume_factor = static_cast<float>(factor)});
         projector.prepare(s.positions.size());
         for (int i = 0; i < 30; ++i) solve(projector, body, {.h = 0.01f, .form = form});
         EXPECT_NEAR(volume_of(body.all(), s.triangles) / rest, factor, 1e-5 * factor) << size;
@@ -86,11 +86,11 @@ TEST(EnclosedVolume, HoldsItsVolumeAtEverySize) {
 
 TEST(EnclosedVolume, KeepsMomentaFarFromTheOrigin) {
   const Surface s = ball(2);
-  for (const bool holds : {true, false}) {
+  for (const bool keep_volume : {true, false}) {
     Body body = body_of(s, 1, Form::displacement, {1000, 1000, -1000});
     const auto before = body.all();
     EnclosedVolume projector;
-    projector.add(s.triangles, 6, {.pressure = holds ? 0.0f : 1e3f, .holds_volume = holds});
+    projector.add(s.triangles, 6, {.pressure = keep_volume ? 0.0f : 1e3f, .keep_volume = keep_volume});
     projector.prepare(s.positions.size());
     solve(projector, body, {.h = 0.01f});
     const Momentum m = momentum_of(body, before);
@@ -106,7 +106,7 @@ TEST(EnclosedVolume, GradientIsThatOfTheVolume) {
   Body body = body_of(s, 1);
   const double before = volume_of(body.all(), s.triangles);
   EnclosedVolume projector;
-  projector.add(s.triangles, before + 1e-4, {.holds_volume = true});
+  projector.add(s.triangles, before + 1e-4, {.keep_volume = true});
   projector.prepare(s.positions.size());
   solve(projector, body, {.h = 0.01f});
   EXPECT_NEAR(volume_of(body.all(), s.triangles) - before, 1e-4, 1e-7);
@@ -146,7 +146,7 @@ TEST(EnclosedVolume, ComplianceDoesNotDependOnIterations) {
     Body body = body_of(s, 1);
     EnclosedVolume projector;
     const double rest = 1.02 * volume_of(body.all(), s.triangles);
-    projector.add(s.triangles, rest, {.holds_volume = true, .compliance = 1e-3f});
+    projector.add(s.triangles, rest, {.keep_volume = true, .compliance = 1e-3f});
     projector.prepare(s.positions.size());
     solve(projector, body, {.h = 0.01f, .iterations = iterations, .mode = Mode::xpbd});
     residuals.push_back(projector.residual(body.view()).largest);
@@ -164,7 +164,7 @@ TEST(EnclosedVolume, PinnedParticlesStayAndCollapsedSurfacesStayCalm) {
   body.position[3].w = 0;
   const auto before = body.all();
   EnclosedVolume projector;
-  projector.add(s.triangles, 4, {.holds_volume = true});
+  projector.add(s.triangles, 4, {.keep_volume = true});
   projector.prepare(s.positions.size());
   for (int i = 0; i < 3; ++i) solve(projector, body, {.h = 0.01f});
   for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LT(length(body.at(i)), 1.0);
@@ -183,8 +183,8 @@ TEST(EnclosedVolume, ErasingAnotherObjectRenumbers) {
   const auto n = static_cast<std::uint32_t>(s.positions.size());
   for (Triangle& t : second)
     for (std::uint32_t& i : t) i += n;
-  projector.add(s.triangles, 1, {.holds_volume = true});
-  projector.add(second, 2, {.holds_volume = true});
+  projector.add(s.triangles, 1, {.keep_volume = true});
+  projector.add(second, 2, {.keep_volume = true});
   projector.erase_particles(0, n);
   projector.prepare(n);
   ASSERT_EQ(projector.size(), 1u);

@@ -159,10 +159,10 @@ TEST(HierarchicalLevels, EveryParticleFollowsCoarseOnesByWeightsOfSumOne) {
       double mass = 0;
       for (std::size_t j = 0; j < level.finer.size(); ++j) {
         mass += static_cast<double>(level.mass[j]);
-        double share = 0;
+        double child_weight = 0;
         for (std::uint32_t k = level.child_begin[j]; k < level.child_begin[j + 1]; ++k)
-          share += static_cast<double>(level.share[k]);
-        EXPECT_NEAR(share, 1, 1e-5);
+          child_weight += static_cast<double>(level.child_weight[k]);
+        EXPECT_NEAR(child_weight, 1, 1e-5);
         EXPECT_EQ(level.mass[j] > 0, masses[level.finer[j]] > 0);
       }
       EXPECT_NEAR(mass, followed, 1e-5 * mass) << "mass is handed down, none is lost";
@@ -198,10 +198,10 @@ TEST(HierarchicalLevels, AUniformStretchIsHandedDownInside) {
   const CoarseLevel level = build_levels(links_of(sheet), masses, 24).front();
   double error = 0;
   for (std::uint32_t i = 0; i < masses.size(); ++i) {
-    Vec3d place{};
+    Vec3d position{};
     for (std::uint32_t k = level.parent_begin[i]; k < level.parent_begin[i + 1]; ++k)
-      place += sheet.body.at(level.finer[level.parent[k]]) * static_cast<double>(level.weight[k]);
-    error += length(place - sheet.body.at(i)) / static_cast<double>(masses.size());
+      position += sheet.body.at(level.finer[level.parent[k]]) * static_cast<double>(level.weight[k]);
+    error += length(position - sheet.body.at(i)) / static_cast<double>(masses.size());
   }
   EXPECT_LT(error, 0.1 * 2 / 59) << "mean, a tenth of a cell";
 }

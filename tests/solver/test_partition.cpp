@@ -108,10 +108,10 @@ TEST(Partition, FewPhantoms) {
     for (const std::size_t colors : {2u, 4u, 6u}) {
       std::vector<std::size_t> degree(mesh.of.particles);
       for (const std::uint32_t particle : mesh.of.indices) ++degree[particle];
-      std::size_t fewest = 0;
-      for (const std::size_t n : degree) fewest += n > colors ? (n + colors - 1) / colors : 0;
+      std::size_t min_phantoms = 0;
+      for (const std::size_t n : degree) min_phantoms += n > colors ? (n + colors - 1) / colors : 0;
       const Partition partition = mesh.partition(static_cast<int>(colors));
-      EXPECT_LE(partition.phantom_of.size(), 3 * fewest / 2 + mesh.of.particles * 5 / 4)
+      EXPECT_LE(partition.phantom_of.size(), 3 * min_phantoms / 2 + mesh.of.particles * 5 / 4)
           << mesh.of.name << ", " << colors;
     }
 }

@@ -1,6 +1,6 @@
 #include "souple/error.h"
-#include "souple/solver/cut.h"
 #include "souple/solver/threads.h"
+#include "souple/solver/work_partition.h"
 #include "tests/expect_error.h"
 #include "tests/threads/idle.h"
 
@@ -33,29 +33,29 @@ std::vector<int> visits(Threads& threads, std::size_t n, std::size_t grain) {
   return count;
 }
 
-TEST(Cut, PartsAreWholePacksAndNoSmallerThanTheGrain) {
+TEST(WorkPartition, PartsAreWholePacksAndNoSmallerThanTheGrain) {
   for (const std::size_t n : {0u, 1u, 15u, 16u, 17u, 100u, 1000u, 4097u})
     for (const std::size_t grain : {0u, 1u, 7u, 16u, 20u, 64u, 5000u})
       for (const int count : {1, 2, 3, 8, 1000}) {
-        const Cut cut(n, grain, count);
-        ASSERT_GE(cut.parts(), 1u);
-        ASSERT_LE(cut.parts(), static_cast<std::size_t>(count));
-        EXPECT_EQ(cut.begin(0), 0u);
-        EXPECT_EQ(cut.begin(cut.parts()), n);
-        for (std::size_t t = 0; t < cut.parts(); ++t) {
-          const std::size_t size = cut.begin(t + 1) - cut.begin(t);
-          EXPECT_TRUE(size >= grain || cut.parts() == 1) << n << " in parts of at least " << grain;
-          EXPECT_TRUE(cut.begin(t) % 16 == 0 || grain < 16) << n << " in parts of at least " << grain;
+        const WorkPartition partition(n, grain, count);
+        ASSERT_GE(partition.parts(), 1u);
+        ASSERT_LE(partition.parts(), static_cast<std::size_t>(count));
+        EXPECT_EQ(partition.begin(0), 0u);
+        EXPECT_EQ(partition.begin(partition.parts()), n);
+        for (std::size_t t = 0; t < partition.parts(); ++t) {
+          const std::size_t size = partition.begin(t + 1) - partition.begin(t);
+          EXPECT_TRUE(size >= grain || partition.parts() == 1) << n << " in parts of at least " << grain;
+          EXPECT_TRUE(partition.begin(t) % 16 == 0 || grain < 16) << n << " in parts of at least " << grain;
           EXPECT_TRUE(size > 0 || n == 0);
         }
       }
 }
 
-TEST(Cut, UsesTheThreadsThereAre) {
-  EXPECT_EQ(Cut(100000, 256, 8).parts(), 8u);
-  EXPECT_EQ(Cut(8, 1, 3).parts(), 3u);
-  EXPECT_EQ(Cut(whole, 1, 3).begin(3), whole);
-  EXPECT_EQ(Cut(5, whole, 3).parts(), 1u);
+TEST(WorkPartition, UsesTheThreadsThereAre) {
+  EXPECT_EQ(WorkPartition(100000, 256, 8).parts(), 8u);
+  EXPECT_EQ(WorkPartition(8, 1, 3).parts(), 3u);
+  EXPECT_EQ(WorkPartition(whole, 1, 3).begin(3), whole);
+  EXPECT_EQ(WorkPartition(5, whole, 3).parts(), 1u);
 }
 
 TEST(Threads, MeetEveryIndexOnce) {
@@ -80,7 +80,7 @@ TEST(Threads, MeetEveryIndexOnce) {
 TEST(Threads, SeeWhatTheLastJobWrote) {
   for (const Threading kind : kinds) {
     const auto threads = make_threads(kind, 4);
-    const Wakefulness awake(*threads);
+    const ActiveScope awake(*threads);
     std::vector<int> from(256), to(256);
     std::iota(from.begin(), from.end(), 0);
     for (int round = 0; round < 2000; ++round) {

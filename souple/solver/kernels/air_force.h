@@ -4,7 +4,7 @@
 
 namespace souple::kernels {
 
-/// What the air is to one material.
+/// Air and the material it acts on.
 struct Air {
   float wind[3] = {};  ///< m/s
   float density = 0;   ///< kg/m^3
@@ -13,11 +13,12 @@ struct Air {
   float h = 0;              ///< s
 };
 
-/// The force of the air on a triangle with edges e and f, which moves through it at velocity v. [N] With n
-/// its normal and A its area
+/// Force of the air on a triangle with edges e and f that moves through the air at velocity v. [N] With n its
+/// normal and A its area
 ///   drag = -rho/2 c_d A |v.n| v
 ///   lift = -rho/2 c_l A (v.n) |v| (n - (n.v) v / |v|^2)
-/// The impulse is capped at what stops the triangle in the air: light cloth stays stable in any wind.
+/// The impulse is limited to the one that stops the triangle in the air: light cloth stays stable in any
+/// wind.
 template <class T>
 inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, const Air& air) {
   const T speed = length(v);
@@ -31,10 +32,10 @@ inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, c
   const Vec3<T> across = n - v * (vn / (some_speed * some_speed));
   const Vec3<T> force = v * (-q * T(air.drag) * abs(vn)) - across * (q * T(air.lift) * vn * speed);
 
-  const T most = T(0.5f * air.areal_density) * twice_area * speed / T(air.h);
+  const T max_force = T(0.5f * air.areal_density) * twice_area * speed / T(air.h);
   const T size = length(force);
-  const auto capped = size > most;
-  const T factor = select(capped, most / select(capped, size, T(1)), T(1));
+  const auto capped = size > max_force;
+  const T factor = select(capped, max_force / select(capped, size, T(1)), T(1));
   return {select(blown, force.x * factor, T(0)), select(blown, force.y * factor, T(0)),
           select(blown, force.z * factor, T(0))};
 }

@@ -6,28 +6,29 @@
 
 #include <utility>
 
-// The projection of many constraints, a register's worth at a time. Included by the translation units that
-// are compiled for one instruction set, and by nothing else; every template here carries the set's tag.
+// The projection of many constraints, one register of constraints at a time. Included only by the translation
+// units that are compiled for one instruction set; every template here has the set's tag as parameter.
 
-// What is not inlined passes registers through memory, at half the speed; g++'s flatten leaves lambdas out.
+// Functions that are not inlined pass registers through memory, at half the speed. g++'s flatten does not
+// inline lambdas.
 #define SOUPLE_INLINE __attribute__((always_inline))
 
 namespace souple::kernels {
 
-/// f(0), f(1), ... f(n - 1) with constants, whatever the compiler thinks of unrolling: an index that it does
-/// not know puts registers into memory.
+/// Calls f(0), f(1), ... f(n - 1) with constants, independent of the compiler's unrolling: an index unknown
+/// at compile time would force registers into memory.
 template <int n, class Function>
-SOUPLE_INLINE inline void unrolled(const Function& f) {
+SOUPLE_INLINE inline void static_for(const Function& f) {
   [&]<int... k>(std::integer_sequence<int, k...>) SOUPLE_INLINE {
     (f(std::integral_constant<int, k>{}), ...);
   }
   (std::make_integer_sequence<int, n>{});
 }
 
-/// A column that loads as a register everywhere: an equal number for all is spread over one.
+/// A column that always loads as a register: a uniform value is broadcast to one.
 template <class Isa>
 struct LoadedColumn {
-  alignas(64) float spread[Isa::lanes];
+  alignas(64) float broadcast[Isa::lanes];
   const float* values;
   std::size_t stride;
 
@@ -35,13 +36,13 @@ struct LoadedColumn {
     values = column.values;
     stride = column.stride;
     if (stride == 1) return;
-    simd::Pack<Isa>(*column.values).store(spread);
-    values = spread;
+    simd::Pack<Isa>(*column.values).store(broadcast);
+    values = broadcast;
   }
   simd::Pack<Isa> load(std::size_t i) const { return simd::Pack<Isa>::load(values + i * stride); }
 };
 
-/// A copy of SetArrays that the compiler knows no store of positions to change.
+/// A local copy of SetArrays: the compiler knows that no store of positions changes it.
 template <class Isa, class Kind>
 struct LocalSet {
   static constexpr int param_count = sizeof(typename Kind::template Params<float>) / sizeof(float);
@@ -64,7 +65,7 @@ struct LocalSet {
   }
 };
 
-/// `lanes` neighboring constraints: what their projection reads.
+/// Input of the projection of `lanes` neighboring constraints.
 template <class Isa, class Kind>
 struct Block {
   using T = simd::Pack<Isa>;
@@ -82,13 +83,15 @@ struct Block {
   }
 };
 
-/// x_k - x_0 (or x_0 - origin) and the inverse masses; components of the plain form stay in registers.
+/// Loads x_k - x_0 (or x_0 - origin) and the inverse masses. In the plain form the components stay in
+/// registers.
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
   auto& x = block.moving;
-  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
-    unrolled<4>([&](auto j) SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
+  static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
+    static_for<4>([&](auto j)
+                      SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
     simd::transpose<Isa>(x[k]);
     block.in.inverse_mass[k] = T(x[k][3]);
   });
@@ -98,28 +101,29 @@ SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& 
   } else {
     block.in.x[0] = {T(0), T(0), T(0)};
   }
-  unrolled<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
+  static_for<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
     constexpr int k = before + 1;
     block.in.x[k] = Vec3<T>{T(x[k][0]), T(x[k][1]), T(x[k][2])} - first;
   });
 }
 
-/// The same of (x_k - x_0) + (d_k - d_0), taken record by record before they are transposed: the displacement
-/// form then costs loads and additions, but no transpose more.
+/// Loads (x_k - x_0) + (d_k - d_0) and the inverse masses. Differences are computed record by record before
+/// they are transposed: the displacement form costs additional loads and additions, but no additional
+/// transpose.
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
   using Vector = typename Isa::Vector;
   auto& d = block.moving;
   Vector first[4];
-  unrolled<4>([&](auto j) SOUPLE_INLINE {
+  static_for<4>([&](auto j) SOUPLE_INLINE {
     first[j] = Isa::load_records(p.position, block.records[0] + j);
     d[0][j] = Isa::load_records(p.moving, block.records[0] + j);
   });
-  unrolled<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
+  static_for<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
     constexpr int k = before + 1;
     Vector u[4];
-    unrolled<4>([&](auto j) SOUPLE_INLINE {
+    static_for<4>([&](auto j) SOUPLE_INLINE {
       const Vector x = Isa::load_records(p.position, block.records[k] + j);
       d[k][j] = Isa::load_records(p.moving, block.records[k] + j);
       u[j] = Isa::difference_but_last(x, first[j]) + (d[k][j] - d[0][j]);  // d.w = 0: u.w = x.w
@@ -149,13 +153,13 @@ SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Isa, Kin
   }
 }
 
-/// What the particles have moved since the substep began.
+/// Loads the displacements of the particles since the start of the substep.
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
-  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
+  static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
     typename Isa::Vector moved[4];
-    unrolled<4>([&](auto j) SOUPLE_INLINE {
+    static_for<4>([&](auto j) SOUPLE_INLINE {
       moved[j] = Isa::load_records(p.moving, block.records[k] + j) -
                  Isa::load_records(p.start, block.records[k] + j);
     });
@@ -164,24 +168,24 @@ SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Isa, Kind>& 
   });
 }
 
-/// Adds the corrections to the records of `corrected`; the fourth lane stays. `in_place`: it is `moving`,
-/// which the block still holds. (The general terms read it again: a third of the code less, at the same
+/// Adds the corrections to the records of `corrected`; the fourth lane stays. `in_place`: `corrected` is
+/// `moving`, which the block still holds. (The general terms read it again: a third less code at the same
 /// speed.)
 template <class Isa, class Kind, bool displacement, bool in_place>
 SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block<Isa, Kind>& block,
                                             const Vec3<simd::Pack<Isa>> (&dx)[Kind::arity]) {
   using Vector = typename Isa::Vector;
-  unrolled<Kind::arity>([&](auto k) SOUPLE_INLINE {
+  static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
     const std::uint32_t* records = block.records[k];
     if constexpr (in_place && !displacement) {
       const auto& x = block.moving[k];
       Vector r[4] = {x[0] + dx[k].x.v, x[1] + dx[k].y.v, x[2] + dx[k].z.v, x[3]};
       simd::transpose<Isa>(r);
-      unrolled<4>([&](auto j) SOUPLE_INLINE { Isa::store_records(p.corrected, records + j, r[j]); });
+      static_for<4>([&](auto j) SOUPLE_INLINE { Isa::store_records(p.corrected, records + j, r[j]); });
     } else {
       Vector r[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, Vector{}};
       simd::transpose<Isa>(r);
-      unrolled<4>([&](auto j) SOUPLE_INLINE {
+      static_for<4>([&](auto j) SOUPLE_INLINE {
         const Vector before = in_place ? block.moving[k][j] : Isa::load_records(p.corrected, records + j);
         Isa::store_records(p.corrected, records + j, before + r[j]);
       });
@@ -189,7 +193,7 @@ SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block
   });
 }
 
-/// Blocks of a register's worth of constraints from the i-th on.
+/// Projects blocks of one register of constraints, from the i-th constraint on.
 template <class Isa, class Kind, bool displacement, Terms terms>
 [[gnu::flatten]] void project_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
                                      std::size_t end) {
@@ -218,7 +222,7 @@ template <class Isa, class Kind, bool displacement, Terms terms>
   }
 }
 
-/// C of the same.
+/// Evaluates C of blocks of one register of constraints, from the i-th constraint on.
 template <class Isa, class Kind, bool displacement>
 [[gnu::flatten]] void evaluate_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays,
                                       std::size_t i, std::size_t end, float* const* values) {
@@ -234,7 +238,7 @@ template <class Isa, class Kind, bool displacement>
   }
 }
 
-/// How much of everything a constraint of some kind has.
+/// Numbers of particles, parameters, compliances and rows of a constraint kind.
 struct KindSize {
   int particles, parameters, compliances, rows;
 };
@@ -243,27 +247,27 @@ template <class Isa, class Kind>
 inline constexpr KindSize size_of_kind{Kind::arity, LocalSet<Isa, Kind>::param_count,
                                        LocalSet<Isa, Kind>::alpha_count, rows_of<Kind>};
 
-/// A copy of the last constraints of a range, filled up to a whole block with constraints on dummy particles
-/// that weigh nothing to anyone: the end of a range runs the same code, so it gives the same bits. One text
-/// for all kinds: compiled for each, it took a quarter of the time that kernels take to compile.
+/// A copy of the last constraints of a range, padded to a whole block with copies that act on dummy
+/// particles. The end of a range thus runs the same code and gives the same bits. One implementation for all
+/// kinds: compiled for each kind, it took a quarter of the compile time of the kernels.
 template <class Isa>
 struct Tail {
   static constexpr int lanes = Isa::lanes;
-  static constexpr int most_particles = 4, most_parameters = 16, most_rows = 3;
-  static constexpr int most_compliances = most_rows * (most_rows + 1) / 2;
-  static constexpr bool holds(const KindSize& size) {
-    return size.particles <= most_particles && size.parameters <= most_parameters &&
-           size.compliances <= most_compliances && size.rows <= most_rows;
+  static constexpr int max_particles = 4, max_parameters = 16, max_rows = 3;
+  static constexpr int max_compliances = max_rows * (max_rows + 1) / 2;
+  static constexpr bool fits(const KindSize& size) {
+    return size.particles <= max_particles && size.parameters <= max_parameters &&
+           size.compliances <= max_compliances && size.rows <= max_rows;
   }
 
-  std::uint32_t indices[most_particles][lanes];
-  float parameter[most_parameters][lanes], compliance[most_compliances][lanes], damping[lanes], scale[lanes];
-  float lambda[most_rows][lanes];
-  alignas(16) float position[most_particles][lanes][4], moving[most_particles][lanes][4],
-      start[most_particles][lanes][4], corrected[most_particles][lanes][4];
-  const std::uint32_t* index_pointers[most_particles];
-  ColumnView parameter_views[most_parameters], compliance_views[most_compliances];
-  float* lambda_pointers[most_rows];
+  std::uint32_t indices[max_particles][lanes];
+  float parameter[max_parameters][lanes], compliance[max_compliances][lanes], damping[lanes], scale[lanes];
+  float lambda[max_rows][lanes];
+  alignas(16) float position[max_particles][lanes][4], moving[max_particles][lanes][4],
+      start[max_particles][lanes][4], corrected[max_particles][lanes][4];
+  const std::uint32_t* index_pointers[max_particles];
+  ColumnView parameter_views[max_parameters], compliance_views[max_compliances];
+  float* lambda_pointers[max_rows];
   KindSize size;
   std::size_t first, count;
 
@@ -337,7 +341,7 @@ void project(const ParticleArrays& p, const SetArrays& set, std::size_t begin, s
   const auto blocks = project_blocks<Isa, Kind, displacement, terms>;
   if (begin < last) blocks(p, set, begin, last);
   if (last == end) return;
-  static_assert(Tail<Isa>::holds(size_of_kind<Isa, Kind>));
+  static_assert(Tail<Isa>::fits(size_of_kind<Isa, Kind>));
   Tail<Isa> tail(size_of_kind<Isa, Kind>, p, set, last, end);
   blocks(tail.particles(), tail.set(set), 0, Isa::lanes);
   tail.copy_back(p, set);
@@ -349,7 +353,7 @@ void evaluate(const ParticleArrays& p, const SetArrays& set, std::size_t begin, 
   const std::size_t last = whole<Isa>(begin, end);
   if (begin < last) evaluate_blocks<Isa, Kind, displacement>(p, set, begin, last, values);
   if (last == end) return;
-  static_assert(Tail<Isa>::holds(size_of_kind<Isa, Kind>));
+  static_assert(Tail<Isa>::fits(size_of_kind<Isa, Kind>));
   Tail<Isa> tail(size_of_kind<Isa, Kind>, p, set, last, end);
   float C[rows_of<Kind>][Isa::lanes];
   float* pointers[rows_of<Kind>];

@@ -3,19 +3,18 @@
 #include "souple/math/simd/instruction_sets.h"
 #include "souple/solver/kernels/motion.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag. A record's fourth float is never written: it may hold the inverse
-// mass.
+// Included only by the translation units that are compiled for one instruction set; every template here has
+// the set's tag as parameter. A record's fourth float is never changed: it may hold the inverse mass.
 
 namespace souple::kernels {
 
-/// Four floats, repeated over a register.
+/// Four floats, repeated to fill a register.
 template <class Isa>
 inline typename Isa::Vector records_of(float x, float y, float z, float w) {
   const float record[4] = {x, y, z, w};
-  float spread[Isa::lanes];
-  for (int lane = 0; lane < Isa::lanes; ++lane) spread[lane] = record[lane % 4];
-  return Isa::load(spread);
+  float broadcast[Isa::lanes];
+  for (int lane = 0; lane < Isa::lanes; ++lane) broadcast[lane] = record[lane % 4];
+  return Isa::load(broadcast);
 }
 
 template <class Isa>
@@ -25,17 +24,16 @@ inline typename Isa::Mask three_of_four() {
   return mask;
 }
 
-/// Says at the end whether a number came by that is infinite, no number, or so large that the sum of three
-/// is.
+/// Detects infinity, NaN, and values so large that a sum of three of them would be infinite.
 template <class Isa>
-class Watch {
+class FiniteCheck {
  public:
   void add(typename Isa::Vector a) {
     const typename Isa::Vector large = a * 8.0f;
     sum_ = sum_ + (large - large);  // NOLINT(misc-redundant-expression): infinity less infinity is no number,
                                     // nor is any sum with it
   }
-  bool is_clean() const {
+  bool all_finite() const {
     for (int lane = 0; lane < Isa::lanes; ++lane)
       if (sum_[lane] != 0.0f) return false;
     return true;
@@ -45,7 +43,8 @@ class Watch {
   typename Isa::Vector sum_{};
 };
 
-/// The last particles, fewer than a register holds, copied to where a whole register may be read and written.
+/// A copy of the last particles, fewer than a register holds, in arrays that can be read and written as whole
+/// registers.
 template <class Isa>
 class LastRecords {
  public:
@@ -73,7 +72,7 @@ class LastRecords {
       force_[Isa::lanes]{};
 };
 
-/// Calls f on every register's worth of particles [begin, end).
+/// Calls f for every register of particles [begin, end).
 template <class Isa, class Function>
 inline void for_each_register(const MotionArrays& a, std::size_t begin, std::size_t end, const Function& f) {
   constexpr std::size_t records = Isa::lanes / 4;
@@ -95,7 +94,7 @@ template <class Isa, bool windy>
   using Vector = typename Isa::Vector;
   const Vector g = records_of<Isa>(gravity[0], gravity[1], gravity[2], 0);
   const typename Isa::Mask xyz = three_of_four<Isa>();
-  Watch<Isa> watch;
+  FiniteCheck<Isa> finite_check;
   for_each_register<Isa>(arrays, begin, end, [&](const MotionArrays& at) {
     const Vector w = Isa::broadcast_last(Isa::load(at.position));
     const Vector p = Isa::load(at.moving), v = Isa::load(at.velocity);
@@ -103,12 +102,12 @@ template <class Isa, bool windy>
     Vector a = g;
     if constexpr (windy) a = a + Isa::load(at.force) * w;
     const Vector v_star = moves ? v + a * h : v;
-    watch.add(v_star);
+    finite_check.add(v_star);
     Isa::store(at.start, p);
     Isa::store(at.velocity, v_star);
     Isa::store(at.moving, moves ? p + v_star * h : p);
   });
-  return watch.is_clean();
+  return finite_check.all_finite();
 }
 
 template <class Isa>
@@ -121,21 +120,21 @@ template <class Isa, bool displacement>
 [[gnu::flatten]] bool finish(const MotionArrays& arrays, std::size_t begin, std::size_t end, float h) {
   using Vector = typename Isa::Vector;
   const typename Isa::Mask xyz = three_of_four<Isa>();
-  Watch<Isa> watch;
+  FiniteCheck<Isa> finite_check;
   for_each_register<Isa>(arrays, begin, end, [&](const MotionArrays& at) {
     const Vector x = Isa::load(at.position), q = Isa::load(at.moving), v_star = Isa::load(at.velocity);
     const Vector base = Isa::broadcast_last(x) != 0.0f ? v_star : Vector{};
     const Vector v = base + (q - (Isa::load(at.start) + base * h)) / h;
-    watch.add(xyz ? v : Vector{});
+    finite_check.add(xyz ? v : Vector{});
     Isa::store(at.velocity, xyz ? v : v_star);
     if constexpr (displacement) {
       const Vector moved = x + q;
-      watch.add(moved);
+      finite_check.add(moved);
       Isa::store(at.position, xyz ? moved : x);
       Isa::store(at.moving, xyz ? q - (moved - x) : q);
     }
   });
-  return watch.is_clean();
+  return finite_check.all_finite();
 }
 
 template <class Isa>

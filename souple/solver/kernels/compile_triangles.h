@@ -3,12 +3,12 @@
 #include "souple/math/simd/pack.h"
 #include "souple/solver/kernels/triangles.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Included only by the translation units that are compiled for one instruction set; every template here has
+// the set's tag as parameter.
 
 namespace souple::kernels {
 
-/// The corners of as many triangles as a register has lanes, and where their results go.
+/// The corners of one register of triangles, and the destinations of their results.
 template <class Isa>
 struct TriangleRecords {
   std::uint32_t corner[3][Isa::lanes], result[Isa::lanes];
@@ -21,18 +21,18 @@ struct TriangleRecords {
   }
 };
 
-/// Records lane by lane, made by `load(j)`, as three components.
+/// Loads records by `load(j)` and transposes them to three components.
 template <class Isa, class Load>
-inline Vec3<simd::Pack<Isa>> components(const Load& load) {
+inline Vec3<simd::Pack<Isa>> load_transposed(const Load& load) {
   typename Isa::Vector r[4] = {load(0), load(1), load(2), load(3)};
   simd::transpose<Isa>(r);
   return {simd::Pack<Isa>(r[0]), simd::Pack<Isa>(r[1]), simd::Pack<Isa>(r[2])};
 }
 
-/// Corner k less corner 0.
+/// Corner k minus corner 0.
 template <class Isa, bool displacement>
 inline Vec3<simd::Pack<Isa>> side(const TriangleArrays& a, const TriangleRecords<Isa>& records, int k) {
-  return components<Isa>([&](int j) {
+  return load_transposed<Isa>([&](int j) {
     const auto from_first = [&](const float* base) {
       return Isa::load_records(base, records.corner[k] + j) - Isa::load_records(base, records.corner[0] + j);
     };
@@ -56,7 +56,7 @@ template <class Isa, bool displacement>
   const Vec3<T> wind{T(air.wind[0]), T(air.wind[1]), T(air.wind[2])};
   for (; i + Isa::lanes <= end; i += Isa::lanes) {
     const TriangleRecords<Isa> records(a, i);
-    const Vec3<T> sum = components<Isa>([&](int j) {
+    const Vec3<T> sum = load_transposed<Isa>([&](int j) {
       return Isa::load_records(a.velocity, records.corner[0] + j) +
              Isa::load_records(a.velocity, records.corner[1] + j) +
              Isa::load_records(a.velocity, records.corner[2] + j);

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <type_traits>
 
-// What the kernels of every instruction set look like from outside: plain pointers in, no containers.
+// The interface of the kernels of every instruction set: plain pointers, no containers.
 
 namespace souple::simd {
 
@@ -20,30 +20,30 @@ struct Neon;
 
 namespace souple::kernels {
 
-/// A Column (constraints/column.h): number i is at values[i * stride], stride 0 or 1.
+/// A Column (constraints/column.h): value i is at values[i * stride], stride 0 or 1.
 struct ColumnView {
   const float* values = nullptr;
   std::size_t stride = 0;
 };
 
-/// Particles as kernels see them: arrays of 16-byte records (see ParticleView).
+/// Particles as kernels access them: arrays of 16-byte records (see ParticleView).
 struct ParticleArrays {
   const float* position = nullptr;  ///< w = inverse mass
-  const float* moving = nullptr;    ///< plain form: the same as position
+  const float* moving = nullptr;    ///< plain form: same as position
   const float* start = nullptr;
-  float* corrected = nullptr;  ///< corrections are added here: `moving`, or an array apart
+  float* corrected = nullptr;  ///< corrections are added here: `moving`, or a separate array
 };
 
-/// A ConstraintSet and what the substep makes of it.
+/// A ConstraintSet and the parameters of the substep.
 struct SetArrays {
   const std::uint32_t* const* records = nullptr;  ///< [arity], each [i]: 4 times the particle
   const ColumnView* parameters = nullptr;         ///< [floats in Params]
   const ColumnView* compliances = nullptr;        ///< [compliance_size]
-  ColumnView damping_time, scale;                 ///< scale: of every correction
+  ColumnView damping_time, scale;                 ///< scale: factor of every correction
   float* const* multipliers = nullptr;            ///< [rows], each [i]; null: not stored
   float h = 0;                                    ///< s
   float inverse_h2 = 0;                           ///< 1 / h^2; 0 in PBD mode
-  float relaxation = 1;                           ///< factor on every correction, besides `scale`
+  float relaxation = 1;                           ///< factor of every correction, besides `scale`
 };
 
 /// Projects constraints [begin, end), which share no particle.
@@ -55,7 +55,7 @@ using Evaluate = void (*)(const ParticleArrays&, const SetArrays&, std::size_t b
 /// The kernels of one kind for one instruction set; [0] plain form, [1] displacement form.
 struct KindKernels {
   Project plain[2];    ///< no multipliers, no damping, corrections in place
-  Project general[2];  ///< everything
+  Project general[2];  ///< all terms
   Evaluate evaluate[2];
 };
 
@@ -70,8 +70,8 @@ template <class Kind, class... Kinds>
 inline constexpr bool contains<Kind, std::tuple<Kinds...>> = (std::is_same_v<Kind, Kinds> || ...);
 }  // namespace detail
 
-/// Whether a kind has compiled kernels. A user's own, compiled by the CMake function souple_add_constraints,
-/// specializes it.
+/// Whether a kind has compiled kernels. The CMake function souple_add_constraints compiles a user's own kinds
+/// and specializes this for them.
 template <class Kind>
 inline constexpr bool is_compiled = detail::contains<Kind, EveryConstraint>;
 

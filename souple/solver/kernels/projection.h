@@ -17,7 +17,7 @@
 
 namespace souple {
 
-/// What one projection needs besides positions.
+/// Input of one projection.
 template <class Kind, class T>
 struct ProjectionInput {
   Vec3<T> x[Kind::arity];          ///< positions relative to the constraint's origin [m]
@@ -35,7 +35,7 @@ struct ProjectionInput {
 };
 
 /// Solves the symmetric system A y = b in place (A packed lower, b becomes y) by LDL^T. A row whose pivot
-/// vanishes beside its diagonal is linearly dependent (or has no gradient) and gets y = 0.
+/// vanishes relative to its diagonal is linearly dependent (or has no gradient) and gets y = 0.
 template <int n, class T>
 void solve_symmetric(T (&A)[n * (n + 1) / 2], T (&b)[n]) {
   const auto at = [](int row, int column) { return row * (row + 1) / 2 + column; };
@@ -60,9 +60,9 @@ void solve_symmetric(T (&A)[n * (n + 1) / 2], T (&b)[n]) {
     for (int k = i + 1; k < n; ++k) b[i] -= A[at(k, i)] * b[k];
 }
 
-/// Scales a correction, and its multipliers with it, down to what the kind says one projection may do. One
-/// factor for all particles keeps momentum. A correction too large for a float is none: its gradient
-/// vanished.
+/// Scales a correction and its multipliers down to the longest correction that the kind allows per
+/// projection. One factor for all particles keeps momentum. A correction too large for a float becomes zero:
+/// its gradient vanished.
 template <class Kind, class T>
 void limit_to_reach(const typename Kind::template Params<T>& params, Vec3<T> (&dx)[Kind::arity],
                     T (&dlambda)[rows_of<Kind>]) {
@@ -71,13 +71,13 @@ void limit_to_reach(const typename Kind::template Params<T>& params, Vec3<T> (&d
   for (int i = 0; i < Kind::arity; ++i) farthest = max(farthest, dot(dx[i], dx[i]));
   const auto too_far = farthest > reach * reach;
   const T factor = select(too_far, reach / sqrt(select(too_far, farthest, T(1))), T(1));
-  const auto sound = farthest < T(1e38f);
+  const auto bounded = farthest < T(1e38f);
   for (int i = 0; i < Kind::arity; ++i)
-    for (int axis = 0; axis < 3; ++axis) dx[i][axis] = select(sound, dx[i][axis] * factor, T(0));
-  for (int r = 0; r < rows_of<Kind>; ++r) dlambda[r] = select(sound, dlambda[r] * factor, T(0));
+    for (int axis = 0; axis < 3; ++axis) dx[i][axis] = select(bounded, dx[i][axis] * factor, T(0));
+  for (int r = 0; r < rows_of<Kind>; ++r) dlambda[r] = select(bounded, dlambda[r] * factor, T(0));
 }
 
-/// Which terms of dlambda there are; the others cost nothing.
+/// The terms of dlambda that are computed; omitted terms cost nothing.
 enum class Terms {
   plain,   ///< neither damping nor stored multipliers: lambda = 0, gamma = 0
   general  ///< all

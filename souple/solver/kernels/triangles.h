@@ -6,21 +6,21 @@
 #include <cstddef>
 #include <cstdint>
 
-// What is computed of every triangle of a surface, a register's worth at a time.
+// Kernels over the triangles of a surface, one register of triangles at a time.
 
 namespace souple::kernels {
 
-/// Arrays of 16-byte records, one per particle, and one per triangle for what comes out.
+/// Arrays of 16-byte records, one per particle; `result`: one per triangle.
 struct TriangleArrays {
   const float* position = nullptr;
   const float* moving = nullptr;  ///< displacement form: see MotionArrays
   const float* velocity = nullptr;
   const std::array<std::uint32_t, 3>* triangles = nullptr;
-  std::uint32_t first = 0;  ///< added to what triangles name
+  std::uint32_t first = 0;  ///< added to the vertex indices of triangles
   float* result = nullptr;
 };
 
-/// Of triangles [begin, end) as many as fill whole registers; returns the first that is left.
+/// Compute whole registers of triangles of [begin, end); return the first triangle left over.
 using AirForces = std::size_t (*)(const TriangleArrays&, const Air&, std::size_t begin, std::size_t end);
 using AreaNormals = std::size_t (*)(const TriangleArrays&, std::size_t begin, std::size_t end);
 
