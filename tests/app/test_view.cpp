@@ -4,6 +4,7 @@
 #include "tests/paths.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -640,7 +641,7 @@ TEST(ViewPicture, OfTheManual) {
   const WindowSize size{1120, 720, 1};
   OffscreenViewer view(source_path("scenes/curtain.json"), {size.width, size.height, 0.1f});
   view.pictures(125);
-  const ImVec2 at = view.seen(view.viewer().session().subject().bodies[0].positions[39 * 46]);
+  const ImVec2 at = view.seen(view.viewer().session().subject().bodies[0].positions[std::size_t{39} * 46]);
   view.move(at.x + 12, at.y - 12);
   view.press();
   for (float i = 1; i <= 10; ++i) view.move(at.x - 14 * i, at.y - 9 * i);

@@ -4,6 +4,7 @@
 #include "tests/expect_error.h"
 #include "tests/paths.h"
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -90,7 +91,7 @@ TEST(ViewerSimulation, FallsInRealTime) {
   Simulation simulation(scene(falling), "falling");
   for (int picture = 0; picture < 60; ++picture) simulation.advance(1 / 60.0);
   EXPECT_NEAR(simulation.time(), 1, 0.021);
-  EXPECT_EQ(simulation.frame(), static_cast<std::uint64_t>(simulation.time() * 50 + 0.5));
+  EXPECT_EQ(simulation.frame(), static_cast<std::uint64_t>(std::lround(simulation.time() * 50)));
   EXPECT_NEAR(at(simulation, "grain", 0).y, 100 - 0.5 * 9.81 * simulation.time() * simulation.time(), 0.05);
 }
 
