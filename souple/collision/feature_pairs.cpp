@@ -1,7 +1,7 @@
 #include "souple/collision/feature_pairs.h"
 
+#include "souple/collision/intersection_resolver.h"
 #include "souple/collision/kernels/find_kernels.h"
-#include "souple/collision/untangling.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -81,10 +81,10 @@ kernels::FeatureColumns FeaturePairs::columns() {
 
 void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   ParticlePairs excluded = std::move(excluded_);
-  const Untangling* const untangling = untangling_;
+  const IntersectionResolver* const intersection_resolver = intersection_resolver_;
   *this = {};
   excluded_ = std::move(excluded);
-  untangling_ = untangling;
+  intersection_resolver_ = intersection_resolver;
   surfaces_ = std::move(surfaces);
   const std::size_t n = surfaces_.size();
   own_matrix_ = crossing_matrix_ = ObjectMatrix(n);
@@ -409,7 +409,7 @@ void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (apart[k] > reach[k] || is_excluded(pairs[k], edges)) continue;
-    if (untangling_ && untangling_->exempts(pairs[k], edges)) continue;
+    if (intersection_resolver_ && intersection_resolver_->exempts(pairs[k], edges)) continue;
     (apart[k] > (1 + early + far_part) * thickness[k] ? batch.far : batch.near)
         .add(pairs[k], thickness[k], apart[k]);
   }

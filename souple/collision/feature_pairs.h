@@ -13,7 +13,7 @@
 
 namespace souple {
 
-class Untangling;
+class IntersectionResolver;
 
 /// Vertices and triangles, and edges and edges, that may touch within a step.
 ///
@@ -32,7 +32,9 @@ class FeaturePairs {
   /// Pairs of particles that are tied together: features that have one each never touch.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
   /// Whose tangles are left out; none: nothing is. It must live as long as this is used.
-  void set_untangling(const Untangling* untangling) { untangling_ = untangling; }
+  void set_intersection_resolver(const IntersectionResolver* intersection_resolver) {
+    intersection_resolver_ = intersection_resolver;
+  }
 
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i, pressed[i]: how much
   /// farther it has to be apart to be passed over [m]. All spans must live until the step ends.
@@ -146,7 +148,7 @@ class FeaturePairs {
   float way_of(const NearPair& pair, bool edges) const;
 
   std::vector<ContactSurface> surfaces_;
-  const Untangling* untangling_ = nullptr;
+  const IntersectionResolver* intersection_resolver_ = nullptr;
   ParticlePairs excluded_;                 // both ways, sorted
   std::vector<std::uint32_t> surface_of_;  // of each particle; no_surface where it has none
   std::vector<Vec4f> rest_;                // of each particle, relative to the first of its surface

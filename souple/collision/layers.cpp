@@ -11,7 +11,7 @@ namespace souple {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+constexpr Bounds empty_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::uint32_t none = SurfaceElement::no_edge;
 constexpr float reach_part = 0.05f;    // of the lower surface's size
 constexpr float nowhere_part = 1e-6f;  // of it: nearer than that there is no line between the two
@@ -27,9 +27,9 @@ float size_of(const Bounds& box) {
   return length(box.hi - box.lo);
 }
 
-bool are_tied(std::uint32_t vertex, const SurfaceElement& triangle, const Tangles& tangles) {
+bool are_excluded(std::uint32_t vertex, const SurfaceElement& triangle, const IntersectionFinder& finder) {
   return std::any_of(std::begin(triangle.particle), std::end(triangle.particle),
-                     [&](std::uint32_t i) { return tangles.are_tied(vertex, i); });
+                     [&](std::uint32_t i) { return finder.are_excluded(vertex, i); });
 }
 
 Vec3f area_normal(const ParticleView& particles, const SurfaceElement& t) {
@@ -66,7 +66,7 @@ void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& of) 
   for (const Pair& pair : pairs_)
     if (of.at(pair.lower, pair.upper)) surfaces_[pair.lower].asked = surfaces_[pair.upper].asked = true;
   for (Surface& surface : surfaces_) {
-    surface.bounds = nothing;
+    surface.bounds = empty_bounds;
     for (std::uint32_t i = surface.begin; surface.asked && i < surface.end; ++i) {
       const Vec3f x = particles.relative(i, {});
       surface.bounds = united(surface.bounds, {x, x});
@@ -75,8 +75,8 @@ void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& of) 
 }
 
 // Sums over triangles: of unit normals at edges, of these times the angle at vertices. Not made unit.
-void Layers::find_normals(const ParticleView& particles, const Tangles& tangles) {
-  const SurfaceElements& elements = tangles.elements();
+void Layers::find_normals(const ParticleView& particles, const IntersectionFinder& finder) {
+  const SurfaceElements& elements = finder.elements();
   vertex_normal_.assign(may_pass_something_.size(), {});
   at_border_.assign(may_pass_something_.size(), 0);
   edge_normal_.assign(elements.edges().size(), {});
@@ -88,16 +88,16 @@ void Layers::find_normals(const ParticleView& particles, const Tangles& tangles)
       const Vec3f a = particles.difference(j, i), b = particles.difference(l, i);
       vertex_normal_[i] += n * atan2(length(cross(a, b)), dot(a, b));
       edge_normal_[t.edge[k]] += n;
-      if (tangles.opposite(t.edge[k])[1] == none) at_border_[i] = at_border_[j] = 1;
+      if (finder.opposite(t.edge[k])[1] == none) at_border_[i] = at_border_[j] = 1;
     }
   }
 }
 
-void Layers::build_hash(const ParticleView& particles, const Tangles& tangles, Threads& threads) {
-  const std::span<const SurfaceElement> triangles = tangles.elements().triangles();
+void Layers::build_hash(const ParticleView& particles, const IntersectionFinder& finder, Threads& threads) {
+  const std::span<const SurfaceElement> triangles = finder.elements().triangles();
   resize_with_spare(boxes_, triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    boxes_[t] = nothing;
+    boxes_[t] = empty_bounds;
     for (const std::uint32_t i : triangles[t].particle) {
       if (!surfaces_[triangles[t].object].asked) continue;
       const Vec3f x = particles.relative(i, {});
@@ -111,8 +111,8 @@ void Layers::build_hash(const ParticleView& particles, const Tangles& tangles, T
 // --- which side
 
 // Nearest to x_i + shift, within reach: first close by, then farther and farther away.
-Layers::Nearest Layers::nearest(const ParticleView& particles, const Tangles& tangles, std::uint32_t i,
-                                const Vec3f& shift, std::uint32_t surface, float reach,
+Layers::Nearest Layers::nearest(const ParticleView& particles, const IntersectionFinder& finder,
+                                std::uint32_t i, const Vec3f& shift, std::uint32_t surface, float reach,
                                 std::vector<std::uint32_t>& near) const {
   Nearest best;
   const Vec3f x = particles.relative(i, {}) + shift;
@@ -121,7 +121,7 @@ Layers::Nearest Layers::nearest(const ParticleView& particles, const Tangles& ta
     near.clear();
     hash_.find(widened({x, x}, radius), near);
     for (const std::uint32_t t : near) {
-      const SurfaceElement& triangle = tangles.elements().triangles()[t];
+      const SurfaceElement& triangle = finder.elements().triangles()[t];
       if (triangle.object != surface) continue;
       Vec3f corner[3];
       for (std::size_t k = 0; k < 3; ++k) corner[k] = particles.difference(triangle.particle[k], i) - shift;
@@ -139,9 +139,9 @@ Layers::Nearest Layers::nearest(const ParticleView& particles, const Tangles& ta
 }
 
 // Weights that are zero say where on the triangle the point lies.
-Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles, const Tangles& tangles,
-                        bool& border) const {
-  const SurfaceElement& t = tangles.elements().triangles()[nearest.triangle];
+Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles,
+                        const IntersectionFinder& finder, bool& border) const {
+  const SurfaceElement& t = finder.elements().triangles()[nearest.triangle];
   std::size_t zeros = 0, zero = 0, other = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     if (nearest.weight[k] > 0) {
@@ -154,7 +154,7 @@ Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles, c
   if (zeros == 0) return normalized(area_normal(particles, t));
   if (zeros == 1) {
     const std::uint32_t edge = t.edge[(zero + 1) % 3];
-    border = tangles.opposite(edge)[1] == none;
+    border = finder.opposite(edge)[1] == none;
     return normalized(edge_normal_[edge]);
   }
   border = at_border_[t.particle[other]] != 0;
@@ -162,11 +162,11 @@ Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles, c
 }
 
 // What lies in the surface counts as under it: its contact would have no side.
-bool Layers::is_under(const Nearest& nearest, const ParticleView& particles, const Tangles& tangles,
+bool Layers::is_under(const Nearest& nearest, const ParticleView& particles, const IntersectionFinder& finder,
                       float size, Vec3f& normal) const {
   if (nearest.triangle == none) return false;
   bool border = false;
-  normal = normal_at(nearest, particles, tangles, border);
+  normal = normal_at(nearest, particles, finder, border);
   if (!(length_squared(normal) > 0)) return false;
   const float height = dot(normal, nearest.away), distance = length(nearest.away);
   if (distance <= nowhere_part * size) return true;
@@ -180,19 +180,20 @@ float Layers::reach_of(const Pair& pair) const {
 // --- what lies wrong
 
 bool Layers::ask_upper(const Pair& pair, std::uint32_t i, const ParticleView& particles,
-                       const Tangles& tangles, std::vector<std::uint32_t>& near, Misplaced& found) const {
+                       const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
+                       Misplaced& found) const {
   const Bounds& bounds = surfaces_[pair.lower].bounds;
   const float size = size_of(bounds);
   const Vec3f x = particles.relative(i, {});
-  const bool may_be_inside = tangles.is_closed(pair.lower) && overlap(bounds, {x, x});
+  const bool may_be_inside = finder.is_closed(pair.lower) && overlap(bounds, {x, x});
   const float reach = may_be_inside ? size : reach_of(pair);
   if (!overlap(widened(bounds, reach), {x, x})) return false;
-  const Nearest on = nearest(particles, tangles, i, {}, pair.lower, reach, near);
+  const Nearest on = nearest(particles, finder, i, {}, pair.lower, reach, near);
   Vec3f normal;
-  if (!is_under(on, particles, tangles, size, normal)) return false;
-  if (are_tied(i, tangles.elements().triangles()[on.triangle], tangles)) return false;
+  if (!is_under(on, particles, finder, size, normal)) return false;
+  if (are_excluded(i, finder.elements().triangles()[on.triangle], finder)) return false;
   const float depth = length(on.away);
-  const auto& corner = tangles.elements().triangles()[on.triangle].particle;
+  const auto& corner = finder.elements().triangles()[on.triangle].particle;
   found = {i,
            pair.lower,
            {i, corner[0], corner[1], corner[2]},
@@ -204,20 +205,21 @@ bool Layers::ask_upper(const Pair& pair, std::uint32_t i, const ParticleView& pa
 
 // Asks the point of the upper surface that is nearest to vertex i of the lower one.
 bool Layers::ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& particles,
-                       const Tangles& tangles, std::vector<std::uint32_t>& near, Misplaced& found) const {
+                       const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
+                       Misplaced& found) const {
   const float size = size_of(surfaces_[pair.lower].bounds), reach = reach_of(pair);
   const Vec3f x = particles.relative(i, {});
   if (!overlap(widened(surfaces_[pair.upper].bounds, reach), {x, x})) return false;
-  const Nearest above = nearest(particles, tangles, i, {}, pair.upper, reach, near);
-  if (above.triangle == none || are_tied(i, tangles.elements().triangles()[above.triangle], tangles))
+  const Nearest above = nearest(particles, finder, i, {}, pair.upper, reach, near);
+  if (above.triangle == none || are_excluded(i, finder.elements().triangles()[above.triangle], finder))
     return false;
-  const Nearest on = nearest(particles, tangles, i, -above.away, pair.lower, reach, near);
+  const Nearest on = nearest(particles, finder, i, -above.away, pair.lower, reach, near);
   Vec3f normal;
-  if (!is_under(on, particles, tangles, size, normal)) return false;
+  if (!is_under(on, particles, finder, size, normal)) return false;
   const float depth = length(above.away);
   const Vec3f direction = depth > nowhere_part * size ? above.away / depth : normal;
   if (!(dot(direction, normal) > 0)) return false;  // the surface is folded between the two
-  const auto& corner = tangles.elements().triangles()[above.triangle].particle;
+  const auto& corner = finder.elements().triangles()[above.triangle].particle;
   found = {i,
            pair.upper,
            {i, corner[0], corner[1], corner[2]},
@@ -227,18 +229,18 @@ bool Layers::ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& pa
   return true;
 }
 
-void Layers::find_pair(const Pair& pair, const ParticleView& particles, const Tangles& tangles,
+void Layers::find_pair(const Pair& pair, const ParticleView& particles, const IntersectionFinder& finder,
                        Threads& threads) {
-  const SurfaceElements& elements = tangles.elements();
+  const SurfaceElements& elements = finder.elements();
   of_vertex_.resize(elements.vertices().size());
   is_misplaced_.assign(of_vertex_.size(), 0);
   threads.for_each(of_vertex_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
     std::vector<std::uint32_t> near;
     for (; v < end; ++v) {
-      const std::uint32_t i = elements.vertices()[v], owner = elements.vertex_objects()[v];
+      const std::uint32_t i = elements.vertices()[v], surface = elements.vertex_objects()[v];
       const bool wrong =
-          (owner == pair.upper && ask_upper(pair, i, particles, tangles, near, of_vertex_[v])) ||
-          (owner == pair.lower && ask_lower(pair, i, particles, tangles, near, of_vertex_[v]));
+          (surface == pair.upper && ask_upper(pair, i, particles, finder, near, of_vertex_[v])) ||
+          (surface == pair.lower && ask_lower(pair, i, particles, finder, near, of_vertex_[v]));
       is_misplaced_[v] = wrong ? 1 : 0;
     }
   });
@@ -246,7 +248,7 @@ void Layers::find_pair(const Pair& pair, const ParticleView& particles, const Ta
     if (is_misplaced_[v] != 0) found_.push_back(of_vertex_[v]);
 }
 
-void Layers::find(const ParticleView& particles, const Tangles& tangles, const ObjectMatrix& of,
+void Layers::find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectMatrix& of,
                   Threads& threads) {
   for (const Misplaced& misplaced : found_) may_pass_something_[misplaced.vertex] = 0;
   found_.clear();
@@ -254,12 +256,12 @@ void Layers::find(const ParticleView& particles, const Tangles& tangles, const O
   if (!any()) return;
   find_bounds(particles, of);
   if (std::none_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.asked; })) return;
-  find_normals(particles, tangles);
-  build_hash(particles, tangles, threads);
+  find_normals(particles, finder);
+  build_hash(particles, finder, threads);
   for (const Pair& pair : pairs_) {
     if (!of.at(pair.lower, pair.upper)) continue;
     if (overlap(widened(surfaces_[pair.lower].bounds, reach_of(pair)), surfaces_[pair.upper].bounds))
-      find_pair(pair, particles, tangles, threads);
+      find_pair(pair, particles, finder, threads);
   }
   for (const Misplaced& misplaced : found_) {
     may_pass_something_[misplaced.vertex] = 1;
@@ -274,10 +276,10 @@ bool Layers::may_pass(std::uint32_t vertex, std::uint32_t surface) const {
                             std::array<std::uint32_t, 2>{vertex, surface});
 }
 
-Vec3f Layers::outward(const TangledEdge& crossing, const ParticleView& particles,
-                      const Tangles& tangles) const {
+Vec3f Layers::outward(const EdgeIntersection& crossing, const ParticleView& particles,
+                      const IntersectionFinder& finder) const {
   if (surfaces_[crossing.surface].layer < surfaces_[crossing.edge_surface].layer)
-    return normalized(area_normal(particles, tangles.elements().triangles()[crossing.triangle]));
+    return normalized(area_normal(particles, finder.elements().triangles()[crossing.triangle]));
   return -normalized(edge_normal_[crossing.edge]);
 }
 

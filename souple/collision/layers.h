@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/tangles.h"
+#include "souple/collision/intersection_finder.h"
 
 #include <array>
 #include <cstdint>
@@ -35,10 +35,10 @@ struct Misplaced {
 /// unless the lower surface is closed: what is inside of that is wrong at any depth.
 ///
 /// Two kinds of points are asked: vertices of the upper surface, and where its triangles are nearest to
-/// vertices of the lower one. Edges through triangles are left to Tangles; `outward` tells where they go.
+/// vertices of the lower one. Edges through triangles are left to IntersectionFinder; `outward` tells where they go.
 class Layers {
  public:
-  /// As Tangles::set_surfaces.
+  /// As IntersectionFinder::set_surfaces.
   void set_surfaces(std::span<const ContactSurface> surfaces);
   /// Whether there is any pair of them.
   bool any() const { return !pairs_.empty(); }
@@ -47,16 +47,18 @@ class Layers {
     return !pairs_.empty() && a != b && ordered_.at(a, b);
   }
 
-  /// What lies wrong now, between surfaces so marked. `tangles` must have been given the same surfaces. In
+  /// What lies wrong now, between surfaces so marked. `finder` must have been given the same surfaces. In
   /// order of pairs, then vertices: the same for any number of threads.
-  void find(const ParticleView& particles, const Tangles& tangles, const ObjectMatrix& of, Threads& threads);
+  void find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectMatrix& of,
+            Threads& threads);
   std::span<const Misplaced> found() const { return found_; }
   /// Whether the vertex is on the wrong side of the surface: contacts must let it pass.
   bool may_pass(std::uint32_t vertex, std::uint32_t surface) const;
 
   /// Where an edge must go, against the triangle that it passes through, for the two surfaces to lie right: a
   /// unit vector. Of the positions that `find` saw; the surfaces must be ordered.
-  Vec3f outward(const TangledEdge& crossing, const ParticleView& particles, const Tangles& tangles) const;
+  Vec3f outward(const EdgeIntersection& crossing, const ParticleView& particles,
+                const IntersectionFinder& finder) const;
 
   std::size_t bytes() const;
 
@@ -78,20 +80,22 @@ class Layers {
   };
 
   void find_bounds(const ParticleView& particles, const ObjectMatrix& of);
-  void find_normals(const ParticleView& particles, const Tangles& tangles);
-  void build_hash(const ParticleView& particles, const Tangles& tangles, Threads& threads);
-  Nearest nearest(const ParticleView& particles, const Tangles& tangles, std::uint32_t i, const Vec3f& shift,
-                  std::uint32_t surface, float reach, std::vector<std::uint32_t>& near) const;
-  Vec3f normal_at(const Nearest& nearest, const ParticleView& particles, const Tangles& tangles,
+  void find_normals(const ParticleView& particles, const IntersectionFinder& finder);
+  void build_hash(const ParticleView& particles, const IntersectionFinder& finder, Threads& threads);
+  Nearest nearest(const ParticleView& particles, const IntersectionFinder& finder, std::uint32_t i,
+                  const Vec3f& shift, std::uint32_t surface, float reach,
+                  std::vector<std::uint32_t>& near) const;
+  Vec3f normal_at(const Nearest& nearest, const ParticleView& particles, const IntersectionFinder& finder,
                   bool& border) const;
-  bool is_under(const Nearest& nearest, const ParticleView& particles, const Tangles& tangles, float size,
-                Vec3f& normal) const;
-  bool ask_upper(const Pair& pair, std::uint32_t i, const ParticleView& particles, const Tangles& tangles,
-                 std::vector<std::uint32_t>& near, Misplaced& found) const;
-  bool ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& particles, const Tangles& tangles,
-                 std::vector<std::uint32_t>& near, Misplaced& found) const;
+  bool is_under(const Nearest& nearest, const ParticleView& particles, const IntersectionFinder& finder,
+                float size, Vec3f& normal) const;
+  bool ask_upper(const Pair& pair, std::uint32_t i, const ParticleView& particles,
+                 const IntersectionFinder& finder, std::vector<std::uint32_t>& near, Misplaced& found) const;
+  bool ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& particles,
+                 const IntersectionFinder& finder, std::vector<std::uint32_t>& near, Misplaced& found) const;
   float reach_of(const Pair& pair) const;
-  void find_pair(const Pair& pair, const ParticleView& particles, const Tangles& tangles, Threads& threads);
+  void find_pair(const Pair& pair, const ParticleView& particles, const IntersectionFinder& finder,
+                 Threads& threads);
 
   std::vector<Surface> surfaces_;
   std::vector<Pair> pairs_;

@@ -46,7 +46,9 @@ class SurfaceContacts final : public Projector {
   /// Pairs of particles that are tied together: features that have one each never touch.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { pairs_.exclude(std::move(pairs)); }
   /// Whose tangles may pass; none: all are held. It must live as long as this is used.
-  void set_untangling(const Untangling* untangling) { pairs_.set_untangling(untangling); }
+  void set_intersection_resolver(const IntersectionResolver* intersection_resolver) {
+    pairs_.set_intersection_resolver(intersection_resolver);
+  }
 
   /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
   /// [m], which this keeps up to date. All must live until the step ends.

@@ -124,16 +124,16 @@ void build_contact_tables(WorldState& world) {
          ++i)
       joined.push_back(user_constraint.distance_joint->set().indices(i));
   world.surface_contacts.exclude(joined);
-  world.untangling.exclude(joined);
+  world.intersection_resolver.exclude(joined);
   world.particle_contacts.exclude(std::move(joined));
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
   std::vector<ContactSurface> surfaces;
   for (std::uint32_t a = 0; a < world.objects.size(); ++a) surfaces.push_back(contact_surface(world, a));
-  world.untangling.set_surfaces(surfaces);
+  world.intersection_resolver.set_surfaces(surfaces);
   world.check_intersections = true;
   world.surface_contacts.set_surfaces(std::move(surfaces));
-  world.surface_contacts.set_untangling(&world.untangling);
+  world.surface_contacts.set_intersection_resolver(&world.intersection_resolver);
   std::vector<FeatureContacts::Feature> features;
   const bool any_solid = std::any_of(tables.colliders.begin(), tables.colliders.end(), [](const Collider& c) {
     return !std::holds_alternative<Plane>(c.shape);
@@ -178,7 +178,7 @@ bool may_intersect(const WorldState& world) {
 void report_intersections(WorldState& world) {
   std::string words;
   std::size_t described = 0;
-  for (const TangledPair& pair : world.untangling.pairs()) {
+  for (const IntersectingPair& pair : world.intersection_resolver.pairs()) {
     world.report.intersections += pair.edges;
     if (++described > 3) continue;
     const std::string& one = world.objects[pair.edge_surface]->name;
@@ -194,9 +194,9 @@ void report_intersections(WorldState& world) {
 }
 
 void find_intersections(WorldState& world, const ContactStep& step) {
-  world.untangling.begin_step(world.view(), step, may_intersect(world), *world.threads);
+  world.intersection_resolver.begin_step(world.view(), step, may_intersect(world), *world.threads);
   world.check_intersections = false;
-  world.report.layer_violations = world.untangling.misplaced().size();
+  world.report.layer_violations = world.intersection_resolver.misplaced().size();
   report_intersections(world);
 }
 
@@ -231,7 +231,7 @@ void find_candidates(WorldState& world, double dt) {
 void generate_contacts(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
   const ParticleView view = world.view();
-  world.untangling.pull(view, substep);
+  world.intersection_resolver.pull(view, substep);
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
   world.guarded("a collider's motion",

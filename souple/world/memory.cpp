@@ -87,10 +87,10 @@ MemoryReport World::memory() {
   report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
                                                                   world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);
-  report.simulation.push_back({"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
-                                               world.collider_contacts.bytes() +
-                                               world.feature_contacts.bytes() +
-                                               world.sleep.proximity.bytes() + world.untangling.bytes()});
+  report.simulation.push_back(
+      {"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
+                       world.collider_contacts.bytes() + world.feature_contacts.bytes() +
+                       world.sleep.proximity.bytes() + world.intersection_resolver.bytes()});
   if (const std::size_t foam = world.fluids.foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});
   add_objects(world, report);

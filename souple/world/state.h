@@ -5,9 +5,9 @@
 #include "souple/collision/collider.h"
 #include "souple/collision/collider_contacts.h"
 #include "souple/collision/feature_contacts.h"
+#include "souple/collision/intersection_resolver.h"
 #include "souple/collision/particle_contacts.h"
 #include "souple/collision/surface_contacts.h"
-#include "souple/collision/untangling.h"
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/geometry/embedding.h"
@@ -179,7 +179,7 @@ struct WorldState {
   FeatureContacts feature_contacts;
   ParticleContacts particle_contacts;
   SurfaceContacts surface_contacts;
-  Untangling untangling;
+  IntersectionResolver intersection_resolver;
   Fluids fluids;
   bool check_intersections = true;  ///< an object was placed without continuous motion
   ContactTables tables;

@@ -114,7 +114,7 @@ SOFT_TESTS = "tests/physics/test_collision_soft.cpp"
 LIQUID_TESTS = "tests/render/test_liquid.cpp"
 MESH_TESTS = "tests/surface/test_fluid_surface.cpp"
 EXACT_TESTS = "tests/collision/segment_triangle/test_exact.cpp"
-UNTANGLING = "souple/collision/untangling.cpp"
+RESOLVER = "souple/collision/intersection_resolver.cpp"
 
 # Page, pattern with one group for the number (a space stands for any white space), the truth.
 COUNTS = [
@@ -165,9 +165,9 @@ COUNTS = [
      lambda: find("tests/physics/test_collision_fast.cpp", r"shot_at\(what, n, grains, (\d+)\)")),
     ("docs/collisions.md", r"with the default (\d+) substeps", lambda: default("scene", "substeps")),
     ("docs/collisions.md", r"every (\w+) step if driven", lambda: find("souple/world/contacts.cpp", r"interval = (\d+);")),
-    ("docs/collisions.md", r"objects (\d+) directions and", lambda: constant(UNTANGLING, "all_directions")),
-    ("docs/collisions.md", r"directions and (\d+) distances are", lambda: constant(UNTANGLING, "distances")),
-    ("docs/collisions.md", r"([\d.]+) to 3 m/s", lambda: constant(UNTANGLING, "least_speed")),
+    ("docs/collisions.md", r"objects (\d+) directions and", lambda: constant(RESOLVER, "all_directions")),
+    ("docs/collisions.md", r"directions and (\d+) distances are", lambda: constant(RESOLVER, "distances")),
+    ("docs/collisions.md", r"([\d.]+) to 3 m/s", lambda: constant(RESOLVER, "least_speed")),
     ("docs/collisions.md", r"0.1 to (\d+) m/s", lambda: constant("souple/collision/contact.h", "depenetration_speed")),
     ("docs/collisions.md", r"within a (\w+) of the lower object's size",
      lambda: 1 / constant("souple/collision/layers.cpp", "reach_part")),

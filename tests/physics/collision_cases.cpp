@@ -69,7 +69,7 @@ TriangleMesh tube(int around, int along, double radius, double length) {
 
 }  // namespace
 
-Watched run_untangled(World& world, int frames, int every) {
+Watched run_without_crossings(World& world, int frames, int every) {
   Watched watched;
   for (int frame = 1; frame <= frames; ++frame) {
     const StepReport& report = world.step(1.0 / 60);

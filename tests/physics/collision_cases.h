@@ -30,7 +30,7 @@ struct Watched {
 };
 
 /// Runs frames of 1/60 s and counts crossings after each `every`-th, until the first crossing.
-Watched run_untangled(World& world, int frames, int every = 1);
+Watched run_without_crossings(World& world, int frames, int every = 1);
 
 /// Speed of the fastest vertex of an object [m/s].
 double top_speed(const World& world, ObjectId object);

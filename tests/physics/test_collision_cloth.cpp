@@ -19,7 +19,7 @@ void drape_fold_and_look(int n, Support support, int every) {
   test::DrapeAndFold scene = test::drape_and_fold(n, support);
   World& world = scene.world;
   const int frames = static_cast<int>(scene.end * 60), before = static_cast<int>(scene.fold_at * 60);
-  Watched watched = test::run_untangled(world, before, every);
+  Watched watched = test::run_without_crossings(world, before, every);
   ASSERT_EQ(watched.crossings, 0u) << test::support_name(support) << ", frame " << watched.first_crossed;
   const auto edge_x = [&] {
     double sum = 0;
@@ -28,7 +28,7 @@ void drape_fold_and_look(int n, Support support, int every) {
     return sum;
   };
   const double laid = edge_x();
-  watched = test::run_untangled(world, frames - before, every);
+  watched = test::run_without_crossings(world, frames - before, every);
   EXPECT_EQ(watched.crossings, 0u) << test::support_name(support) << ", frame "
                                    << before + watched.first_crossed;
   EXPECT_TRUE(watched.ok);
@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(Slow, LargeCloth, ::testing::ValuesIn(supports),
 // It fell from 2 m and lies on the floor.
 void drop_and_look(int n, double seconds, int every) {
   test::Heap heap = test::sheet_on_edge(n);
-  const Watched watched = test::run_untangled(heap.world, static_cast<int>(seconds * 60), every);
+  const Watched watched = test::run_without_crossings(heap.world, static_cast<int>(seconds * 60), every);
   EXPECT_EQ(watched.crossings, 0u) << "frame " << watched.first_crossed;
   EXPECT_TRUE(watched.ok);
   EXPECT_LT(heap.world.center_of_mass(heap.cloth).y, 0.2);
@@ -72,7 +72,7 @@ TEST(ClothCollisions, ALargeHeapNeverPassesItselfSlow) {
 
 void twist_and_look(int around, double turns, double seconds) {
   test::TwistedTube scene = test::twisted_tube(around, turns, seconds);
-  const Watched watched = test::run_untangled(scene.world, static_cast<int>((seconds + 0.5) * 60));
+  const Watched watched = test::run_without_crossings(scene.world, static_cast<int>((seconds + 0.5) * 60));
   EXPECT_EQ(watched.crossings, 0u) << "frame " << watched.first_crossed;
   EXPECT_TRUE(watched.ok);
   // Each ring of its middle third is far narrower than the tube was.
@@ -102,7 +102,7 @@ void pull_and_look(int across, double pull, double seconds) {
   test::Knot knot = test::reef_knot(across, pull);
   World& world = knot.world;
   ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u);
-  const Watched watched = test::run_untangled(world, static_cast<int>(seconds * 60));
+  const Watched watched = test::run_without_crossings(world, static_cast<int>(seconds * 60));
   EXPECT_EQ(watched.crossings, 0u) << "frame " << watched.first_crossed;
   EXPECT_LT(watched.largest_strain, 0.4);
   double left = -9, right = 9;

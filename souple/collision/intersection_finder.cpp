@@ -1,4 +1,4 @@
-#include "souple/collision/tangles.h"
+#include "souple/collision/intersection_finder.h"
 
 #include "souple/collision/segment_triangle/watertight.h"
 #include "souple/state/bytes.h"
@@ -11,12 +11,12 @@ namespace souple {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+constexpr Bounds empty_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::uint32_t none = SurfaceElement::no_edge;
 constexpr std::size_t chunk_size = 1024;
 constexpr std::size_t box_grain = 1024;
 constexpr float rounding = 4e-7f;  // of a coordinate: boxes are made a little larger than that
-constexpr int most_pieces = 4096;  // that a line is cut into
+constexpr int max_pieces = 4096;   // that a line is cut into
 
 Bounds around(const Vec3f& x) {
   const float reach = rounding * max(abs(x.x), max(abs(x.y), abs(x.z)));
@@ -54,22 +54,22 @@ bool shares_particle(const Edge& edge, const SurfaceElement& triangle) {
 
 // --- what there is
 
-void Tangles::set_surfaces(std::span<const ContactSurface> surfaces) {
+void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) {
   auto excluded = std::move(excluded_);
   *this = {};
   excluded_ = std::move(excluded);
   const std::size_t n = surfaces.size();
-  meets_ = ObjectMatrix(n);
+  collides_ = ObjectMatrix(n);
   std::uint32_t end = 0;
   for (std::uint32_t a = 0; a < n; ++a) {
     end = std::max(end, surfaces[a].end);
     for (std::uint32_t b = 0; b <= a; ++b) {
-      meets_.set(a, b, may_collide(surfaces, a, b));
-      any_pair_ = any_pair_ || meets_.at(a, b);
+      collides_.set(a, b, may_collide(surfaces, a, b));
+      any_pair_ = any_pair_ || collides_.at(a, b);
     }
   }
   closed_.assign(n, 0);
-  surface_bounds_.assign(n, nothing);
+  surface_bounds_.assign(n, empty_bounds);
   active_.assign(n, 0);
   if (!any_pair_) return;
   surface_of_.assign(end, none);
@@ -84,14 +84,14 @@ void Tangles::set_surfaces(std::span<const ContactSurface> surfaces) {
   find_closed(surfaces);
 }
 
-void Tangles::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
+void IntersectionFinder::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
   const std::size_t n = pairs.size();
   for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
   std::sort(pairs.begin(), pairs.end());
   excluded_ = std::move(pairs);
 }
 
-void Tangles::find_opposite() {
+void IntersectionFinder::find_opposite() {
   opposite_.assign(elements_.edges().size(), {none, none});
   for (const SurfaceElement& triangle : elements_.triangles())
     for (std::size_t k = 0; k < 3; ++k) {
@@ -107,7 +107,7 @@ void Tangles::find_opposite() {
 
 // Every side of a triangle is that of one other, which goes along it the other way, and the volume is
 // positive: a surface that is wound inward may be a room.
-void Tangles::find_closed(std::span<const ContactSurface> surfaces) {
+void IntersectionFinder::find_closed(std::span<const ContactSurface> surfaces) {
   std::vector<Edge> sides;
   for (std::size_t a = 0; a < surfaces.size(); ++a) {
     const ContactSurface& surface = surfaces[a];
@@ -129,21 +129,21 @@ void Tangles::find_closed(std::span<const ContactSurface> surfaces) {
   }
 }
 
-bool Tangles::is_excluded(const TangledEdge& pair) const {
+bool IntersectionFinder::is_excluded(const EdgeIntersection& pair) const {
   if (excluded_.empty()) return false;
   for (std::size_t a = 0; a < 2; ++a)
     for (std::size_t b = 2; b < 5; ++b)
-      if (are_tied(pair.particle[a], pair.particle[b])) return true;
+      if (are_excluded(pair.particle[a], pair.particle[b])) return true;
   return false;
 }
 
 // --- finding
 
 // Surfaces that meet themselves, or whose bounds overlap those of another that they meet.
-void Tangles::find_active(const ParticleView& particles, const ObjectMatrix& of) {
+void IntersectionFinder::find_active(const ParticleView& particles, const ObjectMatrix& of) {
   const std::size_t n = surface_count();
   for (std::size_t a = 0; a < n; ++a) {
-    surface_bounds_[a] = nothing;
+    surface_bounds_[a] = empty_bounds;
     for (std::uint32_t i = ranges_[a][0]; i < ranges_[a][1]; ++i)
       surface_bounds_[a] = united(surface_bounds_[a], around(particles.relative(i, {})));
     active_[a] = of.at(a, a) ? 1 : 0;
@@ -153,13 +153,13 @@ void Tangles::find_active(const ParticleView& particles, const ObjectMatrix& of)
       if (of.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b])) active_[a] = active_[b] = 1;
 }
 
-// Of triangles; those of surfaces that nothing can cross are left out.
-void Tangles::find_boxes(const ParticleView& particles, Threads& threads) {
+// Of triangles; those of surfaces that empty_bounds can cross are left out.
+void IntersectionFinder::find_boxes(const ParticleView& particles, Threads& threads) {
   const std::span<const SurfaceElement> triangles = elements_.triangles();
   resize_with_spare(boxes_, triangles.size());
   threads.for_each(triangles.size(), box_grain, [&](std::size_t t, std::size_t end) {
     for (; t < end; ++t) {
-      boxes_[t] = nothing;
+      boxes_[t] = empty_bounds;
       if (active_[triangles[t].object] == 0) continue;
       for (const std::uint32_t i : triangles[t].particle)
         boxes_[t] = united(boxes_[t], around(particles.relative(i, {})));
@@ -167,7 +167,7 @@ void Tangles::find_boxes(const ParticleView& particles, Threads& threads) {
   });
 }
 
-void Tangles::find(const ParticleView& particles, const ObjectMatrix& of, Threads& threads) {
+void IntersectionFinder::find(const ParticleView& particles, const ObjectMatrix& of, Threads& threads) {
   found_.clear();
   if (!any_pair_) return;
   find_active(particles, of);
@@ -185,51 +185,53 @@ void Tangles::find(const ParticleView& particles, const ObjectMatrix& of, Thread
 }
 
 // Whether the box reaches to something that the surface meets.
-bool Tangles::may_cross(const Bounds& box, std::uint32_t surface, const ObjectMatrix& of) const {
+bool IntersectionFinder::may_intersect(const Bounds& box, std::uint32_t surface,
+                                       const ObjectMatrix& of) const {
   if (of.at(surface, surface)) return true;
   for (std::size_t b = 0; b < surface_count(); ++b)
     if (of.at(surface, b) && overlap(box, surface_bounds_[b])) return true;
   return false;
 }
 
-void Tangles::find_chunk(const ParticleView& particles, const ObjectMatrix& of, std::size_t c) {
+void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectMatrix& of, std::size_t c) {
   Chunk& chunk = chunks_[c];
   chunk.edges.clear();
   const std::span<const Edge> edges = elements_.edges();
   for (std::size_t e = c * chunk_size; e < std::min(edges.size(), (c + 1) * chunk_size); ++e) {
-    const std::uint32_t owner = elements_.edge_objects()[e];
-    if (active_[owner] == 0) continue;
+    const std::uint32_t edge_surface = elements_.edge_objects()[e];
+    if (active_[edge_surface] == 0) continue;
     const Edge& edge = edges[e];
     chunk.near.clear();
-    chunk.also.clear();
+    chunk.crossed_opposite.clear();
     const std::size_t before = chunk.edges.size();
-    const Bounds box = box_of(particles, edge, owner);
-    if (!may_cross(box, owner, of)) continue;
+    const Bounds box = box_of(particles, edge, edge_surface);
+    if (!may_intersect(box, edge_surface, of)) continue;
     hash_.find(box, chunk.near);
     for (const std::uint32_t t : chunk.near) {
       const SurfaceElement& triangle = elements_.triangles()[t];
-      if (!of.at(owner, triangle.object) || shares_particle(edge, triangle)) continue;
+      if (!of.at(edge_surface, triangle.object) || shares_particle(edge, triangle)) continue;
       const Vec3d direction(particles.difference(edge[1], edge[0]));
-      const Vec3f aside = displacement(owner, triangle.object);
+      const Vec3f perturbed_by = perturbation(edge_surface, triangle.object);
       const auto crossing_at = [&](const Vec3f& shift) {
         return crossing_of(direction, corners_from(particles, triangle, edge[0], Vec3d(shift)));
       };
-      const Crossing<double> at = crossing_at(aside);
-      if (crossing_at(-aside).t < 1) chunk.also.push_back(triangle.object);
+      const Crossing<double> at = crossing_at(perturbed_by);
+      if (crossing_at(-perturbed_by).t < 1) chunk.crossed_opposite.push_back(triangle.object);
       if (!(at.t < 1)) continue;
       const auto s = static_cast<float>(at.t);
       const Vec3f w(at.weight);
-      const TangledEdge pair{
+      const EdgeIntersection pair{
           static_cast<std::uint32_t>(e),
           t,
-          owner,
+          edge_surface,
           triangle.object,
           {edge[0], edge[1], triangle.particle[0], triangle.particle[1], triangle.particle[2]},
           {1 - s, s, -w.x, -w.y, -w.z}};
       if (!is_excluded(pair)) chunk.edges.push_back(pair);
     }
-    const auto only_touches = [&](const TangledEdge& pair) {
-      return std::find(chunk.also.begin(), chunk.also.end(), pair.surface) == chunk.also.end();
+    const auto only_touches = [&](const EdgeIntersection& pair) {
+      return std::find(chunk.crossed_opposite.begin(), chunk.crossed_opposite.end(), pair.surface) ==
+             chunk.crossed_opposite.end();
     };
     const auto new_ones = chunk.edges.begin() + static_cast<std::ptrdiff_t>(before);
     chunk.edges.erase(std::remove_if(new_ones, chunk.edges.end(), only_touches), chunk.edges.end());
@@ -239,7 +241,7 @@ void Tangles::find_chunk(const ParticleView& particles, const ObjectMatrix& of, 
 // Meshes made by a rule are often aligned to the bit: edges that meet edges, faces in one plane. What is
 // asked is therefore asked of the surfaces a little displaced, once to one side and once to the other: what
 // is tangled both times is, and what only touches is not. Not for a surface against itself.
-Vec3f Tangles::displacement(std::uint32_t edge_surface, std::uint32_t surface) const {
+Vec3f IntersectionFinder::perturbation(std::uint32_t edge_surface, std::uint32_t surface) const {
   constexpr Vec3f generic{6.1e-7f, 3.5e-7f, 7.1e-7f};  // of the smaller one's size
   if (edge_surface == surface) return {};
   const auto size = [&](std::uint32_t a) { return length(surface_bounds_[a].hi - surface_bounds_[a].lo); };
@@ -251,9 +253,9 @@ Vec3f Tangles::displacement(std::uint32_t edge_surface, std::uint32_t surface) c
 
 // The line is looked at piece by piece: its own box would hold half of the surface. It is bent a little, for
 // along an axis it would meet the corners of a regular mesh, which many triangles share.
-SurfaceHit Tangles::look(const ParticleView& particles, std::uint32_t i, const Vec3f& by,
-                         const Vec3f& straight, std::uint32_t surface, float side) const {
-  const Vec3f shift = by + displacement(surface_of_[i], surface) * side;
+SurfaceHit IntersectionFinder::cast_ray(const ParticleView& particles, std::uint32_t i, const Vec3f& by,
+                                        const Vec3f& straight, std::uint32_t surface, float side) const {
+  const Vec3f shift = by + perturbation(surface_of_[i], surface) * side;
   constexpr Vec3f bend{7.3e-4f, -4.1e-4f, 5.9e-4f};
   const Vec3f direction = straight + bend;
   SurfaceHit hit;
@@ -264,7 +266,7 @@ SurfaceHit Tangles::look(const ParticleView& particles, std::uint32_t i, const V
     reach += abs(direction[k]) * max(0.0f, direction[k] > 0 ? bounds.hi[k] - x[k] : x[k] - bounds.lo[k]);
   if (!(reach > 0) || !(reach < infinity)) return hit;
   reach *= 1.01f;
-  const int pieces = std::min(most_pieces, static_cast<int>(reach / (2 * cell_size_)) + 1);
+  const int pieces = std::min(max_pieces, static_cast<int>(reach / (2 * cell_size_)) + 1);
   const Vec3d whole = Vec3d(direction) * static_cast<double>(reach);
   std::vector<std::uint32_t> near;
   double first = std::numeric_limits<double>::infinity();
@@ -291,38 +293,39 @@ SurfaceHit Tangles::look(const ParticleView& particles, std::uint32_t i, const V
   return hit;
 }
 
-bool Tangles::passes(const ParticleView& particles, std::uint32_t e, const Vec3f& shift,
-                     std::uint32_t surface, const Bounds& region) const {
+bool IntersectionFinder::would_intersect(const ParticleView& particles, std::uint32_t e, const Vec3f& shift,
+                                         std::uint32_t surface, const Bounds& region) const {
   const Edge& edge = elements_.edges()[e];
-  const std::uint32_t owner = elements_.edge_objects()[e];
-  const Bounds box = shifted(box_of(particles, edge, owner), shift);
+  const std::uint32_t edge_surface = elements_.edge_objects()[e];
+  const Bounds box = shifted(box_of(particles, edge, edge_surface), shift);
   if (!overlap(box, surface_bounds_[surface]) || !overlap(box, region)) return false;
   std::vector<std::uint32_t> near;
   hash_.find(box, near);
   return std::any_of(near.begin(), near.end(), [&](std::uint32_t t) {
     const SurfaceElement& triangle = elements_.triangles()[t];
     if (triangle.object != surface || !overlap(boxes_[t], region)) return false;
-    const Vec3f aside = displacement(owner, surface);
+    const Vec3f perturbed_by = perturbation(edge_surface, surface);
     const Vec3d direction(particles.difference(edge[1], edge[0]));
     const auto crosses = [&](const Vec3f& by) {
       return crossing_of(direction, corners_from(particles, triangle, edge[0], Vec3d(by))).t < 1;
     };
-    return crosses(shift + aside) || crosses(shift - aside);
+    return crosses(shift + perturbed_by) || crosses(shift - perturbed_by);
   });
 }
 
-// With room for the displacement.
-Bounds Tangles::box_of(const ParticleView& particles, const Edge& edge, std::uint32_t owner) const {
-  const Bounds& all = surface_bounds_[owner];
+// With room for the perturbation.
+Bounds IntersectionFinder::box_of(const ParticleView& particles, const Edge& edge,
+                                  std::uint32_t edge_surface) const {
+  const Bounds& all = surface_bounds_[edge_surface];
   const float reach = 1e-6f * length(all.hi - all.lo);
   const Bounds box = united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {})));
   return {box.lo - Vec3f{reach, reach, reach}, box.hi + Vec3f{reach, reach, reach}};
 }
 
-std::size_t Tangles::bytes() const {
+std::size_t IntersectionFinder::bytes() const {
   std::size_t sum =
       bytes_of(excluded_, ranges_, surface_of_, opposite_, closed_, active_, surface_bounds_, boxes_, found_);
-  for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near, chunk.also);
+  for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near, chunk.crossed_opposite);
   return sum + elements_.bytes() + hash_.bytes();
 }
 

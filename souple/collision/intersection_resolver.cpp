@@ -1,4 +1,4 @@
-#include "souple/collision/untangling.h"
+#include "souple/collision/intersection_resolver.h"
 
 #include "souple/state/bytes.h"
 
@@ -56,7 +56,7 @@ bool is_odd(int n) {
 }
 
 /// Surfaces of an edge and a triangle, the lower one first.
-std::array<std::uint32_t, 2> pair_of(const TangledEdge& edge) {
+std::array<std::uint32_t, 2> pair_of(const EdgeIntersection& edge) {
   return {std::min(edge.edge_surface, edge.surface), std::max(edge.edge_surface, edge.surface)};
 }
 
@@ -69,26 +69,26 @@ bool any_movable(const ParticleView& particles, const Function& particle, std::s
 
 }  // namespace
 
-void Untangling::set_surfaces(std::span<const ContactSurface> surfaces) {
-  Tangles tangles = std::move(tangles_);
+void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces) {
+  IntersectionFinder tangles = std::move(finder_);
   *this = {};
-  tangles_ = std::move(tangles);
-  tangles_.set_surfaces(surfaces);
+  finder_ = std::move(tangles);
+  finder_.set_surfaces(surfaces);
   layers_.set_surfaces(surfaces);
-  if (!tangles_.any_pair()) return;
+  if (!finder_.any_pair()) return;
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
   touched_.assign(end, 0);
   inside_.assign(end, none);
   last_of_.assign(end, none);
   old_knot_of_.assign(end, none);
-  tangled_ = watched_ = ObjectMatrix(surfaces.size());
+  intersecting_pairs_ = watched_ = ObjectMatrix(surfaces.size());
 }
 
 // --- knots
 
-void Untangling::sort_by_pairs() {
-  const std::span<const TangledEdge> edges = tangles_.edges();
+void IntersectionResolver::sort_by_pairs() {
+  const std::span<const EdgeIntersection> edges = finder_.intersections();
   order_.resize(edges.size());
   for (std::uint32_t k = 0; k < order_.size(); ++k) order_[k] = k;
   std::sort(order_.begin(), order_.end(), [&](std::uint32_t p, std::uint32_t q) {
@@ -97,14 +97,15 @@ void Untangling::sort_by_pairs() {
   });
 }
 
-void Untangling::count_pairs(const ParticleView& particles) {
+void IntersectionResolver::count_pairs(const ParticleView& particles) {
   pairs_.clear();
-  if (tangled_.size() != tangles_.surface_count()) tangled_ = ObjectMatrix(tangles_.surface_count());
-  tangled_.clear();
-  for (const TangledEdge& edge : tangles_.edges()) {
+  if (intersecting_pairs_.size() != finder_.surface_count())
+    intersecting_pairs_ = ObjectMatrix(finder_.surface_count());
+  intersecting_pairs_.clear();
+  for (const EdgeIntersection& edge : finder_.intersections()) {
     const bool movable = any_movable(particles, edge.particle, 5);
-    tangled_.set(edge.edge_surface, edge.surface, true);
-    auto pair = std::find_if(pairs_.begin(), pairs_.end(), [&](const TangledPair& p) {
+    intersecting_pairs_.set(edge.edge_surface, edge.surface, true);
+    auto pair = std::find_if(pairs_.begin(), pairs_.end(), [&](const IntersectingPair& p) {
       return p.edge_surface == edge.edge_surface && p.surface == edge.surface;
     });
     if (pair == pairs_.end()) pair = pairs_.insert(pair, {edge.edge_surface, edge.surface, 0, true});
@@ -112,24 +113,24 @@ void Untangling::count_pairs(const ParticleView& particles) {
     if (movable) pair->held = false;
   }
   // An edge through several triangles is one edge.
-  const std::span<const TangledEdge> edges = tangles_.edges();
+  const std::span<const EdgeIntersection> edges = finder_.intersections();
   for (std::size_t k = 1; k < edges.size(); ++k)
     for (std::size_t j = k; j-- > 0 && edges[j].edge == edges[k].edge;)
       if (edges[j].surface == edges[k].surface) {
-        for (TangledPair& pair : pairs_)
+        for (IntersectingPair& pair : pairs_)
           if (pair.edge_surface == edges[k].edge_surface && pair.surface == edges[k].surface) --pair.edges;
         break;
       }
 }
 
 // Crossings of one pair of surfaces that share a particle, and so on, are a knot.
-void Untangling::find_knots(const ParticleView& particles) {
+void IntersectionResolver::find_knots(const ParticleView& particles) {
   join_crossings();
   number_knots(particles);
   sort_by_knots();
 }
 
-std::uint32_t Untangling::root(std::uint32_t k) {
+std::uint32_t IntersectionResolver::root(std::uint32_t k) {
   while (root_[k] != k) {
     root_[k] = root_[root_[k]];
     k = root_[k];
@@ -138,7 +139,7 @@ std::uint32_t Untangling::root(std::uint32_t k) {
 }
 
 // root_ is a forest of crossings, one tree for each knot, the first crossing its root.
-void Untangling::join_crossings() {
+void IntersectionResolver::join_crossings() {
   root_.resize(order_.size());
   std::uint32_t first_of_pair = 0;
   const auto forget = [&](std::uint32_t begin, std::uint32_t end) {
@@ -164,7 +165,7 @@ void Untangling::join_crossings() {
 }
 
 // By their first crossings.
-void Untangling::number_knots(const ParticleView& particles) {
+void IntersectionResolver::number_knots(const ParticleView& particles) {
   knots_.clear();
   knot_of_.assign(order_.size(), none);
   for (std::uint32_t k = 0; k < order_.size(); ++k) {
@@ -185,7 +186,7 @@ void Untangling::number_knots(const ParticleView& particles) {
   }
 }
 
-void Untangling::sort_by_knots() {
+void IntersectionResolver::sort_by_knots() {
   std::size_t place = 0;
   for (Knot& knot : knots_) knot.first = place, place += knot.count, knot.count = 0;
   std::swap(root_, order_);  // root_ is what order_ was
@@ -196,7 +197,7 @@ void Untangling::sort_by_knots() {
 }
 
 // A knot goes on being pulled where it was pulled before.
-void Untangling::inherit(Knot& knot) const {
+void IntersectionResolver::inherit(Knot& knot) const {
   for (std::size_t k = knot.first; k < knot.first + knot.count; ++k)
     for (const std::uint32_t i : crossing(k).particle) {
       if (old_knot_of_[i] == none) continue;
@@ -207,7 +208,7 @@ void Untangling::inherit(Knot& knot) const {
     }
 }
 
-void Untangling::remember() {
+void IntersectionResolver::remember() {
   std::fill(old_knot_of_.begin(), old_knot_of_.end(), none);
   for (std::uint32_t n = 0; n < knots_.size(); ++n)
     for (std::size_t k = knots_[n].first; k < knots_[n].first + knots_[n].count; ++k)
@@ -219,47 +220,49 @@ void Untangling::remember() {
 // --- directions
 
 // Whether nothing near the knot would be tangled any more, were a displaced.
-bool Untangling::is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
-                           const Vec3f& shift) const {
+bool IntersectionResolver::is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
+                                     const Vec3f& shift) const {
   for (const std::uint32_t e : edges_a_)
-    if (tangles_.passes(particles, e, shift, knot.b, region)) return false;
+    if (finder_.would_intersect(particles, e, shift, knot.b, region)) return false;
   for (const std::uint32_t e : edges_b_)
-    if (tangles_.passes(particles, e, -shift, knot.a, region)) return false;
+    if (finder_.would_intersect(particles, e, -shift, knot.a, region)) return false;
   return is_outside(knot, particles, shift);
 }
 
 // Out of the other one, and not altogether inside.
-bool Untangling::is_outside(const Knot& knot, const ParticleView& particles, const Vec3f& shift) const {
+bool IntersectionResolver::is_outside(const Knot& knot, const ParticleView& particles,
+                                      const Vec3f& shift) const {
   const std::size_t stride = std::max<std::size_t>(knot.count / samples, 1);
   const Vec3f ahead = normalized(shift);
   for (std::size_t k = knot.first; k < knot.first + knot.count; k += stride)
     for (const std::uint32_t i : crossing(k).particle) {
-      const bool of_a = tangles_.surface_of(i) == knot.a;
+      const bool of_a = finder_.surface_of(i) == knot.a;
       const std::uint32_t other = of_a ? knot.b : knot.a;
-      if (!tangles_.is_closed(other)) continue;
+      if (!finder_.is_closed(other)) continue;
       const Vec3f own = of_a ? shift : -shift, along = of_a ? ahead : -ahead;
       for (const float side : {1.0f, -1.0f})
-        if (is_odd(tangles_.look(particles, i, own, along, other, side).count)) return false;
+        if (is_odd(finder_.cast_ray(particles, i, own, along, other, side).count)) return false;
     }
   return true;
 }
 
 // The edges of both that reach into the region.
-void Untangling::collect_edges(const Knot& knot, const ParticleView& particles, const Bounds& region) {
+void IntersectionResolver::collect_edges(const Knot& knot, const ParticleView& particles,
+                                         const Bounds& region) {
   edges_a_.clear(), edges_b_.clear();
-  const SurfaceElements& elements = tangles_.elements();
+  const SurfaceElements& elements = finder_.elements();
   for (std::uint32_t e = 0; e < elements.edges().size(); ++e) {
-    const std::uint32_t owner = elements.edge_objects()[e];
-    if (owner != knot.a && owner != knot.b) continue;
+    const std::uint32_t surface = elements.edge_objects()[e];
+    if (surface != knot.a && surface != knot.b) continue;
     const auto& [i, j] = elements.edges()[e];
     const Bounds box = united(around(particles.relative(i, {})), around(particles.relative(j, {})));
-    if (overlap(box, region)) (owner == knot.a ? edges_a_ : edges_b_).push_back(e);
+    if (overlap(box, region)) (surface == knot.a ? edges_a_ : edges_b_).push_back(e);
   }
 }
 
 // The shortest way out, of those that are tried: its direction is given to the knot, its length returned; 0
 // where none leads out. No way is longer than the region is wide around the knot: what is beyond is not seen.
-float Untangling::find_way(Knot& knot, const ParticleView& particles, float farthest) {
+float IntersectionResolver::find_way(Knot& knot, const ParticleView& particles, float farthest) {
   const Bounds region = widened(knot.bounds, farthest);
   collect_edges(knot, particles, region);
   Vec3f contour;
@@ -283,7 +286,8 @@ float Untangling::find_way(Knot& knot, const ParticleView& particles, float fart
 
 // A knot of two layers goes outward, and where that stalls by its contour, in turns: a fold of the lower one
 // that reaches through the upper one is pulled to both sides by its normals.
-void Untangling::take_turns(Knot& knot, const ParticleView& particles, double time, float most_speed) {
+void IntersectionResolver::take_turns(Knot& knot, const ParticleView& particles, double time,
+                                      float most_speed) {
   if (knot.known) ++knot.attempt;
   knot.known = true;
   float longest = 0;
@@ -297,7 +301,8 @@ void Untangling::take_turns(Knot& knot, const ParticleView& particles, double ti
   knot.fewest = knot.count;
 }
 
-void Untangling::choose_direction(Knot& knot, const ParticleView& particles, double time, float most_speed) {
+void IntersectionResolver::choose_direction(Knot& knot, const ParticleView& particles, double time,
+                                            float most_speed) {
   if (knot.known) {
     ++knot.attempt;
     if (length_squared(knot.direction) > 0) knot.tried |= 1u << knot.which;
@@ -316,8 +321,8 @@ void Untangling::choose_direction(Knot& knot, const ParticleView& particles, dou
 }
 
 // What does not get smaller is pulled harder, then another way.
-void Untangling::attend(Knot& knot, const ParticleView& particles, double time, float most_speed,
-                        int& searches) {
+void IntersectionResolver::attend(Knot& knot, const ParticleView& particles, double time, float most_speed,
+                                  int& searches) {
   if (knot.count < knot.fewest) {
     knot.fewest = knot.count;
     knot.deadline = time + stall_time;
@@ -342,14 +347,15 @@ void Untangling::attend(Knot& knot, const ParticleView& particles, double time, 
 //
 // Volino and Magnenat-Thalmann 2006 subtract twice the second part. An edge at a border has one r. G is at
 // most of length 1 here: it grows without bound where the edge grazes the triangle.
-Vec3f Untangling::contour_pull(const TangledEdge& crossing, const ParticleView& particles) const {
+Vec3f IntersectionResolver::contour_pull(const EdgeIntersection& crossing,
+                                         const ParticleView& particles) const {
   const auto& i = crossing.particle;
   const Vec3f e = particles.difference(i[1], i[0]);
   const Vec3f n = normalized(cross(particles.difference(i[3], i[2]), particles.difference(i[4], i[2])));
   const float e_n = dot(e, n);
   if (!(abs(e_n) > 0)) return {};
   Vec3f R;
-  for (const std::uint32_t corner : tangles_.opposite(crossing.edge)) {
+  for (const std::uint32_t corner : finder_.opposite(crossing.edge)) {
     if (corner == none) continue;
     const Vec3f side = particles.difference(corner, i[0]);
     const Vec3f r = cross(cross(e, side), n);
@@ -364,24 +370,24 @@ Vec3f Untangling::contour_pull(const TangledEdge& crossing, const ParticleView& 
 
 // --- pulls
 
-void Untangling::add(const Pull& pull, const ParticleView& particles) {
+void IntersectionResolver::add(const Pull& pull, const ParticleView& particles) {
   if (any_movable(particles, pull.particle, 5)) pulls_.push_back(pull);
 }
 
-void Untangling::touch() {
+void IntersectionResolver::touch() {
   std::fill(touched_.begin(), touched_.end(), 0);
   std::fill(inside_.begin(), inside_.end(), none);
-  for (const TangledEdge& edge : tangles_.edges())
+  for (const EdgeIntersection& edge : finder_.intersections())
     for (const std::uint32_t i : edge.particle) touched_[i] = 1;
 }
 
-void Untangling::pull_knot(const Knot& knot, const ParticleView& particles) {
+void IntersectionResolver::pull_knot(const Knot& knot, const ParticleView& particles) {
   const bool along = length_squared(knot.direction) > 0;
   const bool outward = layers_.ordered(knot.a, knot.b) && knot.attempt % 2 == 0;
   for (std::size_t k = knot.first; k < knot.first + knot.count; ++k) {
-    const TangledEdge& edge = crossing(k);
+    const EdgeIntersection& edge = crossing(k);
     if (outward) {
-      const Vec3f n = layers_.outward(edge, particles, tangles_);
+      const Vec3f n = layers_.outward(edge, particles, finder_);
       if (length_squared(n) > 0) add({edge.particle, edge.c, n, knot.speed}, particles);
     } else if (along) {
       const Vec3f n = edge.edge_surface == knot.a ? knot.direction : -knot.direction;
@@ -395,21 +401,22 @@ void Untangling::pull_knot(const Knot& knot, const ParticleView& particles) {
 }
 
 // Vertices of one object that are inside the other: they may pass its surface, and the way out pulls them.
-void Untangling::pull_inside(const Knot& knot, const ParticleView& particles, bool turned, Threads& threads) {
+void IntersectionResolver::pull_inside(const Knot& knot, const ParticleView& particles, bool turned,
+                                       Threads& threads) {
   const std::uint32_t own = turned ? knot.b : knot.a, other = turned ? knot.a : knot.b;
-  if (own == other || !tangles_.is_closed(other)) return;
+  if (own == other || !finder_.is_closed(other)) return;
   const bool along = length_squared(knot.direction) > 0;
   const Vec3f n = !along ? Vec3f{0, 1, 0} : turned ? -knot.direction : knot.direction;
-  const SurfaceElements& elements = tangles_.elements();
-  const Bounds bounds = tangles_.bounds(other);
+  const SurfaceElements& elements = finder_.elements();
+  const Bounds bounds = finder_.bounds(other);
   hits_.assign(elements.vertices().size(), {});
   threads.for_each(hits_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
     for (; v < end; ++v) {
       const std::uint32_t i = elements.vertices()[v];
       if (elements.vertex_objects()[v] != own || inside_[i] != none) continue;
       if (!overlap(around(particles.relative(i, {})), bounds)) continue;
-      hits_[v] = tangles_.look(particles, i, {}, n, other, 1);
-      if (!is_odd(hits_[v].count)) hits_[v] = tangles_.look(particles, i, {}, n, other, -1);
+      hits_[v] = finder_.cast_ray(particles, i, {}, n, other, 1);
+      if (!is_odd(hits_[v].count)) hits_[v] = finder_.cast_ray(particles, i, {}, n, other, -1);
     }
   });
   for (std::size_t v = 0; v < hits_.size(); ++v) {
@@ -429,7 +436,7 @@ void Untangling::pull_inside(const Knot& knot, const ParticleView& particles, bo
 
 // Points of layers that lie wrong go outward, the deeper the faster, and all of them faster where they do not
 // get fewer.
-void Untangling::pull_layers(const ContactStep& step, const ParticleView& particles) {
+void IntersectionResolver::pull_layers(const ContactStep& step, const ParticleView& particles) {
   const std::size_t count = layers_.found().size();
   if (count == 0 || fewest_misplaced_ == 0) hurries_ = 0;
   if (count < fewest_misplaced_ || fewest_misplaced_ == 0) {
@@ -452,25 +459,25 @@ void Untangling::pull_layers(const ContactStep& step, const ParticleView& partic
 
 // Between objects that are not tangled contacts see to it that they do not become so, nor do layers come to
 // lie wrong.
-void Untangling::find(const ParticleView& particles, bool look, Threads& threads) {
+void IntersectionResolver::find(const ParticleView& particles, bool look, Threads& threads) {
   if (look) {
     for (std::uint32_t a = 0; a < watched_.size(); ++a)
       for (std::uint32_t b = 0; b < a; ++b) watched_.set(a, b, layers_.ordered(a, b));
-    tangles_.find(particles, threads);
+    finder_.find(particles, threads);
   } else {
-    tangles_.find(particles, watched_, threads);
+    finder_.find(particles, watched_, threads);
   }
-  layers_.find(particles, tangles_, watched_, threads);
+  layers_.find(particles, finder_, watched_, threads);
   count_pairs(particles);
-  watched_ = tangled_;
+  watched_ = intersecting_pairs_;
   for (const Misplaced& point : layers_.found())
-    watched_.set(tangles_.surface_of(point.vertex), point.surface, true);
+    watched_.set(finder_.surface_of(point.vertex), point.surface, true);
 }
 
-void Untangling::begin_step(const ParticleView& particles, const ContactStep& step, bool look,
-                            Threads& threads) {
-  const bool was_tangled = !pairs_.empty(), was_wrong = !layers_.found().empty();
-  if (!tangles_.any_pair() || (!look && !was_tangled && !was_wrong)) return;
+void IntersectionResolver::begin_step(const ParticleView& particles, const ContactStep& step, bool look,
+                                      Threads& threads) {
+  const bool was_intersecting = !pairs_.empty(), was_wrong = !layers_.found().empty();
+  if (!finder_.any_pair() || (!look && !was_intersecting && !was_wrong)) return;
   if (!look && pulls_.empty() && ++idle_ < held_interval) return;
   if (step.time < last_time_) std::fill(old_knot_of_.begin(), old_knot_of_.end(), none);
   last_time_ = step.time;
@@ -480,7 +487,7 @@ void Untangling::begin_step(const ParticleView& particles, const ContactStep& st
   find(particles, look, threads);
   pull_layers(step, particles);
   if (pairs_.empty()) {
-    if (was_tangled) remember();
+    if (was_intersecting) remember();
     return;
   }
   sort_by_pairs();
@@ -497,7 +504,7 @@ void Untangling::begin_step(const ParticleView& particles, const ContactStep& st
   remember();
 }
 
-void Untangling::pull(const ParticleView& particles, const Substep& substep) const {
+void IntersectionResolver::pull(const ParticleView& particles, const Substep& substep) const {
   for (const Pull& pull : pulls_) {
     Vec3f moved;
     float inverse_mass = 0;
@@ -515,23 +522,23 @@ void Untangling::pull(const ParticleView& particles, const Substep& substep) con
   }
 }
 
-bool Untangling::exempts(const NearPair& pair, bool edges) const {
+bool IntersectionResolver::exempts(const NearPair& pair, bool edges) const {
   if (pairs_.empty() && layers_.found().empty()) return false;
   const std::size_t first = edges ? 2 : 1;
   for (std::size_t a = 0; a < first; ++a)
     for (std::size_t b = first; b < 4; ++b) {
       const std::uint32_t p = pair.particle[a], q = pair.particle[b];
-      const std::uint32_t one = tangles_.surface_of(p), other = tangles_.surface_of(q);
+      const std::uint32_t one = finder_.surface_of(p), other = finder_.surface_of(q);
       if (layers_.may_pass(p, other) || layers_.may_pass(q, one)) return true;
       if (pairs_.empty()) continue;
       if (inside_[p] == other || inside_[q] == one) return true;
-      if (touched_[p] != 0 && touched_[q] != 0 && tangled_.at(one, other)) return true;
+      if (touched_[p] != 0 && touched_[q] != 0 && intersecting_pairs_.at(one, other)) return true;
     }
   return false;
 }
 
-std::size_t Untangling::bytes() const {
-  return tangles_.bytes() + layers_.bytes() +
+std::size_t IntersectionResolver::bytes() const {
+  return finder_.bytes() + layers_.bytes() +
          bytes_of(order_, pairs_, knots_, old_knots_, root_, last_of_, knot_of_, old_knot_of_, touched_,
                   inside_, edges_a_, edges_b_, hits_, pulls_);
 }

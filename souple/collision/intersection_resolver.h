@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/collision/contact.h"
+#include "souple/collision/intersection_finder.h"
 #include "souple/collision/layers.h"
-#include "souple/collision/tangles.h"
 
 #include <cstdint>
 #include <span>
@@ -11,7 +11,7 @@
 namespace souple {
 
 /// Two objects, or one twice, that are tangled.
-struct TangledPair {
+struct IntersectingPair {
   std::uint32_t edge_surface = 0, surface = 0;  ///< edges of the one pass through triangles of the other
   std::size_t edges = 0;                        ///< so many
   bool held = false;                            ///< nothing of them can move
@@ -41,11 +41,11 @@ struct TangledPair {
 /// upper one that are under it, whether anything is tangled or not.
 ///
 /// Until it is undone, contacts must not hold what belongs to it: `exempts`.
-class Untangling {
+class IntersectionResolver {
  public:
   /// As SurfaceContacts.
   void set_surfaces(std::span<const ContactSurface> surfaces);
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { tangles_.exclude(std::move(pairs)); }
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { finder_.exclude(std::move(pairs)); }
 
   /// Looks for tangles and layers that lie wrong where the caller says so, and as long as there are some.
   void begin_step(const ParticleView& particles, const ContactStep& step, bool look, Threads& threads);
@@ -55,7 +55,7 @@ class Untangling {
   /// Whether contacts must let the pair pass.
   bool exempts(const NearPair& pair, bool edges) const;
   /// What `begin_step` found, by surfaces.
-  std::span<const TangledPair> pairs() const { return pairs_; }
+  std::span<const IntersectingPair> pairs() const { return pairs_; }
   /// Points of layers that lie wrong.
   std::span<const Misplaced> misplaced() const { return layers_.found(); }
   std::size_t bytes() const;
@@ -85,7 +85,7 @@ class Untangling {
     float speed;
   };
 
-  const TangledEdge& crossing(std::size_t k) const { return tangles_.edges()[order_[k]]; }
+  const EdgeIntersection& crossing(std::size_t k) const { return finder_.intersections()[order_[k]]; }
   void sort_by_pairs();
   void count_pairs(const ParticleView& particles);
   void find_knots(const ParticleView& particles);
@@ -103,7 +103,7 @@ class Untangling {
   bool is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
                  const Vec3f& shift) const;
   bool is_outside(const Knot& knot, const ParticleView& particles, const Vec3f& shift) const;
-  Vec3f contour_pull(const TangledEdge& crossing, const ParticleView& particles) const;
+  Vec3f contour_pull(const EdgeIntersection& crossing, const ParticleView& particles) const;
   void touch();
   void pull_knot(const Knot& knot, const ParticleView& particles);
   void pull_inside(const Knot& knot, const ParticleView& particles, bool turned, Threads& threads);
@@ -111,10 +111,10 @@ class Untangling {
   void find(const ParticleView& particles, bool look, Threads& threads);
   void add(const Pull& pull, const ParticleView& particles);
 
-  Tangles tangles_;
+  IntersectionFinder finder_;
   Layers layers_;
-  std::vector<std::uint32_t> order_;  // of tangles_.edges(): by pair, then knot
-  std::vector<TangledPair> pairs_;
+  std::vector<std::uint32_t> order_;  // of finder_.intersections(): by pair, then knot
+  std::vector<IntersectingPair> pairs_;
   std::vector<Knot> knots_, old_knots_;
   std::vector<std::uint32_t> root_, last_of_, knot_of_;  // of crossings; of particles
   std::vector<std::uint32_t> old_knot_of_;               // of particles
@@ -123,7 +123,7 @@ class Untangling {
   std::vector<std::uint32_t> edges_a_, edges_b_;         // near the knot whose direction is looked for
   std::vector<SurfaceHit> hits_;                         // of the vertices that are looked from
   std::vector<Pull> pulls_;
-  ObjectMatrix tangled_, watched_;  // watched: also those whose layers lie wrong
+  ObjectMatrix intersecting_pairs_, watched_;  // watched: also those whose layers lie wrong
   std::size_t fewest_misplaced_ = 0;
   double hurry_at_ = 0;   // by when there should be fewer of them [s]
   int hurries_ = 0;       // doublings of the speed at which they are pulled

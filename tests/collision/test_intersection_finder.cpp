@@ -1,4 +1,4 @@
-#include "souple/collision/tangles.h"
+#include "souple/collision/intersection_finder.h"
 #include "souple/geometry/builders.h"
 #include "tests/collision/crossings.h"
 #include "tests/collision/random.h"
@@ -29,7 +29,7 @@ class CrumpledSheets {
         offset_.push_back({rest.x, rest.y, rest.z, 0});
         positions.emplace_back(exact - place);
       }
-      tangle_.add(positions, triangles);
+      checker_.add(positions, triangles);
       ContactSurface surface;
       surface.begin = begin, surface.end = static_cast<std::uint32_t>(position_.size());
       surface.triangles = triangles;
@@ -39,37 +39,37 @@ class CrumpledSheets {
 
   ParticleView view() { return {position_, offset_, offset_, Form::displacement}; }
   std::vector<ContactSurface>& surfaces() { return surfaces_; }
-  const test::CrossingCounter& tangle() const { return tangle_; }
+  const test::CrossingCounter& checker() const { return checker_; }
 
  private:
   std::vector<Vec4f> position_, offset_;
   std::vector<std::vector<Triangle>> meshes_;
   std::vector<ContactSurface> surfaces_;
-  test::CrossingCounter tangle_;
+  test::CrossingCounter checker_;
 };
 
 /// How many that are of two objects, and of one.
-std::pair<std::size_t, std::size_t> count(const Tangles& tangles) {
+std::pair<std::size_t, std::size_t> count(const IntersectionFinder& finder) {
   std::size_t between = 0, within = 0;
-  for (const TangledEdge& e : tangles.edges()) ++(e.edge_surface == e.surface ? within : between);
+  for (const EdgeIntersection& e : finder.intersections()) ++(e.edge_surface == e.surface ? within : between);
   return {between, within};
 }
 
-TEST(Tangles, AreThoseThatTheCheckerCounts) {
+TEST(IntersectionFinder, AreThoseThatTheCheckerCounts) {
   const auto threads = make_threads(Threading::pool, 2);
   for (const double far : {0.0, 1000.0}) {
     CrumpledSheets sheets(3, 20, 2, {far, -far, far / 2});
     for (ContactSurface& surface : sheets.surfaces()) surface.self_collision = true;
-    Tangles tangles;
-    tangles.set_surfaces(sheets.surfaces());
-    tangles.find(sheets.view(), *threads);
-    EXPECT_GT(tangles.edges().size(), 1000u);
-    EXPECT_EQ(tangles.edges().size(), sheets.tangle().crossings()) << far;
-    for (std::size_t k = 1; k < tangles.edges().size(); ++k) {
-      const TangledEdge &a = tangles.edges()[k - 1], &b = tangles.edges()[k];
+    IntersectionFinder finder;
+    finder.set_surfaces(sheets.surfaces());
+    finder.find(sheets.view(), *threads);
+    EXPECT_GT(finder.intersections().size(), 1000u);
+    EXPECT_EQ(finder.intersections().size(), sheets.checker().crossings()) << far;
+    for (std::size_t k = 1; k < finder.intersections().size(); ++k) {
+      const EdgeIntersection &a = finder.intersections()[k - 1], &b = finder.intersections()[k];
       EXPECT_LT(std::tie(a.edge, a.triangle), std::tie(b.edge, b.triangle));
     }
-    for (const TangledEdge& e : tangles.edges()) {
+    for (const EdgeIntersection& e : finder.intersections()) {
       Vec3f gap;  // of the two points where they cross
       for (std::size_t k = 1; k < 5; ++k)
         gap += sheets.view().difference(e.particle[k], e.particle[0]) * e.c[k];
@@ -78,14 +78,14 @@ TEST(Tangles, AreThoseThatTheCheckerCounts) {
   }
 }
 
-TEST(Tangles, AreOfWhatMeets) {
+TEST(IntersectionFinder, AreOfWhatMeets) {
   const auto threads = make_threads(Threading::serial, 1);
   CrumpledSheets sheets(2, 12, 2, {});
-  Tangles tangles;
+  IntersectionFinder finder;
   const auto found = [&] {
-    tangles.set_surfaces(sheets.surfaces());
-    tangles.find(sheets.view(), *threads);
-    return count(tangles);
+    finder.set_surfaces(sheets.surfaces());
+    finder.find(sheets.view(), *threads);
+    return count(finder);
   };
   const auto [between, none_within] = found();
   EXPECT_GT(between, 100u);
@@ -99,23 +99,23 @@ TEST(Tangles, AreOfWhatMeets) {
   EXPECT_GT(found().second, 100u);
 }
 
-TEST(Tangles, WhatIsTiedTogetherIsNone) {
+TEST(IntersectionFinder, WhatIsTiedTogetherIsNone) {
   const auto threads = make_threads(Threading::serial, 1);
   CrumpledSheets sheets(2, 12, 2, {});
-  Tangles tangles;
-  tangles.set_surfaces(sheets.surfaces());
-  tangles.find(sheets.view(), *threads);
-  const std::size_t before = tangles.edges().size();
-  const TangledEdge first = tangles.edges()[0];
-  tangles.exclude({{first.particle[3], first.particle[0]}});
-  tangles.find(sheets.view(), *threads);
-  EXPECT_LT(tangles.edges().size(), before);
-  for (const TangledEdge& e : tangles.edges())
+  IntersectionFinder finder;
+  finder.set_surfaces(sheets.surfaces());
+  finder.find(sheets.view(), *threads);
+  const std::size_t before = finder.intersections().size();
+  const EdgeIntersection first = finder.intersections()[0];
+  finder.exclude({{first.particle[3], first.particle[0]}});
+  finder.find(sheets.view(), *threads);
+  EXPECT_LT(finder.intersections().size(), before);
+  for (const EdgeIntersection& e : finder.intersections())
     EXPECT_FALSE(e.edge == first.edge && e.triangle == first.triangle);
 }
 
 // Boxes that lie face on face, aligned to the bit, only touch; pushed into each other they are tangled.
-TEST(Tangles, WhatOnlyTouchesIsNone) {
+TEST(IntersectionFinder, WhatOnlyTouchesIsNone) {
   const auto threads = make_threads(Threading::serial, 1);
   const TriangleMesh mesh = box({1, 1, 1}, 4);
   for (const double offset : {1.0, 0.75, 0.5, 0.9}) {
@@ -128,24 +128,24 @@ TEST(Tangles, WhatOnlyTouchesIsNone) {
     for (std::uint32_t k = 0; k < 2; ++k)
       surfaces[k].begin = k * n, surfaces[k].end = (k + 1) * n, surfaces[k].triangles = mesh.triangles,
       surfaces[k].rest = mesh.positions;
-    Tangles tangles;
-    tangles.set_surfaces(surfaces);
-    tangles.find({position, still, still, Form::displacement}, *threads);
-    EXPECT_EQ(tangles.edges().empty(), offset == 1.0) << offset;
-    EXPECT_TRUE(tangles.is_closed(0));
+    IntersectionFinder finder;
+    finder.set_surfaces(surfaces);
+    finder.find({position, still, still, Form::displacement}, *threads);
+    EXPECT_EQ(finder.intersections().empty(), offset == 1.0) << offset;
+    EXPECT_TRUE(finder.is_closed(0));
   }
 }
 
-TEST(Tangles, AWarmFindAllocatesNothing) {
+TEST(IntersectionFinder, AWarmFindAllocatesNothing) {
   const auto threads = make_threads(Threading::pool, 2);
   CrumpledSheets sheets(2, 30, 1.5, {});
-  Tangles tangles;
-  tangles.set_surfaces(sheets.surfaces());
-  for (int k = 0; k < 3; ++k) tangles.find(sheets.view(), *threads);
+  IntersectionFinder finder;
+  finder.set_surfaces(sheets.surfaces());
+  for (int k = 0; k < 3; ++k) finder.find(sheets.view(), *threads);
   const long before = test::allocations();
-  tangles.find(sheets.view(), *threads);
+  finder.find(sheets.view(), *threads);
   EXPECT_EQ(test::allocations() - before, 0);
-  EXPECT_FALSE(tangles.edges().empty());
+  EXPECT_FALSE(finder.intersections().empty());
 }
 
 }  // namespace
