@@ -29,17 +29,17 @@ constexpr Vec3f directions[] = {{0, 1, 0},
                                 {third, third, -third},
                                 {-third, -third, third}};
 constexpr std::uint32_t fixed_directions = 14, all_directions = 16;
-constexpr int distances = 10;           // that are tried, each
-constexpr float distance_ratio = 1.5f;  // times as long as the one before it
-constexpr float time_to_part = 0.4f;    // s: how long a way may take, as far as the speed allows
-constexpr float least_speed = 0.1f;     // m/s
-constexpr double patience = 1.5;        // times as long as it should take, and
-constexpr double stall_time = 0.3;      // s: more, and as long as that once it has come off here and there
-constexpr int most_doublings = 3;       // of the speed before another direction is tried
-constexpr int most_attempts = 6;        // each looks twice as far as the one before it
-constexpr int searches_per_step = 4;    // others wait
-constexpr int held_interval = 16;       // steps between two looks at what nothing can part
-constexpr std::size_t samples = 16;     // corners of a knot that are asked whether they are inside
+constexpr int distances = 10;             // that are tried, each
+constexpr float distance_ratio = 1.5f;    // times as long as the one before it
+constexpr float separation_time = 0.4f;   // s: how long a way may take, as far as the speed allows
+constexpr float min_speed = 0.1f;         // m/s
+constexpr double deadline_factor = 1.5;   // times as long as it should take, and
+constexpr double stall_time = 0.3;        // s: more, and as long as that once it has come off here and there
+constexpr int max_escalations = 3;        // of the speed before another direction is tried
+constexpr int max_range_doublings = 6;    // each looks twice as far as the one before it
+constexpr int max_searches_per_step = 4;  // others wait
+constexpr int immovable_interval = 16;    // steps between two looks at what nothing can part
+constexpr std::size_t samples = 16;       // corners of a component that are asked whether they are inside
 constexpr std::size_t vertex_grain = 64;
 
 Bounds around(const Vec3f& x) {
@@ -78,11 +78,11 @@ void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces
   if (!finder_.any_pair()) return;
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
-  touched_.assign(end, 0);
+  is_intersecting_.assign(end, 0);
   inside_.assign(end, none);
   last_of_.assign(end, none);
-  old_knot_of_.assign(end, none);
-  intersecting_pairs_ = watched_ = ObjectMatrix(surfaces.size());
+  old_component_of_.assign(end, none);
+  intersecting_pairs_ = searched_pairs_ = ObjectMatrix(surfaces.size());
 }
 
 // --- knots
@@ -110,7 +110,7 @@ void IntersectionResolver::count_pairs(const ParticleView& particles) {
     });
     if (pair == pairs_.end()) pair = pairs_.insert(pair, {edge.edge_surface, edge.surface, 0, true});
     ++pair->edges;
-    if (movable) pair->held = false;
+    if (movable) pair->immovable = false;
   }
   // An edge through several triangles is one edge.
   const std::span<const EdgeIntersection> edges = finder_.intersections();
@@ -123,11 +123,11 @@ void IntersectionResolver::count_pairs(const ParticleView& particles) {
       }
 }
 
-// Crossings of one pair of surfaces that share a particle, and so on, are a knot.
-void IntersectionResolver::find_knots(const ParticleView& particles) {
-  join_crossings();
-  number_knots(particles);
-  sort_by_knots();
+// Crossings of one pair of surfaces that share a particle, and so on, are a component.
+void IntersectionResolver::find_components(const ParticleView& particles) {
+  join_intersections();
+  number_components(particles);
+  sort_by_components();
 }
 
 std::uint32_t IntersectionResolver::root(std::uint32_t k) {
@@ -138,22 +138,22 @@ std::uint32_t IntersectionResolver::root(std::uint32_t k) {
   return k;
 }
 
-// root_ is a forest of crossings, one tree for each knot, the first crossing its root.
-void IntersectionResolver::join_crossings() {
+// root_ is a forest of crossings, one tree for each component, the first intersection its root.
+void IntersectionResolver::join_intersections() {
   root_.resize(order_.size());
   std::uint32_t first_of_pair = 0;
-  const auto forget = [&](std::uint32_t begin, std::uint32_t end) {
+  const auto reset = [&](std::uint32_t begin, std::uint32_t end) {
     for (; begin < end; ++begin)
-      for (const std::uint32_t i : crossing(begin).particle) last_of_[i] = none;
+      for (const std::uint32_t i : intersection(begin).particle) last_of_[i] = none;
   };
   const auto count = static_cast<std::uint32_t>(order_.size());
   for (std::uint32_t k = 0; k < count; ++k) {
-    if (pair_of(crossing(k)) != pair_of(crossing(first_of_pair))) {
-      forget(first_of_pair, k);
+    if (pair_of(intersection(k)) != pair_of(intersection(first_of_pair))) {
+      reset(first_of_pair, k);
       first_of_pair = k;
     }
     root_[k] = k;
-    for (const std::uint32_t i : crossing(k).particle) {
+    for (const std::uint32_t i : intersection(k).particle) {
       if (last_of_[i] != none) {
         const std::uint32_t p = root(k), q = root(last_of_[i]);
         root_[std::max(p, q)] = std::min(p, q);
@@ -161,83 +161,84 @@ void IntersectionResolver::join_crossings() {
       last_of_[i] = k;
     }
   }
-  forget(first_of_pair, count);
+  reset(first_of_pair, count);
 }
 
 // By their first crossings.
-void IntersectionResolver::number_knots(const ParticleView& particles) {
-  knots_.clear();
-  knot_of_.assign(order_.size(), none);
+void IntersectionResolver::number_components(const ParticleView& particles) {
+  components_.clear();
+  component_of_.assign(order_.size(), none);
   for (std::uint32_t k = 0; k < order_.size(); ++k) {
     const std::uint32_t first = root(k);
     if (first == k) {
-      const auto pair = pair_of(crossing(k));
-      knot_of_[k] = static_cast<std::uint32_t>(knots_.size());
-      Knot knot;
-      knot.a = pair[0], knot.b = pair[1];
-      knot.bounds = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-      knots_.push_back(knot);
+      const auto pair = pair_of(intersection(k));
+      component_of_[k] = static_cast<std::uint32_t>(components_.size());
+      Component component;
+      component.a = pair[0], component.b = pair[1];
+      component.bounds = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+      components_.push_back(component);
     }
-    knot_of_[k] = knot_of_[first];
-    Knot& knot = knots_[knot_of_[k]];
-    ++knot.count;
-    for (const std::uint32_t i : crossing(k).particle)
-      knot.bounds = united(knot.bounds, around(particles.relative(i, {})));
+    component_of_[k] = component_of_[first];
+    Component& component = components_[component_of_[k]];
+    ++component.count;
+    for (const std::uint32_t i : intersection(k).particle)
+      component.bounds = united(component.bounds, around(particles.relative(i, {})));
   }
 }
 
-void IntersectionResolver::sort_by_knots() {
-  std::size_t place = 0;
-  for (Knot& knot : knots_) knot.first = place, place += knot.count, knot.count = 0;
+void IntersectionResolver::sort_by_components() {
+  std::size_t begin = 0;
+  for (Component& component : components_)
+    component.first = begin, begin += component.count, component.count = 0;
   std::swap(root_, order_);  // root_ is what order_ was
   for (std::size_t k = 0; k < root_.size(); ++k) {
-    Knot& knot = knots_[knot_of_[k]];
-    order_[knot.first + knot.count++] = root_[k];
+    Component& component = components_[component_of_[k]];
+    order_[component.first + component.count++] = root_[k];
   }
 }
 
-// A knot goes on being pulled where it was pulled before.
-void IntersectionResolver::inherit(Knot& knot) const {
-  for (std::size_t k = knot.first; k < knot.first + knot.count; ++k)
-    for (const std::uint32_t i : crossing(k).particle) {
-      if (old_knot_of_[i] == none) continue;
-      const Knot& old = old_knots_[old_knot_of_[i]];
-      if (old.a != knot.a || old.b != knot.b) continue;
-      static_cast<Course&>(knot) = old;
+// A component goes on being pulled where it was pulled before.
+void IntersectionResolver::inherit_strategy(Component& component) const {
+  for (std::size_t k = component.first; k < component.first + component.count; ++k)
+    for (const std::uint32_t i : intersection(k).particle) {
+      if (old_component_of_[i] == none) continue;
+      const Component& old = old_components_[old_component_of_[i]];
+      if (old.a != component.a || old.b != component.b) continue;
+      static_cast<Strategy&>(component) = old;
       return;
     }
 }
 
-void IntersectionResolver::remember() {
-  std::fill(old_knot_of_.begin(), old_knot_of_.end(), none);
-  for (std::uint32_t n = 0; n < knots_.size(); ++n)
-    for (std::size_t k = knots_[n].first; k < knots_[n].first + knots_[n].count; ++k)
-      for (const std::uint32_t i : crossing(k).particle)
-        if (old_knot_of_[i] == none) old_knot_of_[i] = n;
-  old_knots_ = knots_;
+void IntersectionResolver::save_components() {
+  std::fill(old_component_of_.begin(), old_component_of_.end(), none);
+  for (std::uint32_t n = 0; n < components_.size(); ++n)
+    for (std::size_t k = components_[n].first; k < components_[n].first + components_[n].count; ++k)
+      for (const std::uint32_t i : intersection(k).particle)
+        if (old_component_of_[i] == none) old_component_of_[i] = n;
+  old_components_ = components_;
 }
 
 // --- directions
 
-// Whether nothing near the knot would be tangled any more, were a displaced.
-bool IntersectionResolver::is_parted(const Knot& knot, const ParticleView& particles, const Bounds& region,
-                                     const Vec3f& shift) const {
+// Whether nothing near the component would be tangled any more, were a displaced.
+bool IntersectionResolver::is_separated(const Component& component, const ParticleView& particles,
+                                        const Bounds& region, const Vec3f& shift) const {
   for (const std::uint32_t e : edges_a_)
-    if (finder_.would_intersect(particles, e, shift, knot.b, region)) return false;
+    if (finder_.would_intersect(particles, e, shift, component.b, region)) return false;
   for (const std::uint32_t e : edges_b_)
-    if (finder_.would_intersect(particles, e, -shift, knot.a, region)) return false;
-  return is_outside(knot, particles, shift);
+    if (finder_.would_intersect(particles, e, -shift, component.a, region)) return false;
+  return is_outside(component, particles, shift);
 }
 
 // Out of the other one, and not altogether inside.
-bool IntersectionResolver::is_outside(const Knot& knot, const ParticleView& particles,
+bool IntersectionResolver::is_outside(const Component& component, const ParticleView& particles,
                                       const Vec3f& shift) const {
-  const std::size_t stride = std::max<std::size_t>(knot.count / samples, 1);
+  const std::size_t stride = std::max<std::size_t>(component.count / samples, 1);
   const Vec3f ahead = normalized(shift);
-  for (std::size_t k = knot.first; k < knot.first + knot.count; k += stride)
-    for (const std::uint32_t i : crossing(k).particle) {
-      const bool of_a = finder_.surface_of(i) == knot.a;
-      const std::uint32_t other = of_a ? knot.b : knot.a;
+  for (std::size_t k = component.first; k < component.first + component.count; k += stride)
+    for (const std::uint32_t i : intersection(k).particle) {
+      const bool of_a = finder_.surface_of(i) == component.a;
+      const std::uint32_t other = of_a ? component.b : component.a;
       if (!finder_.is_closed(other)) continue;
       const Vec3f own = of_a ? shift : -shift, along = of_a ? ahead : -ahead;
       for (const float side : {1.0f, -1.0f})
@@ -247,94 +248,96 @@ bool IntersectionResolver::is_outside(const Knot& knot, const ParticleView& part
 }
 
 // The edges of both that reach into the region.
-void IntersectionResolver::collect_edges(const Knot& knot, const ParticleView& particles,
+void IntersectionResolver::collect_edges(const Component& component, const ParticleView& particles,
                                          const Bounds& region) {
   edges_a_.clear(), edges_b_.clear();
   const SurfaceElements& elements = finder_.elements();
   for (std::uint32_t e = 0; e < elements.edges().size(); ++e) {
     const std::uint32_t surface = elements.edge_objects()[e];
-    if (surface != knot.a && surface != knot.b) continue;
+    if (surface != component.a && surface != component.b) continue;
     const auto& [i, j] = elements.edges()[e];
     const Bounds box = united(around(particles.relative(i, {})), around(particles.relative(j, {})));
-    if (overlap(box, region)) (surface == knot.a ? edges_a_ : edges_b_).push_back(e);
+    if (overlap(box, region)) (surface == component.a ? edges_a_ : edges_b_).push_back(e);
   }
 }
 
-// The shortest way out, of those that are tried: its direction is given to the knot, its length returned; 0
-// where none leads out. No way is longer than the region is wide around the knot: what is beyond is not seen.
-float IntersectionResolver::find_way(Knot& knot, const ParticleView& particles, float farthest) {
-  const Bounds region = widened(knot.bounds, farthest);
-  collect_edges(knot, particles, region);
+// The shortest way out, of those that are tried: its direction is given to the component, its length returned; 0
+// where none leads out. No way is longer than the region is wide around the component: what is beyond is not seen.
+float IntersectionResolver::find_direction(Component& component, const ParticleView& particles, float range) {
+  const Bounds region = widened(component.bounds, range);
+  collect_edges(component, particles, region);
   Vec3f contour;
-  for (std::size_t k = knot.first; k < knot.first + knot.count; ++k)
-    contour += contour_pull(crossing(k), particles) * (crossing(k).edge_surface == knot.a ? 1.0f : -1.0f);
+  for (std::size_t k = component.first; k < component.first + component.count; ++k)
+    contour += contour_descent(intersection(k), particles) *
+               (intersection(k).edge_surface == component.a ? 1.0f : -1.0f);
   contour = normalized(contour);
-  float way = farthest;
-  for (int step = 1; step < distances; ++step) way /= distance_ratio;
+  float distance = range;
+  for (int step = 1; step < distances; ++step) distance /= distance_ratio;
   for (int step = 0; step < distances; ++step) {
     for (std::uint32_t d = 0; d < all_directions; ++d) {
       const Vec3f n = d < fixed_directions ? directions[d] : d == fixed_directions ? contour : -contour;
-      if ((knot.tried >> d & 1u) != 0 || !(length_squared(n) > 0)) continue;
-      if (!is_parted(knot, particles, region, n * way)) continue;
-      knot.direction = n, knot.which = d;
-      return way;
+      if ((component.tried >> d & 1u) != 0 || !(length_squared(n) > 0)) continue;
+      if (!is_separated(component, particles, region, n * distance)) continue;
+      component.direction = n, component.current = d;
+      return distance;
     }
-    way *= distance_ratio;
+    distance *= distance_ratio;
   }
   return 0;
 }
 
-// A knot of two layers goes outward, and where that stalls by its contour, in turns: a fold of the lower one
+// A component of two layers goes outward, and where that stalls by its contour, in turns: a fold of the lower one
 // that reaches through the upper one is pulled to both sides by its normals.
-void IntersectionResolver::take_turns(Knot& knot, const ParticleView& particles, double time,
-                                      float most_speed) {
-  if (knot.known) ++knot.attempt;
-  knot.known = true;
+void IntersectionResolver::alternate_strategies(Component& component, const ParticleView& particles,
+                                                double time, float max_speed) {
+  if (component.chosen) ++component.attempt;
+  component.chosen = true;
   float longest = 0;
-  for (std::size_t k = knot.first; k < knot.first + knot.count; ++k) {
-    const auto& i = crossing(k).particle;
+  for (std::size_t k = component.first; k < component.first + component.count; ++k) {
+    const auto& i = intersection(k).particle;
     longest = max(longest, length(particles.difference(i[1], i[0])));
   }
-  const auto hurry = static_cast<float>(1 << std::min(knot.attempt / 2, most_doublings));
-  knot.speed = min(most_speed, max(least_speed, longest / time_to_part) * hurry);
-  knot.deadline = time + stall_time;
-  knot.fewest = knot.count;
+  const auto escalation = static_cast<float>(1 << std::min(component.attempt / 2, max_escalations));
+  component.speed = min(max_speed, max(min_speed, longest / separation_time) * escalation);
+  component.deadline = time + stall_time;
+  component.min_count = component.count;
 }
 
-void IntersectionResolver::choose_direction(Knot& knot, const ParticleView& particles, double time,
-                                            float most_speed) {
-  if (knot.known) {
-    ++knot.attempt;
-    if (length_squared(knot.direction) > 0) knot.tried |= 1u << knot.which;
-    if (knot.tried == (1u << all_directions) - 1) knot.tried = 0;
+void IntersectionResolver::choose_direction(Component& component, const ParticleView& particles, double time,
+                                            float max_speed) {
+  if (component.chosen) {
+    ++component.attempt;
+    if (length_squared(component.direction) > 0) component.tried |= 1u << component.current;
+    if (component.tried == (1u << all_directions) - 1) component.tried = 0;
   }
-  knot.known = true;
-  knot.direction = {};
-  const float size = length(knot.bounds.hi - knot.bounds.lo);
-  const float farthest = size * static_cast<float>(1 << std::min(knot.attempt, most_attempts));
-  const float way = knot.a != knot.b ? find_way(knot, particles, farthest) : 0.0f;
-  const float distance = way > 0 ? way : size;
-  knot.speed = min(most_speed, max(least_speed, distance / time_to_part));
-  knot.deadline = time + patience * static_cast<double>(distance / knot.speed) + stall_time;
-  knot.fewest = knot.count;
-  knot.doublings = 0;
+  component.chosen = true;
+  component.direction = {};
+  const float size = length(component.bounds.hi - component.bounds.lo);
+  const float range = size * static_cast<float>(1 << std::min(component.attempt, max_range_doublings));
+  const float found = component.a != component.b ? find_direction(component, particles, range) : 0.0f;
+  const float distance = found > 0 ? found : size;
+  component.speed = min(max_speed, max(min_speed, distance / separation_time));
+  component.deadline = time + deadline_factor * static_cast<double>(distance / component.speed) + stall_time;
+  component.min_count = component.count;
+  component.escalations = 0;
 }
 
 // What does not get smaller is pulled harder, then another way.
-void IntersectionResolver::attend(Knot& knot, const ParticleView& particles, double time, float most_speed,
-                                  int& searches) {
-  if (knot.count < knot.fewest) {
-    knot.fewest = knot.count;
-    knot.deadline = time + stall_time;
+void IntersectionResolver::update_strategy(Component& component, const ParticleView& particles, double time,
+                                           float max_speed, int& searches) {
+  if (component.count < component.min_count) {
+    component.min_count = component.count;
+    component.deadline = time + stall_time;
   }
-  if (knot.known && time <= knot.deadline) return;
-  if (layers_.ordered(knot.a, knot.b)) return take_turns(knot, particles, time, most_speed);
-  if (knot.known && knot.doublings < most_doublings && knot.speed < most_speed) {
-    ++knot.doublings;
-    knot.speed = min(most_speed, 2 * knot.speed);
-    knot.deadline = time + stall_time;
-  } else if (searches++ < searches_per_step) {
-    choose_direction(knot, particles, time, most_speed);
+  if (component.chosen && time <= component.deadline) return;
+  if (layers_.ordered(component.a, component.b))
+    return alternate_strategies(component, particles, time, max_speed);
+  if (component.chosen && component.escalations < max_escalations && component.speed < max_speed) {
+    ++component.escalations;
+    component.speed = min(max_speed, 2 * component.speed);
+    component.deadline = time + stall_time;
+  } else if (searches++ < max_searches_per_step) {
+    choose_direction(component, particles, time, max_speed);
   }
 }
 
@@ -347,15 +350,15 @@ void IntersectionResolver::attend(Knot& knot, const ParticleView& particles, dou
 //
 // Volino and Magnenat-Thalmann 2006 subtract twice the second part. An edge at a border has one r. G is at
 // most of length 1 here: it grows without bound where the edge grazes the triangle.
-Vec3f IntersectionResolver::contour_pull(const EdgeIntersection& crossing,
-                                         const ParticleView& particles) const {
-  const auto& i = crossing.particle;
+Vec3f IntersectionResolver::contour_descent(const EdgeIntersection& intersection,
+                                            const ParticleView& particles) const {
+  const auto& i = intersection.particle;
   const Vec3f e = particles.difference(i[1], i[0]);
   const Vec3f n = normalized(cross(particles.difference(i[3], i[2]), particles.difference(i[4], i[2])));
   const float e_n = dot(e, n);
   if (!(abs(e_n) > 0)) return {};
   Vec3f R;
-  for (const std::uint32_t corner : finder_.opposite(crossing.edge)) {
+  for (const std::uint32_t corner : finder_.opposite(intersection.edge)) {
     if (corner == none) continue;
     const Vec3f side = particles.difference(corner, i[0]);
     const Vec3f r = cross(cross(e, side), n);
@@ -370,43 +373,44 @@ Vec3f IntersectionResolver::contour_pull(const EdgeIntersection& crossing,
 
 // --- pulls
 
-void IntersectionResolver::add(const Pull& pull, const ParticleView& particles) {
-  if (any_movable(particles, pull.particle, 5)) pulls_.push_back(pull);
+void IntersectionResolver::add_constraint(const VelocityConstraint& constraint,
+                                          const ParticleView& particles) {
+  if (any_movable(particles, constraint.particle, 5)) constraints_.push_back(constraint);
 }
 
-void IntersectionResolver::touch() {
-  std::fill(touched_.begin(), touched_.end(), 0);
+void IntersectionResolver::mark_intersecting() {
+  std::fill(is_intersecting_.begin(), is_intersecting_.end(), 0);
   std::fill(inside_.begin(), inside_.end(), none);
   for (const EdgeIntersection& edge : finder_.intersections())
-    for (const std::uint32_t i : edge.particle) touched_[i] = 1;
+    for (const std::uint32_t i : edge.particle) is_intersecting_[i] = 1;
 }
 
-void IntersectionResolver::pull_knot(const Knot& knot, const ParticleView& particles) {
-  const bool along = length_squared(knot.direction) > 0;
-  const bool outward = layers_.ordered(knot.a, knot.b) && knot.attempt % 2 == 0;
-  for (std::size_t k = knot.first; k < knot.first + knot.count; ++k) {
-    const EdgeIntersection& edge = crossing(k);
+void IntersectionResolver::constrain_component(const Component& component, const ParticleView& particles) {
+  const bool along = length_squared(component.direction) > 0;
+  const bool outward = layers_.ordered(component.a, component.b) && component.attempt % 2 == 0;
+  for (std::size_t k = component.first; k < component.first + component.count; ++k) {
+    const EdgeIntersection& edge = intersection(k);
     if (outward) {
       const Vec3f n = layers_.outward(edge, particles, finder_);
-      if (length_squared(n) > 0) add({edge.particle, edge.c, n, knot.speed}, particles);
+      if (length_squared(n) > 0) add_constraint({edge.particle, edge.c, n, component.speed}, particles);
     } else if (along) {
-      const Vec3f n = edge.edge_surface == knot.a ? knot.direction : -knot.direction;
-      add({edge.particle, edge.c, n, knot.speed}, particles);
+      const Vec3f n = edge.edge_surface == component.a ? component.direction : -component.direction;
+      add_constraint({edge.particle, edge.c, n, component.speed}, particles);
     } else {
-      const Vec3f G = contour_pull(edge, particles);
+      const Vec3f G = contour_descent(edge, particles);
       const float size = length(G);
-      if (size > 0) add({edge.particle, edge.c, G / size, knot.speed * size}, particles);
+      if (size > 0) add_constraint({edge.particle, edge.c, G / size, component.speed * size}, particles);
     }
   }
 }
 
 // Vertices of one object that are inside the other: they may pass its surface, and the way out pulls them.
-void IntersectionResolver::pull_inside(const Knot& knot, const ParticleView& particles, bool turned,
-                                       Threads& threads) {
-  const std::uint32_t own = turned ? knot.b : knot.a, other = turned ? knot.a : knot.b;
+void IntersectionResolver::constrain_inside(const Component& component, const ParticleView& particles,
+                                            bool swapped, Threads& threads) {
+  const std::uint32_t own = swapped ? component.b : component.a, other = swapped ? component.a : component.b;
   if (own == other || !finder_.is_closed(other)) return;
-  const bool along = length_squared(knot.direction) > 0;
-  const Vec3f n = !along ? Vec3f{0, 1, 0} : turned ? -knot.direction : knot.direction;
+  const bool along = length_squared(component.direction) > 0;
+  const Vec3f n = !along ? Vec3f{0, 1, 0} : swapped ? -component.direction : component.direction;
   const SurfaceElements& elements = finder_.elements();
   const Bounds bounds = finder_.bounds(other);
   hits_.assign(elements.vertices().size(), {});
@@ -426,98 +430,99 @@ void IntersectionResolver::pull_inside(const Knot& knot, const ParticleView& par
     inside_[i] = other;
     if (!along) continue;
     const auto& corner = elements.triangles()[hit.triangle].particle;
-    add({{i, i, corner[0], corner[1], corner[2]},
-         {1, 0, -hit.weight[0], -hit.weight[1], -hit.weight[2]},
-         n,
-         knot.speed},
-        particles);
+    add_constraint({{i, i, corner[0], corner[1], corner[2]},
+                    {1, 0, -hit.weight[0], -hit.weight[1], -hit.weight[2]},
+                    n,
+                    component.speed},
+                   particles);
   }
 }
 
 // Points of layers that lie wrong go outward, the deeper the faster, and all of them faster where they do not
 // get fewer.
-void IntersectionResolver::pull_layers(const ContactStep& step, const ParticleView& particles) {
+void IntersectionResolver::constrain_layers(const ContactStep& step, const ParticleView& particles) {
   const std::size_t count = layers_.found().size();
-  if (count == 0 || fewest_misplaced_ == 0) hurries_ = 0;
-  if (count < fewest_misplaced_ || fewest_misplaced_ == 0) {
-    fewest_misplaced_ = count;
-    hurry_at_ = step.time + stall_time;
-  } else if (step.time > hurry_at_) {
-    hurries_ = std::min(hurries_ + 1, most_doublings);
-    hurry_at_ = step.time + stall_time;
+  if (count == 0 || min_layer_violations_ == 0) layer_escalations_ = 0;
+  if (count < min_layer_violations_ || min_layer_violations_ == 0) {
+    min_layer_violations_ = count;
+    layer_escalation_time_ = step.time + stall_time;
+  } else if (step.time > layer_escalation_time_) {
+    layer_escalations_ = std::min(layer_escalations_ + 1, max_escalations);
+    layer_escalation_time_ = step.time + stall_time;
   }
   for (const Misplaced& point : layers_.found()) {
     const auto& i = point.particle;
-    const float speed = max(least_speed, point.depth / time_to_part) * static_cast<float>(1 << hurries_);
-    add({{i[0], i[0], i[1], i[2], i[3]},
-         {point.c[0], 0, point.c[1], point.c[2], point.c[3]},
-         point.direction,
-         min(step.depenetration_speed, speed)},
-        particles);
+    const float speed =
+        max(min_speed, point.depth / separation_time) * static_cast<float>(1 << layer_escalations_);
+    add_constraint({{i[0], i[0], i[1], i[2], i[3]},
+                    {point.c[0], 0, point.c[1], point.c[2], point.c[3]},
+                    point.direction,
+                    min(step.depenetration_speed, speed)},
+                   particles);
   }
 }
 
 // Between objects that are not tangled contacts see to it that they do not become so, nor do layers come to
 // lie wrong.
-void IntersectionResolver::find(const ParticleView& particles, bool look, Threads& threads) {
-  if (look) {
-    for (std::uint32_t a = 0; a < watched_.size(); ++a)
-      for (std::uint32_t b = 0; b < a; ++b) watched_.set(a, b, layers_.ordered(a, b));
+void IntersectionResolver::find(const ParticleView& particles, bool search_all, Threads& threads) {
+  if (search_all) {
+    for (std::uint32_t a = 0; a < searched_pairs_.size(); ++a)
+      for (std::uint32_t b = 0; b < a; ++b) searched_pairs_.set(a, b, layers_.ordered(a, b));
     finder_.find(particles, threads);
   } else {
-    finder_.find(particles, watched_, threads);
+    finder_.find(particles, searched_pairs_, threads);
   }
-  layers_.find(particles, finder_, watched_, threads);
+  layers_.find(particles, finder_, searched_pairs_, threads);
   count_pairs(particles);
-  watched_ = intersecting_pairs_;
+  searched_pairs_ = intersecting_pairs_;
   for (const Misplaced& point : layers_.found())
-    watched_.set(finder_.surface_of(point.vertex), point.surface, true);
+    searched_pairs_.set(finder_.surface_of(point.vertex), point.surface, true);
 }
 
-void IntersectionResolver::begin_step(const ParticleView& particles, const ContactStep& step, bool look,
+void IntersectionResolver::begin_step(const ParticleView& particles, const ContactStep& step, bool search_all,
                                       Threads& threads) {
-  const bool was_intersecting = !pairs_.empty(), was_wrong = !layers_.found().empty();
-  if (!finder_.any_pair() || (!look && !was_intersecting && !was_wrong)) return;
-  if (!look && pulls_.empty() && ++idle_ < held_interval) return;
-  if (step.time < last_time_) std::fill(old_knot_of_.begin(), old_knot_of_.end(), none);
+  const bool was_intersecting = !pairs_.empty(), had_violations = !layers_.found().empty();
+  if (!finder_.any_pair() || (!search_all && !was_intersecting && !had_violations)) return;
+  if (!search_all && constraints_.empty() && ++idle_ < immovable_interval) return;
+  if (step.time < last_time_) std::fill(old_component_of_.begin(), old_component_of_.end(), none);
   last_time_ = step.time;
   idle_ = 0;
-  pulls_.clear();
-  knots_.clear();
-  find(particles, look, threads);
-  pull_layers(step, particles);
+  constraints_.clear();
+  components_.clear();
+  find(particles, search_all, threads);
+  constrain_layers(step, particles);
   if (pairs_.empty()) {
-    if (was_intersecting) remember();
+    if (was_intersecting) save_components();
     return;
   }
   sort_by_pairs();
-  find_knots(particles);
-  touch();
+  find_components(particles);
+  mark_intersecting();
   int searches = 0;
-  for (Knot& knot : knots_) {
-    inherit(knot);
-    attend(knot, particles, step.time, step.depenetration_speed, searches);
-    pull_knot(knot, particles);
-    pull_inside(knot, particles, false, threads);
-    pull_inside(knot, particles, true, threads);
+  for (Component& component : components_) {
+    inherit_strategy(component);
+    update_strategy(component, particles, step.time, step.depenetration_speed, searches);
+    constrain_component(component, particles);
+    constrain_inside(component, particles, false, threads);
+    constrain_inside(component, particles, true, threads);
   }
-  remember();
+  save_components();
 }
 
-void IntersectionResolver::pull(const ParticleView& particles, const Substep& substep) const {
-  for (const Pull& pull : pulls_) {
+void IntersectionResolver::separate(const ParticleView& particles, const Substep& substep) const {
+  for (const VelocityConstraint& constraint : constraints_) {
     Vec3f moved;
     float inverse_mass = 0;
     for (std::size_t k = 0; k < 5; ++k) {
-      moved += particles.moved(pull.particle[k]) * pull.c[k];
-      inverse_mass += particles.inverse_mass(pull.particle[k]) * pull.c[k] * pull.c[k];
+      moved += particles.moved(constraint.particle[k]) * constraint.c[k];
+      inverse_mass += particles.inverse_mass(constraint.particle[k]) * constraint.c[k] * constraint.c[k];
     }
-    const float missing = pull.speed * substep.h - dot(pull.direction, moved);
+    const float missing = constraint.speed * substep.h - dot(constraint.direction, moved);
     if (!(missing > 0) || !(inverse_mass > 0)) continue;
-    const Vec3f dx = pull.direction * (missing / inverse_mass);
+    const Vec3f dx = constraint.direction * (missing / inverse_mass);
     for (std::size_t k = 0; k < 5; ++k) {
-      const float w = particles.inverse_mass(pull.particle[k]);
-      if (w > 0) particles.correct(pull.particle[k], dx * (w * pull.c[k]));
+      const float w = particles.inverse_mass(constraint.particle[k]);
+      if (w > 0) particles.correct(constraint.particle[k], dx * (w * constraint.c[k]));
     }
   }
 }
@@ -532,15 +537,16 @@ bool IntersectionResolver::exempts(const NearPair& pair, bool edges) const {
       if (layers_.may_pass(p, other) || layers_.may_pass(q, one)) return true;
       if (pairs_.empty()) continue;
       if (inside_[p] == other || inside_[q] == one) return true;
-      if (touched_[p] != 0 && touched_[q] != 0 && intersecting_pairs_.at(one, other)) return true;
+      if (is_intersecting_[p] != 0 && is_intersecting_[q] != 0 && intersecting_pairs_.at(one, other))
+        return true;
     }
   return false;
 }
 
 std::size_t IntersectionResolver::bytes() const {
   return finder_.bytes() + layers_.bytes() +
-         bytes_of(order_, pairs_, knots_, old_knots_, root_, last_of_, knot_of_, old_knot_of_, touched_,
-                  inside_, edges_a_, edges_b_, hits_, pulls_);
+         bytes_of(order_, pairs_, components_, old_components_, root_, last_of_, component_of_,
+                  old_component_of_, is_intersecting_, inside_, edges_a_, edges_b_, hits_, constraints_);
 }
 
 }  // namespace souple

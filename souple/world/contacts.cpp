@@ -187,7 +187,7 @@ void report_intersections(WorldState& world) {
     words += fmt::format("{} {} of '{}' {} through {}{}; ", pair.edges, pair.edges == 1 ? "edge" : "edges",
                          one, pair.edges == 1 ? "passes" : "pass",
                          itself ? "its own triangles" : fmt::format("triangles of '{}'", other),
-                         pair.held ? ", where nothing can move" : "");
+                         pair.immovable ? ", where nothing can move" : "");
   }
   if (world.report.intersections > 0)
     world.warn(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
@@ -196,7 +196,7 @@ void report_intersections(WorldState& world) {
 void find_intersections(WorldState& world, const ContactStep& step) {
   world.intersection_resolver.begin_step(world.view(), step, may_intersect(world), *world.threads);
   world.check_intersections = false;
-  world.report.layer_violations = world.intersection_resolver.misplaced().size();
+  world.report.layer_violations = world.intersection_resolver.layer_violations().size();
   report_intersections(world);
 }
 
@@ -231,7 +231,7 @@ void find_candidates(WorldState& world, double dt) {
 void generate_contacts(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
   const ParticleView view = world.view();
-  world.intersection_resolver.pull(view, substep);
+  world.intersection_resolver.separate(view, substep);
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
   world.guarded("a collider's motion",
