@@ -1,8 +1,8 @@
 #include "souple/collision/collider_contacts.h"
 
 #include "souple/collision/contact_law.h"
-#include "souple/collision/first_touch.h"
-#include "souple/collision/place.h"
+#include "souple/collision/particle_position.h"
+#include "souple/collision/sphere_cast.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -72,7 +72,7 @@ void ColliderContacts::find_candidates(const ParticleView& particles, std::span<
     for (std::size_t m = begin; m < end; ++m) {
       const std::uint32_t i = members_[m].particle;
       const double speed = h > 0 ? double(length(particles.moved(i)) / h) : double(length(velocity[i].xyz()));
-      broad_phase_[m] = {place(particles, i),
+      broad_phase_[m] = {particle_position(particles, i),
                          2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])};
     }
   });
@@ -107,7 +107,8 @@ bool ColliderContacts::left_margins(const ParticleView& particles, Threads& thre
   threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) {
       const double margin = broad_phase_[m].margin;
-      if (!(length_squared(place(particles, members_[m].particle) - broad_phase_[m].at) > margin * margin))
+      if (!(length_squared(particle_position(particles, members_[m].particle) - broad_phase_[m].at) >
+            margin * margin))
         continue;
       left.store(true, std::memory_order_relaxed);
       return;
@@ -169,7 +170,7 @@ bool ColliderContacts::may_touch(const Body& body, const Member& member,
                                  const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
   if (!(particles.inverse_mass(i) > 0) || !materials_->collide(member.object, body.collider)) return false;
-  const double D = length(place(particles, i) - body.center);
+  const double D = length(particle_position(particles, i) - body.center);
   const double motion = double(length(particles.moved(i))) + body.shift + body.turn * D;
   return D <= body.ball.radius + 2 * (motion + double(radius_[i]));
 }
@@ -181,8 +182,8 @@ double ColliderContacts::distance_if_near(const Body& body, const Member& member
                                           const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
   const double r = double(radius_[i]);
-  const Vec3d to = body.after.to_local(place(particles, i));
-  const double path = length(to - body.before.to_local(start_place(particles, i)));
+  const Vec3d to = body.after.to_local(particle_position(particles, i));
+  const double path = length(to - body.before.to_local(particle_start_position(particles, i)));
   const double distance = surface_distance(shape_of(body), to).distance;
   return distance - r <= max(r, path) ? distance : far_away;
 }
@@ -193,8 +194,8 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
   const std::uint32_t i = member.particle;
   const Shape& shape = shape_of(body);
   const double r = double(radius_[i]);
-  const Vec3d from = body.before.to_local(start_place(particles, i));
-  const Vec3d to = body.after.to_local(place(particles, i));
+  const Vec3d from = body.before.to_local(particle_start_position(particles, i));
+  const Vec3d to = body.after.to_local(particle_position(particles, i));
   Contact contact;
   contact.particle = i;
   contact.radius = radius_[i];
@@ -205,11 +206,11 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
   const double overlap = contact.start.distance - r;
   contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
   contact.fixed_plane = contact.start.distance <= 0;
-  if (!contact.fixed_plane && may_pass(contact.start.distance, end_distance, length(to - from), r)) {
-    if (const auto touch = first_touch(shape, contact.start, from, to, r)) {
+  if (!contact.fixed_plane && may_tunnel(contact.start.distance, end_distance, length(to - from), r)) {
+    if (const auto hit = sphere_cast(shape, contact.start, from, to, r)) {
       contact.fixed_plane = true;
-      contact.start = touch->surface;
-      contact.plane_offset = dot(touch->surface.normal, touch->point) - touch->surface.distance;
+      contact.start = hit->surface;
+      contact.plane_offset = dot(hit->surface.normal, hit->point) - hit->surface.distance;
     }
   }
   return contact;
@@ -237,7 +238,7 @@ void ColliderContacts::project(int color, std::size_t begin, std::size_t end, co
 // T, the tangent sum, cancels t; beyond mu_s N it is cut to mu_k N
 void ColliderContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
   const std::uint32_t i = contact.particle;
-  const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
+  const Gap g = gap(shape_of(body), contact, body.after.to_local(particle_position(particles, i)));
   const auto C = float(g.C);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * g.normal);
@@ -272,7 +273,8 @@ void ColliderContacts::apply_restitution_to(const Body& body, Contact& contact, 
       2 * step_.gravity * h, contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
   velocity[contact.particle].set_xyz(v + change);
-  const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, contact.particle)));
+  const Gap g =
+      gap(shape_of(body), contact, body.after.to_local(particle_position(particles, contact.particle)));
   contact.depth = max(0.0f, float(-g.C));
 }
 
@@ -287,7 +289,7 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
       const Contact& contact = contacts_[c];
       if (!(contact.normal_sum > 0)) continue;
       const std::uint32_t i = contact.particle;
-      const Gap g = gap(shape_of(body), contact, body.after.to_local(place(particles, i)));
+      const Gap g = gap(shape_of(body), contact, body.after.to_local(particle_position(particles, i)));
       const float impulse =
           (contact.normal_sum * inverse_h + contact.restitution_velocity) / particles.inverse_mass(i);
       out.push_back({i, body.collider, Vec3f(body.after.to_world(g.surface)), contact.normal, impulse});
@@ -300,7 +302,7 @@ Residual ColliderContacts::residual(const ParticleView& particles) const {
   result.count = contacts_.size();
   for (const Body& body : bodies_) {
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
-      const Vec3d local = body.after.to_local(place(particles, contacts_[c].particle));
+      const Vec3d local = body.after.to_local(particle_position(particles, contacts_[c].particle));
       const double violation = max(0.0, -gap(shape_of(body), contacts_[c], local).C);
       result.largest = max(result.largest, violation);
       result.sum += violation;
@@ -314,7 +316,8 @@ void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisi
     const Body& body = bodies_[b];
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
       const std::uint32_t i = contacts_[c].particle;
-      const double C = gap(shape_of(body), contacts_[c], body.after.to_local(place(particles, i))).C;
+      const double C =
+          gap(shape_of(body), contacts_[c], body.after.to_local(particle_position(particles, i))).C;
       visitor({{&i, 1}, static_cast<int>(b), 0, static_cast<float>(max(0.0, -C))});
     }
   }

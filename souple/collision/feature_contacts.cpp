@@ -1,7 +1,7 @@
 #include "souple/collision/feature_contacts.h"
 
 #include "souple/collision/contact_law.h"
-#include "souple/collision/place.h"
+#include "souple/collision/particle_position.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -136,7 +136,7 @@ void FeatureContacts::find_candidates(const ParticleView& particles, std::span<c
     for (std::size_t c = begin; c < end; ++c) {
       const std::uint32_t i = corners_[c].particle;
       const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
-      placed_[i] = place(particles, i);
+      placed_[i] = particle_position(particles, i);
       margin_[i] = 2 * t * (speed + step_.gravity * t) + radius_[i];
     }
   });
@@ -176,7 +176,7 @@ bool FeatureContacts::left_margins(const ParticleView& particles) const {
   return std::any_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
     const std::uint32_t i = corner.particle;
     const double margin = double(margin_[i]);
-    return length_squared(place(particles, i) - placed_[i]) > margin * margin;
+    return length_squared(particle_position(particles, i) - placed_[i]) > margin * margin;
   });
 }
 
@@ -232,7 +232,7 @@ void FeatureContacts::find_led_out(Body& body, const ParticleView& particles, Th
   near_.resize(max(near_.size(), corners_.size()));
   threads.for_each(corners_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      const Vec3d x = body.before.to_local(start_place(particles, corners_[c].particle));
+      const Vec3d x = body.before.to_local(particle_start_position(particles, corners_[c].particle));
       const double reach = body.ball.radius;
       near_[c] = length_squared(x - body.ball.center) < reach * reach &&
                          surface_distance(shape_of(body), x).distance < 0
@@ -249,7 +249,7 @@ FeatureContacts::Corners FeatureContacts::corners(const RigidPose& pose, const F
   Corners x;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = feature.particle[k];
-    x[k] = pose.to_local(start ? start_place(particles, i) : place(particles, i));
+    x[k] = pose.to_local(start ? particle_start_position(particles, i) : particle_position(particles, i));
   }
   return x;
 }
@@ -423,7 +423,7 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
 double FeatureContacts::gap(const Body& body, const Contact& contact, const ParticleView& particles) const {
   Vec3d point;
   for (std::size_t k = 0; k < 3; ++k)
-    point += place(particles, contact.particle[k]) * double(contact.weight[k]);
+    point += particle_position(particles, contact.particle[k]) * double(contact.weight[k]);
   return dot(contact.normal, body.after.to_local(point)) - contact.plane_offset - double(contact.target);
 }
 
@@ -456,7 +456,7 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
   if (body.moves) {
     Vec3d point;
     for (std::size_t k = 0; k < 3; ++k)
-      point += place(particles, contact.particle[k]) * double(contact.weight[k]);
+      point += particle_position(particles, contact.particle[k]) * double(contact.weight[k]);
     contact.surface_motion = Vec3f(point - body.before.to_world(body.after.to_local(point)));
   }
   const Vec3f n(body.after.rotation * contact.normal);
@@ -510,7 +510,7 @@ void FeatureContacts::events(const ParticleView& particles, std::vector<ContactP
       const auto k = static_cast<std::size_t>(heaviest - contact.weight.begin());
       Vec3d point;
       for (std::size_t j = 0; j < 3; ++j)
-        point += place(particles, contact.particle[j]) * double(contact.weight[j]);
+        point += particle_position(particles, contact.particle[j]) * double(contact.weight[j]);
       const double C = gap(body, contact, particles);
       const Vec3d n = body.after.rotation * contact.normal;
       const float impulse =

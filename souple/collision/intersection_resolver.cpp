@@ -450,13 +450,13 @@ void IntersectionResolver::constrain_layers(const ContactStep& step, const Parti
     layer_escalations_ = std::min(layer_escalations_ + 1, max_escalations);
     layer_escalation_time_ = step.time + stall_time;
   }
-  for (const Misplaced& point : layers_.found()) {
-    const auto& i = point.particle;
+  for (const LayerViolation& violation : layers_.found()) {
+    const auto& i = violation.particle;
     const float speed =
-        max(min_speed, point.depth / separation_time) * static_cast<float>(1 << layer_escalations_);
+        max(min_speed, violation.depth / separation_time) * static_cast<float>(1 << layer_escalations_);
     add_constraint({{i[0], i[0], i[1], i[2], i[3]},
-                    {point.c[0], 0, point.c[1], point.c[2], point.c[3]},
-                    point.direction,
+                    {violation.c[0], 0, violation.c[1], violation.c[2], violation.c[3]},
+                    violation.direction,
                     min(step.depenetration_speed, speed)},
                    particles);
   }
@@ -475,8 +475,8 @@ void IntersectionResolver::find(const ParticleView& particles, bool search_all, 
   layers_.find(particles, finder_, searched_pairs_, threads);
   count_pairs(particles);
   searched_pairs_ = intersecting_pairs_;
-  for (const Misplaced& point : layers_.found())
-    searched_pairs_.set(finder_.surface_of(point.vertex), point.surface, true);
+  for (const LayerViolation& violation : layers_.found())
+    searched_pairs_.set(finder_.surface_of(violation.vertex), violation.surface, true);
 }
 
 void IntersectionResolver::begin_step(const ParticleView& particles, const ContactStep& step, bool search_all,
@@ -534,7 +534,7 @@ bool IntersectionResolver::exempts(const NearPair& pair, bool edges) const {
     for (std::size_t b = first; b < 4; ++b) {
       const std::uint32_t p = pair.particle[a], q = pair.particle[b];
       const std::uint32_t one = finder_.surface_of(p), other = finder_.surface_of(q);
-      if (layers_.may_pass(p, other) || layers_.may_pass(q, one)) return true;
+      if (layers_.is_exempt(p, other) || layers_.is_exempt(q, one)) return true;
       if (pairs_.empty()) continue;
       if (inside_[p] == other || inside_[q] == one) return true;
       if (is_intersecting_[p] != 0 && is_intersecting_[q] != 0 && intersecting_pairs_.at(one, other))

@@ -57,7 +57,7 @@ class IntersectionResolver {
   /// What `begin_step` found, by surfaces.
   std::span<const IntersectingPair> pairs() const { return pairs_; }
   /// Points of layers that lie wrong.
-  std::span<const Misplaced> layer_violations() const { return layers_.found(); }
+  std::span<const LayerViolation> layer_violations() const { return layers_.found(); }
   std::size_t bytes() const;
 
  private:

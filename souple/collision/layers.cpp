@@ -13,9 +13,9 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr Bounds empty_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::uint32_t none = SurfaceElement::no_edge;
-constexpr float reach_part = 0.05f;    // of the lower surface's size
-constexpr float nowhere_part = 1e-6f;  // of it: nearer than that there is no line between the two
-constexpr float border_cosine = 0.7f;  // at a border: what is farther from the normal is beside, not under
+constexpr float range_part = 0.05f;       // of the lower surface's size
+constexpr float coincident_part = 1e-6f;  // of it: nearer than that there is no line between the two
+constexpr float border_cosine = 0.7f;     // at a border: what is farther from the normal is beside, not under
 constexpr std::size_t vertex_grain = 64;
 
 Bounds widened(const Bounds& box, float by) {
@@ -56,18 +56,18 @@ void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
     surfaces_.push_back({surface.begin, surface.end, surface.layer});
     end = std::max(end, surface.end);
   }
-  may_pass_something_.assign(end, 0);
+  has_exemption_.assign(end, 0);
 }
 
 // --- the surfaces as they are now
 
 void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& of) {
-  for (Surface& surface : surfaces_) surface.asked = false;
+  for (Surface& surface : surfaces_) surface.active = false;
   for (const Pair& pair : pairs_)
-    if (of.at(pair.lower, pair.upper)) surfaces_[pair.lower].asked = surfaces_[pair.upper].asked = true;
+    if (of.at(pair.lower, pair.upper)) surfaces_[pair.lower].active = surfaces_[pair.upper].active = true;
   for (Surface& surface : surfaces_) {
     surface.bounds = empty_bounds;
-    for (std::uint32_t i = surface.begin; surface.asked && i < surface.end; ++i) {
+    for (std::uint32_t i = surface.begin; surface.active && i < surface.end; ++i) {
       const Vec3f x = particles.relative(i, {});
       surface.bounds = united(surface.bounds, {x, x});
     }
@@ -77,11 +77,11 @@ void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& of) 
 // Sums over triangles: of unit normals at edges, of these times the angle at vertices. Not made unit.
 void Layers::find_normals(const ParticleView& particles, const IntersectionFinder& finder) {
   const SurfaceElements& elements = finder.elements();
-  vertex_normal_.assign(may_pass_something_.size(), {});
-  at_border_.assign(may_pass_something_.size(), 0);
+  vertex_normal_.assign(has_exemption_.size(), {});
+  at_border_.assign(has_exemption_.size(), 0);
   edge_normal_.assign(elements.edges().size(), {});
   for (const SurfaceElement& t : elements.triangles()) {
-    if (!surfaces_[t.object].asked) continue;
+    if (!surfaces_[t.object].active) continue;
     const Vec3f n = normalized(area_normal(particles, t));
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t i = t.particle[k], j = t.particle[(k + 1) % 3], l = t.particle[(k + 2) % 3];
@@ -99,7 +99,7 @@ void Layers::build_hash(const ParticleView& particles, const IntersectionFinder&
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     boxes_[t] = empty_bounds;
     for (const std::uint32_t i : triangles[t].particle) {
-      if (!surfaces_[triangles[t].object].asked) continue;
+      if (!surfaces_[triangles[t].object].active) continue;
       const Vec3f x = particles.relative(i, {});
       boxes_[t] = united(boxes_[t], {x, x});
     }
@@ -110,14 +110,14 @@ void Layers::build_hash(const ParticleView& particles, const IntersectionFinder&
 
 // --- which side
 
-// Nearest to x_i + shift, within reach: first close by, then farther and farther away.
+// Nearest to x_i + shift, within range: first close by, then farther and farther offset.
 Layers::Nearest Layers::nearest(const ParticleView& particles, const IntersectionFinder& finder,
-                                std::uint32_t i, const Vec3f& shift, std::uint32_t surface, float reach,
+                                std::uint32_t i, const Vec3f& shift, std::uint32_t surface, float range,
                                 std::vector<std::uint32_t>& near) const {
   Nearest best;
   const Vec3f x = particles.relative(i, {}) + shift;
   float squared = infinity;
-  for (float radius = min(0.5f * cell_size_, reach);; radius = min(2 * radius, reach)) {
+  for (float radius = min(0.5f * cell_size_, range);; radius = min(2 * radius, range)) {
     near.clear();
     hash_.find(widened({x, x}, radius), near);
     for (const std::uint32_t t : near) {
@@ -127,15 +127,15 @@ Layers::Nearest Layers::nearest(const ParticleView& particles, const Intersectio
       for (std::size_t k = 0; k < 3; ++k) corner[k] = particles.difference(triangle.particle[k], i) - shift;
       float w[3];
       nearest_on_triangle(Vec3f{}, corner[0], corner[1], corner[2], w);
-      const Vec3f away = -(corner[0] * w[0] + corner[1] * w[1] + corner[2] * w[2]);
-      const float now = length_squared(away);
+      const Vec3f offset = -(corner[0] * w[0] + corner[1] * w[1] + corner[2] * w[2]);
+      const float now = length_squared(offset);
       if (!(now < squared)) continue;
       squared = now;
-      best = {t, {w[0], w[1], w[2]}, away};
+      best = {t, {w[0], w[1], w[2]}, offset};
     }
-    if (squared <= radius * radius || radius >= reach) break;
+    if (squared <= radius * radius || radius >= range) break;
   }
-  return squared <= reach * reach ? best : Nearest{};
+  return squared <= range * range ? best : Nearest{};
 }
 
 // Weights that are zero say where on the triangle the point lies.
@@ -168,56 +168,56 @@ bool Layers::is_under(const Nearest& nearest, const ParticleView& particles, con
   bool border = false;
   normal = normal_at(nearest, particles, finder, border);
   if (!(length_squared(normal) > 0)) return false;
-  const float height = dot(normal, nearest.away), distance = length(nearest.away);
-  if (distance <= nowhere_part * size) return true;
+  const float height = dot(normal, nearest.offset), distance = length(nearest.offset);
+  if (distance <= coincident_part * size) return true;
   return border ? height < -border_cosine * distance : height < 0;
 }
 
-float Layers::reach_of(const Pair& pair) const {
-  return reach_part * size_of(surfaces_[pair.lower].bounds);
+float Layers::search_range(const Pair& pair) const {
+  return range_part * size_of(surfaces_[pair.lower].bounds);
 }
 
-// --- what lies wrong
+// --- what lies violates
 
-bool Layers::ask_upper(const Pair& pair, std::uint32_t i, const ParticleView& particles,
-                       const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
-                       Misplaced& found) const {
+bool Layers::test_upper(const Pair& pair, std::uint32_t i, const ParticleView& particles,
+                        const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
+                        LayerViolation& found) const {
   const Bounds& bounds = surfaces_[pair.lower].bounds;
   const float size = size_of(bounds);
   const Vec3f x = particles.relative(i, {});
   const bool may_be_inside = finder.is_closed(pair.lower) && overlap(bounds, {x, x});
-  const float reach = may_be_inside ? size : reach_of(pair);
-  if (!overlap(widened(bounds, reach), {x, x})) return false;
-  const Nearest on = nearest(particles, finder, i, {}, pair.lower, reach, near);
+  const float range = may_be_inside ? size : search_range(pair);
+  if (!overlap(widened(bounds, range), {x, x})) return false;
+  const Nearest on = nearest(particles, finder, i, {}, pair.lower, range, near);
   Vec3f normal;
   if (!is_under(on, particles, finder, size, normal)) return false;
   if (are_excluded(i, finder.elements().triangles()[on.triangle], finder)) return false;
-  const float depth = length(on.away);
+  const float depth = length(on.offset);
   const auto& corner = finder.elements().triangles()[on.triangle].particle;
   found = {i,
            pair.lower,
            {i, corner[0], corner[1], corner[2]},
            {1, -on.weight[0], -on.weight[1], -on.weight[2]},
-           depth > nowhere_part * size ? -on.away / depth : normal,
+           depth > coincident_part * size ? -on.offset / depth : normal,
            depth};
   return true;
 }
 
 // Asks the point of the upper surface that is nearest to vertex i of the lower one.
-bool Layers::ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& particles,
-                       const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
-                       Misplaced& found) const {
-  const float size = size_of(surfaces_[pair.lower].bounds), reach = reach_of(pair);
+bool Layers::test_lower(const Pair& pair, std::uint32_t i, const ParticleView& particles,
+                        const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
+                        LayerViolation& found) const {
+  const float size = size_of(surfaces_[pair.lower].bounds), range = search_range(pair);
   const Vec3f x = particles.relative(i, {});
-  if (!overlap(widened(surfaces_[pair.upper].bounds, reach), {x, x})) return false;
-  const Nearest above = nearest(particles, finder, i, {}, pair.upper, reach, near);
+  if (!overlap(widened(surfaces_[pair.upper].bounds, range), {x, x})) return false;
+  const Nearest above = nearest(particles, finder, i, {}, pair.upper, range, near);
   if (above.triangle == none || are_excluded(i, finder.elements().triangles()[above.triangle], finder))
     return false;
-  const Nearest on = nearest(particles, finder, i, -above.away, pair.lower, reach, near);
+  const Nearest on = nearest(particles, finder, i, -above.offset, pair.lower, range, near);
   Vec3f normal;
   if (!is_under(on, particles, finder, size, normal)) return false;
-  const float depth = length(above.away);
-  const Vec3f direction = depth > nowhere_part * size ? above.away / depth : normal;
+  const float depth = length(above.offset);
+  const Vec3f direction = depth > coincident_part * size ? above.offset / depth : normal;
   if (!(dot(direction, normal) > 0)) return false;  // the surface is folded between the two
   const auto& corner = finder.elements().triangles()[above.triangle].particle;
   found = {i,
@@ -232,47 +232,47 @@ bool Layers::ask_lower(const Pair& pair, std::uint32_t i, const ParticleView& pa
 void Layers::find_pair(const Pair& pair, const ParticleView& particles, const IntersectionFinder& finder,
                        Threads& threads) {
   const SurfaceElements& elements = finder.elements();
-  of_vertex_.resize(elements.vertices().size());
-  is_misplaced_.assign(of_vertex_.size(), 0);
-  threads.for_each(of_vertex_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
+  violation_of_.resize(elements.vertices().size());
+  is_violation_.assign(violation_of_.size(), 0);
+  threads.for_each(violation_of_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
     std::vector<std::uint32_t> near;
     for (; v < end; ++v) {
       const std::uint32_t i = elements.vertices()[v], surface = elements.vertex_objects()[v];
-      const bool wrong =
-          (surface == pair.upper && ask_upper(pair, i, particles, finder, near, of_vertex_[v])) ||
-          (surface == pair.lower && ask_lower(pair, i, particles, finder, near, of_vertex_[v]));
-      is_misplaced_[v] = wrong ? 1 : 0;
+      const bool violates =
+          (surface == pair.upper && test_upper(pair, i, particles, finder, near, violation_of_[v])) ||
+          (surface == pair.lower && test_lower(pair, i, particles, finder, near, violation_of_[v]));
+      is_violation_[v] = violates ? 1 : 0;
     }
   });
-  for (std::size_t v = 0; v < of_vertex_.size(); ++v)
-    if (is_misplaced_[v] != 0) found_.push_back(of_vertex_[v]);
+  for (std::size_t v = 0; v < violation_of_.size(); ++v)
+    if (is_violation_[v] != 0) found_.push_back(violation_of_[v]);
 }
 
 void Layers::find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectMatrix& of,
                   Threads& threads) {
-  for (const Misplaced& misplaced : found_) may_pass_something_[misplaced.vertex] = 0;
+  for (const LayerViolation& violation : found_) has_exemption_[violation.vertex] = 0;
   found_.clear();
-  may_pass_.clear();
+  exemptions_.clear();
   if (!any()) return;
   find_bounds(particles, of);
-  if (std::none_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.asked; })) return;
+  if (std::none_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.active; })) return;
   find_normals(particles, finder);
   build_hash(particles, finder, threads);
   for (const Pair& pair : pairs_) {
     if (!of.at(pair.lower, pair.upper)) continue;
-    if (overlap(widened(surfaces_[pair.lower].bounds, reach_of(pair)), surfaces_[pair.upper].bounds))
+    if (overlap(widened(surfaces_[pair.lower].bounds, search_range(pair)), surfaces_[pair.upper].bounds))
       find_pair(pair, particles, finder, threads);
   }
-  for (const Misplaced& misplaced : found_) {
-    may_pass_something_[misplaced.vertex] = 1;
-    may_pass_.push_back({misplaced.vertex, misplaced.surface});
+  for (const LayerViolation& violation : found_) {
+    has_exemption_[violation.vertex] = 1;
+    exemptions_.push_back({violation.vertex, violation.surface});
   }
-  std::sort(may_pass_.begin(), may_pass_.end());
+  std::sort(exemptions_.begin(), exemptions_.end());
 }
 
-bool Layers::may_pass(std::uint32_t vertex, std::uint32_t surface) const {
-  return !may_pass_.empty() && may_pass_something_[vertex] != 0 &&
-         std::binary_search(may_pass_.begin(), may_pass_.end(),
+bool Layers::is_exempt(std::uint32_t vertex, std::uint32_t surface) const {
+  return !exemptions_.empty() && has_exemption_[vertex] != 0 &&
+         std::binary_search(exemptions_.begin(), exemptions_.end(),
                             std::array<std::uint32_t, 2>{vertex, surface});
 }
 
@@ -285,7 +285,7 @@ Vec3f Layers::outward(const EdgeIntersection& crossing, const ParticleView& part
 
 std::size_t Layers::bytes() const {
   return hash_.bytes() + bytes_of(surfaces_, pairs_, vertex_normal_, edge_normal_, at_border_, boxes_,
-                                  of_vertex_, is_misplaced_, may_pass_something_, may_pass_, found_);
+                                  violation_of_, is_violation_, has_exemption_, exemptions_, found_);
 }
 
 }  // namespace souple

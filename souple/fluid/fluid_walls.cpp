@@ -1,6 +1,6 @@
 #include "souple/fluid/fluid_walls.h"
 
-#include "souple/collision/first_touch.h"
+#include "souple/collision/sphere_cast.h"
 
 #include <limits>
 
@@ -72,9 +72,9 @@ Vec3d FluidWalls::stopped_by(const Wall& wall, const Vec3d& start, const Vec3d& 
   const double path = length(to - from);
   if (end.distance > max(radius, path)) return x;
   const SurfaceDistance begin = surface_distance(shape, from);
-  if (begin.distance > 0 && may_pass(begin.distance, end.distance, path, radius)) {
-    if (const auto touch = first_touch(shape, begin, from, to, radius))
-      end = {dot(touch->surface.normal, to - touch->point) + touch->surface.distance, touch->surface.normal};
+  if (begin.distance > 0 && may_tunnel(begin.distance, end.distance, path, radius)) {
+    if (const auto hit = sphere_cast(shape, begin, from, to, radius))
+      end = {dot(hit->surface.normal, to - hit->point) + hit->surface.distance, hit->surface.normal};
   }
   if (!(end.distance < radius)) return x;
   return wall.after.to_world(to + end.normal * (radius - end.distance));

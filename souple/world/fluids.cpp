@@ -1,6 +1,6 @@
 #include "souple/world/fluids.h"
 
-#include "souple/collision/place.h"
+#include "souple/collision/particle_position.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -111,7 +111,7 @@ void Fluids::set_positions(WorldState& world, float h, Threads& threads) {
       const Vec4f& x = particles.position[particle[k]];
       Vec3f at(Vec3d(x.xyz()) - origin_);
       if (displaced) at += particles.offset[particle[k]].xyz();
-      start_[k] = Vec3f(start_place(view, particle[k]) - origin_);
+      start_[k] = Vec3f(particle_start_position(view, particle[k]) - origin_);
       const Vec3d velocity(particles.velocity[particle[k]].xyz());
       const bool is_inflow = inflow_.update(k, Vec3d(start_[k]) + origin_, velocity);
       const Vec3f aim = is_inflow ? start_[k] + inflow_.velocity(k) * h : at;

@@ -170,7 +170,7 @@ COUNTS = [
     ("docs/collisions.md", r"([\d.]+) to 3 m/s", lambda: constant(RESOLVER, "min_speed")),
     ("docs/collisions.md", r"0.1 to (\d+) m/s", lambda: constant("souple/collision/contact.h", "depenetration_speed")),
     ("docs/collisions.md", r"within a (\w+) of the lower object's size",
-     lambda: 1 / constant("souple/collision/layers.cpp", "reach_part")),
+     lambda: 1 / constant("souple/collision/layers.cpp", "range_part")),
     ("docs/collisions.md", r"exact at grid points within (\d+) spacings",
      lambda: constant("souple/collision/signed_distance_field.h", "fine_cells")),
 

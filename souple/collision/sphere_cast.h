@@ -7,7 +7,7 @@
 namespace souple {
 
 /// Where a ball is when it touches a shape.
-struct Touch {
+struct SphereCastHit {
   SurfaceDistance surface;
   Vec3d point;  ///< its center [m]
 };
@@ -17,12 +17,12 @@ struct Touch {
 /// not passed after 64 is within a hair of the surface and counts as touching. What leaves a surface it
 /// touches meets no other side of a convex shape; of any other it may, and a smaller ball goes there.
 /// `start`: the surface's distance at `from`.
-std::optional<Touch> first_touch(const Shape& shape, const SurfaceDistance& start, const Vec3d& from,
-                                 const Vec3d& to, double r);
+std::optional<SphereCastHit> sphere_cast(const Shape& shape, const SurfaceDistance& start, const Vec3d& from,
+                                         const Vec3d& to, double r);
 
 /// Whether the straight way between two points at these distances from a surface may lead through it: each
 /// distance is the radius of a ball free of the shape. A particle that moves more than its radius takes the
 /// ball it is itself into account as well.
-bool may_pass(double start, double end, double path, double r);
+bool may_tunnel(double start, double end, double path, double r);
 
 }  // namespace souple
