@@ -218,7 +218,7 @@ void SurfaceContacts::find(std::vector<Touch>& found, Threads& threads, const Fu
   if (found_.size() < count) {
     const std::size_t before = found_.size();
     found_.resize(count + count / 2 + 16);
-    for (std::size_t c = before; c < found_.size(); ++c) found_[c].touches.reserve(FeaturePairs::chunk_size);
+    for (std::size_t c = before; c < found_.size(); ++c) found_[c].touches.reserve(ElementPairs::chunk_size);
   }
   threads.for_each(count, 4, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
@@ -252,8 +252,8 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
 
 void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& particles,
                                     std::vector<Touch>& found) {
-  std::uint32_t near[FeaturePairs::chunk_size];
-  float verdict[FeaturePairs::chunk_size];
+  std::uint32_t near[ElementPairs::chunk_size];
+  float verdict[ElementPairs::chunk_size];
   const kernels::FeaturePoints points = pairs_.points(particles);
   const std::size_t count = pairs_.near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, points, near);
   if (count == 0) return;
@@ -376,7 +376,7 @@ void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& partic
                                    std::vector<Cut>& found) {
   constexpr float nearly = 0.9f;  // of what is between them
   if (!all && !pairs_.any_moved_by(nearly, pairs_.chunk(chunk))) return;
-  std::uint32_t near[FeaturePairs::chunk_size];
+  std::uint32_t near[ElementPairs::chunk_size];
   const std::size_t count = pairs_.near(chunk, {nearly, 0, 0}, pairs_.points(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
     if (!all && !pairs_.was_moved(near[k])) continue;

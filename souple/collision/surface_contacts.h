@@ -3,7 +3,7 @@
 #include "souple/collision/contact.h"
 #include "souple/collision/contact_arrays.h"
 #include "souple/collision/contact_material.h"
-#include "souple/collision/feature_pairs.h"
+#include "souple/collision/element_pairs.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -118,7 +118,7 @@ class SurfaceContacts final : public Projector {
   void shorten_ways(const ParticleView& particles);
   void remember_pushes();
 
-  FeaturePairs pairs_;
+  ElementPairs pairs_;
   /// A side of a triangle, by one of its ends.
   struct Side {
     std::uint32_t other, third;  ///< its other end, and the corner across

@@ -1,4 +1,4 @@
-#include "souple/collision/feature_pairs.h"
+#include "souple/collision/element_pairs.h"
 
 #include "souple/collision/kernels/find_kernels.h"
 #include "souple/collision/untangling.h"
@@ -69,17 +69,17 @@ kernels::FeaturePoints points_of(const ParticleView& particles, std::span<const 
 
 }  // namespace
 
-kernels::FeaturePoints FeaturePairs::points(const ParticleView& particles) const {
+kernels::FeaturePoints ElementPairs::points(const ParticleView& particles) const {
   kernels::FeaturePoints result = points_of(particles, moved_);
   result.pressed = pressed_.data();
   return result;
 }
 
-kernels::FeatureColumns FeaturePairs::columns() {
+kernels::FeatureColumns ElementPairs::columns() {
   return {quads(particle_), thickness_.data(), known_.data()};
 }
 
-void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
+void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   ParticlePairs excluded = std::move(excluded_);
   const Untangling* const untangling = untangling_;
   *this = {};
@@ -122,7 +122,7 @@ void FeaturePairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   chunks_.reserve(64);
 }
 
-void FeaturePairs::set_end(std::size_t surface, std::uint32_t end) {
+void ElementPairs::set_end(std::size_t surface, std::uint32_t end) {
   if (!any_) return;
   ContactSurface& one = surfaces_[surface];
   one.end = end;
@@ -130,14 +130,14 @@ void FeaturePairs::set_end(std::size_t surface, std::uint32_t end) {
   std::fill(surface_of_.begin() + end, surface_of_.begin() + one.reserved_end, no_surface);
 }
 
-void FeaturePairs::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
+void ElementPairs::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
   const std::size_t n = pairs.size();
   for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
   std::sort(pairs.begin(), pairs.end());
   excluded_ = std::move(pairs);
 }
 
-bool FeaturePairs::is_excluded(const NearPair& pair, bool edges) const {
+bool ElementPairs::is_excluded(const NearPair& pair, bool edges) const {
   if (excluded_.empty()) return false;
   const std::size_t first = edges ? 2 : 1;
   for (std::size_t a = 0; a < first; ++a)
@@ -148,12 +148,12 @@ bool FeaturePairs::is_excluded(const NearPair& pair, bool edges) const {
   return false;
 }
 
-void FeaturePairs::clear() {
+void ElementPairs::clear() {
   particle_.clear(), thickness_.clear(), known_.clear(), is_edges_.clear();
   chunks_.clear();
 }
 
-void FeaturePairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                               std::span<const float> radius, std::span<const float> pressed,
                               const ContactStep& step, Threads& threads) {
   radius_ = radius;
@@ -165,7 +165,7 @@ void FeaturePairs::begin_step(const ParticleView& particles, std::span<const Vec
 
 // For the rest of the step, or the time in which particles go, in the mean and as seen from the frame of
 // their object, `ways` times their thickness. A multiple of h.
-float FeaturePairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
+float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
   constexpr double ways = 1;
   if (!(step_.h > 0) || !(step_.h < left_)) return left_;
   double speeds = 0, thickness = 0;
@@ -184,7 +184,7 @@ float FeaturePairs::horizon(const ParticleView& particles, std::span<const Vec4f
   return static_cast<float>(min(left, max(1.0, std::floor(ways * thickness / speeds / h)) * h));
 }
 
-void FeaturePairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
+void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
   find_frames(particles, velocity);
   covered_ = horizon(particles, velocity);
   const float dt = covered_;
@@ -200,7 +200,7 @@ void FeaturePairs::find(const ParticleView& particles, std::span<const Vec4f> ve
 
 // --- boxes
 
-Vec3d FeaturePairs::middle(const ContactSurface& surface, const ParticleView& particles) const {
+Vec3d ElementPairs::middle(const ContactSurface& surface, const ParticleView& particles) const {
   Vec3d sum;
   double count = 0;
   const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
@@ -213,7 +213,7 @@ Vec3d FeaturePairs::middle(const ContactSurface& surface, const ParticleView& pa
 }
 
 // Mean velocities of what can move.
-void FeaturePairs::find_frames(const ParticleView& particles, std::span<const Vec4f> velocity) {
+void ElementPairs::find_frames(const ParticleView& particles, std::span<const Vec4f> velocity) {
   frame_.assign(surfaces_.size(), {});
   shift_.assign(surfaces_.size(), {});
   middle_.assign(surfaces_.size(), {});
@@ -233,12 +233,12 @@ void FeaturePairs::find_frames(const ParticleView& particles, std::span<const Ve
   }
 }
 
-void FeaturePairs::find_shift(const ParticleView& particles) {
+void ElementPairs::find_shift(const ParticleView& particles) {
   for (std::size_t a = 0; a < surfaces_.size(); ++a)
     if (surfaces_[a].self_collision) shift_[a] = Vec3f(middle(surfaces_[a], particles) - middle_[a]);
 }
 
-void FeaturePairs::expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
+void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
                               Threads& threads) {
   const std::size_t n = surface_of_.size();
   boxes_.resize(n), own_boxes_.resize(n), way_of_.resize(n), expected_velocity_.resize(n);
@@ -253,7 +253,7 @@ void FeaturePairs::expect_all(const ParticleView& particles, std::span<const Vec
 }
 
 // A particle that is at x, `since` after pairs were found, and goes with v for dt.
-void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
+void ElementPairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
                           float room) {
   const Vec3f own = v - frame_[surface_of_[i]], own_x = x - shift_[surface_of_[i]];
   const float reach = max(radius_[i], least_thickness) * (1 + early) + pressed_[i];
@@ -266,7 +266,7 @@ void FeaturePairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float
   expected_velocity_[i].set_xyz(v);
 }
 
-bool FeaturePairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
+bool ElementPairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
   const std::uint32_t surface = surface_of_[i];
   const Way& way = way_of_[i];
   if (elapsed_ > way.until) return false;
@@ -278,7 +278,7 @@ bool FeaturePairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
 }
 
 // Surfaces whose boxes meet, of those that may: their elements are compared.
-void FeaturePairs::find_crossing() {
+void ElementPairs::find_crossing() {
   const std::size_t n = surfaces_.size();
   surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
   for (std::size_t a = 0; a < n; ++a) {
@@ -307,7 +307,7 @@ void FeaturePairs::find_crossing() {
 
 // Particles that have left their ways. Surfaces that are far from all others are not watched within a step;
 // their bounds are larger for it.
-void FeaturePairs::find_left(const ParticleView& particles, Threads& threads) {
+void ElementPairs::find_left(const ParticleView& particles, Threads& threads) {
   find_shift(particles);
   const std::size_t n = surface_of_.size(), chunks = batches_of(n);
   for (std::size_t c = left_of_chunk_.size(); c < chunks; ++c)
@@ -327,14 +327,14 @@ void FeaturePairs::find_left(const ParticleView& particles, Threads& threads) {
     left_particles_.insert(left_particles_.end(), left_of_chunk_[c].begin(), left_of_chunk_[c].end());
 }
 
-std::size_t FeaturePairs::keep_up(const ParticleView& particles, float h, Threads& threads) {
+std::size_t ElementPairs::keep_up(const ParticleView& particles, float h, Threads& threads) {
   const bool over = covered_ <= -0.5f * h;
   if (!over) find_left(particles, threads);
   return find_again(particles, h, over, threads);
 }
 
 // Ways of one surface are all compared with the shift that the last keep_up found.
-std::size_t FeaturePairs::keep_up(const ParticleView& particles, float h,
+std::size_t ElementPairs::keep_up(const ParticleView& particles, float h,
                                   std::span<const std::uint32_t> particles_moved, Threads& threads) {
   left_particles_.clear();
   for (const std::uint32_t i : particles_moved)
@@ -342,7 +342,7 @@ std::size_t FeaturePairs::keep_up(const ParticleView& particles, float h,
   return find_again(particles, h, false, threads);
 }
 
-std::size_t FeaturePairs::find_again(const ParticleView& particles, float h, bool over, Threads& threads) {
+std::size_t ElementPairs::find_again(const ParticleView& particles, float h, bool over, Threads& threads) {
   constexpr std::size_t many = 5;  // a part of all particles: for these alone it would take as long
   const bool all = over || left_particles_.size() > surface_of_.size() / many + 8;
   if (!all && left_particles_.empty()) return size();
@@ -358,7 +358,7 @@ std::size_t FeaturePairs::find_again(const ParticleView& particles, float h, boo
 }
 
 // Particles as they were when the substep began, and in velocity_now_ the ways that they have taken since.
-ParticleView FeaturePairs::take_back(const ParticleView& particles, float h) {
+ParticleView ElementPairs::take_back(const ParticleView& particles, float h) {
   velocity_now_.resize(surface_of_.size());
   for (std::size_t i = 0; i < velocity_now_.size(); ++i) velocity_now_[i].set_xyz(particles.moved(i) / h);
   before_.assign(particles.start.begin(), particles.start.end());
@@ -369,7 +369,7 @@ ParticleView FeaturePairs::take_back(const ParticleView& particles, float h) {
 }
 
 // For the rest of the step.
-void FeaturePairs::find_all_again(const ParticleView& before, float h, Threads& threads) {
+void ElementPairs::find_all_again(const ParticleView& before, float h, Threads& threads) {
   left_ = max(left_ + h, h);
   find(before, velocity_now_, threads);
   begin_substep(h);
@@ -377,7 +377,7 @@ void FeaturePairs::find_all_again(const ParticleView& before, float h, Threads& 
 
 // Those of the particles that have left their boxes. They were pushed: where they are going is not sure for
 // long.
-void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads& threads) {
+void ElementPairs::find_left_again(const ParticleView& before, float h, Threads& threads) {
   constexpr float foresight = 3;  // substeps
   const float dt = max(min(covered_ + h, foresight * h), h);
   shift_now_ = shift_;
@@ -395,7 +395,7 @@ void FeaturePairs::find_left_again(const ParticleView& before, float h, Threads&
 // --- pairs
 
 // What cannot come near enough within the time is left out.
-void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
+void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
                              const ParticleView& particles, float dt) const {
   const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
@@ -419,7 +419,7 @@ void FeaturePairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
 }
 
 // Those of one surface are not kept farther apart than they were at rest.
-void FeaturePairs::thin_at_rest(List& list, bool edges) const {
+void ElementPairs::thin_at_rest(List& list, bool edges) const {
   NearPair near[batch_size];
   std::size_t which[batch_size], count = 0;
   for (std::size_t k = 0; k < list.count; ++k) {
@@ -443,7 +443,7 @@ void FeaturePairs::thin_at_rest(List& list, bool edges) const {
     list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * apart[n]);
 }
 
-void FeaturePairs::add(std::span<const NearPair> pairs, bool edges, bool crossing,
+void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool crossing,
                        const ParticleView& particles, float dt, Threads& threads) {
   const std::size_t count = batches_of(pairs.size());
   if (batches_.size() < count) {
@@ -467,7 +467,7 @@ void FeaturePairs::add(std::span<const NearPair> pairs, bool edges, bool crossin
 }
 
 // Puts the lists of all batches behind the columns, and cuts what is new into chunks.
-void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bool crossing,
+void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bool crossing,
                           Threads& threads) {
   const std::size_t begin = size();
   std::size_t sum = begin;
@@ -496,7 +496,7 @@ void FeaturePairs::append(List Batch::*list, std::size_t batches, bool edges, bo
   }
 }
 
-void FeaturePairs::add_found(const ParticleView& particles, float dt, Threads& threads) {
+void ElementPairs::add_found(const ParticleView& particles, float dt, Threads& threads) {
   const std::size_t first = chunks_.size();
   add(own_pairs_.vertex_triangle, false, false, particles, dt, threads);
   add(crossing_pairs_.vertex_triangle, false, true, particles, dt, threads);
@@ -507,7 +507,7 @@ void FeaturePairs::add_found(const ParticleView& particles, float dt, Threads& t
 
 // --- chunks that need not be looked at
 
-void FeaturePairs::watch_new_chunks(std::size_t first, Threads& threads) {
+void ElementPairs::watch_new_chunks(std::size_t first, Threads& threads) {
   resize_with_spare(blocks_, chunks_.size());
   threads.for_each(chunks_.size() - first, 4, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
@@ -537,7 +537,7 @@ void FeaturePairs::watch_new_chunks(std::size_t first, Threads& threads) {
   });
 }
 
-void FeaturePairs::measure(const ParticleView& particles, Threads& threads) {
+void ElementPairs::measure(const ParticleView& particles, Threads& threads) {
   const std::size_t n = surface_of_.size(), blocks = (n + block_size - 1) / block_size;
   moved_.resize(n), block_moved_.resize(blocks), own_block_moved_.resize(blocks);
   block_pressed_.resize(blocks);
@@ -573,7 +573,7 @@ void FeaturePairs::measure(const ParticleView& particles, Threads& threads) {
   for (const float pressed : block_pressed_) most_pressed_ = max(most_pressed_, pressed);
 }
 
-float FeaturePairs::pressed(std::size_t index) const {
+float ElementPairs::pressed(std::size_t index) const {
   const Chunk& chunk = chunks_[index];
   if (most_pressed_ <= 0 || chunk.blocks == too_many) return most_pressed_;
   float most = 0;
@@ -581,7 +581,7 @@ float FeaturePairs::pressed(std::size_t index) const {
   return most;
 }
 
-void FeaturePairs::measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
+void ElementPairs::measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
   for (const std::uint32_t i : moved_alone_) was_moved_[i] = 0;
   moved_alone_.assign(particles_moved.begin(), particles_moved.end());
   for (const std::uint32_t i : particles_moved) {
@@ -598,7 +598,7 @@ void FeaturePairs::measure(const ParticleView& particles, std::span<const std::u
 }
 
 // How far a point of one feature has moved relative to a point of the other.
-float FeaturePairs::way_of(const NearPair& pair, bool edges) const {
+float ElementPairs::way_of(const NearPair& pair, bool edges) const {
   const auto squared = [&](std::size_t a, std::size_t b) {
     return length_squared(moved_[pair.particle[a]].xyz() - moved_[pair.particle[b]].xyz());
   };
@@ -606,7 +606,7 @@ float FeaturePairs::way_of(const NearPair& pair, bool edges) const {
   return sqrt(max(third, max(squared(0, 2), squared(0, 3))));
 }
 
-bool FeaturePairs::any_moved_by(float part, const Chunk& chunk) const {
+bool ElementPairs::any_moved_by(float part, const Chunk& chunk) const {
   constexpr float rounding = 1e-6f;
   for (std::size_t pair = chunk.begin; pair < chunk.end; ++pair)
     if (was_moved(pair) &&
@@ -616,7 +616,7 @@ bool FeaturePairs::any_moved_by(float part, const Chunk& chunk) const {
 }
 
 // A bound on the ways of a chunk's pairs, rounding included.
-float FeaturePairs::farthest_way(const Chunk& chunk) const {
+float ElementPairs::farthest_way(const Chunk& chunk) const {
   constexpr float both = 2.001f;
   if (chunk.blocks == too_many) return both * (chunk.crossing ? farthest_moved_ : farthest_own_moved_);
   const std::vector<float>& moved = chunk.crossing ? block_moved_ : own_block_moved_;
@@ -626,7 +626,7 @@ float FeaturePairs::farthest_way(const Chunk& chunk) const {
   return both * farthest;
 }
 
-std::size_t FeaturePairs::near(std::size_t index, const kernels::NearRule& rule,
+std::size_t ElementPairs::near(std::size_t index, const kernels::NearRule& rule,
                                const kernels::FeaturePoints& points, std::uint32_t* found) {
   Chunk& chunk = chunks_[index];
   const float far = rule.thickness_part > 0 ? chunk.least_slack - chunk.owed
@@ -641,11 +641,11 @@ std::size_t FeaturePairs::near(std::size_t index, const kernels::NearRule& rule,
   return nearness.found;
 }
 
-void FeaturePairs::end_substep() {
+void ElementPairs::end_substep() {
   for (Chunk& chunk : chunks_) chunk.owed += farthest_way(chunk);
 }
 
-std::size_t FeaturePairs::bytes() const {
+std::size_t ElementPairs::bytes() const {
   std::size_t sum =
       bytes_of(surfaces_, surface_of_, rest_, boxes_, own_boxes_, way_of_, expected_velocity_,
                own_pairs_.vertex_triangle, own_pairs_.edge_edge, crossing_pairs_.vertex_triangle,

@@ -23,7 +23,7 @@ class Untangling;
 /// relative velocity and their rooms. Where particles move by many times their thickness within a step, pairs
 /// are found for a part of it, and again when that is over. When some particles have left their ways, theirs
 /// are found again: they follow the others, and take the place of those that these particles had.
-class FeaturePairs {
+class ElementPairs {
  public:
   /// What can touch, anew when objects came, went or changed.
   void set_surfaces(std::vector<ContactSurface> surfaces);
