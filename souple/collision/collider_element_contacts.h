@@ -30,15 +30,15 @@ namespace souple {
 /// a substep; where the feature is fast they are those of the moment at which it first touches. Friction and
 /// restitution are those of ColliderContacts, spread over the corners by their weights. Contacts are few, and
 /// projected in the order of colliders, then features.
-class FeatureContacts final : public Projector {
+class ColliderElementContacts final : public Projector {
  public:
   /// A triangle, or an edge with its second corner twice.
-  struct Feature {
+  struct Element {
     std::array<std::uint32_t, 3> particle;
     std::uint32_t object;  ///< row in the surface matrix
   };
   /// Features of all objects, in an order that decides that of the contacts.
-  void set_features(std::vector<Feature> features);
+  void set_elements(std::vector<Element> elements);
 
   /// As of ColliderContacts, with the same arguments: what is given must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
@@ -50,7 +50,7 @@ class FeatureContacts final : public Projector {
   /// Contacts that pushed; each names its heaviest corner.
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
-  std::string_view kind() const override { return "feature contact"; }
+  std::string_view kind() const override { return "collider element contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   int color_count() const override { return contacts_.empty() ? 0 : 1; }
@@ -108,21 +108,21 @@ class FeatureContacts final : public Projector {
   void find_bodies();
   void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
                        Threads& threads);
-  bool is_candidate(const Body& body, std::size_t feature, const ParticleView& particles) const;
+  bool is_candidate(const Body& body, std::size_t element, const ParticleView& particles) const;
   bool left_margins(const ParticleView& particles) const;
   void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
-  Corners corners(const RigidPose& pose, const Feature& feature, const ParticleView& particles,
+  Corners corners(const RigidPose& pose, const Element& element, const ParticleView& particles,
                   bool start) const;
   void find_led_out(Body& body, const ParticleView& particles, Threads& threads);
   std::uint8_t* led_out_of(const Body& body) {
     return led_out_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
   }
   bool is_led_out(const Body& body, std::uint32_t object) { return led_out_of(body)[object] != 0; }
-  float radius_of(const Feature& feature) const;
-  bool may_touch(const Body& body, const Feature& feature, const ParticleView& particles) const;
+  float radius_of(const Element& element) const;
+  bool may_touch(const Body& body, const Element& element, const ParticleView& particles) const;
   static double sag(const Shape& shape, const Corners& x, const Vec3d& middle,
                     const SurfaceDistance& at_middle);
-  bool contact_of(const Body& body, const Feature& feature, const ParticleView& particles, float h,
+  bool contact_of(const Body& body, const Element& element, const ParticleView& particles, float h,
                   Found& found) const;
   static Deepest look(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
   static Deepest deepest_between(const Shape& shape, const Corners& x, const std::array<double, 3>& a,
@@ -137,7 +137,7 @@ class FeatureContacts final : public Projector {
                             std::span<Vec4f> velocity, float h) const;
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
 
-  std::vector<Feature> features_;
+  std::vector<Element> elements_;
   struct Corner {
     std::uint32_t particle, object;
   };
