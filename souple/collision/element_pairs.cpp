@@ -56,26 +56,26 @@ const std::uint32_t (*quads(const std::vector<NearPair>& pairs))[4] {
   return pairs.empty() ? nullptr : &pairs[0].particle;
 }
 
-kernels::FeaturePoints points_of(const ParticleView& particles, std::span<const Vec4f> moved) {
+kernels::ParticleRecords records_of(const ParticleView& particles, std::span<const Vec4f> moved) {
   if (particles.moving.empty()) return {};
-  kernels::FeaturePoints points;
-  points.moving = &particles.moving[0].x;
-  points.corrected = particles.corrected.empty() ? points.moving : &particles.corrected[0].x;
-  points.position = particles.form == Form::plain ? points.moving : &particles.position[0].x;
-  if (!particles.start.empty()) points.start = &particles.start[0].x;
-  if (!moved.empty()) points.moved = &moved[0].x;
-  return points;
+  kernels::ParticleRecords records;
+  records.moving = &particles.moving[0].x;
+  records.corrected = particles.corrected.empty() ? records.moving : &particles.corrected[0].x;
+  records.position = particles.form == Form::plain ? records.moving : &particles.position[0].x;
+  if (!particles.start.empty()) records.start = &particles.start[0].x;
+  if (!moved.empty()) records.moved = &moved[0].x;
+  return records;
 }
 
 }  // namespace
 
-kernels::FeaturePoints ElementPairs::points(const ParticleView& particles) const {
-  kernels::FeaturePoints result = points_of(particles, moved_);
+kernels::ParticleRecords ElementPairs::particle_records(const ParticleView& particles) const {
+  kernels::ParticleRecords result = records_of(particles, moved_);
   result.pressed = pressed_.data();
   return result;
 }
 
-kernels::FeatureColumns ElementPairs::columns() {
+kernels::ElementPairColumns ElementPairs::columns() {
   return {quads(particle_), thickness_.data(), known_.data()};
 }
 
@@ -397,15 +397,15 @@ void ElementPairs::find_left_again(const ParticleView& before, float h, Threads&
 // What cannot come near enough within the time is left out.
 void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
                              const ParticleView& particles, float dt) const {
-  const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
+  const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
   float apart[batch_size], thickness[batch_size], reach[batch_size];
-  kernels::FeaturePoints points = points_of(particles, expected_velocity_);
-  points.pressed = pressed_.data();
+  kernels::ParticleRecords records = records_of(particles, expected_velocity_);
+  records.pressed = pressed_.data();
   const kernels::FeatureRooms rooms{radius_.data(), crossing ? &way_of_[0].room : &way_of_[0].own_room,
                                     sizeof(Way) / sizeof(float), least_thickness, early};
-  kernels.reaches[kind](points, rooms, dt, &pairs[0].particle, 0, pairs.size(), thickness, reach);
-  kernels.distances[kind](points, &pairs[0].particle, 0, pairs.size(), apart);
+  kernels.reaches[kind](records, rooms, dt, &pairs[0].particle, 0, pairs.size(), thickness, reach);
+  kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), apart);
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (apart[k] > reach[k] || is_excluded(pairs[k], edges)) continue;
@@ -434,10 +434,10 @@ void ElementPairs::thin_at_rest(List& list, bool edges) const {
   }
   if (count == 0) return;
   float apart[batch_size];
-  kernels::FeaturePoints at_rest;
+  kernels::ParticleRecords at_rest;
   at_rest.position = &rest_[0].x;
   at_rest.moving = const_cast<float*>(at_rest.position);  // only read
-  const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
+  const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, apart);
   for (std::size_t n = 0; n < count; ++n)
     list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * apart[n]);
@@ -627,13 +627,13 @@ float ElementPairs::farthest_way(const Chunk& chunk) const {
 }
 
 std::size_t ElementPairs::near(std::size_t index, const kernels::NearRule& rule,
-                               const kernels::FeaturePoints& points, std::uint32_t* found) {
+                               const kernels::ParticleRecords& records, std::uint32_t* found) {
   Chunk& chunk = chunks_[index];
   const float far = rule.thickness_part > 0 ? chunk.least_slack - chunk.owed
                                             : rule.known_part * (chunk.least_known - chunk.owed);
   if (farthest_way(chunk) + rule.pressed < far) return 0;
-  const kernels::FeatureKernels& kernels = kernels::find_feature_kernels(instruction_set());
-  const kernels::Nearness nearness = kernels.near[chunk.edges ? 1 : 0](points, columns(), rule, chunk.owed,
+  const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
+  const kernels::Nearness nearness = kernels.near[chunk.edges ? 1 : 0](records, columns(), rule, chunk.owed,
                                                                        early, chunk.begin, chunk.end, found);
   chunk.least_known = nearness.least_known;
   chunk.least_slack = nearness.least_slack;

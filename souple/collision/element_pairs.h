@@ -2,7 +2,7 @@
 
 #include "souple/collision/contact.h"
 #include "souple/collision/contact_surface.h"
-#include "souple/collision/kernels/features.h"
+#include "souple/collision/kernels/element_pairs.h"
 #include "souple/collision/near_pairs.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
@@ -78,12 +78,12 @@ class ElementPairs {
   /// The most that particles of a chunk are pressed, as when it was measured last. [m]
   float pressed(std::size_t chunk) const;
   /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
-  std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::FeaturePoints& points,
+  std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::ParticleRecords& records,
                    std::uint32_t* found);
   /// What was measured last is what the substep has done.
   void end_substep();
   /// For kernels. `moved` is what was measured last.
-  kernels::FeaturePoints points(const ParticleView& particles) const;
+  kernels::ParticleRecords particle_records(const ParticleView& particles) const;
   bool are_edges(std::size_t pair) const { return is_edges_[pair] != 0; }
   /// Another pair, found later, stands for it.
   bool is_replaced(std::size_t pair) const {
@@ -94,7 +94,7 @@ class ElementPairs {
   const NearPair& pair(std::size_t index) const { return particle_[index]; }
   /// They were at least so far apart when the substep began. [m]
   float known(std::size_t pair) const { return known_[pair]; }
-  kernels::FeatureColumns columns();
+  kernels::ElementPairColumns columns();
 
   std::size_t particle_count() const { return surface_of_.size(); }
   std::uint32_t surface_of(std::uint32_t particle) const { return surface_of_[particle]; }

@@ -22,8 +22,8 @@ constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 // plane would never come apart. [m]
 constexpr float touching = 1e-8f;
 
-const kernels::FeatureKernels& packed() {
-  return kernels::find_feature_kernels(instruction_set());
+const kernels::ElementPairKernels& packed() {
+  return kernels::find_element_pair_kernels(instruction_set());
 }
 
 /// The four particles of a pair relative to the first: when the substep began, and where they go.
@@ -254,10 +254,11 @@ void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& parti
                                     std::vector<Touch>& found) {
   std::uint32_t near[ElementPairs::chunk_size];
   float verdict[ElementPairs::chunk_size];
-  const kernels::FeaturePoints points = pairs_.points(particles);
-  const std::size_t count = pairs_.near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, points, near);
+  const kernels::ParticleRecords records = pairs_.particle_records(particles);
+  const std::size_t count = pairs_.near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, records, near);
   if (count == 0) return;
-  packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](points, pairs_.columns(), early, near, 0, count, verdict);
+  packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), early, near, 0, count,
+                                                    verdict);
   for (std::size_t k = 0; k < count; ++k) {
     float part = 1;
     if (!pairs_.is_replaced(near[k]) &&
@@ -338,8 +339,8 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
                                const std::vector<std::uint32_t>& pairs, const std::vector<float>& parts,
                                const kernels::ContactColumns& out) {
   if (begin >= end) return;
-  packed().describe[edges ? 1 : 0](pairs_.points(particles), pairs_.columns(), limits_, pairs.data(),
-                                   parts.data(), begin, end, out);
+  packed().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), limits_,
+                                   pairs.data(), parts.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
     const ContactMaterialPair& surface =
@@ -367,7 +368,7 @@ void SurfaceContacts::describe_touches(const ParticleView& particles, Threads& t
 void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep&) {
   const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
-  packed().project(pairs_.points(particles), columns_, first + begin, first + end);
+  packed().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
 }
 
 // --- nothing passes
@@ -377,7 +378,7 @@ void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& partic
   constexpr float nearly = 0.9f;  // of what is between them
   if (!all && !pairs_.any_moved_by(nearly, pairs_.chunk(chunk))) return;
   std::uint32_t near[ElementPairs::chunk_size];
-  const std::size_t count = pairs_.near(chunk, {nearly, 0, 0}, pairs_.points(particles), near);
+  const std::size_t count = pairs_.near(chunk, {nearly, 0, 0}, pairs_.particle_records(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
     if (!all && !pairs_.was_moved(near[k])) continue;
     if (pairs_.known(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
@@ -433,10 +434,10 @@ void SurfaceContacts::push_cuts(const ParticleView& particles) {
   const kernels::ContactColumns columns = rescues_.columns();
   describe(false, begin, edges, particles, cut_pair_, cut_part_, columns);
   describe(true, edges, cut_pair_.size(), particles, cut_pair_, cut_part_, columns);
-  const kernels::FeatureKernels& one_by_one = kernels::find_feature_kernels(InstructionSet::scalar);
+  const kernels::ElementPairKernels& one_by_one = kernels::find_element_pair_kernels(InstructionSet::scalar);
   constexpr int sweeps = 4;
   for (int sweep = 0; sweep < sweeps; ++sweep)
-    one_by_one.project(pairs_.points(particles), columns, 0, cut_pair_.size());
+    one_by_one.project(pairs_.particle_records(particles), columns, 0, cut_pair_.size());
 }
 
 // Particles of a pair that would touch keep the part of their way that is safe.
@@ -495,8 +496,8 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
   for (int color = 0; color < color_count(); ++color) {
     const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
     threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
-      packed().apply_restitution(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin,
-                                 first + end);
+      packed().apply_restitution(pairs_.particle_records(particles), columns_, limits_, &velocity[0].x,
+                                 first + begin, first + end);
     });
   }
 }

@@ -9,7 +9,7 @@
 namespace souple::kernels {
 
 /// Arrays of 16-byte records, one per particle (see solver/projector.h).
-struct FeaturePoints {
+struct ParticleRecords {
   const float* position = nullptr;  ///< w = inverse mass [1/kg]
   float* moving = nullptr;          ///< plain form: the same as position
   float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
@@ -20,7 +20,7 @@ struct FeaturePoints {
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
-struct FeatureColumns {
+struct ElementPairColumns {
   const std::uint32_t (*particle)[4] = nullptr;
   const float* thickness = nullptr;  ///< m
   float* known = nullptr;            ///< at least so far apart when the substep began [m]
@@ -84,33 +84,33 @@ struct ContactLimits {
 };
 
 /// Each for pairs [begin, end). Index 0: a vertex and a triangle; 1: two edges.
-struct FeatureKernels {
+struct ElementPairKernels {
   /// How far they are apart now [m].
-  void (*distances[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin,
+  void (*distances[2])(const ParticleRecords&, const std::uint32_t (*pairs)[4], std::size_t begin,
                        std::size_t end, float* out);
   /// What both are thick together, and from how far they can come within (1 + early) of that, and what the
   /// most pressed of them adds, in `dt`, with `moved` the velocities of particles [m].
-  void (*reaches[2])(const FeaturePoints&, const FeatureRooms&, float dt, const std::uint32_t (*pairs)[4],
+  void (*reaches[2])(const ParticleRecords&, const FeatureRooms&, float dt, const std::uint32_t (*pairs)[4],
                      std::size_t begin, std::size_t end, float* thickness, float* reach);
   /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
   /// not pass over, as soon as their distance is known, go to `found`, ascending.
-  Nearness (*near[2])(const FeaturePoints&, const FeatureColumns&, const NearRule&, float owed, float early,
-                      std::size_t begin, std::size_t end, std::uint32_t* found);
+  Nearness (*near[2])(const ParticleRecords&, const ElementPairColumns&, const NearRule&, float owed,
+                      float early, std::size_t begin, std::size_t end, std::uint32_t* found);
   /// A Verdict for each of the pairs `found[begin, end)`, as a number.
-  void (*judge[2])(const FeaturePoints&, const FeatureColumns&, float early, const std::uint32_t* found,
+  void (*judge[2])(const ParticleRecords&, const ElementPairColumns&, float early, const std::uint32_t* found,
                    std::size_t begin, std::size_t end, float* verdict);
   /// Contacts [begin, end): of the pairs `found[begin, end)`, where `part` of their way has led them.
-  void (*describe[2])(const FeaturePoints&, const FeatureColumns&, const ContactLimits&,
+  void (*describe[2])(const ParticleRecords&, const ElementPairColumns&, const ContactLimits&,
                       const std::uint32_t* found, const float* part, std::size_t begin, std::size_t end,
                       const ContactColumns&);
   /// Contacts [begin, end), no two of which share a particle that can move.
-  void (*project)(const FeaturePoints&, const ContactColumns&, std::size_t begin, std::size_t end);
-  void (*apply_restitution)(const FeaturePoints&, const ContactColumns&, const ContactLimits&,
+  void (*project)(const ParticleRecords&, const ContactColumns&, std::size_t begin, std::size_t end);
+  void (*apply_restitution)(const ParticleRecords&, const ContactColumns&, const ContactLimits&,
                             float* velocity, std::size_t begin, std::size_t end);
 };
 
-/// Compiled in one translation unit per instruction set (compile_features.h).
+/// Compiled in one translation unit per instruction set (compile_element_pairs.h).
 template <class Isa>
-const FeatureKernels& feature_kernels();
+const ElementPairKernels& element_pair_kernels();
 
 }  // namespace souple::kernels
