@@ -76,7 +76,7 @@ kernels::ParticleRecords ElementPairs::particle_records(const ParticleView& part
 }
 
 kernels::ElementPairColumns ElementPairs::columns() {
-  return {quads(particle_), thickness_.data(), known_.data()};
+  return {quads(particle_), thickness_.data(), distance_bound_.data()};
 }
 
 void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
@@ -149,7 +149,7 @@ bool ElementPairs::is_excluded(const NearPair& pair, bool edges) const {
 }
 
 void ElementPairs::clear() {
-  particle_.clear(), thickness_.clear(), known_.clear(), is_edges_.clear();
+  particle_.clear(), thickness_.clear(), distance_bound_.clear(), is_edges_.clear();
   chunks_.clear();
 }
 
@@ -453,7 +453,7 @@ void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool crossin
       for (List* list : {&batches_[b].near, &batches_[b].far}) {
         list->particle.resize(batch_size);
         list->thickness.resize(batch_size);
-        list->known.resize(batch_size);
+        list->distance_bound.resize(batch_size);
       }
   }
   threads.for_each(count, 1, [&](std::size_t b, std::size_t last) {
@@ -477,13 +477,13 @@ void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bo
   }
   resize_with_spare(particle_, sum);
   resize_with_spare(is_edges_, sum);
-  for (std::vector<float>* column : {&thickness_, &known_}) resize_with_spare(*column, sum);
+  for (std::vector<float>* column : {&thickness_, &distance_bound_}) resize_with_spare(*column, sum);
   threads.for_each(batches, 1, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b) {
       const List& from = batches_[b].*list;
       std::copy_n(from.particle.data(), from.count, particle_.data() + from.place);
       std::copy_n(from.thickness.data(), from.count, thickness_.data() + from.place);
-      std::copy_n(from.known.data(), from.count, known_.data() + from.place);
+      std::copy_n(from.distance_bound.data(), from.count, distance_bound_.data() + from.place);
       std::fill_n(is_edges_.data() + from.place, from.count, edges ? 1 : 0);
     }
   });
@@ -526,12 +526,12 @@ void ElementPairs::watch_new_chunks(std::size_t first, Threads& threads) {
           blocks[chunk.blocks++] = block;
         }
       };
-      chunk.least_known = chunk.least_slack = infinity;
+      chunk.min_distance_bound = chunk.min_gap_bound = infinity;
       for (std::uint32_t k = chunk.begin; k < chunk.end; ++k) {
         for (const std::uint32_t i : particle_[k].particle)
           if (chunk.blocks != too_many) add(i / static_cast<std::uint32_t>(block_size));
-        chunk.least_known = min(chunk.least_known, known_[k]);
-        chunk.least_slack = min(chunk.least_slack, known_[k] - (1 + early) * thickness_[k]);
+        chunk.min_distance_bound = min(chunk.min_distance_bound, distance_bound_[k]);
+        chunk.min_gap_bound = min(chunk.min_gap_bound, distance_bound_[k] - (1 + early) * thickness_[k]);
       }
     }
   });
@@ -609,8 +609,8 @@ float ElementPairs::way_of(const NearPair& pair, bool edges) const {
 bool ElementPairs::any_moved_by(float part, const Chunk& chunk) const {
   constexpr float rounding = 1e-6f;
   for (std::size_t pair = chunk.begin; pair < chunk.end; ++pair)
-    if (was_moved(pair) &&
-        way_of(particle_[pair], chunk.edges) * (1 + rounding) >= part * (known_[pair] - chunk.owed))
+    if (was_moved(pair) && way_of(particle_[pair], chunk.edges) * (1 + rounding) >=
+                               part * (distance_bound_[pair] - chunk.motion_since))
       return true;
   return false;
 }
@@ -626,34 +626,35 @@ float ElementPairs::farthest_way(const Chunk& chunk) const {
   return both * farthest;
 }
 
-std::size_t ElementPairs::near(std::size_t index, const kernels::NearRule& rule,
-                               const kernels::ParticleRecords& records, std::uint32_t* found) {
+std::size_t ElementPairs::find_near(std::size_t index, const kernels::NearRule& rule,
+                                    const kernels::ParticleRecords& records, std::uint32_t* found) {
   Chunk& chunk = chunks_[index];
-  const float far = rule.thickness_part > 0 ? chunk.least_slack - chunk.owed
-                                            : rule.known_part * (chunk.least_known - chunk.owed);
+  const float far = rule.thickness_part > 0
+                        ? chunk.min_gap_bound - chunk.motion_since
+                        : rule.bound_part * (chunk.min_distance_bound - chunk.motion_since);
   if (farthest_way(chunk) + rule.pressed < far) return 0;
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
-  const kernels::Nearness nearness = kernels.near[chunk.edges ? 1 : 0](records, columns(), rule, chunk.owed,
-                                                                       early, chunk.begin, chunk.end, found);
-  chunk.least_known = nearness.least_known;
-  chunk.least_slack = nearness.least_slack;
-  chunk.owed = 0;
-  return nearness.found;
+  const kernels::NearPairStatistics statistics = kernels.find_near[chunk.edges ? 1 : 0](
+      records, columns(), rule, chunk.motion_since, early, chunk.begin, chunk.end, found);
+  chunk.min_distance_bound = statistics.min_distance_bound;
+  chunk.min_gap_bound = statistics.min_gap_bound;
+  chunk.motion_since = 0;
+  return statistics.found;
 }
 
 void ElementPairs::end_substep() {
-  for (Chunk& chunk : chunks_) chunk.owed += farthest_way(chunk);
+  for (Chunk& chunk : chunks_) chunk.motion_since += farthest_way(chunk);
 }
 
 std::size_t ElementPairs::bytes() const {
   std::size_t sum =
       bytes_of(surfaces_, surface_of_, rest_, boxes_, own_boxes_, way_of_, expected_velocity_,
                own_pairs_.vertex_triangle, own_pairs_.edge_edge, crossing_pairs_.vertex_triangle,
-               crossing_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, known_, is_edges_,
-               valid_from_, chunks_, blocks_, moved_, was_moved_);
+               crossing_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, distance_bound_,
+               is_edges_, valid_from_, chunks_, blocks_, moved_, was_moved_);
   for (const Batch& batch : batches_)
     for (const List* list : {&batch.near, &batch.far})
-      sum += bytes_of(list->particle, list->thickness, list->known);
+      sum += bytes_of(list->particle, list->thickness, list->distance_bound);
   return sum + own_.bytes() + crossing_.bytes() + own_finder_.bytes() + crossing_finder_.bytes();
 }
 

@@ -57,8 +57,8 @@ class ElementPairs {
     std::uint32_t begin = 0, end = 0;
     std::uint32_t blocks = 0;  // how many of its places in blocks_ are taken; too_many: not all fit
     bool edges = false, crossing = false;
-    float least_known = 0, least_slack = 0;  // when they were last looked at [m]
-    float owed = 0;                          // what they may have moved since [m]
+    float min_distance_bound = 0, min_gap_bound = 0;  // when they were last looked at [m]
+    float motion_since = 0;                           // what they may have moved since [m]
   };
   std::size_t chunk_count() const { return chunks_.size(); }
   const Chunk& chunk(std::size_t index) const { return chunks_[index]; }
@@ -78,8 +78,8 @@ class ElementPairs {
   /// The most that particles of a chunk are pressed, as when it was measured last. [m]
   float pressed(std::size_t chunk) const;
   /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
-  std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::ParticleRecords& records,
-                   std::uint32_t* found);
+  std::size_t find_near(std::size_t chunk, const kernels::NearRule& rule,
+                        const kernels::ParticleRecords& records, std::uint32_t* found);
   /// What was measured last is what the substep has done.
   void end_substep();
   /// For kernels. `moved` is what was measured last.
@@ -93,7 +93,7 @@ class ElementPairs {
   }
   const NearPair& pair(std::size_t index) const { return particle_[index]; }
   /// They were at least so far apart when the substep began. [m]
-  float known(std::size_t pair) const { return known_[pair]; }
+  float distance_bound(std::size_t pair) const { return distance_bound_[pair]; }
   kernels::ElementPairColumns columns();
 
   std::size_t particle_count() const { return surface_of_.size(); }
@@ -106,10 +106,10 @@ class ElementPairs {
   /// Some of the pairs that were found.
   struct List {
     std::vector<NearPair> particle;
-    std::vector<float> thickness, known;
+    std::vector<float> thickness, distance_bound;
     std::size_t count = 0, place = 0;  // in the columns
     void add(const NearPair& pair, float thick, float apart) {
-      particle[count] = pair, thickness[count] = thick, known[count] = apart;
+      particle[count] = pair, thickness[count] = thick, distance_bound[count] = apart;
       ++count;
     }
   };
@@ -186,7 +186,7 @@ class ElementPairs {
   std::vector<Chunk> chunks_;
   std::vector<Vec4f> velocity_now_, before_;  // when pairs are found within a step
   std::vector<NearPair> particle_;
-  std::vector<float> thickness_, known_;
+  std::vector<float> thickness_, distance_bound_;
   std::vector<std::uint8_t> is_edges_;
   static constexpr std::size_t block_size = 64;  // neighboring particles
   static constexpr std::uint32_t most_blocks = 48, too_many = most_blocks + 1;

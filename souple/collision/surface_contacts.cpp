@@ -255,7 +255,7 @@ void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& parti
   std::uint32_t near[ElementPairs::chunk_size];
   float verdict[ElementPairs::chunk_size];
   const kernels::ParticleRecords records = pairs_.particle_records(particles);
-  const std::size_t count = pairs_.near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, records, near);
+  const std::size_t count = pairs_.find_near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, records, near);
   if (count == 0) return;
   packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), early, near, 0, count,
                                                     verdict);
@@ -378,10 +378,10 @@ void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& partic
   constexpr float nearly = 0.9f;  // of what is between them
   if (!all && !pairs_.any_moved_by(nearly, pairs_.chunk(chunk))) return;
   std::uint32_t near[ElementPairs::chunk_size];
-  const std::size_t count = pairs_.near(chunk, {nearly, 0, 0}, pairs_.particle_records(particles), near);
+  const std::size_t count = pairs_.find_near(chunk, {nearly, 0, 0}, pairs_.particle_records(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
     if (!all && !pairs_.was_moved(near[k])) continue;
-    if (pairs_.known(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
+    if (pairs_.distance_bound(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
     const float part = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
     if (part < 1) found.push_back({near[k], part});
   }

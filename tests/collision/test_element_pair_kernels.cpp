@@ -30,7 +30,7 @@ Vec4f record(const Vec3d& x, float w) {
 struct Crowd {
   std::vector<Vec4f> position, moving, start, moved, velocity;
   std::vector<std::array<std::uint32_t, 4>> pairs;
-  std::vector<float> thickness, known, pressed;
+  std::vector<float> thickness, distance_bound, pressed;
   bool plain;
 
   explicit Crowd(bool is_plain, std::size_t count) : plain(is_plain) {
@@ -50,7 +50,7 @@ struct Crowd {
     for (std::uint32_t k = 0; k < count; ++k) {
       pairs.push_back({4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3});
       thickness.push_back(float(random.uniform(0.005, 0.04)));
-      known.push_back(float(random.uniform(0, 0.1)));
+      distance_bound.push_back(float(random.uniform(0, 0.1)));
     }
   }
   const std::uint32_t (*quads() const)[4] {
@@ -79,13 +79,14 @@ std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std
   kernels.reaches[kind](crowd.records(), crowd.rooms(), 0.1f, crowd.quads(), 0, count, result.data() + count,
                         result.data() + 2 * count);
 
-  const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
+  const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(),
+                                            crowd.distance_bound.data()};
   std::vector<std::uint32_t> found(count);
-  const kernels::Nearness nearness =
-      kernels.near[kind](crowd.records(), columns, {1, 1.1f, 0.002f}, 0.001f, 0.1f, 0, count, found.data());
-  found.resize(nearness.found);
-  add(&nearness.least_known, 1), add(&nearness.least_slack, 1);
-  add(crowd.known.data(), count);
+  const kernels::NearPairStatistics statistics = kernels.find_near[kind](
+      crowd.records(), columns, {1, 1.1f, 0.002f}, 0.001f, 0.1f, 0, count, found.data());
+  found.resize(statistics.found);
+  add(&statistics.min_distance_bound, 1), add(&statistics.min_gap_bound, 1);
+  add(crowd.distance_bound.data(), count);
   for (const std::uint32_t k : found) result.push_back(static_cast<float>(k));
   std::vector<float> verdict(found.size());
   kernels.judge[kind](crowd.records(), columns, 0.1f, found.data(), 0, found.size(), verdict.data());
@@ -154,8 +155,9 @@ TEST(ElementPairKernels, AReachIsThicknessAndWayAndRoom) {
 
 /// The only pair of a crowd, 3 cm thick, without friction.
 void project_one(const ElementPairKernels& kernels, Crowd& crowd, int kind) {
-  crowd.thickness[0] = crowd.known[0] = 0.03f;
-  const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(), crowd.known.data()};
+  crowd.thickness[0] = crowd.distance_bound[0] = 0.03f;
+  const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(),
+                                            crowd.distance_bound.data()};
   const std::uint32_t found = 0;
   const float part = 1;
   ContactArrays arrays;

@@ -254,28 +254,29 @@ SOUPLE_INLINE inline float least(Numbers<Isa> a) {
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] Nearness near(const ParticleRecords& particles, const ElementPairColumns& pairs,
-                               const NearRule& rule, float owed, float early, std::size_t begin,
-                               std::size_t end, std::uint32_t* found) {
+[[gnu::flatten]] NearPairStatistics find_near(const ParticleRecords& particles,
+                                              const ElementPairColumns& pairs, const NearRule& rule,
+                                              float motion_since, float early, std::size_t begin,
+                                              std::size_t end, std::uint32_t* found) {
   using T = Numbers<Isa>;
   std::size_t n = 0;
-  T least_known(1e30f), least_slack(1e30f);
+  T min_distance_bound(1e30f), min_gap_bound(1e30f);
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const Indices<Isa> indices(i, end);
     const PairRecords<Isa> records(pairs.particle, indices.at);
     Vectors<Isa> m[4];
     moved_differences(particles, records, m);
     const T way = relative_way<Isa, edges>(m);
-    T known = load<Isa>(pairs.known + i, indices.count) - T(owed);
+    T distance_bound = load<Isa>(pairs.distance_bound + i, indices.count) - T(motion_since);
     const T thickness = load<Isa>(pairs.thickness + i, indices.count);
     const T thick = T(rule.thickness_part) * thickness + T(rule.pressed);
-    const auto is_near = way >= T(rule.known_part) * known - thick;
+    const auto is_near = way >= T(rule.bound_part) * distance_bound - thick;
     if (any_lane(is_near)) {
       Vectors<Isa> x[4];
       differences(particles, records, x);
       for (int k = 1; k < 4; ++k) x[k] -= m[k];
-      known = select(is_near, distance<Isa, edges>(x), known);
-      const auto still = is_near && way >= T(rule.known_part) * known - thick;
+      distance_bound = select(is_near, distance<Isa, edges>(x), distance_bound);
+      const auto still = is_near && way >= T(rule.bound_part) * distance_bound - thick;
       if (any_lane(still)) {
         float lanes[Isa::lanes];
         select(still, T(1.f), T(0.f)).store(lanes);
@@ -285,11 +286,11 @@ template <class Isa, bool edges>
         }
       }
     }
-    store<Isa>(known, pairs.known + i, indices.count);
-    least_known = min(least_known, known);
-    least_slack = min(least_slack, known - T(1 + early) * thickness);
+    store<Isa>(distance_bound, pairs.distance_bound + i, indices.count);
+    min_distance_bound = min(min_distance_bound, distance_bound);
+    min_gap_bound = min(min_gap_bound, distance_bound - T(1 + early) * thickness);
   }
-  return {n, least<Isa>(least_known), least<Isa>(least_slack)};
+  return {n, least<Isa>(min_distance_bound), least<Isa>(min_gap_bound)};
 }
 
 /// sum_k w_k c_k^2
@@ -327,7 +328,7 @@ template <class Isa, bool edges>
     Vectors<Isa> m[4];
     moved_differences(particles, corners, m);
     const T way = relative_way<Isa, edges>(m);
-    sum += flag(way > T(0.5f) * gather<Isa>(pairs.known, indices.at), Verdict::fast);
+    sum += flag(way > T(0.5f) * gather<Isa>(pairs.distance_bound, indices.at), Verdict::fast);
     if constexpr (edges) {
       const auto is_end = [&](T a) { return a >= zero && a <= zero; };
       sum += flag(is_end(c[0]) || is_end(c[1]) || is_end(c[2]) || is_end(c[3]), Verdict::on_border);
@@ -359,7 +360,7 @@ template <class Isa, bool edges>
     const T size = length(apart);
     const Vectors<Isa> n = apart * (T(1.f) / select(size > zero, size, T(1.f)));
     const T thickness = gather<Isa>(pairs.thickness, indices.at);
-    const T overlap = gather<Isa>(pairs.known, indices.at) - thickness;
+    const T overlap = gather<Isa>(pairs.distance_bound, indices.at) - thickness;
     for (int k = 0; k < 4; ++k) {
       for (int lane = 0; lane < count; ++lane)
         out.particle[k][i + static_cast<std::size_t>(lane)] = pairs.particle[indices.at[lane]][k];
@@ -558,7 +559,7 @@ template <class Isa>
 const ElementPairKernels& element_pair_kernels() {
   static constexpr ElementPairKernels kernels{{distances<Isa, false>, distances<Isa, true>},
                                               {reaches<Isa, false>, reaches<Isa, true>},
-                                              {near<Isa, false>, near<Isa, true>},
+                                              {find_near<Isa, false>, find_near<Isa, true>},
                                               {judge<Isa, false>, judge<Isa, true>},
                                               {describe<Isa, false>, describe<Isa, true>},
                                               project<Isa>,

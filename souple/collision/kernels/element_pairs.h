@@ -23,7 +23,7 @@ struct ParticleRecords {
 struct ElementPairColumns {
   const std::uint32_t (*particle)[4] = nullptr;
   const float* thickness = nullptr;  ///< m
-  float* known = nullptr;            ///< at least so far apart when the substep began [m]
+  float* distance_bound = nullptr;   ///< at least so far apart when the substep began [m]
 };
 
 /// What particles keep between them, and how far they may leave their ways. [m]
@@ -37,15 +37,15 @@ struct FeatureRooms {
 /// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
 /// known_part known - thickness_part thickness - pressed.
 struct NearRule {
-  float known_part, thickness_part;
+  float bound_part, thickness_part;
   float pressed;  ///< the most of all their particles, m
 };
 
 /// Of some pairs, after one look at them.
-struct Nearness {
+struct NearPairStatistics {
   std::size_t found = 0;
-  float least_known;  ///< of all, m
-  float least_slack;  ///< of known - (1 + early) thickness, m
+  float min_distance_bound;  ///< of all, m
+  float min_gap_bound;       ///< of known - (1 + early) thickness, m
 };
 
 /// What judge() says of a pair.
@@ -94,8 +94,9 @@ struct ElementPairKernels {
                      std::size_t begin, std::size_t end, float* thickness, float* reach);
   /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
   /// not pass over, as soon as their distance is known, go to `found`, ascending.
-  Nearness (*near[2])(const ParticleRecords&, const ElementPairColumns&, const NearRule&, float owed,
-                      float early, std::size_t begin, std::size_t end, std::uint32_t* found);
+  NearPairStatistics (*find_near[2])(const ParticleRecords&, const ElementPairColumns&, const NearRule&,
+                                     float motion_since, float early, std::size_t begin, std::size_t end,
+                                     std::uint32_t* found);
   /// A Verdict for each of the pairs `found[begin, end)`, as a number.
   void (*judge[2])(const ParticleRecords&, const ElementPairColumns&, float early, const std::uint32_t* found,
                    std::size_t begin, std::size_t end, float* verdict);
