@@ -22,9 +22,9 @@ constexpr std::size_t particle_grain = 2048;
 constexpr float rest_part = 0.9f;
 // Room around the way that a particle's velocity takes it: it may be pushed, by a part of that way and of its
 // radius. What moves may also fall where the rest of its object does not, or the other way round.
-constexpr float surprise = 0.15f, radius_part = 0.25f;
+constexpr float motion_margin_part = 0.15f, radius_margin_part = 0.25f;
 // What is far from everything may be pulled along within a step by this part of its size.
-constexpr float unwatched = 0.125f;
+constexpr float far_surface_margin_part = 0.125f;
 // Particles whose mean motion is that of an object.
 constexpr std::uint32_t sample = 512;
 
@@ -71,7 +71,7 @@ kernels::ParticleRecords records_of(const ParticleView& particles, std::span<con
 
 kernels::ParticleRecords ElementPairs::particle_records(const ParticleView& particles) const {
   kernels::ParticleRecords result = records_of(particles, moved_);
-  result.pressed = pressed_.data();
+  result.contact_margin = contact_margin_.data();
   return result;
 }
 
@@ -154,10 +154,10 @@ void ElementPairs::clear() {
 }
 
 void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                              std::span<const float> radius, std::span<const float> pressed,
+                              std::span<const float> radius, std::span<const float> contact_margin,
                               const ContactStep& step, Threads& threads) {
   radius_ = radius;
-  pressed_ = pressed;
+  contact_margin_ = contact_margin;
   step_ = step;
   left_ = step.dt;
   find(particles, velocity, threads);
@@ -247,7 +247,7 @@ void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec
       boxes_[i] = nowhere;
       if (surface_of_[i] != no_surface)
         expect(static_cast<std::uint32_t>(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
-               radius_part * max(radius_[i], 0.0f));
+               radius_margin_part * max(radius_[i], 0.0f));
     }
   });
 }
@@ -256,11 +256,11 @@ void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec
 void ElementPairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
                           float room) {
   const Vec3f own = v - frame_[surface_of_[i]], own_x = x - shift_[surface_of_[i]];
-  const float reach = max(radius_[i], least_thickness) * (1 + early) + pressed_[i];
+  const float reach = max(radius_[i], least_thickness) * (1 + speculative_part) + contact_margin_[i];
   const float fall = 0.5f * step_.gravity * dt * dt, own_length = dt * length(own);
   Way& way = way_of_[i];
-  way = {x - v * since, own_x - own * since, room + 2 * fall + surprise * dt * length(v),
-         room + min(fall, own_length) + surprise * own_length, since + 1.01f * dt};
+  way = {x - v * since, own_x - own * since, room + 2 * fall + motion_margin_part * dt * length(v),
+         room + min(fall, own_length) + motion_margin_part * own_length, since + 1.01f * dt};
   boxes_[i] = around(x, x + v * dt, reach + way.room);
   own_boxes_[i] = around(own_x, own_x + own * dt, reach + way.own_room);
   expected_velocity_[i].set_xyz(v);
@@ -285,7 +285,7 @@ void ElementPairs::find_crossing() {
     Bounds& bounds = surface_bounds_[a];
     for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i) bounds = united(bounds, boxes_[i]);
     const Vec3f size = bounds.hi - bounds.lo;
-    bounds = around(bounds.lo, bounds.hi, unwatched * max(size.x, max(size.y, size.z)));
+    bounds = around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z)));
   }
   crosses_now_.assign(n, 0);
   for (std::size_t a = 0; a < n; ++a)
@@ -401,16 +401,16 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   const std::size_t kind = edges ? 1 : 0;
   float apart[batch_size], thickness[batch_size], reach[batch_size];
   kernels::ParticleRecords records = records_of(particles, expected_velocity_);
-  records.pressed = pressed_.data();
+  records.contact_margin = contact_margin_.data();
   const kernels::FeatureRooms rooms{radius_.data(), crossing ? &way_of_[0].room : &way_of_[0].own_room,
-                                    sizeof(Way) / sizeof(float), least_thickness, early};
+                                    sizeof(Way) / sizeof(float), least_thickness, speculative_part};
   kernels.reaches[kind](records, rooms, dt, &pairs[0].particle, 0, pairs.size(), thickness, reach);
   kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), apart);
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (apart[k] > reach[k] || is_excluded(pairs[k], edges)) continue;
     if (untangling_ && untangling_->exempts(pairs[k], edges)) continue;
-    (apart[k] > (1 + early + far_part) * thickness[k] ? batch.far : batch.near)
+    (apart[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
         .add(pairs[k], thickness[k], apart[k]);
   }
   if (crossing) return;
@@ -531,7 +531,8 @@ void ElementPairs::watch_new_chunks(std::size_t first, Threads& threads) {
         for (const std::uint32_t i : particle_[k].particle)
           if (chunk.blocks != too_many) add(i / static_cast<std::uint32_t>(block_size));
         chunk.min_distance_bound = min(chunk.min_distance_bound, distance_bound_[k]);
-        chunk.min_gap_bound = min(chunk.min_gap_bound, distance_bound_[k] - (1 + early) * thickness_[k]);
+        chunk.min_gap_bound =
+            min(chunk.min_gap_bound, distance_bound_[k] - (1 + speculative_part) * thickness_[k]);
       }
     }
   });
@@ -540,7 +541,7 @@ void ElementPairs::watch_new_chunks(std::size_t first, Threads& threads) {
 void ElementPairs::measure(const ParticleView& particles, Threads& threads) {
   const std::size_t n = surface_of_.size(), blocks = (n + block_size - 1) / block_size;
   moved_.resize(n), block_moved_.resize(blocks), own_block_moved_.resize(blocks);
-  block_pressed_.resize(blocks);
+  block_contact_margin_.resize(blocks);
   mean_moved_.assign(surfaces_.size(), {});
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     Vec3d sum;
@@ -552,9 +553,9 @@ void ElementPairs::measure(const ParticleView& particles, Threads& threads) {
   }
   threads.for_each(blocks, particle_grain / block_size, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b) {
-      float farthest = 0, own_farthest = 0, pressed = 0;
+      float farthest = 0, own_farthest = 0, contact_margin = 0;
       for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
-        pressed = max(pressed, pressed_[i]);
+        contact_margin = max(contact_margin, contact_margin_[i]);
         const Vec3f moved = particles.moved(i);
         moved_[i].set_xyz(moved);
         farthest = max(farthest, length_squared(moved));
@@ -562,22 +563,23 @@ void ElementPairs::measure(const ParticleView& particles, Threads& threads) {
           own_farthest = max(own_farthest, length_squared(moved - mean_moved_[surface_of_[i]]));
       }
       block_moved_[b] = sqrt(farthest), own_block_moved_[b] = sqrt(own_farthest);
-      block_pressed_[b] = pressed;
+      block_contact_margin_[b] = contact_margin;
     }
   });
   was_moved_.assign(n, 0);
   moved_alone_.clear();
-  farthest_moved_ = farthest_own_moved_ = most_pressed_ = 0;
+  farthest_moved_ = farthest_own_moved_ = max_contact_margin_ = 0;
   for (const float farthest : block_moved_) farthest_moved_ = max(farthest_moved_, farthest);
   for (const float farthest : own_block_moved_) farthest_own_moved_ = max(farthest_own_moved_, farthest);
-  for (const float pressed : block_pressed_) most_pressed_ = max(most_pressed_, pressed);
+  for (const float contact_margin : block_contact_margin_)
+    max_contact_margin_ = max(max_contact_margin_, contact_margin);
 }
 
-float ElementPairs::pressed(std::size_t index) const {
+float ElementPairs::contact_margin(std::size_t index) const {
   const Chunk& chunk = chunks_[index];
-  if (most_pressed_ <= 0 || chunk.blocks == too_many) return most_pressed_;
+  if (max_contact_margin_ <= 0 || chunk.blocks == too_many) return max_contact_margin_;
   float most = 0;
-  for (std::uint32_t k = 0; k < chunk.blocks; ++k) most = max(most, block_pressed_[blocks_[index][k]]);
+  for (std::uint32_t k = 0; k < chunk.blocks; ++k) most = max(most, block_contact_margin_[blocks_[index][k]]);
   return most;
 }
 
@@ -632,10 +634,10 @@ std::size_t ElementPairs::find_near(std::size_t index, const kernels::NearRule& 
   const float far = rule.thickness_part > 0
                         ? chunk.min_gap_bound - chunk.motion_since
                         : rule.bound_part * (chunk.min_distance_bound - chunk.motion_since);
-  if (farthest_way(chunk) + rule.pressed < far) return 0;
+  if (farthest_way(chunk) + rule.contact_margin < far) return 0;
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const kernels::NearPairStatistics statistics = kernels.find_near[chunk.edges ? 1 : 0](
-      records, columns(), rule, chunk.motion_since, early, chunk.begin, chunk.end, found);
+      records, columns(), rule, chunk.motion_since, speculative_part, chunk.begin, chunk.end, found);
   chunk.min_distance_bound = statistics.min_distance_bound;
   chunk.min_gap_bound = statistics.min_gap_bound;
   chunk.motion_since = 0;

@@ -37,8 +37,8 @@ class ElementPairs {
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i, pressed[i]: how much
   /// farther it has to be apart to be passed over [m]. All spans must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<const float> pressed, const ContactStep& step,
-                  Threads& threads);
+                  std::span<const float> radius, std::span<const float> contact_margin,
+                  const ContactStep& step, Threads& threads);
   /// The next substep of `h` begins.
   void begin_substep(float h) { left_ -= h, covered_ -= h, elapsed_ += h; }
   /// Finds pairs again where particles have left their ways within the substep of `h`. Returns from where on
@@ -76,7 +76,7 @@ class ElementPairs {
   /// Whether a chunk has such a pair that goes `part` of what its features are apart, or may do so.
   bool any_moved_by(float part, const Chunk& chunk) const;
   /// The most that particles of a chunk are pressed, as when it was measured last. [m]
-  float pressed(std::size_t chunk) const;
+  float contact_margin(std::size_t chunk) const;
   /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
   std::size_t find_near(std::size_t chunk, const kernels::NearRule& rule,
                         const kernels::ParticleRecords& records, std::uint32_t* found);
@@ -157,7 +157,7 @@ class ElementPairs {
   ObjectMatrix own_matrix_, crossing_matrix_;
   bool any_ = false;
 
-  std::span<const float> radius_, pressed_;
+  std::span<const float> radius_, contact_margin_;
   ContactStep step_;
   float left_ = 0;                 // of the step, behind this substep [s]
   float covered_ = 0;              // the same of what boxes were swept for
@@ -197,14 +197,14 @@ class ElementPairs {
   std::vector<std::uint8_t> was_moved_;               // particles that were measured by themselves
   std::vector<std::uint32_t> moved_alone_;            // which those are
   float farthest_moved_ = 0, farthest_own_moved_ = 0;
-  std::vector<float> block_pressed_;  // the most of each block [m]
-  float most_pressed_ = 0;
+  std::vector<float> block_contact_margin_;  // the most of each block [m]
+  float max_contact_margin_ = 0;
 };
 
 inline constexpr std::uint32_t no_surface = ~0u;
 inline constexpr float least_thickness = 1e-5f;  // m
 /// Contacts are made somewhat before features are near enough to push: the solver moves them too. A part of
 /// their thickness.
-inline constexpr float early = 0.1f;
+inline constexpr float speculative_part = 0.1f;
 
 }  // namespace souple

@@ -177,7 +177,7 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 // --- what touches
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                 std::span<const float> radius, std::span<float> pressed,
+                                 std::span<const float> radius, std::span<float> contact_margin,
                                  const ContactMaterialTable& matrix, const ContactStep& step,
                                  Threads& threads) {
   forget_contacts();
@@ -187,8 +187,8 @@ void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const 
     throw Error("SurfaceContacts: the surface matrix is smaller than surfaces x surfaces; build it anew");
   matrix_ = &matrix;
   step_ = step;
-  pressed_ = pressed;
-  pairs_.begin_step(particles, velocity, radius, pressed, step, threads);
+  contact_margin_ = contact_margin;
+  pairs_.begin_step(particles, velocity, radius, contact_margin, step, threads);
   renew_colors();
 }
 
@@ -255,10 +255,11 @@ void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& parti
   std::uint32_t near[ElementPairs::chunk_size];
   float verdict[ElementPairs::chunk_size];
   const kernels::ParticleRecords records = pairs_.particle_records(particles);
-  const std::size_t count = pairs_.find_near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, records, near);
+  const std::size_t count =
+      pairs_.find_near(chunk, {1, 1 + speculative_part, pairs_.contact_margin(chunk)}, records, near);
   if (count == 0) return;
-  packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), early, near, 0, count,
-                                                    verdict);
+  packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), speculative_part, near, 0,
+                                                    count, verdict);
   for (std::size_t k = 0; k < count; ++k) {
     float part = 1;
     if (!pairs_.is_replaced(near[k]) &&
@@ -455,13 +456,14 @@ void SurfaceContacts::shorten_ways(const ParticleView& particles) {
 // most a part of the thickness.
 void SurfaceContacts::remember_pushes() {
   constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
-  for (float& pressed : pressed_) pressed = pressed > negligible ? kept * pressed : 0;
+  for (float& contact_margin : contact_margin_)
+    contact_margin = contact_margin > negligible ? kept * contact_margin : 0;
   for (std::size_t c = 0; c < size(); ++c) {
     const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
-    if (!(beyond > early * columns_.thickness[c])) continue;
-    const float pressed = min(beyond, part_of_thickness * columns_.thickness[c]);
+    if (!(beyond > speculative_part * columns_.thickness[c])) continue;
+    const float contact_margin = min(beyond, part_of_thickness * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
-      pressed_[particle[c]] = max(pressed_[particle[c]], pressed);
+      contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);
   }
 }
 

@@ -51,8 +51,8 @@ class SurfaceContacts final : public Projector {
   /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
   /// [m], which this keeps up to date. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<float> pressed, const ContactMaterialTable& matrix,
-                  const ContactStep& step, Threads& threads);
+                  std::span<const float> radius, std::span<float> contact_margin,
+                  const ContactMaterialTable& matrix, const ContactStep& step, Threads& threads);
   /// After prediction: the contacts of this substep.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
   /// After the solver, before velocities are taken. Returns how often a way was shortened.
@@ -128,7 +128,7 @@ class SurfaceContacts final : public Projector {
   std::vector<Side> sides_;
   std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // the first triangle that has it
 
-  std::span<float> pressed_;
+  std::span<float> contact_margin_;
   const ContactMaterialTable* matrix_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};

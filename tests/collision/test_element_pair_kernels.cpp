@@ -30,7 +30,7 @@ Vec4f record(const Vec3d& x, float w) {
 struct Crowd {
   std::vector<Vec4f> position, moving, start, moved, velocity;
   std::vector<std::array<std::uint32_t, 4>> pairs;
-  std::vector<float> thickness, distance_bound, pressed;
+  std::vector<float> thickness, distance_bound, contact_margin;
   bool plain;
 
   explicit Crowd(bool is_plain, std::size_t count) : plain(is_plain) {
@@ -45,7 +45,7 @@ struct Crowd {
       moved.push_back({});
       moved[i].set_xyz(moving[i].xyz() - start[i].xyz());
       velocity.push_back(record(random.point(-1, 1), 0));
-      pressed.push_back(i % 3 == 0 ? float(random.uniform(0, 0.01)) : 0.0f);
+      contact_margin.push_back(i % 3 == 0 ? float(random.uniform(0, 0.01)) : 0.0f);
     }
     for (std::uint32_t k = 0; k < count; ++k) {
       pairs.push_back({4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3});
@@ -64,7 +64,7 @@ struct Crowd {
     result.corrected = result.moving;
     result.start = &start[0].x;
     result.moved = &moved[0].x;
-    result.pressed = pressed.data();
+    result.contact_margin = contact_margin.data();
     return result;
   }
 };
@@ -135,11 +135,11 @@ TEST(ElementPairKernels, EveryInstructionSetGivesTheSameBits) {
 TEST(ElementPairKernels, AReachIsThicknessAndWayAndRoom) {
   const std::vector<Vec4f> velocity{{1, 0, 0, 0}, {1, 0, 0, 0}, {-2, 0, 0, 0}, {1, 4, 0, 0}};
   const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, room{0.01f, 0.02f, 0.02f, 0.05f},
-      pressed{0, 0.003f, 0, 0.001f};
+      contact_margin{0, 0.003f, 0, 0.001f};
   const std::uint32_t pair[1][4] = {{0, 1, 2, 3}};
   kernels::ParticleRecords records;
   records.moved = &velocity[0].x;
-  records.pressed = pressed.data();
+  records.contact_margin = contact_margin.data();
   const kernels::FeatureRooms rooms{radius.data(), room.data(), 1, 1e-5f, 0.5f};
   for (const InstructionSet set : all_sets()) {
     const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);

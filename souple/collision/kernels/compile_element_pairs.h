@@ -214,13 +214,13 @@ SOUPLE_INLINE inline Numbers<Isa> sum_of_largest(const float* column, std::size_
 
 /// The most of the four.
 template <class Isa>
-SOUPLE_INLINE inline Numbers<Isa> most_pressed(const ParticleRecords& particles,
-                                               const PairRecords<Isa>& corners) {
+SOUPLE_INLINE inline Numbers<Isa> max_contact_margin(const ParticleRecords& particles,
+                                                     const PairRecords<Isa>& corners) {
   Numbers<Isa> most(0.f);
   for (int k = 0; k < 4; ++k) {
     float lanes[Isa::lanes];
     for (int lane = 0; lane < Isa::lanes; ++lane)
-      lanes[lane] = particles.pressed[corners.first_float[k][lane] / 4];
+      lanes[lane] = particles.contact_margin[corners.first_float[k][lane] / 4];
     most = max(most, Numbers<Isa>::load(lanes));
   }
   return most;
@@ -239,7 +239,7 @@ template <class Isa, bool edges>
     const T thick = max(sum_of_largest<Isa, edges>(rooms.radius, 1, corners), T(rooms.least_thickness));
     const T room = sum_of_largest<Isa, edges>(rooms.room, rooms.stride, corners);
     store<Isa>(thick, thickness + i, indices.count);
-    const T near = T(1 + rooms.early) * thick + most_pressed(particles, corners);
+    const T near = T(1 + rooms.speculative_part) * thick + max_contact_margin(particles, corners);
     store<Isa>(near + relative_way<Isa, edges>(m) * T(dt) + room, reach + i, indices.count);
   }
 }
@@ -256,7 +256,7 @@ SOUPLE_INLINE inline float least(Numbers<Isa> a) {
 template <class Isa, bool edges>
 [[gnu::flatten]] NearPairStatistics find_near(const ParticleRecords& particles,
                                               const ElementPairColumns& pairs, const NearRule& rule,
-                                              float motion_since, float early, std::size_t begin,
+                                              float motion_since, float speculative_part, std::size_t begin,
                                               std::size_t end, std::uint32_t* found) {
   using T = Numbers<Isa>;
   std::size_t n = 0;
@@ -269,7 +269,7 @@ template <class Isa, bool edges>
     const T way = relative_way<Isa, edges>(m);
     T distance_bound = load<Isa>(pairs.distance_bound + i, indices.count) - T(motion_since);
     const T thickness = load<Isa>(pairs.thickness + i, indices.count);
-    const T thick = T(rule.thickness_part) * thickness + T(rule.pressed);
+    const T thick = T(rule.thickness_part) * thickness + T(rule.contact_margin);
     const auto is_near = way >= T(rule.bound_part) * distance_bound - thick;
     if (any_lane(is_near)) {
       Vectors<Isa> x[4];
@@ -288,7 +288,7 @@ template <class Isa, bool edges>
     }
     store<Isa>(distance_bound, pairs.distance_bound + i, indices.count);
     min_distance_bound = min(min_distance_bound, distance_bound);
-    min_gap_bound = min(min_gap_bound, distance_bound - T(1 + early) * thickness);
+    min_gap_bound = min(min_gap_bound, distance_bound - T(1 + speculative_part) * thickness);
   }
   return {n, least<Isa>(min_distance_bound), least<Isa>(min_gap_bound)};
 }
@@ -309,8 +309,9 @@ SOUPLE_INLINE inline Numbers<Isa> effective_inverse_mass(const ParticleRecords& 
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] void judge(const ParticleRecords& particles, const ElementPairColumns& pairs, float early,
-                            const std::uint32_t* found, std::size_t begin, std::size_t end, float* verdict) {
+[[gnu::flatten]] void judge(const ParticleRecords& particles, const ElementPairColumns& pairs,
+                            float speculative_part, const std::uint32_t* found, std::size_t begin,
+                            std::size_t end, float* verdict) {
   using T = Numbers<Isa>;
   const T zero(0.f);
   const auto flag = [&](auto is, unsigned value) { return select(is, T(static_cast<float>(value)), zero); };
@@ -322,7 +323,8 @@ template <class Isa, bool edges>
     differences(particles, corners, x);
     nearest_points<Isa, edges>(x, c);
     const T size = length(weighted(x, c));
-    const T near = T(1 + early) * gather<Isa>(pairs.thickness, indices.at) + most_pressed(particles, corners);
+    const T near = T(1 + speculative_part) * gather<Isa>(pairs.thickness, indices.at) +
+                   max_contact_margin(particles, corners);
     const auto moves = effective_inverse_mass(particles, corners, c) > zero;
     T sum = flag(size <= near && size > zero && moves, Verdict::touches);
     Vectors<Isa> m[4];

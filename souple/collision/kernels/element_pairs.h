@@ -16,7 +16,7 @@ struct ParticleRecords {
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
   const float* moved = nullptr;     ///< moving - start; read by reaches, near, judge and describe
   /// How much earlier contacts of a particle begin [m]; read by reaches and judge.
-  const float* pressed = nullptr;
+  const float* contact_margin = nullptr;
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
@@ -31,14 +31,14 @@ struct FeatureRooms {
   const float* radius = nullptr;  ///< half the thickness of each particle
   const float* room = nullptr;    ///< of particle i: room[i * stride]
   std::size_t stride = 1;
-  float least_thickness = 0, early = 0;
+  float least_thickness = 0, speculative_part = 0;
 };
 
 /// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
 /// known_part known - thickness_part thickness - pressed.
 struct NearRule {
   float bound_part, thickness_part;
-  float pressed;  ///< the most of all their particles, m
+  float contact_margin;  ///< the most of all their particles, m
 };
 
 /// Of some pairs, after one look at them.
@@ -95,11 +95,11 @@ struct ElementPairKernels {
   /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
   /// not pass over, as soon as their distance is known, go to `found`, ascending.
   NearPairStatistics (*find_near[2])(const ParticleRecords&, const ElementPairColumns&, const NearRule&,
-                                     float motion_since, float early, std::size_t begin, std::size_t end,
-                                     std::uint32_t* found);
+                                     float motion_since, float speculative_part, std::size_t begin,
+                                     std::size_t end, std::uint32_t* found);
   /// A Verdict for each of the pairs `found[begin, end)`, as a number.
-  void (*judge[2])(const ParticleRecords&, const ElementPairColumns&, float early, const std::uint32_t* found,
-                   std::size_t begin, std::size_t end, float* verdict);
+  void (*judge[2])(const ParticleRecords&, const ElementPairColumns&, float speculative_part,
+                   const std::uint32_t* found, std::size_t begin, std::size_t end, float* verdict);
   /// Contacts [begin, end): of the pairs `found[begin, end)`, where `part` of their way has led them.
   void (*describe[2])(const ParticleRecords&, const ElementPairColumns&, const ContactLimits&,
                       const std::uint32_t* found, const float* part, std::size_t begin, std::size_t end,
