@@ -35,9 +35,9 @@ std::size_t batches_of(std::size_t n) {
   return (n + batch_size - 1) / batch_size;
 }
 
-Bounds around(const Vec3f& a, const Vec3f& b, float reach) {
-  return {{min(a.x, b.x) - reach, min(a.y, b.y) - reach, min(a.z, b.z) - reach},
-          {max(a.x, b.x) + reach, max(a.y, b.y) + reach, max(a.z, b.z) + reach}};
+Bounds around(const Vec3f& a, const Vec3f& b, float margin) {
+  return {{min(a.x, b.x) - margin, min(a.y, b.y) - margin, min(a.z, b.z) - margin},
+          {max(a.x, b.x) + margin, max(a.y, b.y) + margin, max(a.z, b.z) + margin}};
 }
 
 // At rest. [m]
@@ -176,7 +176,7 @@ float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f
     for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
       if (particles.inverse_mass(i) == 0) continue;
       speeds += static_cast<double>(length(velocity[i].xyz() - frame_[a]));
-      thickness += 2 * static_cast<double>(max(radius_[i], least_thickness));
+      thickness += 2 * static_cast<double>(max(radius_[i], min_thickness));
     }
   }
   const double h = static_cast<double>(step_.h), left = static_cast<double>(left_);
@@ -254,15 +254,15 @@ void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec
 
 // A particle that is at x, `since` after pairs were found, and goes with v for dt.
 void ElementPairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
-                          float room) {
+                          float margin) {
   const Vec3f own = v - frame_[surface_of_[i]], own_x = x - shift_[surface_of_[i]];
-  const float reach = max(radius_[i], least_thickness) * (1 + speculative_part) + contact_margin_[i];
+  const float contact_distance = max(radius_[i], min_thickness) * (1 + speculative_part) + contact_margin_[i];
   const float fall = 0.5f * step_.gravity * dt * dt, own_length = dt * length(own);
   Way& way = way_of_[i];
-  way = {x - v * since, own_x - own * since, room + 2 * fall + motion_margin_part * dt * length(v),
-         room + min(fall, own_length) + motion_margin_part * own_length, since + 1.01f * dt};
-  boxes_[i] = around(x, x + v * dt, reach + way.room);
-  own_boxes_[i] = around(own_x, own_x + own * dt, reach + way.own_room);
+  way = {x - v * since, own_x - own * since, margin + 2 * fall + motion_margin_part * dt * length(v),
+         margin + min(fall, own_length) + motion_margin_part * own_length, since + 1.01f * dt};
+  boxes_[i] = around(x, x + v * dt, contact_distance + way.margin);
+  own_boxes_[i] = around(own_x, own_x + own * dt, contact_distance + way.relative_margin);
   expected_velocity_[i].set_xyz(v);
 }
 
@@ -271,10 +271,10 @@ bool ElementPairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
   const Way& way = way_of_[i];
   if (elapsed_ > way.until) return false;
   const Vec3f v = expected_velocity_[i].xyz();
-  const auto within = [](const Vec3f& d, float room) { return length_squared(d) <= room * room; };
-  if (crosses_[surface] != 0 && !within(x - (way.from + v * elapsed_), way.room)) return false;
+  const auto within = [](const Vec3f& d, float margin) { return length_squared(d) <= margin * margin; };
+  if (crosses_[surface] != 0 && !within(x - (way.from + v * elapsed_), way.margin)) return false;
   if (!surfaces_[surface].self_collision) return true;
-  return within(x - shift_[surface] - (way.own_from + (v - frame_[surface]) * elapsed_), way.own_room);
+  return within(x - shift_[surface] - (way.own_from + (v - frame_[surface]) * elapsed_), way.relative_margin);
 }
 
 // Surfaces whose boxes meet, of those that may: their elements are compared.
@@ -399,16 +399,17 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
                              const ParticleView& particles, float dt) const {
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
-  float apart[batch_size], thickness[batch_size], reach[batch_size];
+  float apart[batch_size], thickness[batch_size], range[batch_size];
   kernels::ParticleRecords records = records_of(particles, expected_velocity_);
   records.contact_margin = contact_margin_.data();
-  const kernels::FeatureRooms rooms{radius_.data(), crossing ? &way_of_[0].room : &way_of_[0].own_room,
-                                    sizeof(Way) / sizeof(float), least_thickness, speculative_part};
-  kernels.reaches[kind](records, rooms, dt, &pairs[0].particle, 0, pairs.size(), thickness, reach);
+  const kernels::PredictionMargins margins{radius_.data(),
+                                           crossing ? &way_of_[0].margin : &way_of_[0].relative_margin,
+                                           sizeof(Way) / sizeof(float), min_thickness, speculative_part};
+  kernels.ranges[kind](records, margins, dt, &pairs[0].particle, 0, pairs.size(), thickness, range);
   kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), apart);
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (apart[k] > reach[k] || is_excluded(pairs[k], edges)) continue;
+    if (apart[k] > range[k] || is_excluded(pairs[k], edges)) continue;
     if (untangling_ && untangling_->exempts(pairs[k], edges)) continue;
     (apart[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
         .add(pairs[k], thickness[k], apart[k]);

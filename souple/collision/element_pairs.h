@@ -124,7 +124,7 @@ class ElementPairs {
   ParticleView take_back(const ParticleView& particles, float h);
   void find_all_again(const ParticleView& before, float h, Threads& threads);
   void find_left_again(const ParticleView& before, float h, Threads& threads);
-  void expect(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float room);
+  void expect(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float margin);
   bool is_on_its_way(std::uint32_t particle, const Vec3f& x) const;
   void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
   void expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
@@ -171,7 +171,7 @@ class ElementPairs {
   /// own_from + (v - frame) t relative to its surface's shift. [m]
   struct Way {
     Vec3f from, own_from;
-    float room, own_room;
+    float margin, relative_margin;
     float until;  // pairs were looked for up to then, since pairs were found [s]
   };
   std::vector<Way> way_of_;
@@ -202,7 +202,7 @@ class ElementPairs {
 };
 
 inline constexpr std::uint32_t no_surface = ~0u;
-inline constexpr float least_thickness = 1e-5f;  // m
+inline constexpr float min_thickness = 1e-5f;  // m
 /// Contacts are made somewhat before features are near enough to push: the solver moves them too. A part of
 /// their thickness.
 inline constexpr float speculative_part = 0.1f;

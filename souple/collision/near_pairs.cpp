@@ -64,7 +64,7 @@ std::size_t keep_moving(kernels::Quad* pairs, std::size_t count, std::span<const
 
 }  // namespace
 
-kernels::Quad* NearPairFinder::List::room_for(std::size_t more) {
+kernels::Quad* NearPairFinder::List::grow_capacity(std::size_t more) {
   if (count + more > pairs.size()) pairs.resize(2 * (count + more));
   return &pairs[count].particle;
 }
@@ -274,7 +274,7 @@ void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint3
   const bool all_move = moves_[a] == Moves::all || moves_[b] == Moves::all;
   const auto add = [&](List& list, std::size_t most, const auto& find) {
     if (most == 0) return;
-    kernels::Quad* const pairs = list.room_for(most);
+    kernels::Quad* const pairs = list.grow_capacity(most);
     const std::size_t count = find(pairs);
     list.count += all_move ? count : keep_moving(pairs, count, position_w);
   };

@@ -82,7 +82,7 @@ class NearPairFinder {
   struct List {
     std::vector<NearPair> pairs;
     std::size_t count = 0;
-    kernels::Quad* room_for(std::size_t more);
+    kernels::Quad* grow_capacity(std::size_t more);
   };
   /// What one thread finds.
   struct Part {

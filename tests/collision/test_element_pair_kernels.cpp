@@ -56,7 +56,7 @@ struct Crowd {
   const std::uint32_t (*quads() const)[4] {
     return reinterpret_cast<const std::uint32_t(*)[4]>(pairs.data());
   }
-  kernels::FeatureRooms rooms() const { return {&start[0].x, &moved[0].y, 4, 0.001f, 0.1f}; }
+  kernels::PredictionMargins margins() const { return {&start[0].x, &moved[0].y, 4, 0.001f, 0.1f}; }
   kernels::ParticleRecords records() {
     kernels::ParticleRecords result;
     result.moving = &moving[0].x;
@@ -76,8 +76,8 @@ std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std
   std::vector<float> result(3 * count);
   const auto add = [&](const float* from, std::size_t n) { result.insert(result.end(), from, from + n); };
   kernels.distances[kind](crowd.records(), crowd.quads(), 0, count, result.data());
-  kernels.reaches[kind](crowd.records(), crowd.rooms(), 0.1f, crowd.quads(), 0, count, result.data() + count,
-                        result.data() + 2 * count);
+  kernels.ranges[kind](crowd.records(), crowd.margins(), 0.1f, crowd.quads(), 0, count, result.data() + count,
+                       result.data() + 2 * count);
 
   const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(),
                                             crowd.distance_bound.data()};
@@ -132,24 +132,24 @@ TEST(ElementPairKernels, EveryInstructionSetGivesTheSameBits) {
 
 // A vertex and a triangle that come towards each other: radii of the vertex and of the thickest corner, the
 // fastest corner's relative velocity, and the rooms of both.
-TEST(ElementPairKernels, AReachIsThicknessAndWayAndRoom) {
+TEST(ElementPairKernels, ARangeIsThicknessAndMotionAndMargins) {
   const std::vector<Vec4f> velocity{{1, 0, 0, 0}, {1, 0, 0, 0}, {-2, 0, 0, 0}, {1, 4, 0, 0}};
-  const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, room{0.01f, 0.02f, 0.02f, 0.05f},
+  const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, margin{0.01f, 0.02f, 0.02f, 0.05f},
       contact_margin{0, 0.003f, 0, 0.001f};
   const std::uint32_t pair[1][4] = {{0, 1, 2, 3}};
   kernels::ParticleRecords records;
   records.moved = &velocity[0].x;
   records.contact_margin = contact_margin.data();
-  const kernels::FeatureRooms rooms{radius.data(), room.data(), 1, 1e-5f, 0.5f};
+  const kernels::PredictionMargins margins{radius.data(), margin.data(), 1, 1e-5f, 0.5f};
   for (const InstructionSet set : all_sets()) {
     const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
-    float thickness = 0, reach = 0;
-    kernels.reaches[0](records, rooms, 0.1f, pair, 0, 1, &thickness, &reach);
+    float thickness = 0, range = 0;
+    kernels.ranges[0](records, margins, 0.1f, pair, 0, 1, &thickness, &range);
     EXPECT_FLOAT_EQ(thickness, 0.4f);
-    EXPECT_FLOAT_EQ(reach, 1.5f * 0.4f + 0.003f + 0.1f * 4 + 0.06f);
-    kernels.reaches[1](records, rooms, 0.1f, pair, 0, 1, &thickness, &reach);
+    EXPECT_FLOAT_EQ(range, 1.5f * 0.4f + 0.003f + 0.1f * 4 + 0.06f);
+    kernels.ranges[1](records, margins, 0.1f, pair, 0, 1, &thickness, &range);
     EXPECT_FLOAT_EQ(thickness, 0.2f + 0.3f);
-    EXPECT_FLOAT_EQ(reach, 1.5f * 0.5f + 0.003f + 0.1f * 4 + 0.07f);
+    EXPECT_FLOAT_EQ(range, 1.5f * 0.5f + 0.003f + 0.1f * 4 + 0.07f);
   }
 }
 

@@ -227,20 +227,20 @@ SOUPLE_INLINE inline Numbers<Isa> max_contact_margin(const ParticleRecords& part
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] void reaches(const ParticleRecords& particles, const FeatureRooms& rooms, float dt,
-                              const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
-                              float* thickness, float* reach) {
+[[gnu::flatten]] void ranges(const ParticleRecords& particles, const PredictionMargins& margins, float dt,
+                             const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
+                             float* thickness, float* range) {
   using T = Numbers<Isa>;
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const Indices<Isa> indices(i, end);
     const PairRecords<Isa> corners(pairs, indices.at);
     Vectors<Isa> m[4];
     moved_differences(particles, corners, m);
-    const T thick = max(sum_of_largest<Isa, edges>(rooms.radius, 1, corners), T(rooms.least_thickness));
-    const T room = sum_of_largest<Isa, edges>(rooms.room, rooms.stride, corners);
+    const T thick = max(sum_of_largest<Isa, edges>(margins.radius, 1, corners), T(margins.min_thickness));
+    const T margin = sum_of_largest<Isa, edges>(margins.margin, margins.stride, corners);
     store<Isa>(thick, thickness + i, indices.count);
-    const T near = T(1 + rooms.speculative_part) * thick + max_contact_margin(particles, corners);
-    store<Isa>(near + relative_way<Isa, edges>(m) * T(dt) + room, reach + i, indices.count);
+    const T near = T(1 + margins.speculative_part) * thick + max_contact_margin(particles, corners);
+    store<Isa>(near + relative_way<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
   }
 }
 
@@ -560,7 +560,7 @@ template <class Isa>
 template <class Isa>
 const ElementPairKernels& element_pair_kernels() {
   static constexpr ElementPairKernels kernels{{distances<Isa, false>, distances<Isa, true>},
-                                              {reaches<Isa, false>, reaches<Isa, true>},
+                                              {ranges<Isa, false>, ranges<Isa, true>},
                                               {find_near<Isa, false>, find_near<Isa, true>},
                                               {judge<Isa, false>, judge<Isa, true>},
                                               {describe<Isa, false>, describe<Isa, true>},

@@ -27,11 +27,11 @@ struct ElementPairColumns {
 };
 
 /// What particles keep between them, and how far they may leave their ways. [m]
-struct FeatureRooms {
+struct PredictionMargins {
   const float* radius = nullptr;  ///< half the thickness of each particle
-  const float* room = nullptr;    ///< of particle i: room[i * stride]
+  const float* margin = nullptr;  ///< of particle i: room[i * stride]
   std::size_t stride = 1;
-  float least_thickness = 0, speculative_part = 0;
+  float min_thickness = 0, speculative_part = 0;
 };
 
 /// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
@@ -90,8 +90,9 @@ struct ElementPairKernels {
                        std::size_t end, float* out);
   /// What both are thick together, and from how far they can come within (1 + early) of that, and what the
   /// most pressed of them adds, in `dt`, with `moved` the velocities of particles [m].
-  void (*reaches[2])(const ParticleRecords&, const FeatureRooms&, float dt, const std::uint32_t (*pairs)[4],
-                     std::size_t begin, std::size_t end, float* thickness, float* reach);
+  void (*ranges[2])(const ParticleRecords&, const PredictionMargins&, float dt,
+                    const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end, float* thickness,
+                    float* range);
   /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
   /// not pass over, as soon as their distance is known, go to `found`, ascending.
   NearPairStatistics (*find_near[2])(const ParticleRecords&, const ElementPairColumns&, const NearRule&,
