@@ -87,17 +87,17 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   untangling_ = untangling;
   surfaces_ = std::move(surfaces);
   const std::size_t n = surfaces_.size();
-  own_matrix_ = crossing_matrix_ = ObjectMatrix(n);
+  self_matrix_ = inter_object_matrix_ = ObjectMatrix(n);
   for (std::uint32_t a = 0; a < n; ++a) {
-    own_matrix_.set(a, a, surfaces_[a].self_collision);
+    self_matrix_.set(a, a, surfaces_[a].self_collision);
     any_ = any_ || surfaces_[a].self_collision;
     for (std::uint32_t b = 0; b < a; ++b) {
-      crossing_matrix_.set(a, b, may_collide(surfaces_, a, b));
+      inter_object_matrix_.set(a, b, may_collide(surfaces_, a, b));
       any_ = any_ || may_collide(surfaces_, a, b);
     }
   }
   if (!any_) return;
-  crosses_.assign(n, 0);
+  overlaps_other_.assign(n, 0);
   std::uint32_t end = 0;
   for (ContactSurface& surface : surfaces_) {
     surface.reserved_end = std::max(surface.reserved_end, surface.end);
@@ -110,13 +110,13 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
     const ContactSurface& surface = surfaces_[a];
     std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
     if (!surface.self_collision) continue;
-    own_.add_triangles(surface.triangles, surface.begin, a);
-    own_.add_edges(surface.edges, surface.begin, a);
+    self_elements_.add_triangles(surface.triangles, surface.begin, a);
+    self_elements_.add_edges(surface.edges, surface.begin, a);
     for (std::size_t i = 0; i < surface.rest.size(); ++i)
       rest_[surface.begin + i].set_xyz(Vec3f(surface.rest[i] - surface.rest[0]));
     longest_edge_[a] = longest_edge(surface);
   }
-  own_.index_particles();
+  self_elements_.index_particles();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
   left_particles_.reserve(end), moved_alone_.reserve(end);
   chunks_.reserve(64);
@@ -190,9 +190,10 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
   const float dt = covered_;
   elapsed_ = 0;
   expect_all(particles, velocity, dt, threads);
-  find_crossing();
-  own_finder_.find(own_, own_boxes_, own_matrix_, particles.position, own_pairs_, threads);
-  crossing_finder_.find(crossing_, boxes_, crossing_matrix_, particles.position, crossing_pairs_, threads);
+  select_inter_object_elements();
+  self_finder_.find(self_elements_, relative_boxes_, self_matrix_, particles.position, self_pairs_, threads);
+  inter_object_finder_.find(inter_object_elements_, boxes_, inter_object_matrix_, particles.position,
+                            inter_object_pairs_, threads);
   clear();
   valid_from_.assign(surface_of_.size(), 0);
   add_found(particles, dt, threads);
@@ -241,7 +242,7 @@ void ElementPairs::find_shift(const ParticleView& particles) {
 void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
                               Threads& threads) {
   const std::size_t n = surface_of_.size();
-  boxes_.resize(n), own_boxes_.resize(n), way_of_.resize(n), expected_velocity_.resize(n);
+  boxes_.resize(n), relative_boxes_.resize(n), way_of_.resize(n), expected_velocity_.resize(n);
   threads.for_each(n, particle_grain, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i) {
       boxes_[i] = nowhere;
@@ -255,14 +256,16 @@ void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec
 // A particle that is at x, `since` after pairs were found, and goes with v for dt.
 void ElementPairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
                           float margin) {
-  const Vec3f own = v - frame_[surface_of_[i]], own_x = x - shift_[surface_of_[i]];
+  const Vec3f relative_v = v - frame_[surface_of_[i]], relative_x = x - shift_[surface_of_[i]];
   const float contact_distance = max(radius_[i], min_thickness) * (1 + speculative_part) + contact_margin_[i];
-  const float fall = 0.5f * step_.gravity * dt * dt, own_length = dt * length(own);
+  const float fall = 0.5f * step_.gravity * dt * dt, relative_length = dt * length(relative_v);
   Way& way = way_of_[i];
-  way = {x - v * since, own_x - own * since, margin + 2 * fall + motion_margin_part * dt * length(v),
-         margin + min(fall, own_length) + motion_margin_part * own_length, since + 1.01f * dt};
+  way = {x - v * since, relative_x - relative_v * since,
+         margin + 2 * fall + motion_margin_part * dt * length(v),
+         margin + min(fall, relative_length) + motion_margin_part * relative_length, since + 1.01f * dt};
   boxes_[i] = around(x, x + v * dt, contact_distance + way.margin);
-  own_boxes_[i] = around(own_x, own_x + own * dt, contact_distance + way.relative_margin);
+  relative_boxes_[i] =
+      around(relative_x, relative_x + relative_v * dt, contact_distance + way.relative_margin);
   expected_velocity_[i].set_xyz(v);
 }
 
@@ -272,13 +275,14 @@ bool ElementPairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
   if (elapsed_ > way.until) return false;
   const Vec3f v = expected_velocity_[i].xyz();
   const auto within = [](const Vec3f& d, float margin) { return length_squared(d) <= margin * margin; };
-  if (crosses_[surface] != 0 && !within(x - (way.from + v * elapsed_), way.margin)) return false;
+  if (overlaps_other_[surface] != 0 && !within(x - (way.origin + v * elapsed_), way.margin)) return false;
   if (!surfaces_[surface].self_collision) return true;
-  return within(x - shift_[surface] - (way.own_from + (v - frame_[surface]) * elapsed_), way.relative_margin);
+  return within(x - shift_[surface] - (way.relative_origin + (v - frame_[surface]) * elapsed_),
+                way.relative_margin);
 }
 
 // Surfaces whose boxes meet, of those that may: their elements are compared.
-void ElementPairs::find_crossing() {
+void ElementPairs::select_inter_object_elements() {
   const std::size_t n = surfaces_.size();
   surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
   for (std::size_t a = 0; a < n; ++a) {
@@ -287,22 +291,22 @@ void ElementPairs::find_crossing() {
     const Vec3f size = bounds.hi - bounds.lo;
     bounds = around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z)));
   }
-  crosses_now_.assign(n, 0);
+  overlaps_other_now_.assign(n, 0);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < a; ++b)
-      if (crossing_matrix_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b]))
-        crosses_now_[a] = crosses_now_[b] = 1;
-  if (crosses_now_ == crosses_) return;
-  crosses_ = crosses_now_;
-  crossing_.clear();
+      if (inter_object_matrix_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b]))
+        overlaps_other_now_[a] = overlaps_other_now_[b] = 1;
+  if (overlaps_other_now_ == overlaps_other_) return;
+  overlaps_other_ = overlaps_other_now_;
+  inter_object_elements_.clear();
   for (std::uint32_t a = 0; a < n; ++a) {
-    if (crosses_[a] == 0) continue;
+    if (overlaps_other_[a] == 0) continue;
     const ContactSurface& surface = surfaces_[a];
-    crossing_.add_triangles(surface.triangles, surface.begin, a);
-    crossing_.add_edges(surface.edges, surface.begin, a);
-    if (surface.particles_only) crossing_.add_particles(surface.begin, surface.reserved_end, a);
+    inter_object_elements_.add_triangles(surface.triangles, surface.begin, a);
+    inter_object_elements_.add_edges(surface.edges, surface.begin, a);
+    if (surface.particles_only) inter_object_elements_.add_particles(surface.begin, surface.reserved_end, a);
   }
-  crossing_.index_particles();
+  inter_object_elements_.index_particles();
 }
 
 // Particles that have left their ways. Surfaces that are far from all others are not watched within a step;
@@ -387,15 +391,15 @@ void ElementPairs::find_left_again(const ParticleView& before, float h, Threads&
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
   shift_.swap(shift_now_);
-  own_finder_.find_moved(left_particles_, own_boxes_, before.position, own_pairs_, threads);
-  crossing_finder_.find_moved(left_particles_, boxes_, before.position, crossing_pairs_, threads);
+  self_finder_.find_moved(left_particles_, relative_boxes_, before.position, self_pairs_, threads);
+  inter_object_finder_.find_moved(left_particles_, boxes_, before.position, inter_object_pairs_, threads);
   add_found(before, dt, threads);
 }
 
 // --- pairs
 
 // What cannot come near enough within the time is left out.
-void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
+void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
                              const ParticleView& particles, float dt) const {
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
@@ -403,7 +407,7 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   kernels::ParticleRecords records = records_of(particles, expected_velocity_);
   records.contact_margin = contact_margin_.data();
   const kernels::PredictionMargins margins{radius_.data(),
-                                           crossing ? &way_of_[0].margin : &way_of_[0].relative_margin,
+                                           inter_object ? &way_of_[0].margin : &way_of_[0].relative_margin,
                                            sizeof(Way) / sizeof(float), min_thickness, speculative_part};
   kernels.ranges[kind](records, margins, dt, &pairs[0].particle, 0, pairs.size(), thickness, range);
   kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), apart);
@@ -414,7 +418,7 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
     (apart[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
         .add(pairs[k], thickness[k], apart[k]);
   }
-  if (crossing) return;
+  if (inter_object) return;
   thin_at_rest(batch.near, edges);
   thin_at_rest(batch.far, edges);
 }
@@ -444,7 +448,7 @@ void ElementPairs::thin_at_rest(List& list, bool edges) const {
     list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * apart[n]);
 }
 
-void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool crossing,
+void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_object,
                        const ParticleView& particles, float dt, Threads& threads) {
   const std::size_t count = batches_of(pairs.size());
   if (batches_.size() < count) {
@@ -461,14 +465,14 @@ void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool crossin
     for (; b < last; ++b)
       add_batch(batches_[b],
                 pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)), edges,
-                crossing, particles, dt);
+                inter_object, particles, dt);
   });
-  append(&Batch::near, count, edges, crossing, threads);
-  append(&Batch::far, count, edges, crossing, threads);
+  append(&Batch::near, count, edges, inter_object, threads);
+  append(&Batch::far, count, edges, inter_object, threads);
 }
 
 // Puts the lists of all batches behind the columns, and cuts what is new into chunks.
-void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bool crossing,
+void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bool inter_object,
                           Threads& threads) {
   const std::size_t begin = size();
   std::size_t sum = begin;
@@ -492,17 +496,17 @@ void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bo
     Chunk chunk;
     chunk.begin = static_cast<std::uint32_t>(next);
     chunk.end = static_cast<std::uint32_t>(std::min(sum, next + chunk_size));
-    chunk.edges = edges, chunk.crossing = crossing;
+    chunk.edges = edges, chunk.inter_object = inter_object;
     chunks_.push_back(chunk);
   }
 }
 
 void ElementPairs::add_found(const ParticleView& particles, float dt, Threads& threads) {
   const std::size_t first = chunks_.size();
-  add(own_pairs_.vertex_triangle, false, false, particles, dt, threads);
-  add(crossing_pairs_.vertex_triangle, false, true, particles, dt, threads);
-  add(own_pairs_.edge_edge, true, false, particles, dt, threads);
-  add(crossing_pairs_.edge_edge, true, true, particles, dt, threads);
+  add(self_pairs_.vertex_triangle, false, false, particles, dt, threads);
+  add(inter_object_pairs_.vertex_triangle, false, true, particles, dt, threads);
+  add(self_pairs_.edge_edge, true, false, particles, dt, threads);
+  add(inter_object_pairs_.edge_edge, true, true, particles, dt, threads);
   watch_new_chunks(first, threads);
 }
 
@@ -541,37 +545,38 @@ void ElementPairs::watch_new_chunks(std::size_t first, Threads& threads) {
 
 void ElementPairs::measure(const ParticleView& particles, Threads& threads) {
   const std::size_t n = surface_of_.size(), blocks = (n + block_size - 1) / block_size;
-  moved_.resize(n), block_moved_.resize(blocks), own_block_moved_.resize(blocks);
+  moved_.resize(n), block_motion_.resize(blocks), block_relative_motion_.resize(blocks);
   block_contact_margin_.resize(blocks);
-  mean_moved_.assign(surfaces_.size(), {});
+  mean_motion_.assign(surfaces_.size(), {});
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     Vec3d sum;
     double count = 0;
     const std::uint32_t stride = (surfaces_[a].end - surfaces_[a].begin) / sample + 1;
     for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; i += stride, ++count)
       sum += Vec3d(particles.moved(i));
-    if (count > 0) mean_moved_[a] = Vec3f(sum / count);
+    if (count > 0) mean_motion_[a] = Vec3f(sum / count);
   }
   threads.for_each(blocks, particle_grain / block_size, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b) {
-      float farthest = 0, own_farthest = 0, contact_margin = 0;
+      float farthest = 0, max_relative = 0, contact_margin = 0;
       for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
         contact_margin = max(contact_margin, contact_margin_[i]);
         const Vec3f moved = particles.moved(i);
         moved_[i].set_xyz(moved);
         farthest = max(farthest, length_squared(moved));
         if (surface_of_[i] != no_surface)
-          own_farthest = max(own_farthest, length_squared(moved - mean_moved_[surface_of_[i]]));
+          max_relative = max(max_relative, length_squared(moved - mean_motion_[surface_of_[i]]));
       }
-      block_moved_[b] = sqrt(farthest), own_block_moved_[b] = sqrt(own_farthest);
+      block_motion_[b] = sqrt(farthest), block_relative_motion_[b] = sqrt(max_relative);
       block_contact_margin_[b] = contact_margin;
     }
   });
   was_moved_.assign(n, 0);
   moved_alone_.clear();
-  farthest_moved_ = farthest_own_moved_ = max_contact_margin_ = 0;
-  for (const float farthest : block_moved_) farthest_moved_ = max(farthest_moved_, farthest);
-  for (const float farthest : own_block_moved_) farthest_own_moved_ = max(farthest_own_moved_, farthest);
+  max_motion_ = max_relative_motion_ = max_contact_margin_ = 0;
+  for (const float farthest : block_motion_) max_motion_ = max(max_motion_, farthest);
+  for (const float farthest : block_relative_motion_)
+    max_relative_motion_ = max(max_relative_motion_, farthest);
   for (const float contact_margin : block_contact_margin_)
     max_contact_margin_ = max(max_contact_margin_, contact_margin);
 }
@@ -591,12 +596,12 @@ void ElementPairs::measure(const ParticleView& particles, std::span<const std::u
     was_moved_[i] = 1;
     const Vec3f moved = particles.moved(i);
     moved_[i].set_xyz(moved);
-    float &farthest = block_moved_[i / block_size], &own_farthest = own_block_moved_[i / block_size];
+    float &farthest = block_motion_[i / block_size], &max_relative = block_relative_motion_[i / block_size];
     farthest = max(farthest, length(moved));
     if (surface_of_[i] != no_surface)
-      own_farthest = max(own_farthest, length(moved - mean_moved_[surface_of_[i]]));
-    farthest_moved_ = max(farthest_moved_, farthest);
-    farthest_own_moved_ = max(farthest_own_moved_, own_farthest);
+      max_relative = max(max_relative, length(moved - mean_motion_[surface_of_[i]]));
+    max_motion_ = max(max_motion_, farthest);
+    max_relative_motion_ = max(max_relative_motion_, max_relative);
   }
 }
 
@@ -621,8 +626,8 @@ bool ElementPairs::any_moved_by(float part, const Chunk& chunk) const {
 // A bound on the ways of a chunk's pairs, rounding included.
 float ElementPairs::farthest_way(const Chunk& chunk) const {
   constexpr float both = 2.001f;
-  if (chunk.blocks == too_many) return both * (chunk.crossing ? farthest_moved_ : farthest_own_moved_);
-  const std::vector<float>& moved = chunk.crossing ? block_moved_ : own_block_moved_;
+  if (chunk.blocks == too_many) return both * (chunk.inter_object ? max_motion_ : max_relative_motion_);
+  const std::vector<float>& moved = chunk.inter_object ? block_motion_ : block_relative_motion_;
   const auto& blocks = blocks_[static_cast<std::size_t>(&chunk - chunks_.data())];
   float farthest = 0;
   for (std::uint32_t k = 0; k < chunk.blocks; ++k) farthest = max(farthest, moved[blocks[k]]);
@@ -651,14 +656,15 @@ void ElementPairs::end_substep() {
 
 std::size_t ElementPairs::bytes() const {
   std::size_t sum =
-      bytes_of(surfaces_, surface_of_, rest_, boxes_, own_boxes_, way_of_, expected_velocity_,
-               own_pairs_.vertex_triangle, own_pairs_.edge_edge, crossing_pairs_.vertex_triangle,
-               crossing_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, distance_bound_,
+      bytes_of(surfaces_, surface_of_, rest_, boxes_, relative_boxes_, way_of_, expected_velocity_,
+               self_pairs_.vertex_triangle, self_pairs_.edge_edge, inter_object_pairs_.vertex_triangle,
+               inter_object_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, distance_bound_,
                is_edges_, valid_from_, chunks_, blocks_, moved_, was_moved_);
   for (const Batch& batch : batches_)
     for (const List* list : {&batch.near, &batch.far})
       sum += bytes_of(list->particle, list->thickness, list->distance_bound);
-  return sum + own_.bytes() + crossing_.bytes() + own_finder_.bytes() + crossing_finder_.bytes();
+  return sum + self_elements_.bytes() + inter_object_elements_.bytes() + self_finder_.bytes() +
+         inter_object_finder_.bytes();
 }
 
 }  // namespace souple

@@ -56,7 +56,7 @@ class ElementPairs {
   struct Chunk {
     std::uint32_t begin = 0, end = 0;
     std::uint32_t blocks = 0;  // how many of its places in blocks_ are taken; too_many: not all fit
-    bool edges = false, crossing = false;
+    bool edges = false, inter_object = false;
     float min_distance_bound = 0, min_gap_bound = 0;  // when they were last looked at [m]
     float motion_since = 0;                           // what they may have moved since [m]
   };
@@ -129,18 +129,18 @@ class ElementPairs {
   void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
   void expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
   void find_shift(const ParticleView& particles);
-  void find_crossing();
+  void select_inter_object_elements();
   Vec3d middle(const ContactSurface& surface, const ParticleView& particles) const;
   void find_left(const ParticleView& particles, Threads& threads);
   std::size_t find_again(const ParticleView& particles, float h, bool over, Threads& threads);
   bool is_excluded(const NearPair& pair, bool edges) const;
   void add_found(const ParticleView& particles, float dt, Threads& threads);
-  void add(std::span<const NearPair> pairs, bool edges, bool crossing, const ParticleView& particles,
+  void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const ParticleView& particles,
            float dt, Threads& threads);
-  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
+  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
                  const ParticleView& particles, float dt) const;
   void thin_at_rest(List& list, bool edges) const;
-  void append(List Batch::*list, std::size_t batches, bool edges, bool crossing, Threads& threads);
+  void append(List Batch::*list, std::size_t batches, bool edges, bool inter_object, Threads& threads);
   void watch_new_chunks(std::size_t first, Threads& threads);
   float farthest_way(const Chunk& chunk) const;
   float way_of(const NearPair& pair, bool edges) const;
@@ -151,34 +151,35 @@ class ElementPairs {
   std::vector<std::uint32_t> surface_of_;  // of each particle; no_surface where it has none
   std::vector<Vec4f> rest_;                // of each particle, relative to the first of its surface
   std::vector<float> longest_edge_;        // of each surface at rest [m]
-  SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
+  SurfaceElements self_elements_,
+      inter_object_elements_;  // of those that meet themselves; of those that may meet another now
   std::vector<Bounds> surface_bounds_;
-  std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are
-  ObjectMatrix own_matrix_, crossing_matrix_;
+  std::vector<std::uint8_t> overlaps_other_now_, overlaps_other_;  // which those are
+  ObjectMatrix self_matrix_, inter_object_matrix_;
   bool any_ = false;
 
   std::span<const float> radius_, contact_margin_;
   ContactStep step_;
-  float left_ = 0;                 // of the step, behind this substep [s]
-  float covered_ = 0;              // the same of what boxes were swept for
-  std::vector<Vec3f> frame_;       // mean velocity of each surface when pairs were found [m/s]
-  std::vector<Vec3d> middle_;      // of some of its particles, then [m]
-  std::vector<Vec3f> shift_;       // of the same since then, as ways are compared with it [m]
-  std::vector<Vec3f> shift_now_;   // the same, while particles are where the substep began
-  std::vector<Bounds> boxes_;      // of particles, swept in the world
-  std::vector<Bounds> own_boxes_;  // and relative to the frame of their surface
+  float left_ = 0;                      // of the step, behind this substep [s]
+  float covered_ = 0;                   // the same of what boxes were swept for
+  std::vector<Vec3f> frame_;            // mean velocity of each surface when pairs were found [m/s]
+  std::vector<Vec3d> middle_;           // of some of its particles, then [m]
+  std::vector<Vec3f> shift_;            // of the same since then, as ways are compared with it [m]
+  std::vector<Vec3f> shift_now_;        // the same, while particles are where the substep began
+  std::vector<Bounds> boxes_;           // of particles, swept in the world
+  std::vector<Bounds> relative_boxes_;  // and relative to the frame of their surface
   /// Where a particle is expected t after pairs were found: within room of from + v t in the world, and of
   /// own_from + (v - frame) t relative to its surface's shift. [m]
   struct Way {
-    Vec3f from, own_from;
+    Vec3f origin, relative_origin;
     float margin, relative_margin;
     float until;  // pairs were looked for up to then, since pairs were found [s]
   };
   std::vector<Way> way_of_;
   std::vector<Vec4f> expected_velocity_;  // v [m/s]
   float elapsed_ = 0;                     // since pairs were found, at the end of the substep [s]
-  NearPairFinder own_finder_, crossing_finder_;
-  NearPairs own_pairs_, crossing_pairs_;
+  NearPairFinder self_finder_, inter_object_finder_;
+  NearPairs self_pairs_, inter_object_pairs_;
   std::vector<std::vector<std::uint32_t>> left_of_chunk_;  // particles that have left their ways
   std::vector<std::uint32_t> left_particles_;
   std::vector<std::uint32_t> valid_from_;  // of each particle: its pairs before this one are replaced
@@ -192,11 +193,11 @@ class ElementPairs {
   static constexpr std::uint32_t most_blocks = 48, too_many = most_blocks + 1;
   std::vector<std::array<std::uint32_t, most_blocks>> blocks_;  // where the particles of each chunk are
   std::vector<Vec4f> moved_;                                    // of each particle [m]
-  std::vector<Vec3f> mean_moved_;                               // of each surface
-  std::vector<float> block_moved_, own_block_moved_;  // the farthest in each block; without that mean
-  std::vector<std::uint8_t> was_moved_;               // particles that were measured by themselves
-  std::vector<std::uint32_t> moved_alone_;            // which those are
-  float farthest_moved_ = 0, farthest_own_moved_ = 0;
+  std::vector<Vec3f> mean_motion_;                              // of each surface
+  std::vector<float> block_motion_, block_relative_motion_;  // the farthest in each block; without that mean
+  std::vector<std::uint8_t> was_moved_;                      // particles that were measured by themselves
+  std::vector<std::uint32_t> moved_alone_;                   // which those are
+  float max_motion_ = 0, max_relative_motion_ = 0;
   std::vector<float> block_contact_margin_;  // the most of each block [m]
   float max_contact_margin_ = 0;
 };
