@@ -280,9 +280,10 @@ bool ColliderElementContacts::may_touch(const Body& body, const Element& element
   const Ball ball = ball_about(x, edge);
   const double r = double(radius_of(element)), reach = 2 * (ball.radius + r);
   if (!body.moves) {
-    double way = 0;
-    for (const std::uint32_t i : element.particle) way = max(way, double(length(particles.moved(i))));
-    const double clear = body.ball.radius + reach + way;
+    double max_motion = 0;
+    for (const std::uint32_t i : element.particle)
+      max_motion = max(max_motion, double(length(particles.moved(i))));
+    const double clear = body.ball.radius + reach + max_motion;
     if (!(length_squared(ball.middle - body.ball.center) <= clear * clear)) return false;
   }
   const Shape& shape = shape_of(body);
@@ -320,12 +321,12 @@ ColliderElementContacts::Deepest ColliderElementContacts::deepest_between(const 
                                                                           const std::array<double, 3>& b) {
   constexpr int bisections = 12;
   const auto at = [&](const std::array<double, 3>& w) { return x[0] * w[0] + x[1] * w[1] + x[2] * w[2]; };
-  const Vec3d start = at(a), way = at(b) - start;
+  const Vec3d start = at(a), direction = at(b) - start;
   double falls = 0, rises = 1;
   for (int half = 0; half < bisections; ++half) {
     const double middle = 0.5 * (falls + rises);
-    const Vec3d n = surface_distance(shape, start + way * middle).normal;
-    (dot(n, way) < 0 ? falls : rises) = middle;
+    const Vec3d n = surface_distance(shape, start + direction * middle).normal;
+    (dot(n, direction) < 0 ? falls : rises) = middle;
   }
   const double s = falls == 0 ? 0 : (rises == 1 ? 1 : 0.5 * (falls + rises));
   return look(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});

@@ -166,7 +166,7 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
 // For the rest of the step, or the time in which particles go, in the mean and as seen from the frame of
 // their object, `ways` times their thickness. A multiple of h.
 float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
-  constexpr double ways = 1;
+  constexpr double motion_in_thicknesses = 1;
   if (!(step_.h > 0) || !(step_.h < left_)) return left_;
   double speeds = 0, thickness = 0;
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
@@ -180,8 +180,9 @@ float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f
     }
   }
   const double h = static_cast<double>(step_.h), left = static_cast<double>(left_);
-  if (!(speeds * left > ways * thickness)) return left_;
-  return static_cast<float>(min(left, max(1.0, std::floor(ways * thickness / speeds / h)) * h));
+  if (!(speeds * left > motion_in_thicknesses * thickness)) return left_;
+  return static_cast<float>(
+      min(left, max(1.0, std::floor(motion_in_thicknesses * thickness / speeds / h)) * h));
 }
 
 void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
@@ -242,7 +243,7 @@ void ElementPairs::find_shift(const ParticleView& particles) {
 void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
                               Threads& threads) {
   const std::size_t n = surface_of_.size();
-  boxes_.resize(n), relative_boxes_.resize(n), way_of_.resize(n), expected_velocity_.resize(n);
+  boxes_.resize(n), relative_boxes_.resize(n), path_.resize(n), expected_velocity_.resize(n);
   threads.for_each(n, particle_grain, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i) {
       boxes_[i] = nowhere;
@@ -259,26 +260,26 @@ void ElementPairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float
   const Vec3f relative_v = v - frame_[surface_of_[i]], relative_x = x - shift_[surface_of_[i]];
   const float contact_distance = max(radius_[i], min_thickness) * (1 + speculative_part) + contact_margin_[i];
   const float fall = 0.5f * step_.gravity * dt * dt, relative_length = dt * length(relative_v);
-  Way& way = way_of_[i];
-  way = {x - v * since, relative_x - relative_v * since,
-         margin + 2 * fall + motion_margin_part * dt * length(v),
-         margin + min(fall, relative_length) + motion_margin_part * relative_length, since + 1.01f * dt};
-  boxes_[i] = around(x, x + v * dt, contact_distance + way.margin);
+  PredictedPath& path = path_[i];
+  path = {x - v * since, relative_x - relative_v * since,
+          margin + 2 * fall + motion_margin_part * dt * length(v),
+          margin + min(fall, relative_length) + motion_margin_part * relative_length, since + 1.01f * dt};
+  boxes_[i] = around(x, x + v * dt, contact_distance + path.margin);
   relative_boxes_[i] =
-      around(relative_x, relative_x + relative_v * dt, contact_distance + way.relative_margin);
+      around(relative_x, relative_x + relative_v * dt, contact_distance + path.relative_margin);
   expected_velocity_[i].set_xyz(v);
 }
 
-bool ElementPairs::is_on_its_way(std::uint32_t i, const Vec3f& x) const {
+bool ElementPairs::is_on_path(std::uint32_t i, const Vec3f& x) const {
   const std::uint32_t surface = surface_of_[i];
-  const Way& way = way_of_[i];
-  if (elapsed_ > way.until) return false;
+  const PredictedPath& path = path_[i];
+  if (elapsed_ > path.valid_until) return false;
   const Vec3f v = expected_velocity_[i].xyz();
   const auto within = [](const Vec3f& d, float margin) { return length_squared(d) <= margin * margin; };
-  if (overlaps_other_[surface] != 0 && !within(x - (way.origin + v * elapsed_), way.margin)) return false;
+  if (overlaps_other_[surface] != 0 && !within(x - (path.origin + v * elapsed_), path.margin)) return false;
   if (!surfaces_[surface].self_collision) return true;
-  return within(x - shift_[surface] - (way.relative_origin + (v - frame_[surface]) * elapsed_),
-                way.relative_margin);
+  return within(x - shift_[surface] - (path.relative_origin + (v - frame_[surface]) * elapsed_),
+                path.relative_margin);
 }
 
 // Surfaces whose boxes meet, of those that may: their elements are compared.
@@ -321,7 +322,7 @@ void ElementPairs::find_left(const ParticleView& particles, Threads& threads) {
       left_of_chunk_[c].clear();
       for (std::size_t k = c * batch_size; k < std::min(n, (c + 1) * batch_size); ++k) {
         const auto i = static_cast<std::uint32_t>(k);
-        if (surface_of_[i] != no_surface && !is_on_its_way(i, particles.relative(i, {})))
+        if (surface_of_[i] != no_surface && !is_on_path(i, particles.relative(i, {})))
           left_of_chunk_[c].push_back(i);
       }
     }
@@ -342,7 +343,7 @@ std::size_t ElementPairs::keep_up(const ParticleView& particles, float h,
                                   std::span<const std::uint32_t> particles_moved, Threads& threads) {
   left_particles_.clear();
   for (const std::uint32_t i : particles_moved)
-    if (!is_on_its_way(i, particles.relative(i, {}))) left_particles_.push_back(i);
+    if (!is_on_path(i, particles.relative(i, {}))) left_particles_.push_back(i);
   return find_again(particles, h, false, threads);
 }
 
@@ -406,9 +407,9 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   float apart[batch_size], thickness[batch_size], range[batch_size];
   kernels::ParticleRecords records = records_of(particles, expected_velocity_);
   records.contact_margin = contact_margin_.data();
-  const kernels::PredictionMargins margins{radius_.data(),
-                                           inter_object ? &way_of_[0].margin : &way_of_[0].relative_margin,
-                                           sizeof(Way) / sizeof(float), min_thickness, speculative_part};
+  const kernels::PredictionMargins margins{
+      radius_.data(), inter_object ? &path_[0].margin : &path_[0].relative_margin,
+      sizeof(PredictedPath) / sizeof(float), min_thickness, speculative_part};
   kernels.ranges[kind](records, margins, dt, &pairs[0].particle, 0, pairs.size(), thickness, range);
   kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), apart);
   batch.near.count = batch.far.count = 0;
@@ -606,7 +607,7 @@ void ElementPairs::measure(const ParticleView& particles, std::span<const std::u
 }
 
 // How far a point of one feature has moved relative to a point of the other.
-float ElementPairs::way_of(const NearPair& pair, bool edges) const {
+float ElementPairs::relative_motion(const NearPair& pair, bool edges) const {
   const auto squared = [&](std::size_t a, std::size_t b) {
     return length_squared(moved_[pair.particle[a]].xyz() - moved_[pair.particle[b]].xyz());
   };
@@ -617,14 +618,14 @@ float ElementPairs::way_of(const NearPair& pair, bool edges) const {
 bool ElementPairs::any_moved_by(float part, const Chunk& chunk) const {
   constexpr float rounding = 1e-6f;
   for (std::size_t pair = chunk.begin; pair < chunk.end; ++pair)
-    if (was_moved(pair) && way_of(particle_[pair], chunk.edges) * (1 + rounding) >=
+    if (was_moved(pair) && relative_motion(particle_[pair], chunk.edges) * (1 + rounding) >=
                                part * (distance_bound_[pair] - chunk.motion_since))
       return true;
   return false;
 }
 
 // A bound on the ways of a chunk's pairs, rounding included.
-float ElementPairs::farthest_way(const Chunk& chunk) const {
+float ElementPairs::motion_bound(const Chunk& chunk) const {
   constexpr float both = 2.001f;
   if (chunk.blocks == too_many) return both * (chunk.inter_object ? max_motion_ : max_relative_motion_);
   const std::vector<float>& moved = chunk.inter_object ? block_motion_ : block_relative_motion_;
@@ -640,7 +641,7 @@ std::size_t ElementPairs::find_near(std::size_t index, const kernels::NearRule& 
   const float far = rule.thickness_part > 0
                         ? chunk.min_gap_bound - chunk.motion_since
                         : rule.bound_part * (chunk.min_distance_bound - chunk.motion_since);
-  if (farthest_way(chunk) + rule.contact_margin < far) return 0;
+  if (motion_bound(chunk) + rule.contact_margin < far) return 0;
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const kernels::NearPairStatistics statistics = kernels.find_near[chunk.edges ? 1 : 0](
       records, columns(), rule, chunk.motion_since, speculative_part, chunk.begin, chunk.end, found);
@@ -651,12 +652,12 @@ std::size_t ElementPairs::find_near(std::size_t index, const kernels::NearRule& 
 }
 
 void ElementPairs::end_substep() {
-  for (Chunk& chunk : chunks_) chunk.motion_since += farthest_way(chunk);
+  for (Chunk& chunk : chunks_) chunk.motion_since += motion_bound(chunk);
 }
 
 std::size_t ElementPairs::bytes() const {
   std::size_t sum =
-      bytes_of(surfaces_, surface_of_, rest_, boxes_, relative_boxes_, way_of_, expected_velocity_,
+      bytes_of(surfaces_, surface_of_, rest_, boxes_, relative_boxes_, path_, expected_velocity_,
                self_pairs_.vertex_triangle, self_pairs_.edge_edge, inter_object_pairs_.vertex_triangle,
                inter_object_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, distance_bound_,
                is_edges_, valid_from_, chunks_, blocks_, moved_, was_moved_);

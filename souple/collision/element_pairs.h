@@ -125,7 +125,7 @@ class ElementPairs {
   void find_all_again(const ParticleView& before, float h, Threads& threads);
   void find_left_again(const ParticleView& before, float h, Threads& threads);
   void expect(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float margin);
-  bool is_on_its_way(std::uint32_t particle, const Vec3f& x) const;
+  bool is_on_path(std::uint32_t particle, const Vec3f& x) const;
   void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
   void expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
   void find_shift(const ParticleView& particles);
@@ -142,8 +142,8 @@ class ElementPairs {
   void thin_at_rest(List& list, bool edges) const;
   void append(List Batch::*list, std::size_t batches, bool edges, bool inter_object, Threads& threads);
   void watch_new_chunks(std::size_t first, Threads& threads);
-  float farthest_way(const Chunk& chunk) const;
-  float way_of(const NearPair& pair, bool edges) const;
+  float motion_bound(const Chunk& chunk) const;
+  float relative_motion(const NearPair& pair, bool edges) const;
 
   std::vector<ContactSurface> surfaces_;
   const Untangling* untangling_ = nullptr;
@@ -170,12 +170,12 @@ class ElementPairs {
   std::vector<Bounds> relative_boxes_;  // and relative to the frame of their surface
   /// Where a particle is expected t after pairs were found: within room of from + v t in the world, and of
   /// own_from + (v - frame) t relative to its surface's shift. [m]
-  struct Way {
+  struct PredictedPath {
     Vec3f origin, relative_origin;
     float margin, relative_margin;
-    float until;  // pairs were looked for up to then, since pairs were found [s]
+    float valid_until;  // pairs were looked for up to then, since pairs were found [s]
   };
-  std::vector<Way> way_of_;
+  std::vector<PredictedPath> path_;
   std::vector<Vec4f> expected_velocity_;  // v [m/s]
   float elapsed_ = 0;                     // since pairs were found, at the end of the substep [s]
   NearPairFinder self_finder_, inter_object_finder_;

@@ -180,7 +180,7 @@ SOUPLE_INLINE inline Numbers<Isa> distance(const Vectors<Isa> (&x)[4]) {
 
 /// How far any point of one feature may have moved relative to any point of the other [m].
 template <class Isa, bool edges>
-SOUPLE_INLINE inline Numbers<Isa> relative_way(const Vectors<Isa> (&m)[4]) {
+SOUPLE_INLINE inline Numbers<Isa> relative_motion(const Vectors<Isa> (&m)[4]) {
   const Numbers<Isa> two = length_squared(m[2]), three = length_squared(m[3]);
   if constexpr (!edges) return sqrt(max(length_squared(m[1]), max(two, three)));
   return sqrt(max(max(two, three), max(length_squared(m[1] - m[2]), length_squared(m[1] - m[3]))));
@@ -240,7 +240,7 @@ template <class Isa, bool edges>
     const T margin = sum_of_largest<Isa, edges>(margins.margin, margins.stride, corners);
     store<Isa>(thick, thickness + i, indices.count);
     const T near = T(1 + margins.speculative_part) * thick + max_contact_margin(particles, corners);
-    store<Isa>(near + relative_way<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
+    store<Isa>(near + relative_motion<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
   }
 }
 
@@ -266,17 +266,17 @@ template <class Isa, bool edges>
     const PairRecords<Isa> records(pairs.particle, indices.at);
     Vectors<Isa> m[4];
     moved_differences(particles, records, m);
-    const T way = relative_way<Isa, edges>(m);
+    const T motion = relative_motion<Isa, edges>(m);
     T distance_bound = load<Isa>(pairs.distance_bound + i, indices.count) - T(motion_since);
     const T thickness = load<Isa>(pairs.thickness + i, indices.count);
     const T thick = T(rule.thickness_part) * thickness + T(rule.contact_margin);
-    const auto is_near = way >= T(rule.bound_part) * distance_bound - thick;
+    const auto is_near = motion >= T(rule.bound_part) * distance_bound - thick;
     if (any_lane(is_near)) {
       Vectors<Isa> x[4];
       differences(particles, records, x);
       for (int k = 1; k < 4; ++k) x[k] -= m[k];
       distance_bound = select(is_near, distance<Isa, edges>(x), distance_bound);
-      const auto still = is_near && way >= T(rule.bound_part) * distance_bound - thick;
+      const auto still = is_near && motion >= T(rule.bound_part) * distance_bound - thick;
       if (any_lane(still)) {
         float lanes[Isa::lanes];
         select(still, T(1.f), T(0.f)).store(lanes);
@@ -329,8 +329,8 @@ template <class Isa, bool edges>
     T sum = flag(size <= near && size > zero && moves, Verdict::touches);
     Vectors<Isa> m[4];
     moved_differences(particles, corners, m);
-    const T way = relative_way<Isa, edges>(m);
-    sum += flag(way > T(0.5f) * gather<Isa>(pairs.distance_bound, indices.at), Verdict::fast);
+    const T motion = relative_motion<Isa, edges>(m);
+    sum += flag(motion > T(0.5f) * gather<Isa>(pairs.distance_bound, indices.at), Verdict::fast);
     if constexpr (edges) {
       const auto is_end = [&](T a) { return a >= zero && a <= zero; };
       sum += flag(is_end(c[0]) || is_end(c[1]) || is_end(c[2]) || is_end(c[3]), Verdict::on_border);
@@ -354,8 +354,8 @@ template <class Isa, bool edges>
     Vectors<Isa> x[4], m[4];
     differences(particles, corners, x);
     moved_differences(particles, corners, m);
-    const T rest_of_way = T(1.f) - load<Isa>(part + i, count);
-    for (int k = 1; k < 4; ++k) x[k] -= m[k] * rest_of_way;
+    const T remaining = T(1.f) - load<Isa>(part + i, count);
+    for (int k = 1; k < 4; ++k) x[k] -= m[k] * remaining;
     T c[4];
     nearest_points<Isa, edges>(x, c);
     const Vectors<Isa> apart = weighted(x, c);
