@@ -118,7 +118,7 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   }
   self_elements_.index_particles();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(end);
-  left_particles_.reserve(end), moved_alone_.reserve(end);
+  off_path_.reserve(end), remeasured_.reserve(end);
   chunks_.reserve(64);
 }
 
@@ -159,7 +159,7 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
   radius_ = radius;
   contact_margin_ = contact_margin;
   step_ = step;
-  left_ = step.dt;
+  remaining_ = step.dt;
   find(particles, velocity, threads);
 }
 
@@ -167,7 +167,7 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
 // their object, `ways` times their thickness. A multiple of h.
 float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
   constexpr double motion_in_thicknesses = 1;
-  if (!(step_.h > 0) || !(step_.h < left_)) return left_;
+  if (!(step_.h > 0) || !(step_.h < remaining_)) return remaining_;
   double speeds = 0, thickness = 0;
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     const ContactSurface& surface = surfaces_[a];
@@ -179,10 +179,10 @@ float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f
       thickness += 2 * static_cast<double>(max(radius_[i], min_thickness));
     }
   }
-  const double h = static_cast<double>(step_.h), left = static_cast<double>(left_);
-  if (!(speeds * left > motion_in_thicknesses * thickness)) return left_;
+  const double h = static_cast<double>(step_.h), remaining = static_cast<double>(remaining_);
+  if (!(speeds * remaining > motion_in_thicknesses * thickness)) return remaining_;
   return static_cast<float>(
-      min(left, max(1.0, std::floor(motion_in_thicknesses * thickness / speeds / h)) * h));
+      min(remaining, max(1.0, std::floor(motion_in_thicknesses * thickness / speeds / h)) * h));
 }
 
 void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
@@ -190,7 +190,7 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
   covered_ = horizon(particles, velocity);
   const float dt = covered_;
   elapsed_ = 0;
-  expect_all(particles, velocity, dt, threads);
+  predict_all(particles, velocity, dt, threads);
   select_inter_object_elements();
   self_finder_.find(self_elements_, relative_boxes_, self_matrix_, particles.position, self_pairs_, threads);
   inter_object_finder_.find(inter_object_elements_, boxes_, inter_object_matrix_, particles.position,
@@ -240,23 +240,23 @@ void ElementPairs::find_shift(const ParticleView& particles) {
     if (surfaces_[a].self_collision) shift_[a] = Vec3f(middle(surfaces_[a], particles) - middle_[a]);
 }
 
-void ElementPairs::expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
-                              Threads& threads) {
+void ElementPairs::predict_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
+                               Threads& threads) {
   const std::size_t n = surface_of_.size();
-  boxes_.resize(n), relative_boxes_.resize(n), path_.resize(n), expected_velocity_.resize(n);
+  boxes_.resize(n), relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n);
   threads.for_each(n, particle_grain, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i) {
       boxes_[i] = nowhere;
       if (surface_of_[i] != no_surface)
-        expect(static_cast<std::uint32_t>(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
-               radius_margin_part * max(radius_[i], 0.0f));
+        predict(static_cast<std::uint32_t>(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
+                radius_margin_part * max(radius_[i], 0.0f));
     }
   });
 }
 
 // A particle that is at x, `since` after pairs were found, and goes with v for dt.
-void ElementPairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
-                          float margin) {
+void ElementPairs::predict(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
+                           float margin) {
   const Vec3f relative_v = v - frame_[surface_of_[i]], relative_x = x - shift_[surface_of_[i]];
   const float contact_distance = max(radius_[i], min_thickness) * (1 + speculative_part) + contact_margin_[i];
   const float fall = 0.5f * step_.gravity * dt * dt, relative_length = dt * length(relative_v);
@@ -267,14 +267,14 @@ void ElementPairs::expect(std::uint32_t i, const Vec3f& x, const Vec3f& v, float
   boxes_[i] = around(x, x + v * dt, contact_distance + path.margin);
   relative_boxes_[i] =
       around(relative_x, relative_x + relative_v * dt, contact_distance + path.relative_margin);
-  expected_velocity_[i].set_xyz(v);
+  predicted_velocity_[i].set_xyz(v);
 }
 
 bool ElementPairs::is_on_path(std::uint32_t i, const Vec3f& x) const {
   const std::uint32_t surface = surface_of_[i];
   const PredictedPath& path = path_[i];
   if (elapsed_ > path.valid_until) return false;
-  const Vec3f v = expected_velocity_[i].xyz();
+  const Vec3f v = predicted_velocity_[i].xyz();
   const auto within = [](const Vec3f& d, float margin) { return length_squared(d) <= margin * margin; };
   if (overlaps_other_[surface] != 0 && !within(x - (path.origin + v * elapsed_), path.margin)) return false;
   if (!surfaces_[surface].self_collision) return true;
@@ -312,58 +312,59 @@ void ElementPairs::select_inter_object_elements() {
 
 // Particles that have left their ways. Surfaces that are far from all others are not watched within a step;
 // their bounds are larger for it.
-void ElementPairs::find_left(const ParticleView& particles, Threads& threads) {
+void ElementPairs::find_off_path(const ParticleView& particles, Threads& threads) {
   find_shift(particles);
   const std::size_t n = surface_of_.size(), chunks = batches_of(n);
-  for (std::size_t c = left_of_chunk_.size(); c < chunks; ++c)
-    left_of_chunk_.emplace_back().reserve(batch_size);
+  for (std::size_t c = off_path_of_chunk_.size(); c < chunks; ++c)
+    off_path_of_chunk_.emplace_back().reserve(batch_size);
   threads.for_each(chunks, 2, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
-      left_of_chunk_[c].clear();
+      off_path_of_chunk_[c].clear();
       for (std::size_t k = c * batch_size; k < std::min(n, (c + 1) * batch_size); ++k) {
         const auto i = static_cast<std::uint32_t>(k);
         if (surface_of_[i] != no_surface && !is_on_path(i, particles.relative(i, {})))
-          left_of_chunk_[c].push_back(i);
+          off_path_of_chunk_[c].push_back(i);
       }
     }
   });
-  left_particles_.clear();
+  off_path_.clear();
   for (std::size_t c = 0; c < chunks; ++c)
-    left_particles_.insert(left_particles_.end(), left_of_chunk_[c].begin(), left_of_chunk_[c].end());
+    off_path_.insert(off_path_.end(), off_path_of_chunk_[c].begin(), off_path_of_chunk_[c].end());
 }
 
-std::size_t ElementPairs::keep_up(const ParticleView& particles, float h, Threads& threads) {
+std::size_t ElementPairs::update(const ParticleView& particles, float h, Threads& threads) {
   const bool over = covered_ <= -0.5f * h;
-  if (!over) find_left(particles, threads);
-  return find_again(particles, h, over, threads);
+  if (!over) find_off_path(particles, threads);
+  return refind(particles, h, over, threads);
 }
 
 // Ways of one surface are all compared with the shift that the last keep_up found.
-std::size_t ElementPairs::keep_up(const ParticleView& particles, float h,
-                                  std::span<const std::uint32_t> particles_moved, Threads& threads) {
-  left_particles_.clear();
+std::size_t ElementPairs::update(const ParticleView& particles, float h,
+                                 std::span<const std::uint32_t> particles_moved, Threads& threads) {
+  off_path_.clear();
   for (const std::uint32_t i : particles_moved)
-    if (!is_on_path(i, particles.relative(i, {}))) left_particles_.push_back(i);
-  return find_again(particles, h, false, threads);
+    if (!is_on_path(i, particles.relative(i, {}))) off_path_.push_back(i);
+  return refind(particles, h, false, threads);
 }
 
-std::size_t ElementPairs::find_again(const ParticleView& particles, float h, bool over, Threads& threads) {
-  constexpr std::size_t many = 5;  // a part of all particles: for these alone it would take as long
-  const bool all = over || left_particles_.size() > surface_of_.size() / many + 8;
-  if (!all && left_particles_.empty()) return size();
-  const ParticleView before = take_back(particles, h);
+std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool over, Threads& threads) {
+  constexpr std::size_t refind_all_divisor =
+      5;  // a part of all particles: for these alone it would take as long
+  const bool all = over || off_path_.size() > surface_of_.size() / refind_all_divisor + 8;
+  if (!all && off_path_.empty()) return size();
+  const ParticleView before = rewind(particles, h);
   if (all) {
-    find_all_again(before, h, threads);
+    refind_all(before, h, threads);
     find_shift(particles);
     return 0;
   }
   const std::size_t first = size();
-  find_left_again(before, h, threads);
+  refind_off_path(before, h, threads);
   return first;
 }
 
 // Particles as they were when the substep began, and in velocity_now_ the ways that they have taken since.
-ParticleView ElementPairs::take_back(const ParticleView& particles, float h) {
+ParticleView ElementPairs::rewind(const ParticleView& particles, float h) {
   velocity_now_.resize(surface_of_.size());
   for (std::size_t i = 0; i < velocity_now_.size(); ++i) velocity_now_[i].set_xyz(particles.moved(i) / h);
   before_.assign(particles.start.begin(), particles.start.end());
@@ -374,26 +375,27 @@ ParticleView ElementPairs::take_back(const ParticleView& particles, float h) {
 }
 
 // For the rest of the step.
-void ElementPairs::find_all_again(const ParticleView& before, float h, Threads& threads) {
-  left_ = max(left_ + h, h);
+void ElementPairs::refind_all(const ParticleView& before, float h, Threads& threads) {
+  remaining_ = max(remaining_ + h, h);
   find(before, velocity_now_, threads);
   begin_substep(h);
 }
 
 // Those of the particles that have left their boxes. They were pushed: where they are going is not sure for
 // long.
-void ElementPairs::find_left_again(const ParticleView& before, float h, Threads& threads) {
-  constexpr float foresight = 3;  // substeps
-  const float dt = max(min(covered_ + h, foresight * h), h);
+void ElementPairs::refind_off_path(const ParticleView& before, float h, Threads& threads) {
+  constexpr float covered_substeps = 3;  // substeps
+  const float dt = max(min(covered_ + h, covered_substeps * h), h);
   shift_now_ = shift_;
   find_shift(before);
-  for (const std::uint32_t i : left_particles_) {
-    expect(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt, 0.5f * max(radius_[i], 0.0f));
+  for (const std::uint32_t i : off_path_) {
+    predict(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt,
+            0.5f * max(radius_[i], 0.0f));
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
   shift_.swap(shift_now_);
-  self_finder_.find_moved(left_particles_, relative_boxes_, before.position, self_pairs_, threads);
-  inter_object_finder_.find_moved(left_particles_, boxes_, before.position, inter_object_pairs_, threads);
+  self_finder_.find_moved(off_path_, relative_boxes_, before.position, self_pairs_, threads);
+  inter_object_finder_.find_moved(off_path_, boxes_, before.position, inter_object_pairs_, threads);
   add_found(before, dt, threads);
 }
 
@@ -405,7 +407,7 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
   float apart[batch_size], thickness[batch_size], range[batch_size];
-  kernels::ParticleRecords records = records_of(particles, expected_velocity_);
+  kernels::ParticleRecords records = records_of(particles, predicted_velocity_);
   records.contact_margin = contact_margin_.data();
   const kernels::PredictionMargins margins{
       radius_.data(), inter_object ? &path_[0].margin : &path_[0].relative_margin,
@@ -508,12 +510,12 @@ void ElementPairs::add_found(const ParticleView& particles, float dt, Threads& t
   add(inter_object_pairs_.vertex_triangle, false, true, particles, dt, threads);
   add(self_pairs_.edge_edge, true, false, particles, dt, threads);
   add(inter_object_pairs_.edge_edge, true, true, particles, dt, threads);
-  watch_new_chunks(first, threads);
+  measure_new_chunks(first, threads);
 }
 
 // --- chunks that need not be looked at
 
-void ElementPairs::watch_new_chunks(std::size_t first, Threads& threads) {
+void ElementPairs::measure_new_chunks(std::size_t first, Threads& threads) {
   resize_with_spare(blocks_, chunks_.size());
   threads.for_each(chunks_.size() - first, 4, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
@@ -573,7 +575,7 @@ void ElementPairs::measure(const ParticleView& particles, Threads& threads) {
     }
   });
   was_moved_.assign(n, 0);
-  moved_alone_.clear();
+  remeasured_.clear();
   max_motion_ = max_relative_motion_ = max_contact_margin_ = 0;
   for (const float farthest : block_motion_) max_motion_ = max(max_motion_, farthest);
   for (const float farthest : block_relative_motion_)
@@ -591,8 +593,8 @@ float ElementPairs::contact_margin(std::size_t index) const {
 }
 
 void ElementPairs::measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
-  for (const std::uint32_t i : moved_alone_) was_moved_[i] = 0;
-  moved_alone_.assign(particles_moved.begin(), particles_moved.end());
+  for (const std::uint32_t i : remeasured_) was_moved_[i] = 0;
+  remeasured_.assign(particles_moved.begin(), particles_moved.end());
   for (const std::uint32_t i : particles_moved) {
     was_moved_[i] = 1;
     const Vec3f moved = particles.moved(i);
@@ -657,7 +659,7 @@ void ElementPairs::end_substep() {
 
 std::size_t ElementPairs::bytes() const {
   std::size_t sum =
-      bytes_of(surfaces_, surface_of_, rest_, boxes_, relative_boxes_, path_, expected_velocity_,
+      bytes_of(surfaces_, surface_of_, rest_, boxes_, relative_boxes_, path_, predicted_velocity_,
                self_pairs_.vertex_triangle, self_pairs_.edge_edge, inter_object_pairs_.vertex_triangle,
                inter_object_pairs_.edge_edge, velocity_now_, before_, particle_, thickness_, distance_bound_,
                is_edges_, valid_from_, chunks_, blocks_, moved_, was_moved_);

@@ -40,13 +40,13 @@ class ElementPairs {
                   std::span<const float> radius, std::span<const float> contact_margin,
                   const ContactStep& step, Threads& threads);
   /// The next substep of `h` begins.
-  void begin_substep(float h) { left_ -= h, covered_ -= h, elapsed_ += h; }
+  void begin_substep(float h) { remaining_ -= h, covered_ -= h, elapsed_ += h; }
   /// Finds pairs again where particles have left their ways within the substep of `h`. Returns from where on
   /// pairs are new: size() where none are, 0 where all are.
-  std::size_t keep_up(const ParticleView& particles, float h, Threads& threads);
+  std::size_t update(const ParticleView& particles, float h, Threads& threads);
   /// The same when only `particles_moved` were moved since the last.
-  std::size_t keep_up(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
-                      Threads& threads);
+  std::size_t update(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
+                     Threads& threads);
   void clear();
 
   /// Whether there are surfaces that may meet at all.
@@ -121,18 +121,19 @@ class ElementPairs {
 
   void find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads);
   float horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const;
-  ParticleView take_back(const ParticleView& particles, float h);
-  void find_all_again(const ParticleView& before, float h, Threads& threads);
-  void find_left_again(const ParticleView& before, float h, Threads& threads);
-  void expect(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float margin);
+  ParticleView rewind(const ParticleView& particles, float h);
+  void refind_all(const ParticleView& before, float h, Threads& threads);
+  void refind_off_path(const ParticleView& before, float h, Threads& threads);
+  void predict(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float margin);
   bool is_on_path(std::uint32_t particle, const Vec3f& x) const;
   void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
-  void expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
+  void predict_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
+                   Threads& threads);
   void find_shift(const ParticleView& particles);
   void select_inter_object_elements();
   Vec3d middle(const ContactSurface& surface, const ParticleView& particles) const;
-  void find_left(const ParticleView& particles, Threads& threads);
-  std::size_t find_again(const ParticleView& particles, float h, bool over, Threads& threads);
+  void find_off_path(const ParticleView& particles, Threads& threads);
+  std::size_t refind(const ParticleView& particles, float h, bool over, Threads& threads);
   bool is_excluded(const NearPair& pair, bool edges) const;
   void add_found(const ParticleView& particles, float dt, Threads& threads);
   void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const ParticleView& particles,
@@ -141,7 +142,7 @@ class ElementPairs {
                  const ParticleView& particles, float dt) const;
   void thin_at_rest(List& list, bool edges) const;
   void append(List Batch::*list, std::size_t batches, bool edges, bool inter_object, Threads& threads);
-  void watch_new_chunks(std::size_t first, Threads& threads);
+  void measure_new_chunks(std::size_t first, Threads& threads);
   float motion_bound(const Chunk& chunk) const;
   float relative_motion(const NearPair& pair, bool edges) const;
 
@@ -160,7 +161,7 @@ class ElementPairs {
 
   std::span<const float> radius_, contact_margin_;
   ContactStep step_;
-  float left_ = 0;                      // of the step, behind this substep [s]
+  float remaining_ = 0;                 // of the step, behind this substep [s]
   float covered_ = 0;                   // the same of what boxes were swept for
   std::vector<Vec3f> frame_;            // mean velocity of each surface when pairs were found [m/s]
   std::vector<Vec3d> middle_;           // of some of its particles, then [m]
@@ -176,12 +177,12 @@ class ElementPairs {
     float valid_until;  // pairs were looked for up to then, since pairs were found [s]
   };
   std::vector<PredictedPath> path_;
-  std::vector<Vec4f> expected_velocity_;  // v [m/s]
-  float elapsed_ = 0;                     // since pairs were found, at the end of the substep [s]
+  std::vector<Vec4f> predicted_velocity_;  // v [m/s]
+  float elapsed_ = 0;                      // since pairs were found, at the end of the substep [s]
   NearPairFinder self_finder_, inter_object_finder_;
   NearPairs self_pairs_, inter_object_pairs_;
-  std::vector<std::vector<std::uint32_t>> left_of_chunk_;  // particles that have left their ways
-  std::vector<std::uint32_t> left_particles_;
+  std::vector<std::vector<std::uint32_t>> off_path_of_chunk_;  // particles that have left their ways
+  std::vector<std::uint32_t> off_path_;
   std::vector<std::uint32_t> valid_from_;  // of each particle: its pairs before this one are replaced
   std::vector<Batch> batches_;
   std::vector<Chunk> chunks_;
@@ -196,7 +197,7 @@ class ElementPairs {
   std::vector<Vec3f> mean_motion_;                              // of each surface
   std::vector<float> block_motion_, block_relative_motion_;  // the farthest in each block; without that mean
   std::vector<std::uint8_t> was_moved_;                      // particles that were measured by themselves
-  std::vector<std::uint32_t> moved_alone_;                   // which those are
+  std::vector<std::uint32_t> remeasured_;                    // which those are
   float max_motion_ = 0, max_relative_motion_ = 0;
   std::vector<float> block_contact_margin_;  // the most of each block [m]
   float max_contact_margin_ = 0;

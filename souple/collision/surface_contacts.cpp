@@ -242,7 +242,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   if (!pairs_.any()) return;
   limits_ = {1 / substep.h, 2 * step_.gravity * substep.h, step_.depenetration_speed * substep.h};
   pairs_.begin_substep(substep.h);
-  renew_colors_from(pairs_.keep_up(particles, substep.h, threads));
+  renew_colors_from(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
   find(touches_, threads,
        [&](std::size_t chunk, std::vector<Touch>& found) { find_touching(chunk, particles, found); });
@@ -406,7 +406,7 @@ void SurfaceContacts::find_cuts_again(const ParticleView& particles, const Subst
     cut_particles_.insert(cut_particles_.end(), column, column + cut_pair_.size());
   std::sort(cut_particles_.begin(), cut_particles_.end());
   cut_particles_.erase(std::unique(cut_particles_.begin(), cut_particles_.end()), cut_particles_.end());
-  const std::size_t renewed_from = pairs_.keep_up(particles, substep.h, cut_particles_, threads);
+  const std::size_t renewed_from = pairs_.update(particles, substep.h, cut_particles_, threads);
   renew_colors_from(renewed_from);
   if (renewed_from == 0) return find_cuts(particles, threads);
   pairs_.measure(particles, cut_particles_);
@@ -474,7 +474,7 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
   constexpr int pushes = 20, passes = 30;
   cut_pair_.clear(), cut_part_.clear();
   std::size_t count = 0;
-  renew_colors_from(pairs_.keep_up(particles, substep.h, threads));
+  renew_colors_from(pairs_.update(particles, substep.h, threads));
   find_cuts(particles, threads);
   for (int pass = 0; pass < passes && !cuts_.empty(); ++pass) {
     if (pass < pushes) {
