@@ -12,8 +12,8 @@ namespace souple {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds nowhere{{-infinity, -infinity, -infinity},
-                         {infinity, infinity, infinity}};  // it is left out
+constexpr Bounds infinite_box{{-infinity, -infinity, -infinity},
+                              {infinity, infinity, infinity}};  // it is left out
 // Pairs are looked at in batches of one size, and what these found is put together in order: the same for any
 // number of threads.
 constexpr std::size_t batch_size = 1024;
@@ -246,7 +246,7 @@ void ElementPairs::predict_all(const ParticleView& particles, std::span<const Ve
   boxes_.resize(n), relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n);
   threads.for_each(n, particle_grain, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i) {
-      boxes_[i] = nowhere;
+      boxes_[i] = infinite_box;
       if (surface_of_[i] != no_surface)
         predict(static_cast<std::uint32_t>(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
                 radius_margin_part * max(radius_[i], 0.0f));
@@ -480,7 +480,7 @@ void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bo
   const std::size_t begin = size();
   std::size_t sum = begin;
   for (std::size_t b = 0; b < batches; ++b) {
-    (batches_[b].*list).place = sum;
+    (batches_[b].*list).offset = sum;
     sum += (batches_[b].*list).count;
   }
   resize_with_spare(particle_, sum);
@@ -489,10 +489,10 @@ void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bo
   threads.for_each(batches, 1, [&](std::size_t b, std::size_t last) {
     for (; b < last; ++b) {
       const List& from = batches_[b].*list;
-      std::copy_n(from.particle.data(), from.count, particle_.data() + from.place);
-      std::copy_n(from.thickness.data(), from.count, thickness_.data() + from.place);
-      std::copy_n(from.distance_bound.data(), from.count, distance_bound_.data() + from.place);
-      std::fill_n(is_edges_.data() + from.place, from.count, edges ? 1 : 0);
+      std::copy_n(from.particle.data(), from.count, particle_.data() + from.offset);
+      std::copy_n(from.thickness.data(), from.count, thickness_.data() + from.offset);
+      std::copy_n(from.distance_bound.data(), from.count, distance_bound_.data() + from.offset);
+      std::fill_n(is_edges_.data() + from.offset, from.count, edges ? 1 : 0);
     }
   });
   for (std::size_t next = begin; next < sum; next += chunk_size) {

@@ -107,7 +107,7 @@ class ElementPairs {
   struct List {
     std::vector<NearPair> particle;
     std::vector<float> thickness, distance_bound;
-    std::size_t count = 0, place = 0;  // in the columns
+    std::size_t count = 0, offset = 0;  // in the columns
     void add(const NearPair& pair, float thick, float apart) {
       particle[count] = pair, thickness[count] = thick, distance_bound[count] = apart;
       ++count;

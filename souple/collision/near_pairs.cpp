@@ -20,7 +20,7 @@ constexpr std::size_t box_grain = 1024;  // boxes worth a thread
 using Clock = std::chrono::steady_clock;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds endless{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+constexpr Bounds infinite_box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
 constexpr Bounds empty{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
 double milliseconds_since(Clock::time_point start) {
@@ -28,8 +28,8 @@ double milliseconds_since(Clock::time_point start) {
 }
 
 // A box around an endless one is endless, which tells what to leave out.
-Bounds finite_or_endless(const Bounds& box) {
-  return is_finite(box) ? box : endless;
+Bounds finite_or_infinite(const Bounds& box) {
+  return is_finite(box) ? box : infinite_box;
 }
 
 void require(std::size_t is, std::size_t expected, const char* what) {
@@ -140,7 +140,7 @@ void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, Ne
 void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
                                 std::span<const Vec4f> position_w, NearPairs& out, Threads& threads) {
   for (const std::uint32_t i : particles)
-    if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_endless(boxes[i]);
+    if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_infinite(boxes[i]);
   mark(particles);
   for (const std::uint32_t a : moving_now_) left_out_ += make_boxes_of(a, position_w);
   if (!moving_now_.empty()) hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
@@ -199,7 +199,7 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
   const std::size_t particles = elements_->particle_end(), patches = elements_->patches().size();
   clean_boxes_.resize(particles);
   threads.for_each(particles, box_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) clean_boxes_[i] = finite_or_endless(boxes[i]);
+    for (std::size_t i = begin; i < end; ++i) clean_boxes_[i] = finite_or_infinite(boxes[i]);
   });
   vertex_boxes_.resize(elements_->vertices().size());
   edge_boxes_.resize(elements_->edges().size());
@@ -311,14 +311,14 @@ void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<Nea
                           std::size_t parts, Threads& threads) {
   std::size_t sum = 0;
   for (Chunk& chunk : chunks_) {
-    (chunk.*piece).place = sum;
+    (chunk.*piece).offset = sum;
     sum += (chunk.*piece).count;
   }
   resize_with_spare(out, sum);
   threads.for_each(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Piece& from = chunks_[k].*piece;
-      std::copy_n((parts_[k % parts].*list).pairs.data() + from.begin, from.count, out.data() + from.place);
+      std::copy_n((parts_[k % parts].*list).pairs.data() + from.begin, from.count, out.data() + from.offset);
     }
   });
 }

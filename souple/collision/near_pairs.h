@@ -91,7 +91,7 @@ class NearPairFinder {
   };
   /// Of a fixed number of patches: where its pairs are in its part, and where they go.
   struct Piece {
-    std::size_t begin = 0, count = 0, place = 0;
+    std::size_t begin = 0, count = 0, offset = 0;
   };
   struct Chunk {
     Piece vertex_triangle, edge_edge;
