@@ -26,7 +26,7 @@ constexpr float motion_margin_part = 0.15f, radius_margin_part = 0.25f;
 // What is far from everything may be pulled along within a step by this part of its size.
 constexpr float far_surface_margin_part = 0.125f;
 // Particles whose mean motion is that of an object.
-constexpr std::uint32_t sample = 512;
+constexpr std::uint32_t max_samples = 512;
 
 // Pairs that are this part of their thickness farther apart than they need be to touch are far.
 constexpr float far_part = 0.4f;
@@ -172,10 +172,10 @@ float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     const ContactSurface& surface = surfaces_[a];
     if (!surface.self_collision) continue;
-    const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
+    const std::uint32_t stride = (surface.end - surface.begin) / max_samples + 1;
     for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
       if (particles.inverse_mass(i) == 0) continue;
-      speeds += static_cast<double>(length(velocity[i].xyz() - frame_[a]));
+      speeds += static_cast<double>(length(velocity[i].xyz() - mean_velocity_[a]));
       thickness += 2 * static_cast<double>(max(radius_[i], min_thickness));
     }
   }
@@ -186,7 +186,7 @@ float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f
 }
 
 void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
-  find_frames(particles, velocity);
+  find_means(particles, velocity);
   covered_ = horizon(particles, velocity);
   const float dt = covered_;
   elapsed_ = 0;
@@ -202,10 +202,10 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
 
 // --- boxes
 
-Vec3d ElementPairs::middle(const ContactSurface& surface, const ParticleView& particles) const {
+Vec3d ElementPairs::mean_position(const ContactSurface& surface, const ParticleView& particles) const {
   Vec3d sum;
   double count = 0;
-  const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
+  const std::uint32_t stride = (surface.end - surface.begin) / max_samples + 1;
   for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
     if (particles.inverse_mass(i) == 0) continue;
     sum += Vec3d(particles.relative(i, {}));
@@ -215,29 +215,30 @@ Vec3d ElementPairs::middle(const ContactSurface& surface, const ParticleView& pa
 }
 
 // Mean velocities of what can move.
-void ElementPairs::find_frames(const ParticleView& particles, std::span<const Vec4f> velocity) {
-  frame_.assign(surfaces_.size(), {});
+void ElementPairs::find_means(const ParticleView& particles, std::span<const Vec4f> velocity) {
+  mean_velocity_.assign(surfaces_.size(), {});
   shift_.assign(surfaces_.size(), {});
-  middle_.assign(surfaces_.size(), {});
+  mean_position_.assign(surfaces_.size(), {});
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     Vec3d sum;
     double count = 0;
     const ContactSurface& surface = surfaces_[a];
-    const std::uint32_t stride = (surface.end - surface.begin) / sample + 1;
+    const std::uint32_t stride = (surface.end - surface.begin) / max_samples + 1;
     for (std::uint32_t i = surface.begin; i < surface.end; i += stride) {
       if (particles.inverse_mass(i) == 0) continue;
       sum += Vec3d(velocity[i].xyz());
       ++count;
     }
     const Vec3f mean(count > 0 ? sum / count : sum);
-    if (is_finite(mean)) frame_[a] = mean;
-    middle_[a] = middle(surface, particles);
+    if (is_finite(mean)) mean_velocity_[a] = mean;
+    mean_position_[a] = mean_position(surface, particles);
   }
 }
 
 void ElementPairs::find_shift(const ParticleView& particles) {
   for (std::size_t a = 0; a < surfaces_.size(); ++a)
-    if (surfaces_[a].self_collision) shift_[a] = Vec3f(middle(surfaces_[a], particles) - middle_[a]);
+    if (surfaces_[a].self_collision)
+      shift_[a] = Vec3f(mean_position(surfaces_[a], particles) - mean_position_[a]);
 }
 
 void ElementPairs::predict_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
@@ -257,7 +258,7 @@ void ElementPairs::predict_all(const ParticleView& particles, std::span<const Ve
 // A particle that is at x, `since` after pairs were found, and goes with v for dt.
 void ElementPairs::predict(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
                            float margin) {
-  const Vec3f relative_v = v - frame_[surface_of_[i]], relative_x = x - shift_[surface_of_[i]];
+  const Vec3f relative_v = v - mean_velocity_[surface_of_[i]], relative_x = x - shift_[surface_of_[i]];
   const float contact_distance = max(radius_[i], min_thickness) * (1 + speculative_part) + contact_margin_[i];
   const float fall = 0.5f * step_.gravity * dt * dt, relative_length = dt * length(relative_v);
   PredictedPath& path = path_[i];
@@ -278,7 +279,7 @@ bool ElementPairs::is_on_path(std::uint32_t i, const Vec3f& x) const {
   const auto within = [](const Vec3f& d, float margin) { return length_squared(d) <= margin * margin; };
   if (overlaps_other_[surface] != 0 && !within(x - (path.origin + v * elapsed_), path.margin)) return false;
   if (!surfaces_[surface].self_collision) return true;
-  return within(x - shift_[surface] - (path.relative_origin + (v - frame_[surface]) * elapsed_),
+  return within(x - shift_[surface] - (path.relative_origin + (v - mean_velocity_[surface]) * elapsed_),
                 path.relative_margin);
 }
 
@@ -386,14 +387,14 @@ void ElementPairs::refind_all(const ParticleView& before, float h, Threads& thre
 void ElementPairs::refind_off_path(const ParticleView& before, float h, Threads& threads) {
   constexpr float covered_substeps = 3;  // substeps
   const float dt = max(min(covered_ + h, covered_substeps * h), h);
-  shift_now_ = shift_;
+  saved_shift_ = shift_;
   find_shift(before);
   for (const std::uint32_t i : off_path_) {
     predict(i, before.relative(i, {}), velocity_now_[i].xyz(), elapsed_ - h, dt,
             0.5f * max(radius_[i], 0.0f));
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
-  shift_.swap(shift_now_);
+  shift_.swap(saved_shift_);
   self_finder_.find_moved(off_path_, relative_boxes_, before.position, self_pairs_, threads);
   inter_object_finder_.find_moved(off_path_, boxes_, before.position, inter_object_pairs_, threads);
   add_found(before, dt, threads);
@@ -422,12 +423,12 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
         .add(pairs[k], thickness[k], apart[k]);
   }
   if (inter_object) return;
-  thin_at_rest(batch.near, edges);
-  thin_at_rest(batch.far, edges);
+  limit_to_rest_distance(batch.near, edges);
+  limit_to_rest_distance(batch.far, edges);
 }
 
 // Those of one surface are not kept farther apart than they were at rest.
-void ElementPairs::thin_at_rest(List& list, bool edges) const {
+void ElementPairs::limit_to_rest_distance(List& list, bool edges) const {
   NearPair near[batch_size];
   std::size_t which[batch_size], count = 0;
   for (std::size_t k = 0; k < list.count; ++k) {
@@ -554,7 +555,7 @@ void ElementPairs::measure(const ParticleView& particles, Threads& threads) {
   for (std::size_t a = 0; a < surfaces_.size(); ++a) {
     Vec3d sum;
     double count = 0;
-    const std::uint32_t stride = (surfaces_[a].end - surfaces_[a].begin) / sample + 1;
+    const std::uint32_t stride = (surfaces_[a].end - surfaces_[a].begin) / max_samples + 1;
     for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; i += stride, ++count)
       sum += Vec3d(particles.moved(i));
     if (count > 0) mean_motion_[a] = Vec3f(sum / count);

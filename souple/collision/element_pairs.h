@@ -126,12 +126,12 @@ class ElementPairs {
   void refind_off_path(const ParticleView& before, float h, Threads& threads);
   void predict(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float margin);
   bool is_on_path(std::uint32_t particle, const Vec3f& x) const;
-  void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
+  void find_means(const ParticleView& particles, std::span<const Vec4f> velocity);
   void predict_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
                    Threads& threads);
   void find_shift(const ParticleView& particles);
   void select_inter_object_elements();
-  Vec3d middle(const ContactSurface& surface, const ParticleView& particles) const;
+  Vec3d mean_position(const ContactSurface& surface, const ParticleView& particles) const;
   void find_off_path(const ParticleView& particles, Threads& threads);
   std::size_t refind(const ParticleView& particles, float h, bool over, Threads& threads);
   bool is_excluded(const NearPair& pair, bool edges) const;
@@ -140,7 +140,7 @@ class ElementPairs {
            float dt, Threads& threads);
   void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
                  const ParticleView& particles, float dt) const;
-  void thin_at_rest(List& list, bool edges) const;
+  void limit_to_rest_distance(List& list, bool edges) const;
   void append(List Batch::*list, std::size_t batches, bool edges, bool inter_object, Threads& threads);
   void measure_new_chunks(std::size_t first, Threads& threads);
   float motion_bound(const Chunk& chunk) const;
@@ -163,10 +163,10 @@ class ElementPairs {
   ContactStep step_;
   float remaining_ = 0;                 // of the step, behind this substep [s]
   float covered_ = 0;                   // the same of what boxes were swept for
-  std::vector<Vec3f> frame_;            // mean velocity of each surface when pairs were found [m/s]
-  std::vector<Vec3d> middle_;           // of some of its particles, then [m]
+  std::vector<Vec3f> mean_velocity_;    // mean velocity of each surface when pairs were found [m/s]
+  std::vector<Vec3d> mean_position_;    // of some of its particles, then [m]
   std::vector<Vec3f> shift_;            // of the same since then, as ways are compared with it [m]
-  std::vector<Vec3f> shift_now_;        // the same, while particles are where the substep began
+  std::vector<Vec3f> saved_shift_;      // the same, while particles are where the substep began
   std::vector<Bounds> boxes_;           // of particles, swept in the world
   std::vector<Bounds> relative_boxes_;  // and relative to the frame of their surface
   /// Where a particle is expected t after pairs were found: within room of from + v t in the world, and of
