@@ -296,11 +296,11 @@ bool ColliderElementContacts::may_touch(const Body& body, const Element& element
     path = max(path, length_squared(to[k] - x[k]));
   }
   if (surface.distance > reach + sqrt(path) || surface.distance + lowest >= 1.2 * kept_part * r) return false;
-  const double least = 0.8 * (1 - kept_part) * r;
-  if (sag(shape, x, ball.middle, surface) > least) return true;
+  const double min_sag = 0.8 * (1 - kept_part) * r;
+  if (sag(shape, x, ball.middle, surface) > min_sag) return true;
   if (path <= r * r) return false;
   const Vec3d middle = ball_about(to, edge).middle;
-  return sag(shape, to, middle, surface_distance(shape, middle)) > least;
+  return sag(shape, to, middle, surface_distance(shape, middle)) > min_sag;
 }
 
 // With the gap of Frank and Wolfe,

@@ -529,7 +529,7 @@ void ElementPairs::measure_new_chunks(std::size_t first, Threads& threads) {
         seen[block % seen.size()] = block;
         for (std::uint32_t k = chunk.blocks; k-- > 0;)
           if (blocks[k] == block) return;
-        if (chunk.blocks == most_blocks) {
+        if (chunk.blocks == max_blocks) {
           chunk.blocks = too_many;
         } else {
           blocks[chunk.blocks++] = block;

@@ -191,10 +191,10 @@ class ElementPairs {
   std::vector<float> thickness_, distance_bound_;
   std::vector<std::uint8_t> is_edges_;
   static constexpr std::size_t block_size = 64;  // neighboring particles
-  static constexpr std::uint32_t most_blocks = 48, too_many = most_blocks + 1;
-  std::vector<std::array<std::uint32_t, most_blocks>> blocks_;  // where the particles of each chunk are
-  std::vector<Vec4f> moved_;                                    // of each particle [m]
-  std::vector<Vec3f> mean_motion_;                              // of each surface
+  static constexpr std::uint32_t max_blocks = 48, too_many = max_blocks + 1;
+  std::vector<std::array<std::uint32_t, max_blocks>> blocks_;  // where the particles of each chunk are
+  std::vector<Vec4f> moved_;                                   // of each particle [m]
+  std::vector<Vec3f> mean_motion_;                             // of each surface
   std::vector<float> block_motion_, block_relative_motion_;  // the farthest in each block; without that mean
   std::vector<std::uint8_t> was_moved_;                      // particles that were measured by themselves
   std::vector<std::uint32_t> remeasured_;                    // which those are

@@ -245,7 +245,7 @@ template <class Isa, bool edges>
 }
 
 template <class Isa>
-SOUPLE_INLINE inline float least(Numbers<Isa> a) {
+SOUPLE_INLINE inline float min_lane(Numbers<Isa> a) {
   float lanes[Isa::lanes];
   a.store(lanes);
   float result = lanes[0];
@@ -290,7 +290,7 @@ template <class Isa, bool edges>
     min_distance_bound = min(min_distance_bound, distance_bound);
     min_gap_bound = min(min_gap_bound, distance_bound - T(1 + speculative_part) * thickness);
   }
-  return {n, least<Isa>(min_distance_bound), least<Isa>(min_gap_bound)};
+  return {n, min_lane<Isa>(min_distance_bound), min_lane<Isa>(min_gap_bound)};
 }
 
 /// sum_k w_k c_k^2

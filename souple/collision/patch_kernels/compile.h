@@ -118,7 +118,7 @@ inline std::uint32_t wanted_by(const BoxGroup& first, std::uint32_t k, const Box
 /// a loop for each item would end as many times at a place that nobody foresees.
 template <class Isa>
 struct Rows {
-  std::uint32_t item[BoxGroup::most_items + 1], near[BoxGroup::most_items + 1];
+  std::uint32_t item[BoxGroup::max_items + 1], near[BoxGroup::max_items + 1];
   std::uint32_t count = 0, pairs = 0;
 
   void add(std::uint32_t which, std::uint32_t bits) {
