@@ -13,7 +13,7 @@
 namespace souple {
 namespace {
 
-using kernels::Verdict;
+using kernels::Classification;
 
 constexpr std::size_t contact_grain = 256;
 constexpr std::uint16_t no_color = std::numeric_limits<std::uint16_t>::max();
@@ -253,32 +253,32 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
 void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& particles,
                                     std::vector<Touch>& found) {
   std::uint32_t near[ElementPairs::chunk_size];
-  float verdict[ElementPairs::chunk_size];
+  float classification[ElementPairs::chunk_size];
   const kernels::ParticleRecords records = pairs_.particle_records(particles);
   const std::size_t count =
       pairs_.find_near(chunk, {1, 1 + speculative_part, pairs_.contact_margin(chunk)}, records, near);
   if (count == 0) return;
-  packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), speculative_part, near, 0,
-                                                    count, verdict);
+  packed().classify[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), speculative_part, near, 0,
+                                                       count, classification);
   for (std::size_t k = 0; k < count; ++k) {
     float part = 1;
     if (!pairs_.is_replaced(near[k]) &&
-        is_contact(near[k], static_cast<unsigned>(verdict[k]), particles, part))
+        is_contact(near[k], static_cast<unsigned>(classification[k]), particles, part))
       found.push_back({near[k], part});
   }
 }
 
-bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned verdict, const ParticleView& particles,
+bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
                                  float& part) const {
   const bool edges = pairs_.are_edges(pair);
   const NearPair& particle = pairs_.pair(pair);
-  if ((verdict & Verdict::fast) != 0) {
+  if ((classification & Classification::fast) != 0) {
     const Motion motion = motion_of(particle, particles);
     part = safe_time(motion, edges);
     if (part < 1) return has_normal(particle, motion, part, edges, particles);
   }
-  if ((verdict & Verdict::touches) == 0) return false;
-  const unsigned on_border = verdict / Verdict::on_border;
+  if ((classification & Classification::touches) == 0) return false;
+  const unsigned on_border = classification / Classification::on_border;
   if (!edges) return is_owner(particle, on_border, particles);
   const auto is_rope = [&](std::uint32_t i) {
     return pairs_.surface(pairs_.surface_of(i)).triangles.empty();

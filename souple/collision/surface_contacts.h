@@ -107,7 +107,8 @@ class SurfaceContacts final : public Projector {
   void find_passing(std::size_t chunk, const ParticleView& particles, bool all, std::vector<Cut>& found);
   void find_cuts(const ParticleView& particles, Threads& threads);
   void find_cuts_again(const ParticleView& particles, const Substep& substep, Threads& threads);
-  bool is_contact(std::uint32_t pair, unsigned verdict, const ParticleView& particles, float& part) const;
+  bool is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
+                  float& part) const;
   std::uint16_t color_of(const NearPair& pair, const ParticleView& particles);
   void sort_touches(const ParticleView& particles);
   void describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,

@@ -88,9 +88,10 @@ std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std
   add(&statistics.min_distance_bound, 1), add(&statistics.min_gap_bound, 1);
   add(crowd.distance_bound.data(), count);
   for (const std::uint32_t k : found) result.push_back(static_cast<float>(k));
-  std::vector<float> verdict(found.size());
-  kernels.judge[kind](crowd.records(), columns, 0.1f, found.data(), 0, found.size(), verdict.data());
-  add(verdict.data(), verdict.size());
+  std::vector<float> classification(found.size());
+  kernels.classify[kind](crowd.records(), columns, 0.1f, found.data(), 0, found.size(),
+                         classification.data());
+  add(classification.data(), classification.size());
 
   std::vector<float> part(found.size(), 1);
   for (std::size_t k = 0; k < part.size(); k += 3) part[k] = 0.4f;

@@ -309,9 +309,9 @@ SOUPLE_INLINE inline Numbers<Isa> effective_inverse_mass(const ParticleRecords& 
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] void judge(const ParticleRecords& particles, const ElementPairColumns& pairs,
-                            float speculative_part, const std::uint32_t* found, std::size_t begin,
-                            std::size_t end, float* verdict) {
+[[gnu::flatten]] void classify(const ParticleRecords& particles, const ElementPairColumns& pairs,
+                               float speculative_part, const std::uint32_t* found, std::size_t begin,
+                               std::size_t end, float* classification) {
   using T = Numbers<Isa>;
   const T zero(0.f);
   const auto flag = [&](auto is, unsigned value) { return select(is, T(static_cast<float>(value)), zero); };
@@ -326,18 +326,18 @@ template <class Isa, bool edges>
     const T near = T(1 + speculative_part) * gather<Isa>(pairs.thickness, indices.at) +
                    max_contact_margin(particles, corners);
     const auto moves = effective_inverse_mass(particles, corners, c) > zero;
-    T sum = flag(size <= near && size > zero && moves, Verdict::touches);
+    T sum = flag(size <= near && size > zero && moves, Classification::touches);
     Vectors<Isa> m[4];
     moved_differences(particles, corners, m);
     const T motion = relative_motion<Isa, edges>(m);
-    sum += flag(motion > T(0.5f) * gather<Isa>(pairs.distance_bound, indices.at), Verdict::fast);
+    sum += flag(motion > T(0.5f) * gather<Isa>(pairs.distance_bound, indices.at), Classification::fast);
     if constexpr (edges) {
       const auto is_end = [&](T a) { return a >= zero && a <= zero; };
-      sum += flag(is_end(c[0]) || is_end(c[1]) || is_end(c[2]) || is_end(c[3]), Verdict::on_border);
+      sum += flag(is_end(c[0]) || is_end(c[1]) || is_end(c[2]) || is_end(c[3]), Classification::on_border);
     } else {
-      for (unsigned k = 0; k < 3; ++k) sum += flag(c[k + 1] >= zero, Verdict::on_border << k);
+      for (unsigned k = 0; k < 3; ++k) sum += flag(c[k + 1] >= zero, Classification::on_border << k);
     }
-    store<Isa>(sum, verdict + i, indices.count);
+    store<Isa>(sum, classification + i, indices.count);
   }
 }
 
@@ -562,7 +562,7 @@ const ElementPairKernels& element_pair_kernels() {
   static constexpr ElementPairKernels kernels{{distances<Isa, false>, distances<Isa, true>},
                                               {ranges<Isa, false>, ranges<Isa, true>},
                                               {find_near<Isa, false>, find_near<Isa, true>},
-                                              {judge<Isa, false>, judge<Isa, true>},
+                                              {classify<Isa, false>, classify<Isa, true>},
                                               {describe<Isa, false>, describe<Isa, true>},
                                               project<Isa>,
                                               apply_restitution<Isa>};

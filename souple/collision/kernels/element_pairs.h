@@ -49,7 +49,7 @@ struct NearPairStatistics {
 };
 
 /// What judge() says of a pair.
-struct Verdict {
+struct Classification {
   /// It will be as near as (1 + early) thickness + the most that its particles are pressed, and can move.
   static constexpr unsigned touches = 1;
   static constexpr unsigned fast = 2;  ///< it may pass through itself on the way
@@ -99,8 +99,8 @@ struct ElementPairKernels {
                                      float motion_since, float speculative_part, std::size_t begin,
                                      std::size_t end, std::uint32_t* found);
   /// A Verdict for each of the pairs `found[begin, end)`, as a number.
-  void (*judge[2])(const ParticleRecords&, const ElementPairColumns&, float speculative_part,
-                   const std::uint32_t* found, std::size_t begin, std::size_t end, float* verdict);
+  void (*classify[2])(const ParticleRecords&, const ElementPairColumns&, float speculative_part,
+                      const std::uint32_t* found, std::size_t begin, std::size_t end, float* classification);
   /// Contacts [begin, end): of the pairs `found[begin, end)`, where `part` of their way has led them.
   void (*describe[2])(const ParticleRecords&, const ElementPairColumns&, const ContactLimits&,
                       const std::uint32_t* found, const float* part, std::size_t begin, std::size_t end,
