@@ -81,7 +81,7 @@ void ColliderElementContacts::set_elements(std::vector<Element> elements) {
   corners_.erase(std::unique(corners_.begin(), corners_.end(), same), corners_.end());
   bodies_.clear();
   contacts_.clear();
-  met_.reserve(elements_.size());
+  tested_.reserve(elements_.size());
   candidates_.reserve(elements_.size());
   contacts_.reserve(256);
   found_.resize(std::min<std::size_t>(elements_.size(), 256));
@@ -194,12 +194,13 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
   if (left_margins(particles)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) {
     if (body.moves) find_led_out(body, particles, threads);
-    meet_all(body, particles, substep.h, threads);
+    find_contacts(body, particles, substep.h, threads);
   }
 }
 
 // On all threads, then in order on one: the same contacts in the same order for any number of threads.
-void ColliderElementContacts::meet_all(Body& body, const ParticleView& particles, float h, Threads& threads) {
+void ColliderElementContacts::find_contacts(Body& body, const ParticleView& particles, float h,
+                                            Threads& threads) {
   const std::size_t count = body.candidate_end - body.candidate_begin;
   const std::uint32_t* candidates = candidates_.data() + body.candidate_begin;
   if (near_.size() < count) near_.resize(count);
@@ -207,19 +208,19 @@ void ColliderElementContacts::meet_all(Body& body, const ParticleView& particles
     for (std::size_t k = begin; k < end; ++k)
       near_[k] = may_touch(body, elements_[candidates[k]], particles) ? 1 : 0;
   });
-  met_.clear();
+  tested_.clear();
   for (std::uint32_t k = 0; k < count; ++k)
-    if (near_[k] != 0) met_.push_back(candidates[k]);
-  if (found_.size() < met_.size()) found_.resize(2 * met_.size());
-  threads.for_each(met_.size(), search_grain, [&](std::size_t begin, std::size_t end) {
+    if (near_[k] != 0) tested_.push_back(candidates[k]);
+  if (found_.size() < tested_.size()) found_.resize(2 * tested_.size());
+  threads.for_each(tested_.size(), search_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      found_[k].touches = contact_of(body, elements_[met_[k]], particles, h, found_[k]);
+      found_[k].touches = contact_of(body, elements_[tested_[k]], particles, h, found_[k]);
   });
-  for (std::size_t k = 0; k < met_.size(); ++k)
-    if (found_[k].inside) led_out_of(body)[elements_[met_[k]].object] = 1;
+  for (std::size_t k = 0; k < tested_.size(); ++k)
+    if (found_[k].inside) led_out_of(body)[elements_[tested_[k]].object] = 1;
   body.contact_begin = contacts_.size();
-  for (std::size_t k = 0; k < met_.size(); ++k)
-    if (found_[k].touches && !is_led_out(body, elements_[met_[k]].object))
+  for (std::size_t k = 0; k < tested_.size(); ++k)
+    if (found_[k].touches && !is_led_out(body, elements_[tested_[k]].object))
       contacts_.push_back(found_[k].contact);
   body.contact_end = contacts_.size();
 }
@@ -560,7 +561,7 @@ void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
 }
 
 std::size_t ColliderElementContacts::bytes() const {
-  return bytes_of(elements_, corners_, bodies_, placed_, margin_, near_, candidates_, met_, found_,
+  return bytes_of(elements_, corners_, bodies_, placed_, margin_, near_, candidates_, tested_, found_,
                   contacts_);
 }
 

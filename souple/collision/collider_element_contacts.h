@@ -110,7 +110,7 @@ class ColliderElementContacts final : public Projector {
                        Threads& threads);
   bool is_candidate(const Body& body, std::size_t element, const ParticleView& particles) const;
   bool left_margins(const ParticleView& particles) const;
-  void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
+  void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
   Corners corners(const RigidPose& pose, const Element& element, const ParticleView& particles,
                   bool start) const;
   void find_led_out(Body& body, const ParticleView& particles, Threads& threads);
@@ -153,7 +153,7 @@ class ColliderElementContacts final : public Projector {
   std::vector<float> margin_;              // of each particle: how far it may go until they are again [m]
   std::vector<std::uint8_t> near_;         // of each feature or candidate
   std::vector<std::uint32_t> candidates_;  // features, body by body
-  std::vector<std::uint32_t> met_;         // of them, those that may touch now
+  std::vector<std::uint32_t> tested_;      // of them, those that may touch now
   std::vector<Found> found_;               // what each of these came to
   std::vector<std::uint8_t> led_out_;      // [body][object]: some corner begins inside
   std::vector<Contact> contacts_;          // body by body

@@ -84,13 +84,13 @@ kernels::BoxColumns NearPairFinder::Boxes::columns() const {
 }
 
 void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
-                          const ObjectMatrix& meets, std::span<const Vec4f> position_w, NearPairs& out,
+                          const ObjectMatrix& matrix, std::span<const Vec4f> position_w, NearPairs& out,
                           Threads& threads) {
   require(boxes.size(), elements.particle_end(), "boxes");
   require(position_w.size(), elements.particle_end(), "position_w");
-  require(meets.size(), elements.object_end(), "meets");
+  require(matrix.size(), elements.object_end(), "meets");
   elements_ = &elements;
-  meets_ = &meets;
+  matrix_ = &matrix;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
   const ActiveScope awake(threads);
   auto start = Clock::now();
@@ -269,7 +269,7 @@ void NearPairFinder::find_near(std::uint32_t a, std::span<const Vec4f> position_
 void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint32_t b, const Marks& of_b,
                                   std::span<const Vec4f> position_w, Part& part) const {
   const SurfacePatch &p = elements_->patches()[a], &q = elements_->patches()[b];
-  if (!meets_->at(p.object, q.object)) return;
+  if (!matrix_->at(p.object, q.object)) return;
   if (moves_[a] == Moves::nothing && moves_[b] == Moves::nothing) return;
   const bool all_move = moves_[a] == Moves::all || moves_[b] == Moves::all;
   const auto add = [&](List& list, std::size_t most, const auto& find) {

@@ -28,18 +28,18 @@ class ObjectMatrix {
  public:
   ObjectMatrix() = default;
   /// `meet`: what all pairs begin with.
-  explicit ObjectMatrix(std::size_t objects, bool meet = false)
-      : objects_(objects), meets_(objects * objects, meet) {}
-  void set(std::size_t a, std::size_t b, bool meet) {
-    meets_[a * objects_ + b] = meets_[b * objects_ + a] = meet;
+  explicit ObjectMatrix(std::size_t objects, bool collide = false)
+      : objects_(objects), collide_(objects * objects, collide) {}
+  void set(std::size_t a, std::size_t b, bool collide) {
+    collide_[a * objects_ + b] = collide_[b * objects_ + a] = collide;
   }
-  void clear() { std::fill(meets_.begin(), meets_.end(), std::uint8_t{0}); }
-  bool at(std::size_t a, std::size_t b) const { return meets_[a * objects_ + b] != 0; }
+  void clear() { std::fill(collide_.begin(), collide_.end(), std::uint8_t{0}); }
+  bool at(std::size_t a, std::size_t b) const { return collide_[a * objects_ + b] != 0; }
   std::size_t size() const { return objects_; }
 
  private:
   std::size_t objects_ = 0;
-  std::vector<std::uint8_t> meets_;
+  std::vector<std::uint8_t> collide_;
 };
 
 /// Finds what may touch within a step: vertices whose box overlaps that of a triangle, edges whose box
@@ -58,7 +58,7 @@ class NearPairFinder {
   /// box that is not finite. Two loose vertices are never a pair. The order depends on elements and boxes
   /// alone: it is the same for any number of threads. `position_w`: particles, w = inverse mass. Throws Error
   /// when `boxes`, `position_w` or `meets` are too small. Allocates nothing when warm.
-  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectMatrix& meets,
+  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectMatrix& matrix,
             std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
   /// After a find: boxes of some particles are larger or elsewhere. Replaces `out` by all pairs, with nothing
@@ -124,7 +124,7 @@ class NearPairFinder {
 
   // Of the find that runs.
   const SurfaceElements* elements_ = nullptr;
-  const ObjectMatrix* meets_ = nullptr;
+  const ObjectMatrix* matrix_ = nullptr;
   const kernels::PatchKernels* kernels_ = nullptr;
   kernels::BoxColumns vertices_{}, edges_{}, triangles_{};
 
