@@ -97,9 +97,9 @@ void ColliderElementContacts::begin_step(const ParticleView& particles, std::spa
   contacts_.clear();
   find_bodies();
   if (bodies_.empty()) return;
-  led_out_.assign(bodies_.size() * objects_, 0);
+  depenetrating_.assign(bodies_.size() * objects_, 0);
   for (Body& body : bodies_)
-    if (!body.moves) find_led_out(body, particles, threads);
+    if (!body.moves) find_depenetrating(body, particles, threads);
   find_candidates(particles, velocity, 0, threads);
 }
 
@@ -193,7 +193,7 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
   }
   if (left_margins(particles)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) {
-    if (body.moves) find_led_out(body, particles, threads);
+    if (body.moves) find_depenetrating(body, particles, threads);
     find_contacts(body, particles, substep.h, threads);
   }
 }
@@ -217,19 +217,20 @@ void ColliderElementContacts::find_contacts(Body& body, const ParticleView& part
       found_[k].touches = contact_of(body, elements_[tested_[k]], particles, h, found_[k]);
   });
   for (std::size_t k = 0; k < tested_.size(); ++k)
-    if (found_[k].inside) led_out_of(body)[elements_[tested_[k]].object] = 1;
+    if (found_[k].inside) depenetrating_of(body)[elements_[tested_[k]].object] = 1;
   body.contact_begin = contacts_.size();
   for (std::size_t k = 0; k < tested_.size(); ++k)
-    if (found_[k].touches && !is_led_out(body, elements_[tested_[k]].object))
+    if (found_[k].touches && !is_depenetrating(body, elements_[tested_[k]].object))
       contacts_.push_back(found_[k].contact);
   body.contact_end = contacts_.size();
 }
 
 // Where a collider has jumped into an object, corners are led out slowly, by contacts of their own. Held by
 // its features at the same time it would be torn, so these wait until none is inside.
-void ColliderElementContacts::find_led_out(Body& body, const ParticleView& particles, Threads& threads) {
-  std::uint8_t* const led_out = led_out_of(body);
-  std::fill_n(led_out, objects_, std::uint8_t{0});
+void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView& particles,
+                                                 Threads& threads) {
+  std::uint8_t* const depenetrating = depenetrating_of(body);
+  std::fill_n(depenetrating, objects_, std::uint8_t{0});
   near_.resize(max(near_.size(), corners_.size()));
   threads.for_each(corners_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
@@ -242,7 +243,7 @@ void ColliderElementContacts::find_led_out(Body& body, const ParticleView& parti
     }
   });
   for (std::size_t c = 0; c < corners_.size(); ++c)
-    if (near_[c] != 0) led_out[corners_[c].object] = 1;
+    if (near_[c] != 0) depenetrating[corners_[c].object] = 1;
 }
 
 ColliderElementContacts::Corners ColliderElementContacts::corners(const RigidPose& pose,

@@ -113,11 +113,13 @@ class ColliderElementContacts final : public Projector {
   void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
   Corners corners(const RigidPose& pose, const Element& element, const ParticleView& particles,
                   bool start) const;
-  void find_led_out(Body& body, const ParticleView& particles, Threads& threads);
-  std::uint8_t* led_out_of(const Body& body) {
-    return led_out_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
+  void find_depenetrating(Body& body, const ParticleView& particles, Threads& threads);
+  std::uint8_t* depenetrating_of(const Body& body) {
+    return depenetrating_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
   }
-  bool is_led_out(const Body& body, std::uint32_t object) { return led_out_of(body)[object] != 0; }
+  bool is_depenetrating(const Body& body, std::uint32_t object) {
+    return depenetrating_of(body)[object] != 0;
+  }
   float radius_of(const Element& element) const;
   bool may_touch(const Body& body, const Element& element, const ParticleView& particles) const;
   static double sag(const Shape& shape, const Corners& x, const Vec3d& middle,
@@ -149,14 +151,14 @@ class ColliderElementContacts final : public Projector {
   ContactStep step_;
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;
-  std::vector<Vec3d> placed_;              // of each of corners_, when candidates were looked for [m]
-  std::vector<float> margin_;              // of each particle: how far it may go until they are again [m]
-  std::vector<std::uint8_t> near_;         // of each feature or candidate
-  std::vector<std::uint32_t> candidates_;  // features, body by body
-  std::vector<std::uint32_t> tested_;      // of them, those that may touch now
-  std::vector<Found> found_;               // what each of these came to
-  std::vector<std::uint8_t> led_out_;      // [body][object]: some corner begins inside
-  std::vector<Contact> contacts_;          // body by body
+  std::vector<Vec3d> placed_;                // of each of corners_, when candidates were looked for [m]
+  std::vector<float> margin_;                // of each particle: how far it may go until they are again [m]
+  std::vector<std::uint8_t> near_;           // of each feature or candidate
+  std::vector<std::uint32_t> candidates_;    // features, body by body
+  std::vector<std::uint32_t> tested_;        // of them, those that may touch now
+  std::vector<Found> found_;                 // what each of these came to
+  std::vector<std::uint8_t> depenetrating_;  // [body][object]: some corner begins inside
+  std::vector<Contact> contacts_;            // body by body
 };
 
 }  // namespace souple
