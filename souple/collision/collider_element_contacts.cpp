@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t element_grain = 256;  // features worth a thread
 constexpr std::size_t search_grain = 8;     // searches worth a thread
 // Between its corners a feature keeps this part of its radius.
-constexpr double kept_part = 0.25;
+constexpr double target_part = 0.25;
 // Features matter from this part of a round shape's radius on, or of the radius of the ball about any other:
 // a fine cloth on a large table would pay for every triangle at its edges, ten times the rest of its step,
 // and one on a ball sinks in by 0.2 % of its radius at most.
@@ -60,9 +60,9 @@ double radius_around(const std::array<Vec3d, 3>& x) {
 // Whether a feature that a circle of radius R holds, whose corners keep r from a surface of that radius of
 // curvature, may come nearer than kept_part r between them: it lies deepest at sqrt((c + r)^2 - R^2) - c. A
 // tenth is left for what it may stretch.
-bool matters(double R, double r, double curvature_radius) {
+bool needs_contact(double R, double r, double curvature_radius) {
   const double outer = curvature_radius + r, wide = 1.1 * R;
-  return wide >= outer || sqrt(outer * outer - wide * wide) - curvature_radius < kept_part * r;
+  return wide >= outer || sqrt(outer * outer - wide * wide) - curvature_radius < target_part * r;
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ float ColliderElementContacts::radius_of(const Element& element) const {
 void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                               float h, Threads& threads) {
   candidates_.clear();
-  placed_.resize(particles.position.size());
+  broad_phase_position_.resize(particles.position.size());
   margin_.resize(particles.position.size());
   near_.resize(elements_.size());
   const float t = step_.dt;
@@ -136,7 +136,7 @@ void ColliderElementContacts::find_candidates(const ParticleView& particles, std
     for (std::size_t c = begin; c < end; ++c) {
       const std::uint32_t i = corners_[c].particle;
       const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
-      placed_[i] = place(particles, i);
+      broad_phase_position_[i] = place(particles, i);
       margin_[i] = 2 * t * (speed + step_.gravity * t) + radius_[i];
     }
   });
@@ -157,26 +157,26 @@ bool ColliderElementContacts::is_candidate(const Body& body, std::size_t element
   const Element& f = elements_[element];
   if (!materials_->collide(f.object, body.collider)) return false;
   const auto& [a, b, c] = f.particle;
-  const Corners x{placed_[a], placed_[b], placed_[c]};
+  const Corners x{broad_phase_position_[a], broad_phase_position_[b], broad_phase_position_[c]};
   const Ball ball = ball_about(x, is_edge(f));
   const double shape_size = body.curvature_radius > 0 ? body.curvature_radius : body.ball.radius;
   if (radius_around(x) < coarse_part * shape_size) return false;
-  if (!matters(radius_around(x), double(radius_of(f)), body.curvature_radius)) return false;
+  if (!needs_contact(radius_around(x), double(radius_of(f)), body.curvature_radius)) return false;
   if (!(particles.inverse_mass(a) > 0 || particles.inverse_mass(b) > 0 || particles.inverse_mass(c) > 0))
     return false;
   if (body.moves) return true;
-  const double reach = ball.radius + 3 * double(max(margin_[a], max(margin_[b], margin_[c])));
-  const double clear = body.ball.radius + reach;
+  const double range = ball.radius + 3 * double(max(margin_[a], max(margin_[b], margin_[c])));
+  const double clear = body.ball.radius + range;
   const Vec3d middle = body.after.to_local(ball.middle);
   if (!(length_squared(middle - body.ball.center) <= clear * clear)) return false;
-  return surface_distance(shape_of(body), middle).distance <= reach;
+  return surface_distance(shape_of(body), middle).distance <= range;
 }
 
 bool ColliderElementContacts::left_margins(const ParticleView& particles) const {
   return std::any_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
     const std::uint32_t i = corner.particle;
     const double margin = double(margin_[i]);
-    return length_squared(place(particles, i) - placed_[i]) > margin * margin;
+    return length_squared(place(particles, i) - broad_phase_position_[i]) > margin * margin;
   });
 }
 
@@ -235,8 +235,8 @@ void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView&
   threads.for_each(corners_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       const Vec3d x = body.before.to_local(start_place(particles, corners_[c].particle));
-      const double reach = body.ball.radius;
-      near_[c] = length_squared(x - body.ball.center) < reach * reach &&
+      const double range = body.ball.radius;
+      near_[c] = length_squared(x - body.ball.center) < range * range &&
                          surface_distance(shape_of(body), x).distance < 0
                      ? 1
                      : 0;
@@ -280,12 +280,12 @@ bool ColliderElementContacts::may_touch(const Body& body, const Element& element
   const Corners x = corners(body.before, element, particles, true);
   const bool edge = is_edge(element);
   const Ball ball = ball_about(x, edge);
-  const double r = double(radius_of(element)), reach = 2 * (ball.radius + r);
+  const double r = double(radius_of(element)), range = 2 * (ball.radius + r);
   if (!body.moves) {
     double max_motion = 0;
     for (const std::uint32_t i : element.particle)
       max_motion = max(max_motion, double(length(particles.moved(i))));
-    const double clear = body.ball.radius + reach + max_motion;
+    const double clear = body.ball.radius + range + max_motion;
     if (!(length_squared(ball.middle - body.ball.center) <= clear * clear)) return false;
   }
   const Shape& shape = shape_of(body);
@@ -297,8 +297,9 @@ bool ColliderElementContacts::may_touch(const Body& body, const Element& element
         min(lowest, min(dot(surface.normal, x[k] - ball.middle), dot(surface.normal, to[k] - ball.middle)));
     path = max(path, length_squared(to[k] - x[k]));
   }
-  if (surface.distance > reach + sqrt(path) || surface.distance + lowest >= 1.2 * kept_part * r) return false;
-  const double min_sag = 0.8 * (1 - kept_part) * r;
+  if (surface.distance > range + sqrt(path) || surface.distance + lowest >= 1.2 * target_part * r)
+    return false;
+  const double min_sag = 0.8 * (1 - target_part) * r;
   if (sag(shape, x, ball.middle, surface) > min_sag) return true;
   if (path <= r * r) return false;
   const Vec3d middle = ball_about(to, edge).middle;
@@ -308,8 +309,8 @@ bool ColliderElementContacts::may_touch(const Body& body, const Element& element
 // With the gap of Frank and Wolfe,
 //   g = max_k n . (q - x_k),
 // d - g bounds from below what is left to gain where d is convex: what stays above `limit` is soon known to.
-ColliderElementContacts::Deepest ColliderElementContacts::look(const Shape& shape, const Corners& x,
-                                                               const std::array<double, 3>& weight) {
+ColliderElementContacts::Deepest ColliderElementContacts::evaluate(const Shape& shape, const Corners& x,
+                                                                   const std::array<double, 3>& weight) {
   Deepest at{weight, x[0] * weight[0] + x[1] * weight[1] + x[2] * weight[2], {}, 0};
   at.surface = surface_distance(shape, at.point);
   for (const Vec3d& corner : x) at.gap = max(at.gap, dot(at.surface.normal, at.point - corner));
@@ -331,7 +332,7 @@ ColliderElementContacts::Deepest ColliderElementContacts::deepest_between(const 
     (dot(n, direction) < 0 ? falls : rises) = middle;
   }
   const double s = falls == 0 ? 0 : (rises == 1 ? 1 : 0.5 * (falls + rises));
-  return look(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
+  return evaluate(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
 }
 
 // f(w_2) = min over w_1 of d is convex where d is: a golden section of it finds the minimum of any such d,
@@ -358,11 +359,11 @@ ColliderElementContacts::Deepest ColliderElementContacts::deepest_by_sections(co
 // off.) What that leaves undone is done by sections.
 ColliderElementContacts::Deepest ColliderElementContacts::deepest(const Shape& shape, const Corners& x,
                                                                   double limit, double tolerance) {
-  constexpr int turns = 3;
+  constexpr int rounds = 3;
   if (x[1] == x[2]) return deepest_between(shape, x, {1, 0, 0}, {0, 1, 0});
-  Deepest best = look(shape, x, {1 / 3.0, 1 / 3.0, 1 / 3.0});
+  Deepest best = evaluate(shape, x, {1 / 3.0, 1 / 3.0, 1 / 3.0});
   const auto done = [&] { return best.surface.distance - best.gap > limit || best.gap <= tolerance; };
-  for (int turn = 0; turn < turns; ++turn) {
+  for (int round = 0; round < rounds; ++round) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (done()) return best;
       const double rest = 1 - best.weight[k];
@@ -391,16 +392,16 @@ bool ColliderElementContacts::contact_of(const Body& body, const Element& elemen
   const Corners to = corners(body.after, element, particles, false);
   double path = 0;
   for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
-  const double r = double(radius_of(element)), target = kept_part * r;
+  const double r = double(radius_of(element)), target = target_part * r;
   Deepest low = deepest(shape, from, r + path, 0.1 * r);
   const double overlap = low.surface.distance - target;
   found.inside = low.surface.distance < -r;
-  double gone = 0;
-  for (int stride = 0; stride < 16; ++stride) {
+  double advanced = 0;
+  for (int iteration = 0; iteration < 16; ++iteration) {
     const double free = max(low.surface.distance - low.gap, 0.5 * low.surface.distance) - target;
     if (low.surface.distance - target <= 1e-3 * r || free <= 1e-3 * r) break;
-    gone += free;
-    const double part = gone < path ? gone / path : 1.0;
+    advanced += free;
+    const double part = advanced < path ? advanced / path : 1.0;
     Corners x;
     for (std::size_t k = 0; k < 3; ++k) x[k] = from[k] + (to[k] - from[k]) * part;
     low = deepest(shape, x, r + path, 0.1 * r);
@@ -446,8 +447,8 @@ void ColliderElementContacts::correct(const Contact& contact, const ParticleView
                                       const Vec3f& change) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
-    const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
-    if (share > 0) particles.correct(i, change * share);
+    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (factor > 0) particles.correct(i, change * factor);
   }
 }
 
@@ -501,8 +502,8 @@ void ColliderElementContacts::apply_restitution_to(const Body& body, Contact& co
   contact.restitution_velocity = restitution_velocity;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
-    const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
-    if (share > 0) velocity[i].set_xyz(velocity[i].xyz() + change * share);
+    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (factor > 0) velocity[i].set_xyz(velocity[i].xyz() + change * factor);
   }
   contact.depth = max(0.0f, float(-gap(body, contact, particles)));
 }
@@ -562,8 +563,8 @@ void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
 }
 
 std::size_t ColliderElementContacts::bytes() const {
-  return bytes_of(elements_, corners_, bodies_, placed_, margin_, near_, candidates_, tested_, found_,
-                  contacts_);
+  return bytes_of(elements_, corners_, bodies_, broad_phase_position_, margin_, near_, candidates_, tested_,
+                  found_, contacts_);
 }
 
 }  // namespace souple

@@ -126,7 +126,7 @@ class ColliderElementContacts final : public Projector {
                     const SurfaceDistance& at_middle);
   bool contact_of(const Body& body, const Element& element, const ParticleView& particles, float h,
                   Found& found) const;
-  static Deepest look(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
+  static Deepest evaluate(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
   static Deepest deepest_between(const Shape& shape, const Corners& x, const std::array<double, 3>& a,
                                  const std::array<double, 3>& b);
   static Deepest deepest_by_sections(const Shape& shape, const Corners& x);
@@ -151,7 +151,7 @@ class ColliderElementContacts final : public Projector {
   ContactStep step_;
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;
-  std::vector<Vec3d> placed_;                // of each of corners_, when candidates were looked for [m]
+  std::vector<Vec3d> broad_phase_position_;  // of each of corners_, when candidates were looked for [m]
   std::vector<float> margin_;                // of each particle: how far it may go until they are again [m]
   std::vector<std::uint8_t> near_;           // of each feature or candidate
   std::vector<std::uint32_t> candidates_;    // features, body by body

@@ -496,13 +496,13 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
   store<Isa>(sums.normal_sum, columns.normal_sum + i, pack.count);
   for (int axis = 0; axis < 3; ++axis)
     store<Isa>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);
-  const T share = T(1.f) / load<Isa>(columns.inverse_mass + i, pack.count);
+  const T factor = T(1.f) / load<Isa>(columns.inverse_mass + i, pack.count);
   if (particles.corrected != particles.moving)
     for (int k = 0; k < 4; ++k) {
       corners.records[k] = Records<Isa>(particles.corrected, pack.first_float[k]);
       corners.records[k].turn();
     }
-  corners.add(change * share, pack.c, acts, particles.corrected, pack.first_float);
+  corners.add(change * factor, pack.c, acts, particles.corrected, pack.first_float);
 }
 
 template <class Isa>
