@@ -43,10 +43,10 @@ kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& 
 }
 
 // Of what a patch is made, where it is not of triangles.
-bool is_loose_vertex(const SurfacePatch& patch) {
+bool is_particles_only(const SurfacePatch& patch) {
   return patch.triangles == 0 && patch.edges == 0;
 }
-bool is_loose_edges(const SurfacePatch& patch) {
+bool is_edges_only(const SurfacePatch& patch) {
   return patch.triangles == 0 && patch.edges > 0;
 }
 
@@ -142,11 +142,12 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
   for (const std::uint32_t i : particles)
     if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_infinite(boxes[i]);
   mark(particles);
-  for (const std::uint32_t a : moving_now_) left_out_ += make_boxes_of(a, position_w);
-  if (!moving_now_.empty()) hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
+  for (const std::uint32_t a : moved_patches_) left_out_ += make_boxes_of(a, position_w);
+  if (!moved_patches_.empty())
+    hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
   constexpr std::size_t per_chunk = 16;
-  find_in_chunks(moving_now_.size(), per_chunk, out, threads, [&](std::size_t k, Part& part) {
-    const std::uint32_t a = moving_now_[k];
+  find_in_chunks(moved_patches_.size(), per_chunk, out, threads, [&](std::size_t k, Part& part) {
+    const std::uint32_t a = moved_patches_[k];
     part.found.clear();
     hash_.find(patch_boxes_[a], part.found);
     for (const std::uint32_t b : part.found) {
@@ -160,20 +161,20 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
 
 // Finds the patches that name one of them, and which of their items do.
 void NearPairFinder::mark(std::span<const std::uint32_t> particles) {
-  moving_now_.clear();
+  moved_patches_.clear();
   for (const std::uint32_t i : particles) {
     if (i >= elements_->particle_end()) continue;
     is_moving_[i] = 1;
-    for (const std::uint32_t p : elements_->patches_of(i)) moving_now_.push_back(p);
+    for (const std::uint32_t p : elements_->patches_of(i)) moved_patches_.push_back(p);
   }
-  std::sort(moving_now_.begin(), moving_now_.end());
-  moving_now_.erase(std::unique(moving_now_.begin(), moving_now_.end()), moving_now_.end());
+  std::sort(moved_patches_.begin(), moved_patches_.end());
+  moved_patches_.erase(std::unique(moved_patches_.begin(), moved_patches_.end()), moved_patches_.end());
   const auto bits = [&](std::uint32_t first, std::uint32_t count, const auto& moves) {
     std::uint32_t marked = 0;
     for (std::uint32_t k = 0; k < count; ++k) marked |= moves(first + k) ? 1u << k : 0u;
     return marked;
   };
-  for (const std::uint32_t a : moving_now_) {
+  for (const std::uint32_t a : moved_patches_) {
     const SurfacePatch& patch = elements_->patches()[a];
     marks_[a].vertices = bits(patch.first_vertex, patch.vertices,
                               [&](std::uint32_t v) { return is_moving_[elements_->vertices()[v]] != 0; });
@@ -191,7 +192,7 @@ void NearPairFinder::mark(std::span<const std::uint32_t> particles) {
 void NearPairFinder::unmark(std::span<const std::uint32_t> particles) {
   for (const std::uint32_t i : particles)
     if (i < elements_->particle_end()) is_moving_[i] = 0;
-  for (const std::uint32_t a : moving_now_) marks_[a] = {};
+  for (const std::uint32_t a : moved_patches_) marks_[a] = {};
 }
 
 void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w,
@@ -296,7 +297,7 @@ void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint3
   });
   const auto vertices_edges = [&](const SurfacePatch& v, const Bounds& v_box, const Marks& of_v,
                                   const SurfacePatch& e, const Bounds& e_box, const Marks& of_e) {
-    if (!is_loose_vertex(v) || !is_loose_edges(e)) return;
+    if (!is_particles_only(v) || !is_edges_only(e)) return;
     add(part.edge_edge, std::size_t{v.vertices} * e.edges, [&](kernels::Quad* pairs) {
       return kernels_->vertices_edges(vertices_, group(v.first_vertex, v.vertices, v_box, of_v.vertices),
                                       edges_, group(e.first_edge, e.edges, e_box, of_e.edges), pairs);
@@ -325,7 +326,7 @@ void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<Nea
 
 std::size_t NearPairFinder::bytes() const {
   std::size_t sum =
-      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, marks_, is_moving_, moving_now_) +
+      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, marks_, is_moving_, moved_patches_) +
       hash_.bytes();
   for (const Boxes* boxes : {&vertex_boxes_, &edge_boxes_, &triangle_boxes_})
     for (std::size_t axis = 0; axis < 3; ++axis) sum += bytes_of(boxes->lo[axis], boxes->hi[axis]);

@@ -135,10 +135,10 @@ class NearPairFinder {
   SpatialHash hash_;
   std::vector<Part> parts_;
   std::vector<Chunk> chunks_;
-  std::vector<std::size_t> left_out_of_;   // each chunk
-  std::vector<Marks> marks_;               // of each patch, in find_moved
-  std::vector<std::uint8_t> is_moving_;    // of each particle
-  std::vector<std::uint32_t> moving_now_;  // patches that name a particle that moved
+  std::vector<std::size_t> left_out_of_;      // each chunk
+  std::vector<Marks> marks_;                  // of each patch, in find_moved
+  std::vector<std::uint8_t> is_moving_;       // of each particle
+  std::vector<std::uint32_t> moved_patches_;  // patches that name a particle that moved
   std::size_t left_out_ = 0;
   Milliseconds milliseconds_;
 };

@@ -40,7 +40,7 @@ struct Records {
   }
   /// Turned back and written.
   SOUPLE_INLINE void write(float* base, const std::uint32_t* first_float) {
-    turn();
+    transpose();
     for (std::uint32_t j = 0; j < 4; ++j) {
       if constexpr (Isa::lanes == 1) {
         base[first_float[0] + j] = r[j];
@@ -49,11 +49,11 @@ struct Records {
       }
     }
   }
-  SOUPLE_INLINE void turn() {
+  SOUPLE_INLINE void transpose() {
     if constexpr (Isa::lanes > 1) simd::transpose<Isa>(r);
   }
   SOUPLE_INLINE Vectors<Isa> components() {
-    turn();
+    transpose();
     return {Numbers<Isa>(r[0]), Numbers<Isa>(r[1]), Numbers<Isa>(r[2])};
   }
 };
@@ -470,7 +470,7 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
     corners.records[k] = position;
     if constexpr (displacement) {
       corners.records[k] = Records<Isa>(particles.moving, pack.first_float[k]);
-      corners.records[k].turn();
+      corners.records[k].transpose();
     }
     const Vectors<Isa> d = corners.component(k), m = d - start.components();
     if (k == 0) {
@@ -500,7 +500,7 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
   if (particles.corrected != particles.moving)
     for (int k = 0; k < 4; ++k) {
       corners.records[k] = Records<Isa>(particles.corrected, pack.first_float[k]);
-      corners.records[k].turn();
+      corners.records[k].transpose();
     }
   corners.add(change * factor, pack.c, acts, particles.corrected, pack.first_float);
 }
@@ -539,7 +539,7 @@ template <class Isa>
     Vectors<Isa> u{zero, zero, zero};
     for (int k = 0; k < 4; ++k) {
       corners.records[k] = Records<Isa>(velocity, pack.first_float[k]);
-      corners.records[k].turn();
+      corners.records[k].transpose();
       u += corners.component(k) * pack.c[k];
     }
     const auto column = [&](const float* of) { return load<Isa>(of + i, count); };
