@@ -34,7 +34,7 @@ struct SurfaceScene {
     elements.add_triangles(mesh.triangles, first, objects++);
   }
   /// Triangles anywhere in a cube, of sides about `length`.
-  void add_soup(int triangles, double cube, double length, double half_size, Random& random) {
+  void add_random_triangles(int triangles, double cube, double length, double half_size, Random& random) {
     const std::uint32_t first = size();
     std::vector<Triangle> list;
     for (int t = 0; t < triangles; ++t) {

@@ -124,7 +124,7 @@ void expect_all_pairs(const SurfaceScene& scene, std::size_t at_least) {
 SurfaceScene mixture(std::uint64_t seed) {
   SurfaceScene scene;
   Random random(seed);
-  scene.add_soup(300, 1, 0.1, 0.02, random);
+  scene.add_random_triangles(300, 1, 0.1, 0.02, random);
   scene.add_cloth(16, 1.5, 0.01, [](double x, double z) { return Vec3d{x, 0.1 * std::sin(9 * x), z}; });
   for (int rope = 0; rope < 4; ++rope)
     scene.add_rope(40, random.point(-1, 1), random.point(-1, 1), random.uniform(0.01, 0.03));
@@ -137,7 +137,7 @@ TEST(NearPairs, RandomTriangles) {
   for (std::uint64_t seed = 1; seed < 5; ++seed) {
     Random random(seed);
     SurfaceScene scene;
-    scene.add_soup(500, 1, random.uniform(0.02, 0.3), random.uniform(0, 0.05), random);
+    scene.add_random_triangles(500, 1, random.uniform(0.02, 0.3), random.uniform(0, 0.05), random);
     scene.all_collide();
     expect_all_pairs(scene, 100);
   }
@@ -188,7 +188,7 @@ TEST(NearPairs, OnlyWhatCanMove) {
 TEST(NearPairs, OneTriangleAThousandTimesLarger) {
   SurfaceScene scene = mixture(7);
   Random random(3);
-  scene.add_soup(1, 0.1, 100, 0.1, random);
+  scene.add_random_triangles(1, 0.1, 100, 0.1, random);
   scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
@@ -206,7 +206,7 @@ TEST(NearPairs, AllSizesAtOnce) {
   Random random(11);
   double size = 1e-4;
   for (int step = 0; step < 9; ++step, size *= 5) {
-    scene.add_soup(40, 3 * size, size, 0.1 * size, random);
+    scene.add_random_triangles(40, 3 * size, size, 0.1 * size, random);
     scene.add_grains(20, 3 * size, size * random.uniform(0.1, 2), random);
     scene.add_rope(10, random.point(-size, size), random.point(-size, size), 0.05 * size);
   }
@@ -219,7 +219,7 @@ TEST(NearPairs, CoincidentPoints) {
   Random random(9);
   for (int copy = 0; copy < 3; ++copy)
     scene.add_cloth(8, 1, 0, [](double x, double z) { return Vec3d{x, 0, z}; });
-  scene.add_soup(30, 0, 0, 0, random);
+  scene.add_random_triangles(30, 0, 0, 0, random);
   scene.add_grains(30, 0, 0, random);
   scene.all_collide();
   expect_all_pairs(scene, 1000);
@@ -228,7 +228,7 @@ TEST(NearPairs, CoincidentPoints) {
 TEST(NearPairs, EverythingInOnePoint) {
   SurfaceScene scene;
   Random random(1);
-  scene.add_soup(40, 0, 0, 0, random);
+  scene.add_random_triangles(40, 0, 0, 0, random);
   scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
@@ -247,7 +247,7 @@ TEST(NearPairs, OneStrayFarAway) {
   Random random(2);
   for (const double far : {1e3, 1e6, 1e12, 1e30}) {
     const std::uint32_t first = scene.size();
-    scene.add_soup(2, 0, 0.1, 0.02, random);
+    scene.add_random_triangles(2, 0, 0.1, 0.02, random);
     for (std::uint32_t i = first; i < scene.size(); ++i)
       scene.boxes[i] = {scene.boxes[i].lo + Vec3f{float(far), 0, 0},
                         scene.boxes[i].hi + Vec3f{float(far), 0, 0}};
@@ -261,7 +261,7 @@ TEST(NearPairs, WhatIsNotFiniteIsLeftOutAndCounted) {
                   infinity = std::numeric_limits<float>::infinity();
   SurfaceScene scene;
   Random random(14);
-  scene.add_soup(200, 0.5, 0.1, 0.02, random);
+  scene.add_random_triangles(200, 0.5, 0.1, 0.02, random);
   scene.all_collide();
   scene.boxes[7].lo.y = nan;
   scene.boxes[33].hi.z = infinity;
