@@ -28,18 +28,18 @@ class ObjectMatrix {
  public:
   ObjectMatrix() = default;
   /// `meet`: what all pairs begin with.
-  explicit ObjectMatrix(std::size_t objects, bool meet = false)
-      : objects_(objects), meets_(objects * objects, meet) {}
-  void set(std::size_t a, std::size_t b, bool meet) {
-    meets_[a * objects_ + b] = meets_[b * objects_ + a] = meet;
+  explicit ObjectMatrix(std::size_t objects, bool collide = false)
+      : objects_(objects), collide_(objects * objects, collide) {}
+  void set(std::size_t a, std::size_t b, bool collide) {
+    collide_[a * objects_ + b] = collide_[b * objects_ + a] = collide;
   }
-  void clear() { std::fill(meets_.begin(), meets_.end(), std::uint8_t{0}); }
-  bool at(std::size_t a, std::size_t b) const { return meets_[a * objects_ + b] != 0; }
+  void clear() { std::fill(collide_.begin(), collide_.end(), std::uint8_t{0}); }
+  bool at(std::size_t a, std::size_t b) const { return collide_[a * objects_ + b] != 0; }
   std::size_t size() const { return objects_; }
 
  private:
   std::size_t objects_ = 0;
-  std::vector<std::uint8_t> meets_;
+  std::vector<std::uint8_t> collide_;
 };
 
 /// Finds what may touch within a step: vertices whose box overlaps that of a triangle, edges whose box
@@ -58,7 +58,7 @@ class NearPairFinder {
   /// box that is not finite. Two loose vertices are never a pair. The order depends on elements and boxes
   /// alone: it is the same for any number of threads. `position_w`: particles, w = inverse mass. Throws Error
   /// when `boxes`, `position_w` or `meets` are too small. Allocates nothing when warm.
-  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectMatrix& meets,
+  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectMatrix& matrix,
             std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
   /// After a find: boxes of some particles are larger or elsewhere. Replaces `out` by all pairs, with nothing
@@ -82,7 +82,7 @@ class NearPairFinder {
   struct List {
     std::vector<NearPair> pairs;
     std::size_t count = 0;
-    kernels::Quad* room_for(std::size_t more);
+    kernels::Quad* grow_capacity(std::size_t more);
   };
   /// What one thread finds.
   struct Part {
@@ -91,7 +91,7 @@ class NearPairFinder {
   };
   /// Of a fixed number of patches: where its pairs are in its part, and where they go.
   struct Piece {
-    std::size_t begin = 0, count = 0, place = 0;
+    std::size_t begin = 0, count = 0, offset = 0;
   };
   struct Chunk {
     Piece vertex_triangle, edge_edge;
@@ -124,7 +124,7 @@ class NearPairFinder {
 
   // Of the find that runs.
   const SurfaceElements* elements_ = nullptr;
-  const ObjectMatrix* meets_ = nullptr;
+  const ObjectMatrix* matrix_ = nullptr;
   const kernels::PatchKernels* kernels_ = nullptr;
   kernels::BoxColumns vertices_{}, edges_{}, triangles_{};
 
@@ -135,10 +135,10 @@ class NearPairFinder {
   SpatialHash hash_;
   std::vector<Part> parts_;
   std::vector<Chunk> chunks_;
-  std::vector<std::size_t> left_out_of_;   // each chunk
-  std::vector<Marks> marks_;               // of each patch, in find_moved
-  std::vector<std::uint8_t> is_moving_;    // of each particle
-  std::vector<std::uint32_t> moving_now_;  // patches that name a particle that moved
+  std::vector<std::size_t> left_out_of_;      // each chunk
+  std::vector<Marks> marks_;                  // of each patch, in find_moved
+  std::vector<std::uint8_t> is_moving_;       // of each particle
+  std::vector<std::uint32_t> moved_patches_;  // patches that name a particle that moved
   std::size_t left_out_ = 0;
   Milliseconds milliseconds_;
 };

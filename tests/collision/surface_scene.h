@@ -15,7 +15,7 @@ struct SurfaceScene {
   std::vector<Bounds> boxes;
   std::vector<Vec4f> position_w;
   std::uint32_t objects = 0;
-  ObjectMatrix meets;
+  ObjectMatrix matrix;
 
   std::uint32_t add_particle(const Vec3d& x, double half_size, float inverse_mass = 1) {
     const Vec3f at(x), half{float(half_size), float(half_size), float(half_size)};
@@ -34,7 +34,7 @@ struct SurfaceScene {
     elements.add_triangles(mesh.triangles, first, objects++);
   }
   /// Triangles anywhere in a cube, of sides about `length`.
-  void add_soup(int triangles, double cube, double length, double half_size, Random& random) {
+  void add_random_triangles(int triangles, double cube, double length, double half_size, Random& random) {
     const std::uint32_t first = size();
     std::vector<Triangle> list;
     for (int t = 0; t < triangles; ++t) {
@@ -62,7 +62,7 @@ struct SurfaceScene {
   void move(const Vec3d& by) {
     for (Bounds& box : boxes) box = {Vec3f(Vec3d(box.lo) + by), Vec3f(Vec3d(box.hi) + by)};
   }
-  void all_meet() { meets = ObjectMatrix(objects, true); }
+  void all_collide() { matrix = ObjectMatrix(objects, true); }
 };
 
 }  // namespace souple::test

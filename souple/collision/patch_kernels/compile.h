@@ -47,16 +47,16 @@ struct Lanes {
 
 /// A box in every lane.
 template <class Isa>
-struct SpreadBox {
+struct BroadcastBox {
   typename Lanes<Isa>::Vector lo[3], hi[3];
 
-  explicit SpreadBox(const float (&box)[6]) {
+  explicit BroadcastBox(const float (&box)[6]) {
     for (int axis = 0; axis < 3; ++axis) {
       lo[axis] = Lanes<Isa>::broadcast(box[axis]);
       hi[axis] = Lanes<Isa>::broadcast(box[3 + axis]);
     }
   }
-  SpreadBox(const BoxColumns& boxes, std::size_t i) {
+  BroadcastBox(const BoxColumns& boxes, std::size_t i) {
     for (int axis = 0; axis < 3; ++axis) {
       lo[axis] = Lanes<Isa>::broadcast(boxes.lo[axis][i]);
       hi[axis] = Lanes<Isa>::broadcast(boxes.hi[axis][i]);
@@ -79,10 +79,10 @@ std::uint32_t first_bits(std::uint32_t count) {
 template <class Isa>
 SOUPLE_INLINE inline std::uint32_t items_in(const BoxColumns& items, const BoxGroup& group,
                                             const float (&box)[6]) {
-  const SpreadBox<Isa> spread(box);
+  const BroadcastBox<Isa> broadcast_box(box);
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < group.count; k += Lanes<Isa>::count)
-    bits |= Lanes<Isa>::bits(spread.overlaps(items, group.begin + k)) << k;
+    bits |= Lanes<Isa>::bits(broadcast_box.overlaps(items, group.begin + k)) << k;
   return bits & first_bits<Isa>(group.count);
 }
 
@@ -92,7 +92,7 @@ template <class Isa, int n, int other_n>
 SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t i, const BoxColumns& items,
                                             const BoxGroup& group) {
   using L = Lanes<Isa>;
-  const SpreadBox<Isa> box(from, i);
+  const BroadcastBox<Isa> box(from, i);
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < group.count; k += L::count) {
     const std::size_t at = group.begin + k;
@@ -118,7 +118,7 @@ inline std::uint32_t wanted_by(const BoxGroup& first, std::uint32_t k, const Box
 /// a loop for each item would end as many times at a place that nobody foresees.
 template <class Isa>
 struct Rows {
-  std::uint32_t item[BoxGroup::most_items + 1], near[BoxGroup::most_items + 1];
+  std::uint32_t item[BoxGroup::max_items + 1], near[BoxGroup::max_items + 1];
   std::uint32_t count = 0, pairs = 0;
 
   void add(std::uint32_t which, std::uint32_t bits) {
@@ -175,8 +175,8 @@ std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGro
   for (std::uint32_t near = items_in<Isa>(edges, a, b.box) & may_have_marked(a, b); near != 0;
        near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
-    const std::uint32_t hits = near_one<Isa, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
-    rows.add(a.begin + k, same ? hits & ~first_bits<Isa>(k + 1) : hits);
+    const std::uint32_t overlaps = near_one<Isa, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
+    rows.add(a.begin + k, same ? overlaps & ~first_bits<Isa>(k + 1) : overlaps);
   }
   Quad* next = pairs;
   rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
@@ -193,13 +193,14 @@ template <class Isa>
 std::size_t overlapping(const BoxColumns& boxes, std::size_t begin, std::size_t count, const float (&box)[6],
                         const std::uint32_t* keys, std::uint32_t mask, std::uint32_t* found) {
   using L = Lanes<Isa>;
-  const SpreadBox<Isa> spread(box);
+  const BroadcastBox<Isa> broadcast_box(box);
   std::size_t n = 0;
   for (std::size_t k = 0; k < count; k += L::count) {
-    std::uint32_t hits = L::bits(spread.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
-    if (count - k < L::count) hits &= first_bits<Isa>(static_cast<std::uint32_t>(count - k));
-    for (; hits != 0; hits &= hits - 1)
-      found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(hits))];
+    std::uint32_t overlaps =
+        L::bits(broadcast_box.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
+    if (count - k < L::count) overlaps &= first_bits<Isa>(static_cast<std::uint32_t>(count - k));
+    for (; overlaps != 0; overlaps &= overlaps - 1)
+      found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(overlaps))];
   }
   return n;
 }

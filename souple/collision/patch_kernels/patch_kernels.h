@@ -17,7 +17,7 @@ struct BoxColumns {
 
 /// The items that belong together: [begin, begin + count), at most most_items, and a box around them: lo, hi.
 struct BoxGroup {
-  static constexpr std::uint32_t most_items = 32;
+  static constexpr std::uint32_t max_items = 32;
   std::uint32_t begin, count;
   float box[6];
   std::uint32_t marked = ~0u;  ///< bit k: item k. Pairs of which neither is marked are left out.

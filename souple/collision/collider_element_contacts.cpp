@@ -1,4 +1,4 @@
-#include "souple/collision/feature_contacts.h"
+#include "souple/collision/collider_element_contacts.h"
 
 #include "souple/collision/contact_law.h"
 #include "souple/collision/particle_position.h"
@@ -11,17 +11,17 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t feature_grain = 256;  // features worth a thread
+constexpr std::size_t element_grain = 256;  // features worth a thread
 constexpr std::size_t search_grain = 8;     // searches worth a thread
 // Between its corners a feature keeps this part of its radius.
-constexpr double kept_part = 0.25;
+constexpr double target_part = 0.25;
 // Features matter from this part of a round shape's radius on, or of the radius of the ball about any other:
 // a fine cloth on a large table would pay for every triangle at its edges, ten times the rest of its step,
 // and one on a ball sinks in by 0.2 % of its radius at most.
 constexpr double coarse_part = 0.05;
 
-bool is_edge(const FeatureContacts::Feature& feature) {
-  return feature.particle[1] == feature.particle[2];
+bool is_edge(const ColliderElementContacts::Element& element) {
+  return element.particle[1] == element.particle[2];
 }
 
 /// A ball about a feature.
@@ -60,20 +60,20 @@ double radius_around(const std::array<Vec3d, 3>& x) {
 // Whether a feature that a circle of radius R holds, whose corners keep r from a surface of that radius of
 // curvature, may come nearer than kept_part r between them: it lies deepest at sqrt((c + r)^2 - R^2) - c. A
 // tenth is left for what it may stretch.
-bool matters(double R, double r, double curvature_radius) {
+bool needs_contact(double R, double r, double curvature_radius) {
   const double outer = curvature_radius + r, wide = 1.1 * R;
-  return wide >= outer || sqrt(outer * outer - wide * wide) - curvature_radius < kept_part * r;
+  return wide >= outer || sqrt(outer * outer - wide * wide) - curvature_radius < target_part * r;
 }
 
 }  // namespace
 
-void FeatureContacts::set_features(std::vector<Feature> features) {
-  features_ = std::move(features);
+void ColliderElementContacts::set_elements(std::vector<Element> elements) {
+  elements_ = std::move(elements);
   corners_.clear();
   objects_ = 0;
-  for (const Feature& feature : features_) {
-    for (const std::uint32_t i : feature.particle) corners_.push_back({i, feature.object});
-    objects_ = std::max(objects_, feature.object + 1);
+  for (const Element& element : elements_) {
+    for (const std::uint32_t i : element.particle) corners_.push_back({i, element.object});
+    objects_ = std::max(objects_, element.object + 1);
   }
   const auto before = [](const Corner& a, const Corner& b) { return a.particle < b.particle; };
   const auto same = [](const Corner& a, const Corner& b) { return a.particle == b.particle; };
@@ -81,32 +81,32 @@ void FeatureContacts::set_features(std::vector<Feature> features) {
   corners_.erase(std::unique(corners_.begin(), corners_.end(), same), corners_.end());
   bodies_.clear();
   contacts_.clear();
-  met_.reserve(features_.size());
-  candidates_.reserve(features_.size());
+  tested_.reserve(elements_.size());
+  candidates_.reserve(elements_.size());
   contacts_.reserve(256);
-  found_.resize(std::min<std::size_t>(features_.size(), 256));
+  found_.resize(std::min<std::size_t>(elements_.size(), 256));
 }
 
-void FeatureContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                 std::span<const float> radius, std::span<const Collider> colliders,
-                                 const ContactMaterialTable& materials, const ContactStep& step,
-                                 Threads& threads) {
+void ColliderElementContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                         std::span<const float> radius, std::span<const Collider> colliders,
+                                         const ContactMaterialTable& materials, const ContactStep& step,
+                                         Threads& threads) {
   colliders_ = colliders, radius_ = radius;
   materials_ = &materials;
   step_ = step;
   contacts_.clear();
   find_bodies();
   if (bodies_.empty()) return;
-  led_out_.assign(bodies_.size() * objects_, 0);
+  depenetrating_.assign(bodies_.size() * objects_, 0);
   for (Body& body : bodies_)
-    if (!body.moves) find_led_out(body, particles, threads);
+    if (!body.moves) find_depenetrating(body, particles, threads);
   find_candidates(particles, velocity, 0, threads);
 }
 
 // Of a plane nothing is lower than a corner.
-void FeatureContacts::find_bodies() {
+void ColliderElementContacts::find_bodies() {
   bodies_.clear();
-  if (features_.empty()) return;
+  if (elements_.empty()) return;
   for (std::uint32_t c = 0; c < colliders_.size(); ++c) {
     const Collider& collider = colliders_[c];
     if (!collider.enabled || std::holds_alternative<Plane>(collider.shape)) continue;
@@ -120,68 +120,68 @@ void FeatureContacts::find_bodies() {
   }
 }
 
-float FeatureContacts::radius_of(const Feature& feature) const {
-  return min(radius_[feature.particle[0]], min(radius_[feature.particle[1]], radius_[feature.particle[2]]));
+float ColliderElementContacts::radius_of(const Element& element) const {
+  return min(radius_[element.particle[0]], min(radius_[element.particle[1]], radius_[element.particle[2]]));
 }
 
 // The margins are those of ColliderContacts: twice what a particle goes in a step at its present speed.
-void FeatureContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
-                                      Threads& threads) {
+void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                              float h, Threads& threads) {
   candidates_.clear();
-  placed_.resize(particles.position.size());
+  broad_phase_position_.resize(particles.position.size());
   margin_.resize(particles.position.size());
-  near_.resize(features_.size());
+  near_.resize(elements_.size());
   const float t = step_.dt;
-  threads.for_each(corners_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(corners_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       const std::uint32_t i = corners_[c].particle;
       const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
-      placed_[i] = particle_position(particles, i);
+      broad_phase_position_[i] = particle_position(particles, i);
       margin_[i] = 2 * t * (speed + step_.gravity * t) + radius_[i];
     }
   });
   for (Body& body : bodies_) {
-    threads.for_each(features_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
+    threads.for_each(elements_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) near_[f] = is_candidate(body, f, particles) ? 1 : 0;
     });
     body.candidate_begin = candidates_.size();
-    for (std::uint32_t f = 0; f < features_.size(); ++f)
+    for (std::uint32_t f = 0; f < elements_.size(); ++f)
       if (near_[f] != 0) candidates_.push_back(f);
     body.candidate_end = candidates_.size();
   }
 }
 
 // A body that moves may go anywhere: what matters for it is looked at in every substep.
-bool FeatureContacts::is_candidate(const Body& body, std::size_t feature,
-                                   const ParticleView& particles) const {
-  const Feature& f = features_[feature];
+bool ColliderElementContacts::is_candidate(const Body& body, std::size_t element,
+                                           const ParticleView& particles) const {
+  const Element& f = elements_[element];
   if (!materials_->collide(f.object, body.collider)) return false;
   const auto& [a, b, c] = f.particle;
-  const Corners x{placed_[a], placed_[b], placed_[c]};
+  const Corners x{broad_phase_position_[a], broad_phase_position_[b], broad_phase_position_[c]};
   const Ball ball = ball_about(x, is_edge(f));
   const double shape_size = body.curvature_radius > 0 ? body.curvature_radius : body.ball.radius;
   if (radius_around(x) < coarse_part * shape_size) return false;
-  if (!matters(radius_around(x), double(radius_of(f)), body.curvature_radius)) return false;
+  if (!needs_contact(radius_around(x), double(radius_of(f)), body.curvature_radius)) return false;
   if (!(particles.inverse_mass(a) > 0 || particles.inverse_mass(b) > 0 || particles.inverse_mass(c) > 0))
     return false;
   if (body.moves) return true;
-  const double reach = ball.radius + 3 * double(max(margin_[a], max(margin_[b], margin_[c])));
-  const double clear = body.ball.radius + reach;
+  const double range = ball.radius + 3 * double(max(margin_[a], max(margin_[b], margin_[c])));
+  const double clear = body.ball.radius + range;
   const Vec3d middle = body.after.to_local(ball.middle);
   if (!(length_squared(middle - body.ball.center) <= clear * clear)) return false;
-  return surface_distance(shape_of(body), middle).distance <= reach;
+  return surface_distance(shape_of(body), middle).distance <= range;
 }
 
-bool FeatureContacts::left_margins(const ParticleView& particles) const {
+bool ColliderElementContacts::left_margins(const ParticleView& particles) const {
   return std::any_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
     const std::uint32_t i = corner.particle;
     const double margin = double(margin_[i]);
-    return length_squared(particle_position(particles, i) - placed_[i]) > margin * margin;
+    return length_squared(particle_position(particles, i) - broad_phase_position_[i]) > margin * margin;
   });
 }
 
-void FeatureContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
-                              Threads& threads) {
+void ColliderElementContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
+                                      Threads& threads) {
   contacts_.clear();
   last_h_ = substep.h;
   if (bodies_.empty()) return;
@@ -193,62 +193,66 @@ void FeatureContacts::refresh(const ParticleView& particles, const Substep& subs
   }
   if (left_margins(particles)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) {
-    if (body.moves) find_led_out(body, particles, threads);
-    meet_all(body, particles, substep.h, threads);
+    if (body.moves) find_depenetrating(body, particles, threads);
+    find_contacts(body, particles, substep.h, threads);
   }
 }
 
 // On all threads, then in order on one: the same contacts in the same order for any number of threads.
-void FeatureContacts::meet_all(Body& body, const ParticleView& particles, float h, Threads& threads) {
+void ColliderElementContacts::find_contacts(Body& body, const ParticleView& particles, float h,
+                                            Threads& threads) {
   const std::size_t count = body.candidate_end - body.candidate_begin;
   const std::uint32_t* candidates = candidates_.data() + body.candidate_begin;
   if (near_.size() < count) near_.resize(count);
-  threads.for_each(count, feature_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(count, element_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      near_[k] = may_touch(body, features_[candidates[k]], particles) ? 1 : 0;
+      near_[k] = may_touch(body, elements_[candidates[k]], particles) ? 1 : 0;
   });
-  met_.clear();
+  tested_.clear();
   for (std::uint32_t k = 0; k < count; ++k)
-    if (near_[k] != 0) met_.push_back(candidates[k]);
-  if (found_.size() < met_.size()) found_.resize(2 * met_.size());
-  threads.for_each(met_.size(), search_grain, [&](std::size_t begin, std::size_t end) {
+    if (near_[k] != 0) tested_.push_back(candidates[k]);
+  if (found_.size() < tested_.size()) found_.resize(2 * tested_.size());
+  threads.for_each(tested_.size(), search_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      found_[k].touches = contact_of(body, features_[met_[k]], particles, h, found_[k]);
+      found_[k].touches = contact_of(body, elements_[tested_[k]], particles, h, found_[k]);
   });
-  for (std::size_t k = 0; k < met_.size(); ++k)
-    if (found_[k].inside) led_out_of(body)[features_[met_[k]].object] = 1;
+  for (std::size_t k = 0; k < tested_.size(); ++k)
+    if (found_[k].inside) depenetrating_of(body)[elements_[tested_[k]].object] = 1;
   body.contact_begin = contacts_.size();
-  for (std::size_t k = 0; k < met_.size(); ++k)
-    if (found_[k].touches && !is_led_out(body, features_[met_[k]].object))
+  for (std::size_t k = 0; k < tested_.size(); ++k)
+    if (found_[k].touches && !is_depenetrating(body, elements_[tested_[k]].object))
       contacts_.push_back(found_[k].contact);
   body.contact_end = contacts_.size();
 }
 
 // Where a collider has jumped into an object, corners are led out slowly, by contacts of their own. Held by
 // its features at the same time it would be torn, so these wait until none is inside.
-void FeatureContacts::find_led_out(Body& body, const ParticleView& particles, Threads& threads) {
-  std::uint8_t* const led_out = led_out_of(body);
-  std::fill_n(led_out, objects_, std::uint8_t{0});
+void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView& particles,
+                                                 Threads& threads) {
+  std::uint8_t* const depenetrating = depenetrating_of(body);
+  std::fill_n(depenetrating, objects_, std::uint8_t{0});
   near_.resize(max(near_.size(), corners_.size()));
-  threads.for_each(corners_.size(), feature_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(corners_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       const Vec3d x = body.before.to_local(particle_start_position(particles, corners_[c].particle));
-      const double reach = body.ball.radius;
-      near_[c] = length_squared(x - body.ball.center) < reach * reach &&
+      const double range = body.ball.radius;
+      near_[c] = length_squared(x - body.ball.center) < range * range &&
                          surface_distance(shape_of(body), x).distance < 0
                      ? 1
                      : 0;
     }
   });
   for (std::size_t c = 0; c < corners_.size(); ++c)
-    if (near_[c] != 0) led_out[corners_[c].object] = 1;
+    if (near_[c] != 0) depenetrating[corners_[c].object] = 1;
 }
 
-FeatureContacts::Corners FeatureContacts::corners(const RigidPose& pose, const Feature& feature,
-                                                  const ParticleView& particles, bool start) const {
+ColliderElementContacts::Corners ColliderElementContacts::corners(const RigidPose& pose,
+                                                                  const Element& element,
+                                                                  const ParticleView& particles,
+                                                                  bool start) const {
   Corners x;
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t i = feature.particle[k];
+    const std::uint32_t i = element.particle[k];
     x[k] = pose.to_local(start ? particle_start_position(particles, i) : particle_position(particles, i));
   }
   return x;
@@ -258,8 +262,8 @@ FeatureContacts::Corners FeatureContacts::corners(const RigidPose& pose, const F
 // x that is lowest along n(m),
 //   d(x) - (d(m) + n(m) . (x - m)).
 // It is 0 on what is flat below the feature.
-double FeatureContacts::sag(const Shape& shape, const Corners& x, const Vec3d& middle,
-                            const SurfaceDistance& at_middle) {
+double ColliderElementContacts::sag(const Shape& shape, const Corners& x, const Vec3d& middle,
+                                    const SurfaceDistance& at_middle) {
   std::size_t low = 0;
   for (std::size_t k = 1; k < 3; ++k)
     if (dot(at_middle.normal, x[k] - x[low]) < 0) low = k;
@@ -271,40 +275,42 @@ double FeatureContacts::sag(const Shape& shape, const Corners& x, const Vec3d& m
 //   d(m) + min_k n(m) . (x_k - m),   m the middle, x_k its corners at the way's begin and end.
 // Nor does a feature need a contact that sags so little that its corners hold it. Each takes one look at the
 // shape. For shapes that are not convex both are good guesses.
-bool FeatureContacts::may_touch(const Body& body, const Feature& feature,
-                                const ParticleView& particles) const {
-  const Corners x = corners(body.before, feature, particles, true);
-  const bool edge = is_edge(feature);
+bool ColliderElementContacts::may_touch(const Body& body, const Element& element,
+                                        const ParticleView& particles) const {
+  const Corners x = corners(body.before, element, particles, true);
+  const bool edge = is_edge(element);
   const Ball ball = ball_about(x, edge);
-  const double r = double(radius_of(feature)), reach = 2 * (ball.radius + r);
+  const double r = double(radius_of(element)), range = 2 * (ball.radius + r);
   if (!body.moves) {
-    double way = 0;
-    for (const std::uint32_t i : feature.particle) way = max(way, double(length(particles.moved(i))));
-    const double clear = body.ball.radius + reach + way;
+    double max_motion = 0;
+    for (const std::uint32_t i : element.particle)
+      max_motion = max(max_motion, double(length(particles.moved(i))));
+    const double clear = body.ball.radius + range + max_motion;
     if (!(length_squared(ball.middle - body.ball.center) <= clear * clear)) return false;
   }
   const Shape& shape = shape_of(body);
   const SurfaceDistance surface = surface_distance(shape, ball.middle);
-  const Corners to = corners(body.after, feature, particles, false);
+  const Corners to = corners(body.after, element, particles, false);
   double lowest = 0, path = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     lowest =
         min(lowest, min(dot(surface.normal, x[k] - ball.middle), dot(surface.normal, to[k] - ball.middle)));
     path = max(path, length_squared(to[k] - x[k]));
   }
-  if (surface.distance > reach + sqrt(path) || surface.distance + lowest >= 1.2 * kept_part * r) return false;
-  const double least = 0.8 * (1 - kept_part) * r;
-  if (sag(shape, x, ball.middle, surface) > least) return true;
+  if (surface.distance > range + sqrt(path) || surface.distance + lowest >= 1.2 * target_part * r)
+    return false;
+  const double min_sag = 0.8 * (1 - target_part) * r;
+  if (sag(shape, x, ball.middle, surface) > min_sag) return true;
   if (path <= r * r) return false;
   const Vec3d middle = ball_about(to, edge).middle;
-  return sag(shape, to, middle, surface_distance(shape, middle)) > least;
+  return sag(shape, to, middle, surface_distance(shape, middle)) > min_sag;
 }
 
 // With the gap of Frank and Wolfe,
 //   g = max_k n . (q - x_k),
 // d - g bounds from below what is left to gain where d is convex: what stays above `limit` is soon known to.
-FeatureContacts::Deepest FeatureContacts::look(const Shape& shape, const Corners& x,
-                                               const std::array<double, 3>& weight) {
+ColliderElementContacts::Deepest ColliderElementContacts::evaluate(const Shape& shape, const Corners& x,
+                                                                   const std::array<double, 3>& weight) {
   Deepest at{weight, x[0] * weight[0] + x[1] * weight[1] + x[2] * weight[2], {}, 0};
   at.surface = surface_distance(shape, at.point);
   for (const Vec3d& corner : x) at.gap = max(at.gap, dot(at.surface.normal, at.point - corner));
@@ -312,25 +318,27 @@ FeatureContacts::Deepest FeatureContacts::look(const Shape& shape, const Corners
 }
 
 // The lowest point between two, where d is convex: by bisection of its slope, which may jump.
-FeatureContacts::Deepest FeatureContacts::deepest_between(const Shape& shape, const Corners& x,
-                                                          const std::array<double, 3>& a,
-                                                          const std::array<double, 3>& b) {
+ColliderElementContacts::Deepest ColliderElementContacts::deepest_between(const Shape& shape,
+                                                                          const Corners& x,
+                                                                          const std::array<double, 3>& a,
+                                                                          const std::array<double, 3>& b) {
   constexpr int bisections = 12;
   const auto at = [&](const std::array<double, 3>& w) { return x[0] * w[0] + x[1] * w[1] + x[2] * w[2]; };
-  const Vec3d start = at(a), way = at(b) - start;
+  const Vec3d start = at(a), direction = at(b) - start;
   double falls = 0, rises = 1;
   for (int half = 0; half < bisections; ++half) {
     const double middle = 0.5 * (falls + rises);
-    const Vec3d n = surface_distance(shape, start + way * middle).normal;
-    (dot(n, way) < 0 ? falls : rises) = middle;
+    const Vec3d n = surface_distance(shape, start + direction * middle).normal;
+    (dot(n, direction) < 0 ? falls : rises) = middle;
   }
   const double s = falls == 0 ? 0 : (rises == 1 ? 1 : 0.5 * (falls + rises));
-  return look(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
+  return evaluate(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
 }
 
 // f(w_2) = min over w_1 of d is convex where d is: a golden section of it finds the minimum of any such d,
 // the fold of a box's edge included, where nothing that follows the gradient arrives.
-FeatureContacts::Deepest FeatureContacts::deepest_by_sections(const Shape& shape, const Corners& x) {
+ColliderElementContacts::Deepest ColliderElementContacts::deepest_by_sections(const Shape& shape,
+                                                                              const Corners& x) {
   constexpr int sections = 16;
   constexpr double golden = 0.6180339887498949;
   const auto row = [&](double w) { return deepest_between(shape, x, {1 - w, 0, w}, {0, 1 - w, w}); };
@@ -349,13 +357,13 @@ FeatureContacts::Deepest FeatureContacts::deepest_by_sections(const Shape& shape
 // (The steps of Frank and Wolfe, which Macklin et al. take, are chords too, but only towards the corner that
 // is lowest along the gradient, and never back: on a triangle of half a meter 12 of them were centimeters
 // off.) What that leaves undone is done by sections.
-FeatureContacts::Deepest FeatureContacts::deepest(const Shape& shape, const Corners& x, double limit,
-                                                  double tolerance) {
-  constexpr int turns = 3;
+ColliderElementContacts::Deepest ColliderElementContacts::deepest(const Shape& shape, const Corners& x,
+                                                                  double limit, double tolerance) {
+  constexpr int rounds = 3;
   if (x[1] == x[2]) return deepest_between(shape, x, {1, 0, 0}, {0, 1, 0});
-  Deepest best = look(shape, x, {1 / 3.0, 1 / 3.0, 1 / 3.0});
+  Deepest best = evaluate(shape, x, {1 / 3.0, 1 / 3.0, 1 / 3.0});
   const auto done = [&] { return best.surface.distance - best.gap > limit || best.gap <= tolerance; };
-  for (int turn = 0; turn < turns; ++turn) {
+  for (int round = 0; round < rounds; ++round) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (done()) return best;
       const double rest = 1 - best.weight[k];
@@ -376,24 +384,24 @@ FeatureContacts::Deepest FeatureContacts::deepest(const Shape& shape, const Corn
 // Conservative advancement: as long as the feature is free by more than it still has to go it cannot touch.
 // Corners go straight, in the collider's frame. One that has not arrived after 16 strides is as good as
 // there.
-bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const ParticleView& particles,
-                                 float h, Found& found) const {
+bool ColliderElementContacts::contact_of(const Body& body, const Element& element,
+                                         const ParticleView& particles, float h, Found& found) const {
   Contact& contact = found.contact;
   const Shape& shape = shape_of(body);
-  const Corners from = corners(body.before, feature, particles, true);
-  const Corners to = corners(body.after, feature, particles, false);
+  const Corners from = corners(body.before, element, particles, true);
+  const Corners to = corners(body.after, element, particles, false);
   double path = 0;
   for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
-  const double r = double(radius_of(feature)), target = kept_part * r;
+  const double r = double(radius_of(element)), target = target_part * r;
   Deepest low = deepest(shape, from, r + path, 0.1 * r);
   const double overlap = low.surface.distance - target;
   found.inside = low.surface.distance < -r;
-  double gone = 0;
-  for (int stride = 0; stride < 16; ++stride) {
+  double advanced = 0;
+  for (int iteration = 0; iteration < 16; ++iteration) {
     const double free = max(low.surface.distance - low.gap, 0.5 * low.surface.distance) - target;
     if (low.surface.distance - target <= 1e-3 * r || free <= 1e-3 * r) break;
-    gone += free;
-    const double part = gone < path ? gone / path : 1.0;
+    advanced += free;
+    const double part = advanced < path ? advanced / path : 1.0;
     Corners x;
     for (std::size_t k = 0; k < 3; ++k) x[k] = from[k] + (to[k] - from[k]) * part;
     low = deepest(shape, x, r + path, 0.1 * r);
@@ -402,17 +410,17 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
     break;
   }
   contact = {};
-  contact.particle = feature.particle;
+  contact.particle = element.particle;
   Vec3d predicted;
   for (std::size_t k = 0; k < 3; ++k) {
     const double w = low.weight[k];
     if (w > 0.999) return false;  // its corner is held
     contact.weight[k] = float(w);
     predicted += (to[k] - from[k]) * w;
-    contact.inverse_mass += float(w * w) * particles.inverse_mass(feature.particle[k]);
+    contact.inverse_mass += float(w * w) * particles.inverse_mass(element.particle[k]);
   }
   contact.target = float(target);
-  contact.material = materials_->at(feature.object, body.collider);
+  contact.material = materials_->at(element.object, body.collider);
   contact.normal = low.surface.normal;
   contact.plane_offset = dot(low.surface.normal, low.point) - low.surface.distance;
   contact.predicted = Vec3f(body.after.rotation * predicted);
@@ -420,37 +428,40 @@ bool FeatureContacts::contact_of(const Body& body, const Feature& feature, const
   return contact.inverse_mass > 0;
 }
 
-double FeatureContacts::gap(const Body& body, const Contact& contact, const ParticleView& particles) const {
+double ColliderElementContacts::gap(const Body& body, const Contact& contact,
+                                    const ParticleView& particles) const {
   Vec3d point;
   for (std::size_t k = 0; k < 3; ++k)
     point += particle_position(particles, contact.particle[k]) * double(contact.weight[k]);
   return dot(contact.normal, body.after.to_local(point)) - contact.plane_offset - double(contact.target);
 }
 
-Vec3f FeatureContacts::moved(const Contact& contact, const ParticleView& particles) {
+Vec3f ColliderElementContacts::moved(const Contact& contact, const ParticleView& particles) {
   Vec3f sum;
   for (std::size_t k = 0; k < 3; ++k) sum += particles.moved(contact.particle[k]) * contact.weight[k];
   return sum;
 }
 
 // The point moves by `change` when each corner does by w_k / m_k of it, over sum_k w_k^2 / m_k.
-void FeatureContacts::correct(const Contact& contact, const ParticleView& particles, const Vec3f& change) {
+void ColliderElementContacts::correct(const Contact& contact, const ParticleView& particles,
+                                      const Vec3f& change) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
-    const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
-    if (share > 0) particles.correct(i, change * share);
+    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (factor > 0) particles.correct(i, change * factor);
   }
 }
 
-void FeatureContacts::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
-                              const Substep&) {
+void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
+                                      const Substep&) {
   for (const Body& body : bodies_)
     for (std::size_t c = max(begin, body.contact_begin); c < min(end, body.contact_end); ++c)
       project_one(body, contacts_[c], particles);
 }
 
 // The law of ColliderContacts::project_one, for a point of a feature.
-void FeatureContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
+void ColliderElementContacts::project_one(const Body& body, Contact& contact,
+                                          const ParticleView& particles) const {
   const auto C = static_cast<float>(gap(body, contact, particles));
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   if (body.moves) {
@@ -468,16 +479,17 @@ void FeatureContacts::project_one(const Body& body, Contact& contact, const Part
   contact.tangent_sum = sums.tangent_sum;
 }
 
-void FeatureContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
-                                        const Substep& substep) {
+void ColliderElementContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
+                                                const Substep& substep) {
   for (const Body& body : bodies_)
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c)
       apply_restitution_to(body, contacts_[c], particles, velocity, substep.h);
 }
 
 // The law of ColliderContacts::apply_restitution_to.
-void FeatureContacts::apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
-                                           std::span<Vec4f> velocity, float h) const {
+void ColliderElementContacts::apply_restitution_to(const Body& body, Contact& contact,
+                                                   const ParticleView& particles, std::span<Vec4f> velocity,
+                                                   float h) const {
   if (!(contact.normal_sum > 0)) return;
   const Vec3f n(body.after.rotation * contact.normal);
   Vec3f v;
@@ -490,17 +502,17 @@ void FeatureContacts::apply_restitution_to(const Body& body, Contact& contact, c
   contact.restitution_velocity = restitution_velocity;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
-    const float share = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
-    if (share > 0) velocity[i].set_xyz(velocity[i].xyz() + change * share);
+    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (factor > 0) velocity[i].set_xyz(velocity[i].xyz() + change * factor);
   }
   contact.depth = max(0.0f, float(-gap(body, contact, particles)));
 }
 
-ContactReport FeatureContacts::report() const {
+ContactReport ColliderElementContacts::report() const {
   return report_of(contacts_);
 }
 
-void FeatureContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+void ColliderElementContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
   const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
   for (const Body& body : bodies_) {
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
@@ -521,7 +533,7 @@ void FeatureContacts::events(const ParticleView& particles, std::vector<ContactP
   }
 }
 
-Residual FeatureContacts::residual(const ParticleView& particles) const {
+Residual ColliderElementContacts::residual(const ParticleView& particles) const {
   Residual result;
   result.count = contacts_.size();
   for (const Body& body : bodies_) {
@@ -534,7 +546,7 @@ Residual FeatureContacts::residual(const ParticleView& particles) const {
   return result;
 }
 
-void FeatureContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+void ColliderElementContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
   for (const Body& body : bodies_) {
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
       const Contact& contact = contacts_[c];
@@ -546,13 +558,13 @@ void FeatureContacts::visit(const ParticleView& particles, const ConstraintVisit
 }
 
 /// Features name particles that are no more: none until they are set again.
-void FeatureContacts::erase_particles(std::uint32_t, std::uint32_t) {
-  set_features({});
+void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
+  set_elements({});
 }
 
-std::size_t FeatureContacts::bytes() const {
-  return bytes_of(features_, corners_, bodies_, placed_, margin_, near_, candidates_, met_, found_,
-                  contacts_);
+std::size_t ColliderElementContacts::bytes() const {
+  return bytes_of(elements_, corners_, bodies_, broad_phase_position_, margin_, near_, candidates_, tested_,
+                  found_, contacts_);
 }
 
 }  // namespace souple

@@ -2,7 +2,7 @@
 
 #include "souple/collision/contact.h"
 #include "souple/collision/contact_surface.h"
-#include "souple/collision/kernels/features.h"
+#include "souple/collision/kernels/element_pairs.h"
 #include "souple/collision/near_pairs.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
@@ -23,7 +23,7 @@ class IntersectionResolver;
 /// relative velocity and their rooms. Where particles move by many times their thickness within a step, pairs
 /// are found for a part of it, and again when that is over. When some particles have left their ways, theirs
 /// are found again: they follow the others, and take the place of those that these particles had.
-class FeaturePairs {
+class ElementPairs {
  public:
   /// What can touch, anew when objects came, went or changed.
   void set_surfaces(std::vector<ContactSurface> surfaces);
@@ -39,16 +39,16 @@ class FeaturePairs {
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i, pressed[i]: how much
   /// farther it has to be apart to be passed over [m]. All spans must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<const float> pressed, const ContactStep& step,
-                  Threads& threads);
+                  std::span<const float> radius, std::span<const float> contact_margin,
+                  const ContactStep& step, Threads& threads);
   /// The next substep of `h` begins.
-  void begin_substep(float h) { left_ -= h, covered_ -= h, elapsed_ += h; }
+  void begin_substep(float h) { remaining_ -= h, covered_ -= h, elapsed_ += h; }
   /// Finds pairs again where particles have left their ways within the substep of `h`. Returns from where on
   /// pairs are new: size() where none are, 0 where all are.
-  std::size_t keep_up(const ParticleView& particles, float h, Threads& threads);
+  std::size_t update(const ParticleView& particles, float h, Threads& threads);
   /// The same when only `particles_moved` were moved since the last.
-  std::size_t keep_up(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
-                      Threads& threads);
+  std::size_t update(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
+                     Threads& threads);
   void clear();
 
   /// Whether there are surfaces that may meet at all.
@@ -58,9 +58,9 @@ class FeaturePairs {
   struct Chunk {
     std::uint32_t begin = 0, end = 0;
     std::uint32_t blocks = 0;  // how many of its places in blocks_ are taken; too_many: not all fit
-    bool edges = false, crossing = false;
-    float least_known = 0, least_slack = 0;  // when they were last looked at [m]
-    float owed = 0;                          // what they may have moved since [m]
+    bool edges = false, inter_object = false;
+    float min_distance_bound = 0, min_gap_bound = 0;  // when they were last looked at [m]
+    float motion_since = 0;                           // what they may have moved since [m]
   };
   std::size_t chunk_count() const { return chunks_.size(); }
   const Chunk& chunk(std::size_t index) const { return chunks_[index]; }
@@ -78,14 +78,14 @@ class FeaturePairs {
   /// Whether a chunk has such a pair that goes `part` of what its features are apart, or may do so.
   bool any_moved_by(float part, const Chunk& chunk) const;
   /// The most that particles of a chunk are pressed, as when it was measured last. [m]
-  float pressed(std::size_t chunk) const;
+  float contact_margin(std::size_t chunk) const;
   /// Of a chunk, by pairs that come near (kernels::NearRule), `found` of them ascending; returns how many.
-  std::size_t near(std::size_t chunk, const kernels::NearRule& rule, const kernels::FeaturePoints& points,
-                   std::uint32_t* found);
+  std::size_t find_near(std::size_t chunk, const kernels::NearRule& rule,
+                        const kernels::ParticleRecords& records, std::uint32_t* found);
   /// What was measured last is what the substep has done.
   void end_substep();
   /// For kernels. `moved` is what was measured last.
-  kernels::FeaturePoints points(const ParticleView& particles) const;
+  kernels::ParticleRecords particle_records(const ParticleView& particles) const;
   bool are_edges(std::size_t pair) const { return is_edges_[pair] != 0; }
   /// Another pair, found later, stands for it.
   bool is_replaced(std::size_t pair) const {
@@ -95,8 +95,8 @@ class FeaturePairs {
   }
   const NearPair& pair(std::size_t index) const { return particle_[index]; }
   /// They were at least so far apart when the substep began. [m]
-  float known(std::size_t pair) const { return known_[pair]; }
-  kernels::FeatureColumns columns();
+  float distance_bound(std::size_t pair) const { return distance_bound_[pair]; }
+  kernels::ElementPairColumns columns();
 
   std::size_t particle_count() const { return surface_of_.size(); }
   std::uint32_t surface_of(std::uint32_t particle) const { return surface_of_[particle]; }
@@ -108,10 +108,10 @@ class FeaturePairs {
   /// Some of the pairs that were found.
   struct List {
     std::vector<NearPair> particle;
-    std::vector<float> thickness, known;
-    std::size_t count = 0, place = 0;  // in the columns
+    std::vector<float> thickness, distance_bound;
+    std::size_t count = 0, offset = 0;  // in the columns
     void add(const NearPair& pair, float thick, float apart) {
-      particle[count] = pair, thickness[count] = thick, known[count] = apart;
+      particle[count] = pair, thickness[count] = thick, distance_bound[count] = apart;
       ++count;
     }
   };
@@ -123,29 +123,30 @@ class FeaturePairs {
 
   void find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads);
   float horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const;
-  ParticleView take_back(const ParticleView& particles, float h);
-  void find_all_again(const ParticleView& before, float h, Threads& threads);
-  void find_left_again(const ParticleView& before, float h, Threads& threads);
-  void expect(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float room);
-  bool is_on_its_way(std::uint32_t particle, const Vec3f& x) const;
-  void find_frames(const ParticleView& particles, std::span<const Vec4f> velocity);
-  void expect_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt, Threads& threads);
+  ParticleView rewind(const ParticleView& particles, float h);
+  void refind_all(const ParticleView& before, float h, Threads& threads);
+  void refind_off_path(const ParticleView& before, float h, Threads& threads);
+  void predict(std::uint32_t particle, const Vec3f& x, const Vec3f& v, float since, float dt, float margin);
+  bool is_on_path(std::uint32_t particle, const Vec3f& x) const;
+  void find_means(const ParticleView& particles, std::span<const Vec4f> velocity);
+  void predict_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
+                   Threads& threads);
   void find_shift(const ParticleView& particles);
-  void find_crossing();
-  Vec3d middle(const ContactSurface& surface, const ParticleView& particles) const;
-  void find_left(const ParticleView& particles, Threads& threads);
-  std::size_t find_again(const ParticleView& particles, float h, bool over, Threads& threads);
+  void select_inter_object_elements();
+  Vec3d mean_position(const ContactSurface& surface, const ParticleView& particles) const;
+  void find_off_path(const ParticleView& particles, Threads& threads);
+  std::size_t refind(const ParticleView& particles, float h, bool over, Threads& threads);
   bool is_excluded(const NearPair& pair, bool edges) const;
   void add_found(const ParticleView& particles, float dt, Threads& threads);
-  void add(std::span<const NearPair> pairs, bool edges, bool crossing, const ParticleView& particles,
+  void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const ParticleView& particles,
            float dt, Threads& threads);
-  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool crossing,
+  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
                  const ParticleView& particles, float dt) const;
-  void thin_at_rest(List& list, bool edges) const;
-  void append(List Batch::*list, std::size_t batches, bool edges, bool crossing, Threads& threads);
-  void watch_new_chunks(std::size_t first, Threads& threads);
-  float farthest_way(const Chunk& chunk) const;
-  float way_of(const NearPair& pair, bool edges) const;
+  void limit_to_rest_distance(List& list, bool edges) const;
+  void append(List Batch::*list, std::size_t batches, bool edges, bool inter_object, Threads& threads);
+  void measure_new_chunks(std::size_t first, Threads& threads);
+  float motion_bound(const Chunk& chunk) const;
+  float relative_motion(const NearPair& pair, bool edges) const;
 
   std::vector<ContactSurface> surfaces_;
   const IntersectionResolver* intersection_resolver_ = nullptr;
@@ -153,60 +154,61 @@ class FeaturePairs {
   std::vector<std::uint32_t> surface_of_;  // of each particle; no_surface where it has none
   std::vector<Vec4f> rest_;                // of each particle, relative to the first of its surface
   std::vector<float> longest_edge_;        // of each surface at rest [m]
-  SurfaceElements own_, crossing_;  // of those that meet themselves; of those that may meet another now
+  SurfaceElements self_elements_,
+      inter_object_elements_;  // of those that meet themselves; of those that may meet another now
   std::vector<Bounds> surface_bounds_;
-  std::vector<std::uint8_t> crosses_now_, crosses_;  // which those are
-  ObjectMatrix own_matrix_, crossing_matrix_;
+  std::vector<std::uint8_t> overlaps_other_now_, overlaps_other_;  // which those are
+  ObjectMatrix self_matrix_, inter_object_matrix_;
   bool any_ = false;
 
-  std::span<const float> radius_, pressed_;
+  std::span<const float> radius_, contact_margin_;
   ContactStep step_;
-  float left_ = 0;                 // of the step, behind this substep [s]
-  float covered_ = 0;              // the same of what boxes were swept for
-  std::vector<Vec3f> frame_;       // mean velocity of each surface when pairs were found [m/s]
-  std::vector<Vec3d> middle_;      // of some of its particles, then [m]
-  std::vector<Vec3f> shift_;       // of the same since then, as ways are compared with it [m]
-  std::vector<Vec3f> shift_now_;   // the same, while particles are where the substep began
-  std::vector<Bounds> boxes_;      // of particles, swept in the world
-  std::vector<Bounds> own_boxes_;  // and relative to the frame of their surface
+  float remaining_ = 0;                 // of the step, behind this substep [s]
+  float covered_ = 0;                   // the same of what boxes were swept for
+  std::vector<Vec3f> mean_velocity_;    // mean velocity of each surface when pairs were found [m/s]
+  std::vector<Vec3d> mean_position_;    // of some of its particles, then [m]
+  std::vector<Vec3f> shift_;            // of the same since then, as ways are compared with it [m]
+  std::vector<Vec3f> saved_shift_;      // the same, while particles are where the substep began
+  std::vector<Bounds> boxes_;           // of particles, swept in the world
+  std::vector<Bounds> relative_boxes_;  // and relative to the frame of their surface
   /// Where a particle is expected t after pairs were found: within room of from + v t in the world, and of
   /// own_from + (v - frame) t relative to its surface's shift. [m]
-  struct Way {
-    Vec3f from, own_from;
-    float room, own_room;
-    float until;  // pairs were looked for up to then, since pairs were found [s]
+  struct PredictedPath {
+    Vec3f origin, relative_origin;
+    float margin, relative_margin;
+    float valid_until;  // pairs were looked for up to then, since pairs were found [s]
   };
-  std::vector<Way> way_of_;
-  std::vector<Vec4f> expected_velocity_;  // v [m/s]
-  float elapsed_ = 0;                     // since pairs were found, at the end of the substep [s]
-  NearPairFinder own_finder_, crossing_finder_;
-  NearPairs own_pairs_, crossing_pairs_;
-  std::vector<std::vector<std::uint32_t>> left_of_chunk_;  // particles that have left their ways
-  std::vector<std::uint32_t> left_particles_;
+  std::vector<PredictedPath> path_;
+  std::vector<Vec4f> predicted_velocity_;  // v [m/s]
+  float elapsed_ = 0;                      // since pairs were found, at the end of the substep [s]
+  NearPairFinder self_finder_, inter_object_finder_;
+  NearPairs self_pairs_, inter_object_pairs_;
+  std::vector<std::vector<std::uint32_t>> off_path_of_chunk_;  // particles that have left their ways
+  std::vector<std::uint32_t> off_path_;
   std::vector<std::uint32_t> valid_from_;  // of each particle: its pairs before this one are replaced
   std::vector<Batch> batches_;
   std::vector<Chunk> chunks_;
   std::vector<Vec4f> velocity_now_, before_;  // when pairs are found within a step
   std::vector<NearPair> particle_;
-  std::vector<float> thickness_, known_;
+  std::vector<float> thickness_, distance_bound_;
   std::vector<std::uint8_t> is_edges_;
   static constexpr std::size_t block_size = 64;  // neighboring particles
-  static constexpr std::uint32_t most_blocks = 48, too_many = most_blocks + 1;
-  std::vector<std::array<std::uint32_t, most_blocks>> blocks_;  // where the particles of each chunk are
-  std::vector<Vec4f> moved_;                                    // of each particle [m]
-  std::vector<Vec3f> mean_moved_;                               // of each surface
-  std::vector<float> block_moved_, own_block_moved_;  // the farthest in each block; without that mean
-  std::vector<std::uint8_t> was_moved_;               // particles that were measured by themselves
-  std::vector<std::uint32_t> moved_alone_;            // which those are
-  float farthest_moved_ = 0, farthest_own_moved_ = 0;
-  std::vector<float> block_pressed_;  // the most of each block [m]
-  float most_pressed_ = 0;
+  static constexpr std::uint32_t max_blocks = 48, too_many = max_blocks + 1;
+  std::vector<std::array<std::uint32_t, max_blocks>> blocks_;  // where the particles of each chunk are
+  std::vector<Vec4f> moved_;                                   // of each particle [m]
+  std::vector<Vec3f> mean_motion_;                             // of each surface
+  std::vector<float> block_motion_, block_relative_motion_;  // the farthest in each block; without that mean
+  std::vector<std::uint8_t> was_moved_;                      // particles that were measured by themselves
+  std::vector<std::uint32_t> remeasured_;                    // which those are
+  float max_motion_ = 0, max_relative_motion_ = 0;
+  std::vector<float> block_contact_margin_;  // the most of each block [m]
+  float max_contact_margin_ = 0;
 };
 
 inline constexpr std::uint32_t no_surface = ~0u;
-inline constexpr float least_thickness = 1e-5f;  // m
+inline constexpr float min_thickness = 1e-5f;  // m
 /// Contacts are made somewhat before features are near enough to push: the solver moves them too. A part of
 /// their thickness.
-inline constexpr float early = 0.1f;
+inline constexpr float speculative_part = 0.1f;
 
 }  // namespace souple

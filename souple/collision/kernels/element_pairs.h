@@ -9,47 +9,47 @@
 namespace souple::kernels {
 
 /// Arrays of 16-byte records, one per particle (see solver/projector.h).
-struct FeaturePoints {
+struct ParticleRecords {
   const float* position = nullptr;  ///< w = inverse mass [1/kg]
   float* moving = nullptr;          ///< plain form: the same as position
   float* corrected = nullptr;       ///< what project adds to: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` when the substep began; read by project
   const float* moved = nullptr;     ///< moving - start; read by reaches, near, judge and describe
   /// How much earlier contacts of a particle begin [m]; read by reaches and judge.
-  const float* pressed = nullptr;
+  const float* contact_margin = nullptr;
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, column by column.
-struct FeatureColumns {
+struct ElementPairColumns {
   const std::uint32_t (*particle)[4] = nullptr;
   const float* thickness = nullptr;  ///< m
-  float* known = nullptr;            ///< at least so far apart when the substep began [m]
+  float* distance_bound = nullptr;   ///< at least so far apart when the substep began [m]
 };
 
 /// What particles keep between them, and how far they may leave their ways. [m]
-struct FeatureRooms {
+struct PredictionMargins {
   const float* radius = nullptr;  ///< half the thickness of each particle
-  const float* room = nullptr;    ///< of particle i: room[i * stride]
+  const float* margin = nullptr;  ///< of particle i: room[i * stride]
   std::size_t stride = 1;
-  float least_thickness = 0, early = 0;
+  float min_thickness = 0, speculative_part = 0;
 };
 
 /// Pairs are passed over while their way, how far a point of one moves relative to one of the other, is below
 /// known_part known - thickness_part thickness - pressed.
 struct NearRule {
-  float known_part, thickness_part;
-  float pressed;  ///< the most of all their particles, m
+  float bound_part, thickness_part;
+  float contact_margin;  ///< the most of all their particles, m
 };
 
 /// Of some pairs, after one look at them.
-struct Nearness {
+struct NearPairStatistics {
   std::size_t found = 0;
-  float least_known;  ///< of all, m
-  float least_slack;  ///< of known - (1 + early) thickness, m
+  float min_distance_bound;  ///< of all, m
+  float min_gap_bound;       ///< of known - (1 + early) thickness, m
 };
 
 /// What judge() says of a pair.
-struct Verdict {
+struct Classification {
   /// It will be as near as (1 + early) thickness + the most that its particles are pressed, and can move.
   static constexpr unsigned touches = 1;
   static constexpr unsigned fast = 2;  ///< it may pass through itself on the way
@@ -84,33 +84,35 @@ struct ContactLimits {
 };
 
 /// Each for pairs [begin, end). Index 0: a vertex and a triangle; 1: two edges.
-struct FeatureKernels {
+struct ElementPairKernels {
   /// How far they are apart now [m].
-  void (*distances[2])(const FeaturePoints&, const std::uint32_t (*pairs)[4], std::size_t begin,
+  void (*distances[2])(const ParticleRecords&, const std::uint32_t (*pairs)[4], std::size_t begin,
                        std::size_t end, float* out);
   /// What both are thick together, and from how far they can come within (1 + early) of that, and what the
   /// most pressed of them adds, in `dt`, with `moved` the velocities of particles [m].
-  void (*reaches[2])(const FeaturePoints&, const FeatureRooms&, float dt, const std::uint32_t (*pairs)[4],
-                     std::size_t begin, std::size_t end, float* thickness, float* reach);
+  void (*ranges[2])(const ParticleRecords&, const PredictionMargins&, float dt,
+                    const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end, float* thickness,
+                    float* range);
   /// Takes `owed` off what is known: what they may have moved in earlier substeps. Pairs that the rule does
   /// not pass over, as soon as their distance is known, go to `found`, ascending.
-  Nearness (*near[2])(const FeaturePoints&, const FeatureColumns&, const NearRule&, float owed, float early,
-                      std::size_t begin, std::size_t end, std::uint32_t* found);
+  NearPairStatistics (*find_near[2])(const ParticleRecords&, const ElementPairColumns&, const NearRule&,
+                                     float motion_since, float speculative_part, std::size_t begin,
+                                     std::size_t end, std::uint32_t* found);
   /// A Verdict for each of the pairs `found[begin, end)`, as a number.
-  void (*judge[2])(const FeaturePoints&, const FeatureColumns&, float early, const std::uint32_t* found,
-                   std::size_t begin, std::size_t end, float* verdict);
+  void (*classify[2])(const ParticleRecords&, const ElementPairColumns&, float speculative_part,
+                      const std::uint32_t* found, std::size_t begin, std::size_t end, float* classification);
   /// Contacts [begin, end): of the pairs `found[begin, end)`, where `part` of their way has led them.
-  void (*describe[2])(const FeaturePoints&, const FeatureColumns&, const ContactLimits&,
+  void (*describe[2])(const ParticleRecords&, const ElementPairColumns&, const ContactLimits&,
                       const std::uint32_t* found, const float* part, std::size_t begin, std::size_t end,
                       const ContactColumns&);
   /// Contacts [begin, end), no two of which share a particle that can move.
-  void (*project)(const FeaturePoints&, const ContactColumns&, std::size_t begin, std::size_t end);
-  void (*apply_restitution)(const FeaturePoints&, const ContactColumns&, const ContactLimits&,
+  void (*project)(const ParticleRecords&, const ContactColumns&, std::size_t begin, std::size_t end);
+  void (*apply_restitution)(const ParticleRecords&, const ContactColumns&, const ContactLimits&,
                             float* velocity, std::size_t begin, std::size_t end);
 };
 
-/// Compiled in one translation unit per instruction set (compile_features.h).
+/// Compiled in one translation unit per instruction set (compile_element_pairs.h).
 template <class Isa>
-const FeatureKernels& feature_kernels();
+const ElementPairKernels& element_pair_kernels();
 
 }  // namespace souple::kernels

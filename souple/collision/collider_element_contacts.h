@@ -30,15 +30,15 @@ namespace souple {
 /// a substep; where the feature is fast they are those of the moment at which it first touches. Friction and
 /// restitution are those of ColliderContacts, spread over the corners by their weights. Contacts are few, and
 /// projected in the order of colliders, then features.
-class FeatureContacts final : public Projector {
+class ColliderElementContacts final : public Projector {
  public:
   /// A triangle, or an edge with its second corner twice.
-  struct Feature {
+  struct Element {
     std::array<std::uint32_t, 3> particle;
     std::uint32_t object;  ///< row in the surface matrix
   };
   /// Features of all objects, in an order that decides that of the contacts.
-  void set_features(std::vector<Feature> features);
+  void set_elements(std::vector<Element> elements);
 
   /// As of ColliderContacts, with the same arguments: what is given must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
@@ -50,7 +50,7 @@ class FeatureContacts final : public Projector {
   /// Contacts that pushed; each names its heaviest corner.
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
-  std::string_view kind() const override { return "feature contact"; }
+  std::string_view kind() const override { return "collider element contact"; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   int color_count() const override { return contacts_.empty() ? 0 : 1; }
@@ -108,23 +108,25 @@ class FeatureContacts final : public Projector {
   void find_bodies();
   void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
                        Threads& threads);
-  bool is_candidate(const Body& body, std::size_t feature, const ParticleView& particles) const;
+  bool is_candidate(const Body& body, std::size_t element, const ParticleView& particles) const;
   bool left_margins(const ParticleView& particles) const;
-  void meet_all(Body& body, const ParticleView& particles, float h, Threads& threads);
-  Corners corners(const RigidPose& pose, const Feature& feature, const ParticleView& particles,
+  void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
+  Corners corners(const RigidPose& pose, const Element& element, const ParticleView& particles,
                   bool start) const;
-  void find_led_out(Body& body, const ParticleView& particles, Threads& threads);
-  std::uint8_t* led_out_of(const Body& body) {
-    return led_out_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
+  void find_depenetrating(Body& body, const ParticleView& particles, Threads& threads);
+  std::uint8_t* depenetrating_of(const Body& body) {
+    return depenetrating_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
   }
-  bool is_led_out(const Body& body, std::uint32_t object) { return led_out_of(body)[object] != 0; }
-  float radius_of(const Feature& feature) const;
-  bool may_touch(const Body& body, const Feature& feature, const ParticleView& particles) const;
+  bool is_depenetrating(const Body& body, std::uint32_t object) {
+    return depenetrating_of(body)[object] != 0;
+  }
+  float radius_of(const Element& element) const;
+  bool may_touch(const Body& body, const Element& element, const ParticleView& particles) const;
   static double sag(const Shape& shape, const Corners& x, const Vec3d& middle,
                     const SurfaceDistance& at_middle);
-  bool contact_of(const Body& body, const Feature& feature, const ParticleView& particles, float h,
+  bool contact_of(const Body& body, const Element& element, const ParticleView& particles, float h,
                   Found& found) const;
-  static Deepest look(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
+  static Deepest evaluate(const Shape& shape, const Corners& x, const std::array<double, 3>& weight);
   static Deepest deepest_between(const Shape& shape, const Corners& x, const std::array<double, 3>& a,
                                  const std::array<double, 3>& b);
   static Deepest deepest_by_sections(const Shape& shape, const Corners& x);
@@ -137,7 +139,7 @@ class FeatureContacts final : public Projector {
                             std::span<Vec4f> velocity, float h) const;
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
 
-  std::vector<Feature> features_;
+  std::vector<Element> elements_;
   struct Corner {
     std::uint32_t particle, object;
   };
@@ -149,14 +151,14 @@ class FeatureContacts final : public Projector {
   ContactStep step_;
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;
-  std::vector<Vec3d> placed_;              // of each of corners_, when candidates were looked for [m]
-  std::vector<float> margin_;              // of each particle: how far it may go until they are again [m]
-  std::vector<std::uint8_t> near_;         // of each feature or candidate
-  std::vector<std::uint32_t> candidates_;  // features, body by body
-  std::vector<std::uint32_t> met_;         // of them, those that may touch now
-  std::vector<Found> found_;               // what each of these came to
-  std::vector<std::uint8_t> led_out_;      // [body][object]: some corner begins inside
-  std::vector<Contact> contacts_;          // body by body
+  std::vector<Vec3d> broad_phase_position_;  // of each of corners_, when candidates were looked for [m]
+  std::vector<float> margin_;                // of each particle: how far it may go until they are again [m]
+  std::vector<std::uint8_t> near_;           // of each feature or candidate
+  std::vector<std::uint32_t> candidates_;    // features, body by body
+  std::vector<std::uint32_t> tested_;        // of them, those that may touch now
+  std::vector<Found> found_;                 // what each of these came to
+  std::vector<std::uint8_t> depenetrating_;  // [body][object]: some corner begins inside
+  std::vector<Contact> contacts_;            // body by body
 };
 
 }  // namespace souple
