@@ -90,7 +90,7 @@ double rounding(const Moving4& m) {
 /// Until when the hulls stay apart by more than `bound` along n, given that it is now `t`; t where they are
 /// not.
 template <class Kind>
-double apart_until(const Moving4& m, const Vec3d& n, double t, double bound) {
+double separated_until(const Moving4& m, const Vec3d& n, double t, double bound) {
   double until = 1;
   for (const auto [a, b] : Kind::pairs) {
     const double begin = dot(n, m.x[a] - m.x[b]), end = dot(n, m.p[a] - m.p[b]);
@@ -139,7 +139,7 @@ double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double boun
 
 /// In touch at the begin: no bound can hold, but they may part at once, along the normal and at every corner.
 template <class Kind>
-double parting(const Moving4& m, double touch) {
+double time_from_contact(const Moving4& m, double touch) {
   const Vec3d n = plane_normal<Kind>(m.x);
   for (const double side : {1.0, -1.0}) {
     bool parts = true;
@@ -202,18 +202,18 @@ double safe_time(const Moving4& motion, double gap) {
   Vec3d connection = Kind::connection(x);
   double distance = length(connection);
   const double touch = rounding(m);
-  if (!(distance > touch)) return distance <= touch ? parting<Kind>(m, touch) : 0;
+  if (!(distance > touch)) return distance <= touch ? time_from_contact<Kind>(m, touch) : 0;
   const double bound = (distance > gap ? max(gap, far * distance) : close * distance) + touch;
 
   double t = 0;
   for (int k = 0; k < advances && distance > bound * near_enough; ++k) {
-    double next = apart_until<Kind>(m, connection / distance, t, bound);
+    double next = separated_until<Kind>(m, connection / distance, t, bound);
     if (next >= 1) return 1;
     // The direction of a short connection may be rounded too much to part anything; volume does not depend on
     // it.
     if (k % 4 == 0 || !(next > t)) next = max(next, volume_until<Kind>(m, x, t, bound));
     if (next >= 1) return 1;
-    if (!(next > t)) next = apart_until<Kind>(m, plane_normal<Kind>(x), t, bound);
+    if (!(next > t)) next = separated_until<Kind>(m, plane_normal<Kind>(x), t, bound);
     if (!(next > t)) return t;
     t = next;
     positions_at(m, t, x);

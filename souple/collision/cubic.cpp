@@ -34,7 +34,7 @@ struct Cubic {
 };
 
 /// Zeros of f' within (0, 1), ascending, by the formula that does not cancel; returns how many.
-int turning_points(const Cubic& f, double (&t)[2]) {
+int critical_points(const Cubic& f, double (&t)[2]) {
   const double a = 3 * f.c[3], b = f.c[2], discriminant = b * b - a * f.c[1];
   if (!(discriminant > 0)) return 0;  // none, or an inflection: monotone
   const double q = -(b + std::copysign(std::sqrt(discriminant), b));
@@ -51,11 +51,11 @@ int turning_points(const Cubic& f, double (&t)[2]) {
 /// (Any sign will not do: at the rim of what may be zero, the next value may be beyond it on the other side.)
 double leave_zero(const Cubic& f, double inside, double outside) {
   const int sign = f.sign(f(outside));
-  const double way = outside - inside;
-  for (double step = std::numeric_limits<double>::epsilon() / 2; step < std::abs(way); step *= 4) {
-    const double t = inside + std::copysign(step, way);
+  const double distance = outside - inside;
+  for (double step = std::numeric_limits<double>::epsilon() / 2; step < std::abs(distance); step *= 4) {
+    const double t = inside + std::copysign(step, distance);
     if (f.sign(f(t)) != sign) continue;
-    const double half = inside + std::copysign(step / 2, way);
+    const double half = inside + std::copysign(step / 2, distance);
     return f.sign(f(half)) == sign ? half : t;
   }
   return outside;
@@ -112,11 +112,11 @@ CubicRoots cubic_roots(const double (&c)[4], double error) {
   const Cubic f{{c[0] * scale, c[1] * scale, c[2] * scale, c[3] * scale},
                 error * scale + 64 * eps * (sum * scale)};
 
-  double knots[4] = {0, 1, 1, 1};
-  double turn[2];
-  const int turns = turning_points(f, turn);
-  for (int k = 0; k < turns; ++k) knots[k + 1] = turn[k];
-  for (int k = 0; k <= turns; ++k) add_piece(f, knots[k], knots[k + 1], roots);
+  double breakpoints[4] = {0, 1, 1, 1};
+  double critical[2];
+  const int critical_count = critical_points(f, critical);
+  for (int k = 0; k < critical_count; ++k) breakpoints[k + 1] = critical[k];
+  for (int k = 0; k <= critical_count; ++k) add_piece(f, breakpoints[k], breakpoints[k + 1], roots);
   return roots;
 }
 

@@ -20,9 +20,9 @@ constexpr std::uint16_t no_color = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 // Nearer than this no side is left to keep: what began so is not held back, or two sheets that lie in one
 // plane would never come apart. [m]
-constexpr float touching = 1e-8f;
+constexpr float coincident_distance = 1e-8f;
 
-const kernels::ElementPairKernels& packed() {
+const kernels::ElementPairKernels& simd_kernels() {
   return kernels::find_element_pair_kernels(instruction_set());
 }
 
@@ -42,7 +42,7 @@ Motion motion_of(const NearPair& pair, const ParticleView& particles) {
   return motion;
 }
 
-/// The part of x -> p that brings nothing into touch.
+/// The toi of x -> p that brings nothing into contact.
 float safe_time(const Motion& motion, bool edges) {
   Moving4 moving;
   for (std::size_t k = 0; k < 4; ++k) moving.x[k] = Vec3d(motion.x[k]), moving.p[k] = Vec3d(motion.p[k]);
@@ -50,12 +50,12 @@ float safe_time(const Motion& motion, bool edges) {
   return static_cast<float>(time);
 }
 
-/// Whether there is a line between the two where that part of their way has led them, and one of them can
+/// Whether there is a line between the two where that toi of their way has led them, and one of them can
 /// move along it.
-bool has_normal(const NearPair& pair, const Motion& motion, float part, bool edges,
+bool has_normal(const NearPair& pair, const Motion& motion, float toi, bool edges,
                 const ParticleView& particles) {
   Vec3f at[4];
-  for (std::size_t k = 1; k < 4; ++k) at[k] = motion.x[k] + (motion.p[k] - motion.x[k]) * part;
+  for (std::size_t k = 1; k < 4; ++k) at[k] = motion.x[k] + (motion.p[k] - motion.x[k]) * toi;
   float c[4] = {1, 0, 0, 0};
   if (edges) {
     float s = 0, t = 0;
@@ -73,7 +73,7 @@ bool has_normal(const NearPair& pair, const Motion& motion, float part, bool edg
 
 // Whether a way from q to k begins towards the origin: by more than rounding can tell, or what is just above
 // a side would be over neither triangle.
-bool is_over(const Vec3f& q, const Vec3f& k) {
+bool points_to_origin(const Vec3f& q, const Vec3f& k) {
   constexpr float sine = 1e-4f;
   const float along = -dot(q, k - q);
   return along > 0 && along * along > sine * sine * length_squared(q) * length_squared(k - q);
@@ -82,50 +82,50 @@ bool is_over(const Vec3f& q, const Vec3f& k) {
 }  // namespace
 
 void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
-  forget_contacts();
+  clear_contacts();
   pairs_.set_surfaces(std::move(surfaces));
   if (!pairs_.any()) return;
-  find_sides();
+  build_vertex_edges();
   // Colors and what the solver leaves undone come and go.
   used_.reserve(3 * pairs_.particle_count());
-  begin_.reserve(512), next_place_.reserve(512);
-  cut_pair_.reserve(256), cut_part_.reserve(256), cuts_.reserve(256);
-  cut_particles_.reserve(2048);
-  rescues_.resize(256);
+  begin_.reserve(512), next_slot_.reserve(512);
+  correction_pair_.reserve(256), correction_toi_.reserve(256), violations_.reserve(256);
+  corrected_particles_.reserve(2048);
+  corrections_.resize(256);
 }
 
 // --- what is there more than once
 
-void SurfaceContacts::find_sides() {
+void SurfaceContacts::build_vertex_edges() {
   const std::size_t n = pairs_.particle_count();
   owner_of_vertex_.assign(n, {no_vertex, no_vertex, no_vertex});
-  struct OfVertex {
+  struct Entry {
     std::uint32_t vertex;
-    Side side;
+    VertexEdge edge;
   };
-  std::vector<OfVertex> found;
+  std::vector<Entry> found;
   for (std::size_t a = 0; a < pairs_.surface_count(); ++a) {
     const ContactSurface& surface = pairs_.surface(a);
     for (std::array<std::uint32_t, 3> t : surface.triangles) {
       for (std::uint32_t& i : t) i += surface.begin;
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t i = t[k], j = t[(k + 1) % 3], third = t[(k + 2) % 3];
+        const std::uint32_t i = t[k], j = t[(k + 1) % 3], opposite = t[(k + 2) % 3];
         if (owner_of_vertex_[i][0] == no_vertex) owner_of_vertex_[i] = t;
-        found.push_back({i, {j, third}});
-        found.push_back({j, {i, third}});
+        found.push_back({i, {j, opposite}});
+        found.push_back({j, {i, opposite}});
       }
     }
   }
-  std::stable_sort(found.begin(), found.end(), [](const OfVertex& a, const OfVertex& b) {
-    return a.vertex != b.vertex ? a.vertex < b.vertex : a.side.other < b.side.other;
+  std::stable_sort(found.begin(), found.end(), [](const Entry& a, const Entry& b) {
+    return a.vertex != b.vertex ? a.vertex < b.vertex : a.edge.other < b.edge.other;
   });
-  sides_.clear();
-  side_begin_.assign(n + 1, 0);
-  for (const OfVertex& one : found) {
-    sides_.push_back(one.side);
-    ++side_begin_[one.vertex + 1];
+  vertex_edges_.clear();
+  vertex_edges_begin_.assign(n + 1, 0);
+  for (const Entry& one : found) {
+    vertex_edges_.push_back(one.edge);
+    ++vertex_edges_begin_[one.vertex + 1];
   }
-  for (std::size_t i = 0; i < n; ++i) side_begin_[i + 1] += side_begin_[i];
+  for (std::size_t i = 0; i < n; ++i) vertex_edges_begin_[i + 1] += vertex_edges_begin_[i];
 }
 
 // Whether the triangle of a pair is the one that stands for the side or the corner where its nearest point
@@ -134,14 +134,14 @@ bool SurfaceContacts::is_owner(const NearPair& pair, unsigned on_border,
                                const ParticleView& particles) const {
   if (on_border == 0) return true;
   if (std::has_single_bit(on_border))
-    return is_owner_of_side(pair, static_cast<std::size_t>(std::countr_zero(on_border)), particles);
+    return is_owner_of_edge(pair, static_cast<std::size_t>(std::countr_zero(on_border)), particles);
   const auto k = static_cast<std::size_t>(std::countr_zero(~on_border & 7u)) % 3;
   return is_owner_of_corner(pair, k, particles);
 }
 
 // The side across from a corner. Of all triangles that have it none may reach below the vertex x: with q the
 // nearest point of the side and k the corner across, (x - q) . (k - q) <= 0.
-bool SurfaceContacts::is_owner_of_side(const NearPair& pair, std::size_t corner,
+bool SurfaceContacts::is_owner_of_edge(const NearPair& pair, std::size_t corner,
                                        const ParticleView& particles) const {
   const std::uint32_t x = pair.particle[0], k = pair.particle[1 + corner];
   const std::uint32_t i = pair.particle[1 + (corner + 1) % 3], j = pair.particle[1 + (corner + 2) % 3];
@@ -149,12 +149,13 @@ bool SurfaceContacts::is_owner_of_side(const NearPair& pair, std::size_t corner,
   const float s = nearest_on_edge(Vec3f{}, to_i, to_j);
   const Vec3f to_q = to_i * (1 - s) + to_j * s;
   bool first = true;
-  for (std::uint32_t n = side_begin_[i]; n < side_begin_[i + 1]; ++n) {
-    if (sides_[n].other != j) continue;
-    const std::uint32_t third = sides_[n].third;
-    if (first && third != k) return false;
+  for (std::uint32_t n = vertex_edges_begin_[i]; n < vertex_edges_begin_[i + 1]; ++n) {
+    if (vertex_edges_[n].other != j) continue;
+    const std::uint32_t opposite = vertex_edges_[n].opposite;
+    if (first && opposite != k) return false;
     first = false;
-    if (third != k && third != x && is_over(to_q, particles.difference(third, x))) return false;
+    if (opposite != k && opposite != x && points_to_origin(to_q, particles.difference(opposite, x)))
+      return false;
   }
   return true;
 }
@@ -167,45 +168,47 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
   for (const std::uint32_t k : owner_of_vertex_[q])
     if (k != i[1] && k != i[2] && k != i[3]) return false;
   const Vec3f to_q = particles.difference(q, x);
-  for (std::uint32_t n = side_begin_[q]; n < side_begin_[q + 1]; ++n) {
-    const std::uint32_t other = sides_[n].other;
-    if (other != x && is_over(to_q, particles.difference(other, x))) return false;
+  for (std::uint32_t n = vertex_edges_begin_[q]; n < vertex_edges_begin_[q + 1]; ++n) {
+    const std::uint32_t other = vertex_edges_[n].other;
+    if (other != x && points_to_origin(to_q, particles.difference(other, x))) return false;
   }
   return true;
 }
 
-// --- what touches
+// --- what pairs
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                  std::span<const float> radius, std::span<float> contact_margin,
-                                 const ContactMaterialTable& matrix, const ContactStep& step,
+                                 const ContactMaterialTable& materials, const ContactStep& step,
                                  Threads& threads) {
-  forget_contacts();
+  clear_contacts();
   pairs_.clear();
   if (!pairs_.any()) return;
-  if (matrix.rows() < pairs_.surface_count() || matrix.columns() < pairs_.surface_count())
-    throw Error("SurfaceContacts: the surface matrix is smaller than surfaces x surfaces; build it anew");
-  matrix_ = &matrix;
+  if (materials.rows() < pairs_.surface_count() || materials.columns() < pairs_.surface_count())
+    throw Error(
+        "SurfaceContacts: the contact material table has fewer rows or columns than there are surfaces; "
+        "rebuild it");
+  materials_ = &materials;
   step_ = step;
   contact_margin_ = contact_margin;
   pairs_.begin_step(particles, velocity, radius, contact_margin, step, threads);
-  renew_colors();
+  reset_colors();
 }
 
-void SurfaceContacts::forget_contacts() {
+void SurfaceContacts::clear_contacts() {
   contacts_.resize(0);
   begin_.assign(1, 0);
 }
 
 // Pairs from there on are new; 0: all.
-void SurfaceContacts::renew_colors_from(std::size_t renewed_from) {
-  if (renewed_from == 0) return renew_colors();
+void SurfaceContacts::reset_colors_from(std::size_t first_new) {
+  if (first_new == 0) return reset_colors();
   const std::size_t known = color_.size();
   resize_with_spare(color_, pairs_.size());
   std::fill(color_.begin() + static_cast<std::ptrdiff_t>(known), color_.end(), no_color);
 }
 
-void SurfaceContacts::renew_colors() {
+void SurfaceContacts::reset_colors() {
   resize_with_spare(color_, pairs_.size());
   std::fill(color_.begin(), color_.end(), no_color);
   used_.assign(pairs_.particle_count(), 0);
@@ -213,69 +216,70 @@ void SurfaceContacts::renew_colors() {
 
 // of_chunk(index, what it found).
 template <class Function>
-void SurfaceContacts::find(std::vector<Touch>& found, Threads& threads, const Function& of_chunk) {
+void SurfaceContacts::find(std::vector<PairToi>& found, Threads& threads, const Function& of_chunk) {
   const std::size_t count = pairs_.chunk_count();
-  if (found_.size() < count) {
-    const std::size_t before = found_.size();
-    found_.resize(count + count / 2 + 16);
-    for (std::size_t c = before; c < found_.size(); ++c) found_[c].touches.reserve(ElementPairs::chunk_size);
+  if (chunk_results_.size() < count) {
+    const std::size_t before = chunk_results_.size();
+    chunk_results_.resize(count + count / 2 + 16);
+    for (std::size_t c = before; c < chunk_results_.size(); ++c)
+      chunk_results_[c].pairs.reserve(ElementPairs::chunk_size);
   }
   threads.for_each(count, 4, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
-      found_[c].touches.clear();
-      of_chunk(c, found_[c].touches);
+      chunk_results_[c].pairs.clear();
+      of_chunk(c, chunk_results_[c].pairs);
     }
   });
   std::size_t sum = 0;
   for (std::size_t c = 0; c < count; ++c) {
-    found_[c].place = sum;
-    sum += found_[c].touches.size();
+    chunk_results_[c].offset = sum;
+    sum += chunk_results_[c].pairs.size();
   }
   resize_with_spare(found, sum, ContactArrays::spare);
   for (std::size_t c = 0; c < count; ++c)
-    std::copy(found_[c].touches.begin(), found_[c].touches.end(),
-              found.begin() + static_cast<std::ptrdiff_t>(found_[c].place));
+    std::copy(chunk_results_[c].pairs.begin(), chunk_results_[c].pairs.end(),
+              found.begin() + static_cast<std::ptrdiff_t>(chunk_results_[c].offset));
 }
 
 void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
-  forget_contacts();
+  clear_contacts();
   if (!pairs_.any()) return;
   limits_ = {1 / substep.h, 2 * step_.gravity * substep.h, step_.depenetration_speed * substep.h};
   pairs_.begin_substep(substep.h);
-  renew_colors_from(pairs_.update(particles, substep.h, threads));
+  reset_colors_from(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
-  find(touches_, threads,
-       [&](std::size_t chunk, std::vector<Touch>& found) { find_touching(chunk, particles, found); });
-  sort_touches(particles);
-  describe_touches(particles, threads);
+  find(contact_pairs_, threads,
+       [&](std::size_t chunk, std::vector<PairToi>& found) { find_chunk_contacts(chunk, particles, found); });
+  sort_by_color(particles);
+  describe_contacts(particles, threads);
 }
 
-void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& particles,
-                                    std::vector<Touch>& found) {
+void SurfaceContacts::find_chunk_contacts(std::size_t chunk, const ParticleView& particles,
+                                          std::vector<PairToi>& found) {
   std::uint32_t near[ElementPairs::chunk_size];
   float classification[ElementPairs::chunk_size];
   const kernels::ParticleRecords records = pairs_.particle_records(particles);
   const std::size_t count =
       pairs_.find_near(chunk, {1, 1 + speculative_part, pairs_.contact_margin(chunk)}, records, near);
   if (count == 0) return;
-  packed().classify[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), speculative_part, near, 0,
-                                                       count, classification);
+  simd_kernels().classify[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), speculative_part,
+                                                             near, 0, count, classification);
   for (std::size_t k = 0; k < count; ++k) {
-    float part = 1;
+    float toi = 1;
     if (!pairs_.is_replaced(near[k]) &&
-        is_contact(near[k], static_cast<unsigned>(classification[k]), particles, part))
-      found.push_back({near[k], part});
+        is_contact(near[k], static_cast<unsigned>(classification[k]), particles, toi))
+      found.push_back({near[k], toi});
   }
 }
 
 bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
-                                 float& part) const {
+                                 float& toi) const {
   const bool edges = pairs_.are_edges(pair);
   const NearPair& particle = pairs_.pair(pair);
   if ((classification & Classification::fast) != 0) {
     const Motion motion = motion_of(particle, particles);
-    part = safe_time(motion, edges);
-    if (part < 1) return has_normal(particle, motion, part, edges, particles);
+    toi = safe_time(motion, edges);
+    if (toi < 1) return has_normal(particle, motion, toi, edges, particles);
   }
   if ((classification & Classification::touches) == 0) return false;
   const unsigned on_border = classification / Classification::on_border;
@@ -294,73 +298,73 @@ std::uint16_t SurfaceContacts::color_of(const NearPair& pair, const ParticleView
   for (std::size_t round = 0;; ++round) {
     if (used_.size() == round * n) used_.resize(used_.size() + n, 0);
     std::uint64_t* const used = used_.data() + round * n;
-    std::uint64_t taken = 0;
+    std::uint64_t occupied = 0;
     for (const std::uint32_t i : pair.particle)
-      if (particles.inverse_mass(i) > 0) taken |= used[i];
-    if (taken == ~std::uint64_t{0}) continue;
-    const int bit = std::countr_one(taken);
+      if (particles.inverse_mass(i) > 0) occupied |= used[i];
+    if (occupied == ~std::uint64_t{0}) continue;
+    const int bit = std::countr_one(occupied);
     for (const std::uint32_t i : pair.particle) used[i] |= std::uint64_t{1} << bit;
     return static_cast<std::uint16_t>(64 * round + static_cast<std::size_t>(bit));
   }
 }
 
 // By color, and within a color in order of pairs, which has vertices and triangles first.
-void SurfaceContacts::sort_touches(const ParticleView& particles) {
-  next_place_.assign(next_place_.capacity() > 0 ? 2 : 256, 0);
-  for (const Touch& touch : touches_) {
-    std::uint16_t& color = color_[touch.pair];
-    if (color == no_color) color = color_of(pairs_.pair(touch.pair), particles);
-    const std::size_t kind = 2 * std::size_t{color} + (pairs_.are_edges(touch.pair) ? 1 : 0);
-    if (next_place_.size() <= kind) next_place_.resize(2 * std::size_t{color} + 2, 0);
-    ++next_place_[kind];
+void SurfaceContacts::sort_by_color(const ParticleView& particles) {
+  next_slot_.assign(next_slot_.capacity() > 0 ? 2 : 256, 0);
+  for (const PairToi& contact : contact_pairs_) {
+    std::uint16_t& color = color_[contact.pair];
+    if (color == no_color) color = color_of(pairs_.pair(contact.pair), particles);
+    const std::size_t kind = 2 * std::size_t{color} + (pairs_.are_edges(contact.pair) ? 1 : 0);
+    if (next_slot_.size() <= kind) next_slot_.resize(2 * std::size_t{color} + 2, 0);
+    ++next_slot_[kind];
   }
   begin_.clear();
   std::size_t sum = 0;
-  for (std::size_t kind = 0; kind < next_place_.size(); kind += 2) {
-    const std::size_t vertices = next_place_[kind], edges = next_place_[kind + 1];
-    next_place_[kind] = sum, next_place_[kind + 1] = sum + vertices;
+  for (std::size_t kind = 0; kind < next_slot_.size(); kind += 2) {
+    const std::size_t vertices = next_slot_[kind], edges = next_slot_[kind + 1];
+    next_slot_[kind] = sum, next_slot_[kind + 1] = sum + vertices;
     if (vertices + edges == 0) continue;
     begin_.push_back(sum), begin_.push_back(sum + vertices);
     sum += vertices + edges;
   }
   begin_.push_back(sum);
   resize_with_spare(pair_, sum, ContactArrays::spare);
-  resize_with_spare(part_, sum, ContactArrays::spare);
-  for (const Touch& touch : touches_) {
-    const std::size_t place =
-        next_place_[2 * std::size_t{color_[touch.pair]} + (pairs_.are_edges(touch.pair) ? 1 : 0)]++;
-    pair_[place] = touch.pair;
-    part_[place] = touch.part;
+  resize_with_spare(toi_, sum, ContactArrays::spare);
+  for (const PairToi& contact : contact_pairs_) {
+    const std::size_t slot =
+        next_slot_[2 * std::size_t{color_[contact.pair]} + (pairs_.are_edges(contact.pair) ? 1 : 0)]++;
+    pair_[slot] = contact.pair;
+    toi_[slot] = contact.toi;
   }
 }
 
 // --- contacts
 
 void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,
-                               const std::vector<std::uint32_t>& pairs, const std::vector<float>& parts,
+                               const std::vector<std::uint32_t>& pairs, const std::vector<float>& tois,
                                const kernels::ContactColumns& out) {
   if (begin >= end) return;
-  packed().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), limits_,
-                                   pairs.data(), parts.data(), begin, end, out);
+  simd_kernels().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), limits_,
+                                         pairs.data(), tois.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
     const ContactMaterialPair& surface =
-        matrix_->at(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
+        materials_->at(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;
     out.restitution[c] = surface.restitution;
   }
 }
 
-void SurfaceContacts::describe_touches(const ParticleView& particles, Threads& threads) {
-  contacts_.resize(touches_.size());
+void SurfaceContacts::describe_contacts(const ParticleView& particles, Threads& threads) {
+  contacts_.resize(contact_pairs_.size());
   columns_ = contacts_.columns();
-  threads.for_each(touches_.size(), contact_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(contact_pairs_.size(), contact_grain, [&](std::size_t begin, std::size_t end) {
     auto kind =
         static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end(), begin) - begin_.begin()) - 1;
     for (; begin < end; ++kind) {
       const std::size_t last = std::min(end, begin_[kind + 1]);
-      describe(kind % 2 == 1, begin, last, particles, pair_, part_, columns_);
+      describe(kind % 2 == 1, begin, last, particles, pair_, toi_, columns_);
       begin = std::max(begin, last);
     }
   });
@@ -369,124 +373,129 @@ void SurfaceContacts::describe_touches(const ParticleView& particles, Threads& t
 void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep&) {
   const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
-  packed().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
+  simd_kernels().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
 }
 
 // --- nothing passes
 
-void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& particles, bool all,
-                                   std::vector<Cut>& found) {
-  constexpr float nearly = 0.9f;  // of what is between them
-  if (!all && !pairs_.any_moved_by(nearly, pairs_.chunk(chunk))) return;
+void SurfaceContacts::find_chunk_violations(std::size_t chunk, const ParticleView& particles, bool all,
+                                            std::vector<PairToi>& found) {
+  constexpr float distance_part = 0.9f;  // of what is between them
+  if (!all && !pairs_.any_moved_by(distance_part, pairs_.chunk(chunk))) return;
   std::uint32_t near[ElementPairs::chunk_size];
-  const std::size_t count = pairs_.find_near(chunk, {nearly, 0, 0}, pairs_.particle_records(particles), near);
+  const std::size_t count =
+      pairs_.find_near(chunk, {distance_part, 0, 0}, pairs_.particle_records(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
     if (!all && !pairs_.was_moved(near[k])) continue;
-    if (pairs_.distance_bound(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
-    const float part = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
-    if (part < 1) found.push_back({near[k], part});
+    if (pairs_.distance_bound(near[k]) < coincident_distance || pairs_.is_replaced(near[k])) continue;
+    const float toi = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
+    if (toi < 1) found.push_back({near[k], toi});
   }
 }
 
-// Pairs that would touch on their ways, in order.
-void SurfaceContacts::find_cuts(const ParticleView& particles, Threads& threads) {
+// Pairs that would contact on their ways, in order.
+void SurfaceContacts::find_violations(const ParticleView& particles, Threads& threads) {
   pairs_.measure(particles, threads);
-  find(cuts_, threads,
-       [&](std::size_t chunk, std::vector<Cut>& found) { find_passing(chunk, particles, true, found); });
+  find(violations_, threads, [&](std::size_t chunk, std::vector<PairToi>& found) {
+    find_chunk_violations(chunk, particles, true, found);
+  });
 }
 
 // After a pass, which moves the particles of cuts and of rescues and no others: what it did not move passes
 // through nothing, as before.
-void SurfaceContacts::find_cuts_again(const ParticleView& particles, const Substep& substep,
-                                      Threads& threads) {
-  cut_particles_.clear();
-  for (const Cut& cut : cuts_)
-    for (const std::uint32_t i : pairs_.pair(cut.pair).particle) cut_particles_.push_back(i);
-  for (const std::uint32_t* const column : rescues_.columns().particle)
-    cut_particles_.insert(cut_particles_.end(), column, column + cut_pair_.size());
-  std::sort(cut_particles_.begin(), cut_particles_.end());
-  cut_particles_.erase(std::unique(cut_particles_.begin(), cut_particles_.end()), cut_particles_.end());
-  const std::size_t renewed_from = pairs_.update(particles, substep.h, cut_particles_, threads);
-  renew_colors_from(renewed_from);
-  if (renewed_from == 0) return find_cuts(particles, threads);
-  pairs_.measure(particles, cut_particles_);
-  find(cuts_, threads,
-       [&](std::size_t chunk, std::vector<Cut>& found) { find_passing(chunk, particles, false, found); });
+void SurfaceContacts::refind_violations(const ParticleView& particles, const Substep& substep,
+                                        Threads& threads) {
+  corrected_particles_.clear();
+  for (const PairToi& violation : violations_)
+    for (const std::uint32_t i : pairs_.pair(violation.pair).particle) corrected_particles_.push_back(i);
+  for (const std::uint32_t* const column : corrections_.columns().particle)
+    corrected_particles_.insert(corrected_particles_.end(), column, column + correction_pair_.size());
+  std::sort(corrected_particles_.begin(), corrected_particles_.end());
+  corrected_particles_.erase(std::unique(corrected_particles_.begin(), corrected_particles_.end()),
+                             corrected_particles_.end());
+  const std::size_t first_new = pairs_.update(particles, substep.h, corrected_particles_, threads);
+  reset_colors_from(first_new);
+  if (first_new == 0) return find_violations(particles, threads);
+  pairs_.measure(particles, corrected_particles_);
+  find(violations_, threads, [&](std::size_t chunk, std::vector<PairToi>& found) {
+    find_chunk_violations(chunk, particles, false, found);
+  });
 }
 
-// What the solver left undone: contacts of the pairs that would still touch, one after the other. They keep
+// What the solver left undone: contacts of the pairs that would still contact, one after the other. They keep
 // momentum.
-void SurfaceContacts::push_cuts(const ParticleView& particles) {
-  const std::size_t begin = cut_pair_.size();
-  const auto take = [&](bool edges) {
-    for (const Cut& cut : cuts_) {
-      const NearPair& pair = pairs_.pair(cut.pair);
-      if (pairs_.are_edges(cut.pair) != edges ||
-          !has_normal(pair, motion_of(pair, particles), cut.part, edges, particles))
+void SurfaceContacts::solve_corrections(const ParticleView& particles) {
+  const std::size_t begin = correction_pair_.size();
+  const auto append = [&](bool edges) {
+    for (const PairToi& violation : violations_) {
+      const NearPair& pair = pairs_.pair(violation.pair);
+      if (pairs_.are_edges(violation.pair) != edges ||
+          !has_normal(pair, motion_of(pair, particles), violation.toi, edges, particles))
         continue;
-      cut_pair_.push_back(cut.pair);
-      cut_part_.push_back(cut.part);
+      correction_pair_.push_back(violation.pair);
+      correction_toi_.push_back(violation.toi);
     }
   };
-  take(false);
-  const std::size_t edges = cut_pair_.size();
-  take(true);
-  rescues_.resize(cut_pair_.size());
-  const kernels::ContactColumns columns = rescues_.columns();
-  describe(false, begin, edges, particles, cut_pair_, cut_part_, columns);
-  describe(true, edges, cut_pair_.size(), particles, cut_pair_, cut_part_, columns);
-  const kernels::ElementPairKernels& one_by_one = kernels::find_element_pair_kernels(InstructionSet::scalar);
+  append(false);
+  const std::size_t edges = correction_pair_.size();
+  append(true);
+  corrections_.resize(correction_pair_.size());
+  const kernels::ContactColumns columns = corrections_.columns();
+  describe(false, begin, edges, particles, correction_pair_, correction_toi_, columns);
+  describe(true, edges, correction_pair_.size(), particles, correction_pair_, correction_toi_, columns);
+  const kernels::ElementPairKernels& scalar_kernels =
+      kernels::find_element_pair_kernels(InstructionSet::scalar);
   constexpr int sweeps = 4;
   for (int sweep = 0; sweep < sweeps; ++sweep)
-    one_by_one.project(pairs_.particle_records(particles), columns, 0, cut_pair_.size());
+    scalar_kernels.project(pairs_.particle_records(particles), columns, 0, correction_pair_.size());
 }
 
-// Particles of a pair that would touch keep the part of their way that is safe.
-void SurfaceContacts::shorten_ways(const ParticleView& particles) {
-  left_of_way_.assign(pairs_.particle_count(), 1);
-  for (const Cut& cut : cuts_)
-    for (const std::uint32_t i : pairs_.pair(cut.pair).particle)
-      left_of_way_[i] = min(left_of_way_[i], cut.part);
-  for (std::size_t i = 0; i < left_of_way_.size(); ++i)
-    if (left_of_way_[i] < 1 && particles.inverse_mass(i) > 0)
-      particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * left_of_way_[i]);
+// Particles of a pair that would contact keep the toi of their way that is safe.
+void SurfaceContacts::clamp_to_toi(const ParticleView& particles) {
+  clamp_toi_.assign(pairs_.particle_count(), 1);
+  for (const PairToi& violation : violations_)
+    for (const std::uint32_t i : pairs_.pair(violation.pair).particle)
+      clamp_toi_[i] = min(clamp_toi_[i], violation.toi);
+  for (std::size_t i = 0; i < clamp_toi_.size(); ++i)
+    if (clamp_toi_[i] < 1 && particles.inverse_mass(i) > 0)
+      particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * clamp_toi_[i]);
 }
 
 // What a contact pushed beyond what motion asked for, where that is more than what comes early anyway. At
-// most a part of the thickness.
-void SurfaceContacts::remember_pushes() {
-  constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
+// most a toi of the thickness.
+void SurfaceContacts::update_contact_margins() {
+  constexpr float max_part = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
   for (float& contact_margin : contact_margin_)
     contact_margin = contact_margin > negligible ? kept * contact_margin : 0;
   for (std::size_t c = 0; c < size(); ++c) {
     const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
     if (!(beyond > speculative_part * columns_.thickness[c])) continue;
-    const float contact_margin = min(beyond, part_of_thickness * columns_.thickness[c]);
+    const float contact_margin = min(beyond, max_part * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
       contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);
   }
 }
 
-// First pushes, which keep momentum; what they do not settle is stopped.
+// First correction_passes, which keep momentum; what they do not settle is stopped.
 std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
                                         Threads& threads) {
   if (!pairs_.any()) return 0;
-  constexpr int pushes = 20, passes = 30;
-  cut_pair_.clear(), cut_part_.clear();
+  constexpr int correction_passes = 20, passes = 30;
+  correction_pair_.clear(), correction_toi_.clear();
   std::size_t count = 0;
-  renew_colors_from(pairs_.update(particles, substep.h, threads));
-  find_cuts(particles, threads);
-  for (int pass = 0; pass < passes && !cuts_.empty(); ++pass) {
-    if (pass < pushes) {
-      push_cuts(particles);
+  reset_colors_from(pairs_.update(particles, substep.h, threads));
+  find_violations(particles, threads);
+  for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
+    if (pass < correction_passes) {
+      solve_corrections(particles);
     } else {
-      count += cuts_.size();
-      shorten_ways(particles);
+      count += violations_.size();
+      clamp_to_toi(particles);
     }
-    find_cuts_again(particles, substep, threads);
+    refind_violations(particles, substep, threads);
   }
   pairs_.end_substep();
-  remember_pushes();
+  update_contact_margins();
   return count;
 }
 
@@ -498,8 +507,8 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
   for (int color = 0; color < color_count(); ++color) {
     const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
     threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
-      packed().apply_restitution(pairs_.particle_records(particles), columns_, limits_, &velocity[0].x,
-                                 first + begin, first + end);
+      simd_kernels().apply_restitution(pairs_.particle_records(particles), columns_, limits_, &velocity[0].x,
+                                       first + begin, first + end);
     });
   }
 }
@@ -570,10 +579,10 @@ void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
 }
 
 std::size_t SurfaceContacts::bytes() const {
-  std::size_t sum =
-      bytes_of(owner_of_vertex_, side_begin_, sides_, touches_, color_, used_, pair_, part_, left_of_way_);
-  for (const Found& found : found_) sum += bytes_of(found.touches);
-  return sum + pairs_.bytes() + contacts_.bytes() + rescues_.bytes();
+  std::size_t sum = bytes_of(owner_of_vertex_, vertex_edges_begin_, vertex_edges_, contact_pairs_, color_,
+                             used_, pair_, toi_, clamp_toi_);
+  for (const ChunkResult& found : chunk_results_) sum += bytes_of(found.pairs);
+  return sum + pairs_.bytes() + contacts_.bytes() + corrections_.bytes();
 }
 
 }  // namespace souple

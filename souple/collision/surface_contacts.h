@@ -20,12 +20,12 @@ namespace souple {
 ///
 /// c_k are the weights of the two nearest points (1 and minus barycentric for a vertex and a triangle), n the
 /// unit vector between them and d the distance that thickness asks for. Both are found once a substep: where
-/// the motion x -> p leads, or, when it would bring the two through each other, just before they touch
+/// the motion x -> p leads, or, when it would bring the two through each other, just before they contact
 /// (continuous.h). So n always points to the side that the features came from. Corrections w_k c_k n keep
 /// momentum. Friction, restitution and the slow release of an old overlap are those of ParticleContacts.
 ///
 /// A vertex that is nearest to a side or a corner of a triangle, and over none of the triangles around it,
-/// touches all of these: one contact is made of them, with the first that the mesh has there. Where it is
+/// pairs all of these: one contact is made of them, with the first that the mesh has there. Where it is
 /// over one of them, that one alone counts: the normal from the side would brake what slides across. Edges
 /// whose nearest point is an end are left to that vertex and the triangles, unless one of them is a rope's.
 ///
@@ -39,11 +39,11 @@ namespace souple {
 /// between walls), ways are shortened: what was not tangled never becomes so.
 class SurfaceContacts final : public Projector {
  public:
-  /// What can touch, anew when objects came, went or changed.
+  /// What can contact, anew when objects came, went or changed.
   void set_surfaces(std::vector<ContactSurface> surfaces);
   /// The loose particles of a surface end here from the next step on, at most at its reserved end.
   void set_end(std::size_t surface, std::uint32_t end) { pairs_.set_end(surface, end); }
-  /// Pairs of particles that are tied together: features that have one each never touch.
+  /// Pairs of particles that are tied together: features that have one each never contact.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { pairs_.exclude(std::move(pairs)); }
   /// Whose tangles may pass; none: all are held. It must live as long as this is used.
   void set_intersection_resolver(const IntersectionResolver* intersection_resolver) {
@@ -54,10 +54,10 @@ class SurfaceContacts final : public Projector {
   /// [m], which this keeps up to date. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<float> contact_margin,
-                  const ContactMaterialTable& matrix, const ContactStep& step, Threads& threads);
+                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
   /// After prediction: the contacts of this substep.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
-  /// After the solver, before velocities are taken. Returns how often a way was shortened.
+  /// After the solver, before velocities are occupied. Returns how often a way was shortened.
   std::size_t keep_apart(const ParticleView& particles, const Substep& substep, Threads& threads);
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
@@ -83,77 +83,76 @@ class SurfaceContacts final : public Projector {
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  /// A pair that makes a contact in this substep, where this part of its way has led it.
-  struct Touch {
+  /// A pair that makes a contact in this substep, where this toi of its way has led it.
+  struct PairToi {
     std::uint32_t pair;
-    float part;
+    float toi;
   };
-  /// A pair whose particles must not go all their way.
-  using Cut = Touch;
   /// What was found among the pairs of a chunk.
-  struct Found {
-    std::vector<Touch> touches;
-    std::size_t place = 0;
+  struct ChunkResult {
+    std::vector<PairToi> pairs;
+    std::size_t offset = 0;
   };
 
-  void forget_contacts();
-  void renew_colors_from(std::size_t renewed_from);
-  void renew_colors();
-  void find_sides();
+  void clear_contacts();
+  void reset_colors_from(std::size_t first_new);
+  void reset_colors();
+  void build_vertex_edges();
   bool is_owner(const NearPair& pair, unsigned on_border, const ParticleView& particles) const;
-  bool is_owner_of_side(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
+  bool is_owner_of_edge(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
   bool is_owner_of_corner(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
   template <class Function>
-  void find(std::vector<Touch>& found, Threads& threads, const Function& of_range);
-  void find_touching(std::size_t chunk, const ParticleView& particles, std::vector<Touch>& found);
-  void find_passing(std::size_t chunk, const ParticleView& particles, bool all, std::vector<Cut>& found);
-  void find_cuts(const ParticleView& particles, Threads& threads);
-  void find_cuts_again(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void find(std::vector<PairToi>& found, Threads& threads, const Function& of_range);
+  void find_chunk_contacts(std::size_t chunk, const ParticleView& particles, std::vector<PairToi>& found);
+  void find_chunk_violations(std::size_t chunk, const ParticleView& particles, bool all,
+                             std::vector<PairToi>& found);
+  void find_violations(const ParticleView& particles, Threads& threads);
+  void refind_violations(const ParticleView& particles, const Substep& substep, Threads& threads);
   bool is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
-                  float& part) const;
+                  float& toi) const;
   std::uint16_t color_of(const NearPair& pair, const ParticleView& particles);
-  void sort_touches(const ParticleView& particles);
+  void sort_by_color(const ParticleView& particles);
   void describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,
-                const std::vector<std::uint32_t>& pairs, const std::vector<float>& parts,
+                const std::vector<std::uint32_t>& pairs, const std::vector<float>& tois,
                 const kernels::ContactColumns& out);
-  void describe_touches(const ParticleView& particles, Threads& threads);
-  void push_cuts(const ParticleView& particles);
-  void shorten_ways(const ParticleView& particles);
-  void remember_pushes();
+  void describe_contacts(const ParticleView& particles, Threads& threads);
+  void solve_corrections(const ParticleView& particles);
+  void clamp_to_toi(const ParticleView& particles);
+  void update_contact_margins();
 
   ElementPairs pairs_;
   /// A side of a triangle, by one of its ends.
-  struct Side {
-    std::uint32_t other, third;  ///< its other end, and the corner across
+  struct VertexEdge {
+    std::uint32_t other, opposite;  ///< its other end, and the corner across
   };
-  /// Those of vertex i begin at side_begin_[i], by their other ends and then in the order of triangles.
-  std::vector<std::uint32_t> side_begin_;
-  std::vector<Side> sides_;
+  /// Those of vertex i begin at vertex_edges_begin_[i], by their other ends and then in the order of triangles.
+  std::vector<std::uint32_t> vertex_edges_begin_;
+  std::vector<VertexEdge> vertex_edges_;
   std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // the first triangle that has it
 
   std::span<float> contact_margin_;
-  const ContactMaterialTable* matrix_ = nullptr;
+  const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};
-  std::vector<Found> found_;    // of each chunk
-  std::vector<Touch> touches_;  // in order of pairs
+  std::vector<ChunkResult> chunk_results_;  // of each chunk
+  std::vector<PairToi> contact_pairs_;      // in order of pairs
   /// Of each pair that has made a contact since all pairs were found: its color. A pair keeps it until they
   /// are found again.
   std::vector<std::uint16_t> color_;
   /// Which colors the contacts of each particle have; 64 to a word, all particles of one word in a row.
   std::vector<std::uint64_t> used_;
   std::vector<std::uint32_t> pair_;  // of each contact
-  std::vector<float> part_;
+  std::vector<float> toi_;
   /// Contacts of color c: vertices against triangles begin at begin_[2 c], edges at begin_[2 c + 1].
-  std::vector<std::size_t> begin_{0}, next_place_;
+  std::vector<std::size_t> begin_{0}, next_slot_;
   ContactArrays contacts_;
   kernels::ContactColumns columns_{};  // of contacts_
-  std::vector<float> left_of_way_;     // to each particle, in keep_apart
-  std::vector<Cut> cuts_;
-  std::vector<std::uint32_t> cut_pair_;
-  std::vector<float> cut_part_;
-  std::vector<std::uint32_t> cut_particles_;  // that a pass of keep_apart has moved
-  ContactArrays rescues_;                     // what the solver left undone
+  std::vector<float> clamp_toi_;       // to each particle, in keep_apart
+  std::vector<PairToi> violations_;
+  std::vector<std::uint32_t> correction_pair_;
+  std::vector<float> correction_toi_;
+  std::vector<std::uint32_t> corrected_particles_;  // that a pass of keep_apart has moved
+  ContactArrays corrections_;                       // what the solver left undone
 };
 
 }  // namespace souple

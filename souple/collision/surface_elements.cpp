@@ -34,22 +34,22 @@ EdgeTriangles edge_triangles(const TriangleEdges& sides) {
   return result;
 }
 
-/// Grows patches over a mesh, from one triangle to what is left beside it: always to the triangle most of
-/// whose corners the patch has, so that it closes the fan around a vertex and stays round.
+/// Grows patches over a mesh. A patch starts at one triangle and adds, of the free triangles at its edges, the one
+/// with the most corners in the patch. So it closes the fan around a vertex and stays round.
 class PatchGrower {
  public:
   explicit PatchGrower(std::span<const Triangle> triangles)
       : triangles_(triangles),
         sides_(triangle_edges(triangles)),
-        around_(edge_triangles(sides_)),
-        taken_(triangles.size()) {}
+        edge_triangles_(edge_triangles(sides_)),
+        used_(triangles.size()) {}
 
   Grouped grow() {
     Grouped result;
     for (std::uint32_t seed = 0; seed < triangles_.size(); ++seed) {
-      if (taken_[seed]) continue;
+      if (used_[seed]) continue;
       patch_.clear();
-      for (std::uint32_t t = seed; t != none; t = next()) take(t);
+      for (std::uint32_t t = seed; t != none; t = next()) add(t);
       for (const std::uint32_t t : patch_) result.triangles.push_back(triangles_[t]);
       result.sizes.push_back(static_cast<std::uint32_t>(patch_.size()));
     }
@@ -59,8 +59,8 @@ class PatchGrower {
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-  void take(std::uint32_t t) {
-    taken_[t] = true;
+  void add(std::uint32_t t) {
+    used_[t] = true;
     patch_.push_back(t);
   }
   long corners_in_patch(std::uint32_t t) const {
@@ -71,24 +71,24 @@ class PatchGrower {
     });
   }
   std::uint32_t next() const {
-    if (patch_.size() == SurfacePatch::most_triangles) return none;
+    if (patch_.size() == SurfacePatch::max_triangles) return none;
     std::uint32_t best = none;
-    long most = 0;
+    long max_corners = 0;
     for (const std::uint32_t p : patch_)
       for (const std::uint32_t e : sides_.of_triangle[p])
-        for (std::uint32_t k = around_.begin[e]; k < around_.begin[e + 1]; ++k) {
-          const std::uint32_t t = around_.items[k];
-          if (taken_[t]) continue;
+        for (std::uint32_t k = edge_triangles_.begin[e]; k < edge_triangles_.begin[e + 1]; ++k) {
+          const std::uint32_t t = edge_triangles_.items[k];
+          if (used_[t]) continue;
           const long corners = corners_in_patch(t);
-          if (corners > most) best = t, most = corners;
+          if (corners > max_corners) best = t, max_corners = corners;
         }
     return best;
   }
 
   std::span<const Triangle> triangles_;
   TriangleEdges sides_;
-  EdgeTriangles around_;
-  std::vector<bool> taken_;
+  EdgeTriangles edge_triangles_;
+  std::vector<bool> used_;
   std::vector<std::uint32_t> patch_;
 };
 
@@ -147,7 +147,7 @@ void SurfaceElements::extend_columns() {
 }
 
 // Marks the corners that no earlier element of this call has, and lists them as vertices.
-void SurfaceElements::own_particles_once(std::size_t first_element) {
+void SurfaceElements::assign_particle_owners(std::size_t first_element) {
   std::uint32_t end = 0;
   for (std::size_t e = first_element; e < elements_.size(); ++e)
     for (const std::uint32_t i : elements_[e].particle) end = std::max(end, i + 1);
@@ -168,10 +168,10 @@ void SurfaceElements::own_particles_once(std::size_t first_element) {
 
 void SurfaceElements::add_triangles(std::span<const Triangle> triangles, std::uint32_t first_particle,
                                     std::uint32_t object) {
-  std::vector<Triangle> whole;
+  std::vector<Triangle> valid;
   for (const Triangle& t : triangles)
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) whole.push_back(t);
-  const Grouped grouped = PatchGrower(whole).grow();
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) valid.push_back(t);
+  const Grouped grouped = PatchGrower(valid).grow();
   const TriangleEdges sides = triangle_edges(grouped.triangles);
   const std::size_t first_element = elements_.size(), first_edge = edges_.size();
   std::vector<bool> owned(sides.edges.size());
@@ -193,7 +193,7 @@ void SurfaceElements::add_triangles(std::span<const Triangle> triangles, std::ui
     edges_.push_back({first_particle + edge[0], first_particle + edge[1]});
     edge_objects_.push_back(object);
   }
-  own_particles_once(first_element);
+  assign_particle_owners(first_element);
   object_end_ = std::max(object_end_, object + 1);
   triangles_.insert(triangles_.end(), elements_.begin() + static_cast<std::ptrdiff_t>(first_element),
                     elements_.end());
@@ -208,7 +208,7 @@ void SurfaceElements::add_edges(std::span<const Edge> edges, std::uint32_t first
   for (const Edge& edge : edges) {
     const std::uint32_t a = first_particle + edge[0], b = first_particle + edge[1];
     if (a == b) continue;
-    if (a != last || sizes.back() == SurfacePatch::most_edges) sizes.push_back(0);
+    if (a != last || sizes.back() == SurfacePatch::max_edges) sizes.push_back(0);
     ++sizes.back();
     last = b;
     const auto index = static_cast<std::uint32_t>(edges_.size());
@@ -217,7 +217,7 @@ void SurfaceElements::add_edges(std::span<const Edge> edges, std::uint32_t first
     edges_.push_back({a, b});
     edge_objects_.push_back(object);
   }
-  own_particles_once(first_element);
+  assign_particle_owners(first_element);
   object_end_ = std::max(object_end_, object + 1);
   add_patches(first_element, sizes);
 }

@@ -24,7 +24,7 @@ struct SurfaceElement {
 /// Neighboring elements and what they own, all in a row: triangles, edges and vertices
 /// [begin, begin + count).
 struct SurfacePatch {
-  static constexpr std::uint32_t most_triangles = 15, most_edges = 8;  ///< most_edges: of a rope
+  static constexpr std::uint32_t max_triangles = 15, max_edges = 8;  ///< max_edges: of a rope
   std::uint32_t first_triangle = 0, first_edge = 0, first_vertex = 0;
   std::uint32_t object = 0;
   std::uint8_t triangles = 0, edges = 0, vertices = 0;
@@ -80,7 +80,7 @@ class SurfaceElements {
   std::size_t bytes() const;
 
  private:
-  void own_particles_once(std::size_t first_element);
+  void assign_particle_owners(std::size_t first_element);
   void add_patches(std::size_t first_element, std::span<const std::uint32_t> sizes);
   void extend_columns();
 

@@ -5,6 +5,7 @@
 #include "souple/collision/collider.h"
 #include "souple/collision/collider_contacts.h"
 #include "souple/collision/collider_element_contacts.h"
+#include "souple/collision/intersection_resolver.h"
 #include "souple/collision/particle_contacts.h"
 #include "souple/collision/surface_contacts.h"
 #include "souple/constraints/attachment.h"

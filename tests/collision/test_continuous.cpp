@@ -90,7 +90,7 @@ void take(std::optional<double>& first, std::optional<double> other) {
   if (other && (!first || *other < *first)) first = other;
 }
 
-std::optional<double> first_touch(Kind kind, const Moving4& m) {
+std::optional<double> first_contact(Kind kind, const Moving4& m) {
   const Paths at(m);
   const auto& x = at.x;
   const bool vertex = kind == Kind::vertex_triangle;
@@ -280,7 +280,7 @@ void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
     const int which = k % motions;
     const Moving4 m = motion(kind, which, random);
     if (distance_at(kind, m, 0) < 1e-13 * reach(m)) continue;  // in touch at the begin
-    const auto touch = first_touch(kind, m);
+    const auto touch = first_contact(kind, m);
     if (!touch) continue;
     const double t = time_of(kind, m, 0);
     if (!(t < *touch)) describe(m);
@@ -414,7 +414,7 @@ TEST(ContinuousVertexEdge, NeverPastTheFirstTouchOfExactArithmetic) {
   for (int k = 0; k < 600; ++k) {
     const int which = std::array{grazing, coplanar, oblique_coplanar}[std::size_t(k % 3)];
     const Moving4 m = vertex_to_edge(which, random);
-    const auto touch = first_touch(Kind::edge_edge, m);
+    const auto touch = first_contact(Kind::edge_edge, m);
     if (!touch || distance_at(Kind::edge_edge, m, 0) < 1e-13 * reach(m)) continue;
     const double t = edge_edge_time(m, 0);
     if (!(t < *touch)) describe(m);
