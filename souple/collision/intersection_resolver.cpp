@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Along the axes, upward first, and along the diagonals between them; the last two are the contour's.
+// Directions along the axes, upward first, then along the diagonals. Two more follow the contour.
 constexpr float third = 0.57735027f;
 constexpr Vec3f directions[] = {{0, 1, 0},
                                 {0, -1, 0},
@@ -29,17 +29,19 @@ constexpr Vec3f directions[] = {{0, 1, 0},
                                 {third, third, -third},
                                 {-third, -third, third}};
 constexpr std::uint32_t fixed_directions = 14, all_directions = 16;
-constexpr int distances = 10;             // that are tried, each
-constexpr float distance_ratio = 1.5f;    // times as long as the one before it
-constexpr float separation_time = 0.4f;   // s: how long a way may take, as far as the speed allows
-constexpr float min_speed = 0.1f;         // m/s
-constexpr double deadline_factor = 1.5;   // times as long as it should take, and
-constexpr double stall_time = 0.3;        // s: more, and as long as that once it has come off here and there
-constexpr int max_escalations = 3;        // of the speed before another direction is tried
-constexpr int max_range_doublings = 6;    // each looks twice as far as the one before it
-constexpr int max_searches_per_step = 4;  // others wait
-constexpr int immovable_interval = 16;    // steps between two looks at what nothing can part
-constexpr std::size_t samples = 16;       // corners of a component that are asked whether they are inside
+constexpr int distances = 10;            // tested for each direction
+constexpr float distance_ratio = 1.5f;   // of a distance to the one before
+constexpr float separation_time = 0.4f;  // target duration of a separation, if the speed limit allows [s]
+constexpr float min_speed = 0.1f;        // m/s
+// A new direction may take deadline_factor times its expected time plus stall_time. After each improvement
+// and each escalation the deadline is stall_time.
+constexpr double deadline_factor = 1.5;
+constexpr double stall_time = 0.3;        // s
+constexpr int max_escalations = 3;        // doublings of the speed before another direction is chosen
+constexpr int max_range_doublings = 6;    // each attempt doubles the search range of the one before
+constexpr int max_searches_per_step = 4;  // further components wait for the next step
+constexpr int immovable_interval = 16;  // steps between two searches while no intersecting particle can move
+constexpr std::size_t samples = 16;     // intersections of a component whose corners is_outside tests
 constexpr std::size_t vertex_grain = 64;
 
 Bounds around(const Vec3f& x) {
@@ -55,7 +57,7 @@ bool is_odd(int n) {
   return n % 2 != 0;
 }
 
-/// Surfaces of an edge and a triangle, the lower one first.
+/// Surfaces of an edge and a triangle, the lower index first.
 std::array<std::uint32_t, 2> pair_of(const EdgeIntersection& edge) {
   return {std::min(edge.edge_surface, edge.surface), std::max(edge.edge_surface, edge.surface)};
 }
@@ -70,9 +72,9 @@ bool any_movable(const ParticleView& particles, const Function& particle, std::s
 }  // namespace
 
 void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces) {
-  IntersectionFinder tangles = std::move(finder_);
+  IntersectionFinder finder = std::move(finder_);
   *this = {};
-  finder_ = std::move(tangles);
+  finder_ = std::move(finder);
   finder_.set_surfaces(surfaces);
   layers_.set_surfaces(surfaces);
   if (!finder_.any_pair()) return;
@@ -85,7 +87,7 @@ void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces
   intersecting_pairs_ = searched_pairs_ = ObjectMatrix(surfaces.size());
 }
 
-// --- knots
+// --- components
 
 void IntersectionResolver::sort_by_pairs() {
   const std::span<const EdgeIntersection> edges = finder_.intersections();
@@ -112,7 +114,7 @@ void IntersectionResolver::count_pairs(const ParticleView& particles) {
     ++pair->edges;
     if (movable) pair->immovable = false;
   }
-  // An edge through several triangles is one edge.
+  // Count an edge through several triangles of a surface once.
   const std::span<const EdgeIntersection> edges = finder_.intersections();
   for (std::size_t k = 1; k < edges.size(); ++k)
     for (std::size_t j = k; j-- > 0 && edges[j].edge == edges[k].edge;)
@@ -123,7 +125,7 @@ void IntersectionResolver::count_pairs(const ParticleView& particles) {
       }
 }
 
-// Crossings of one pair of surfaces that share a particle, and so on, are a component.
+// A component: intersections of one pair of surfaces, connected by shared particles.
 void IntersectionResolver::find_components(const ParticleView& particles) {
   join_intersections();
   number_components(particles);
@@ -138,7 +140,8 @@ std::uint32_t IntersectionResolver::root(std::uint32_t k) {
   return k;
 }
 
-// root_ is a forest of crossings, one tree for each component, the first intersection its root.
+// root_: union-find forest of intersections, one tree for each component, with its first intersection as the
+// root.
 void IntersectionResolver::join_intersections() {
   root_.resize(order_.size());
   std::uint32_t first_of_pair = 0;
@@ -164,7 +167,7 @@ void IntersectionResolver::join_intersections() {
   reset(first_of_pair, count);
 }
 
-// By their first crossings.
+// In the order of their first intersections.
 void IntersectionResolver::number_components(const ParticleView& particles) {
   components_.clear();
   component_of_.assign(order_.size(), none);
@@ -190,14 +193,14 @@ void IntersectionResolver::sort_by_components() {
   std::size_t begin = 0;
   for (Component& component : components_)
     component.first = begin, begin += component.count, component.count = 0;
-  std::swap(root_, order_);  // root_ is what order_ was
+  std::swap(root_, order_);  // root_: the old order
   for (std::size_t k = 0; k < root_.size(); ++k) {
     Component& component = components_[component_of_[k]];
     order_[component.first + component.count++] = root_[k];
   }
 }
 
-// A component goes on being pulled where it was pulled before.
+// Takes the strategy of the first old component of the same surfaces that shares a particle.
 void IntersectionResolver::inherit_strategy(Component& component) const {
   for (std::size_t k = component.first; k < component.first + component.count; ++k)
     for (const std::uint32_t i : intersection(k).particle) {
@@ -220,7 +223,7 @@ void IntersectionResolver::save_components() {
 
 // --- directions
 
-// Whether nothing near the component would be tangled any more, were a displaced.
+// Whether a displacement of surface a by `shift` would remove all intersections near the component.
 bool IntersectionResolver::is_separated(const Component& component, const ParticleView& particles,
                                         const Bounds& region, const Vec3f& shift) const {
   for (const std::uint32_t e : edges_a_)
@@ -230,7 +233,7 @@ bool IntersectionResolver::is_separated(const Component& component, const Partic
   return is_outside(component, particles, shift);
 }
 
-// Out of the other one, and not altogether inside.
+// Whether `shift` would leave no sampled corner inside the other surface, if that is closed.
 bool IntersectionResolver::is_outside(const Component& component, const ParticleView& particles,
                                       const Vec3f& shift) const {
   const std::size_t stride = std::max<std::size_t>(component.count / samples, 1);
@@ -247,7 +250,7 @@ bool IntersectionResolver::is_outside(const Component& component, const Particle
   return true;
 }
 
-// The edges of both that reach into the region.
+// Collects the edges of both surfaces that overlap the region.
 void IntersectionResolver::collect_edges(const Component& component, const ParticleView& particles,
                                          const Bounds& region) {
   edges_a_.clear(), edges_b_.clear();
@@ -261,8 +264,9 @@ void IntersectionResolver::collect_edges(const Component& component, const Parti
   }
 }
 
-// The shortest way out, of those that are tried: its direction is given to the component, its length returned; 0
-// where none leads out. No way is longer than the region is wide around the component: what is beyond is not seen.
+// Sets the direction of the shortest separating displacement among those tested, and returns its length; 0 if
+// none separates. Displacements are at most as long as the region around the component is wide, `range`:
+// nothing beyond is tested.
 float IntersectionResolver::find_direction(Component& component, const ParticleView& particles, float range) {
   const Bounds region = widened(component.bounds, range);
   collect_edges(component, particles, region);
@@ -286,8 +290,8 @@ float IntersectionResolver::find_direction(Component& component, const ParticleV
   return 0;
 }
 
-// A component of two layers goes outward, and where that stalls by its contour, in turns: a fold of the lower one
-// that reaches through the upper one is pulled to both sides by its normals.
+// A component of two layers moves outward, and by its contour where that stalls, alternately: the lower
+// object's normals would move a fold that passes through the upper object to both sides.
 void IntersectionResolver::alternate_strategies(Component& component, const ParticleView& particles,
                                                 double time, float max_speed) {
   if (component.chosen) ++component.attempt;
@@ -322,7 +326,7 @@ void IntersectionResolver::choose_direction(Component& component, const Particle
   component.escalations = 0;
 }
 
-// What does not get smaller is pulled harder, then another way.
+// A component that does not become smaller in time gets a higher speed, then another direction.
 void IntersectionResolver::update_strategy(Component& component, const ParticleView& particles, double time,
                                            float max_speed, int& searches) {
   if (component.count < component.min_count) {
@@ -341,15 +345,15 @@ void IntersectionResolver::update_strategy(Component& component, const ParticleV
   }
 }
 
-// Where an edge must go, against the triangle that it passes through, for the contour to become shorter. The
-// contour leaves the point x where they cross along r_1 and r_2, unit vectors in the planes of the triangle
-// (of normal n) and of the two triangles beside the edge (of direction e). An edge displaced by d crosses at
-// x + d - e (d . n) / (e . n), so the contour's length L changes by
+// Direction in which an edge must move, relative to the triangle it passes through, to shorten the contour.
+// The contour leaves the intersection point x along r_1 and r_2. These are unit vectors in the planes of the
+// triangle (normal n) and of the two triangles beside the edge (direction e). An edge displaced by d
+// intersects at x + d - e (d . n) / (e . n), so the contour's length L changes by
 //
 //   dL = -(r_1 + r_2) . (d - e (d . n) / (e . n)) = -G . d,   G = R - (e . R) / (e . n) n,  R = r_1 + r_2.
 //
-// Volino and Magnenat-Thalmann 2006 subtract twice the second part. An edge at a border has one r. G is at
-// most of length 1 here: it grows without bound where the edge grazes the triangle.
+// Volino and Magnenat-Thalmann 2006 subtract twice the second part. A border edge has one r. The length of G
+// is limited to 1 here: it grows without bound where the edge is nearly parallel to the triangle.
 Vec3f IntersectionResolver::contour_descent(const EdgeIntersection& intersection,
                                             const ParticleView& particles) const {
   const auto& i = intersection.particle;
@@ -362,7 +366,7 @@ Vec3f IntersectionResolver::contour_descent(const EdgeIntersection& intersection
     if (corner == none) continue;
     const Vec3f side = particles.difference(corner, i[0]);
     const Vec3f r = cross(cross(e, side), n);
-    // Into the triangle: away from the edge, towards the opposite corner.
+    // Points into the triangle: from the edge to the opposite corner.
     const Vec3f inward = side - e * (dot(side, e) / dot(e, e));
     R += normalized(r) * (dot(r, inward) < 0 ? -1.0f : 1.0f);
   }
@@ -371,7 +375,7 @@ Vec3f IntersectionResolver::contour_descent(const EdgeIntersection& intersection
   return size > 1 ? G / size : G;
 }
 
-// --- pulls
+// --- velocity constraints
 
 void IntersectionResolver::add_constraint(const VelocityConstraint& constraint,
                                           const ParticleView& particles) {
@@ -404,7 +408,8 @@ void IntersectionResolver::constrain_component(const Component& component, const
   }
 }
 
-// Vertices of one object that are inside the other: they may pass its surface, and the way out pulls them.
+// Marks the vertices of one object inside the other, so that they may pass its surface, and constrains them
+// to leave along the component's direction.
 void IntersectionResolver::constrain_inside(const Component& component, const ParticleView& particles,
                                             bool swapped, Threads& threads) {
   const std::uint32_t own = swapped ? component.b : component.a, other = swapped ? component.a : component.b;
@@ -438,8 +443,8 @@ void IntersectionResolver::constrain_inside(const Component& component, const Pa
   }
 }
 
-// Points of layers that lie wrong go outward, the deeper the faster, and all of them faster where they do not
-// get fewer.
+// Constrains violating points to move outward: faster where they are deeper. The speed doubles while their
+// number does not fall.
 void IntersectionResolver::constrain_layers(const ContactStep& step, const ParticleView& particles) {
   const std::size_t count = layers_.found().size();
   if (count == 0 || min_layer_violations_ == 0) layer_escalations_ = 0;
@@ -462,8 +467,8 @@ void IntersectionResolver::constrain_layers(const ContactStep& step, const Parti
   }
 }
 
-// Between objects that are not tangled contacts see to it that they do not become so, nor do layers come to
-// lie wrong.
+// Without `search_all` only searched_pairs_ are tested: contacts prevent new intersections and layer
+// violations between other objects.
 void IntersectionResolver::find(const ParticleView& particles, bool search_all, Threads& threads) {
   if (search_all) {
     for (std::uint32_t a = 0; a < searched_pairs_.size(); ++a)

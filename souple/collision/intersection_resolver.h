@@ -10,74 +10,77 @@
 
 namespace souple {
 
-/// Two objects, or one twice, that are tangled.
+/// Two intersecting objects, or one with self-intersections.
 struct IntersectingPair {
-  std::uint32_t edge_surface = 0, surface = 0;  ///< edges of the one pass through triangles of the other
-  std::size_t edges = 0;                        ///< so many
-  bool immovable = false;                       ///< nothing of them can move
+  std::uint32_t edge_surface = 0, surface = 0;  ///< indices of the objects of the edges and of the triangles
+  std::size_t edges = 0;                        ///< number of edges that pass through triangles
+  bool immovable = false;                       ///< no particle of these edges and triangles can move
 };
 
-/// Pulls apart what is tangled: slowly, with forces that keep momentum.
+/// Resolves intersections slowly, with corrections that conserve momentum.
 ///
-/// Edges through triangles that hang together are a component. Each component of two objects has a direction: the one
-/// along which the first must be displaced least, as it is, until no edge near the component passes through a
-/// triangle any more and no corner of the component lies inside of a closed surface. Several directions and
-/// distances are tried when the component is first seen, and again when it is not undone in time. Where none
-/// helps, and where an object is tangled with itself, edges go where their part of the contour gets shorter:
-/// Volino and Magnenat-Thalmann 2006, "Resolving surface collisions through intersection contour
-/// minimization". Their contour alone finds no way out where it keeps its length, such as that of
-/// a sheet that goes right through a box, or through another sheet from side to side.
+/// Connected intersections of two objects form a component. Each component has a direction: the one along
+/// which the first object needs the least displacement. After this displacement no edge near the component
+/// passes through a triangle, and no corner of the component lies inside a closed surface. Several directions
+/// and distances are tested when a component is new, and again when it is not resolved in time.
 ///
-/// What pulls is a bound on velocities: the point of the edge and the point of the triangle where they cross
-/// part by at least
+/// Where no direction resolves a component, and for self-intersections, edges move such that the intersection
+/// contour becomes shorter: Volino and Magnenat-Thalmann 2006, "Resolving surface collisions through
+/// intersection contour minimization". The contour alone finds no direction where its length would not
+/// change, as for a sheet that passes through a box, or through another sheet from side to side.
 ///
-///   n . sum_k c_k (p_k - x_k) >= u h,   u <= ContactStep::depenetration_speed,
+/// The correction is a bound on velocities: the points of the edge and of the triangle at their intersection
+/// separate by at least
 ///
-/// and likewise a vertex inside a closed surface and the point where the direction leaves it. Corrections are
-/// w_k c_k n: equal, opposite and in one line. So there is no depth that could make it violent.
+///   n . sum_k c_k (p_k - x_k) >= u h,   u <= ContactStep::depenetration_speed.
 ///
-/// Two layers have no knots to look at from all sides: it is known where they belong (layers.h). Edges
-/// through triangles are pulled along the normal of the lower one, each by itself, and so are points of the
-/// upper one that are under it, whether anything is tangled or not.
+/// The same bound applies to a vertex inside a closed surface and the point where the direction leaves this
+/// surface. Corrections are w_k c_k n: equal, opposite and along one line. So no depth makes them violent.
 ///
-/// Until it is undone, contacts must not hold what belongs to it: `exempts`.
+/// Layers define where two objects belong (layers.h), so their components need no search for a direction.
+/// Each edge through a triangle moves along the normal of the lower object. So does each point of the upper
+/// object under the lower one, with or without intersections.
+///
+/// Until a component is resolved, contacts must ignore its elements: `exempts`.
 class IntersectionResolver {
  public:
   /// As SurfaceContacts.
   void set_surfaces(std::span<const ContactSurface> surfaces);
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { finder_.exclude(std::move(pairs)); }
 
-  /// Looks for tangles and layers that lie wrong where the caller says so, and as long as there are some.
+  /// Searches for intersections and layer violations: in all objects if `search_all`; else only between the
+  /// objects that had some at the last search.
   void begin_step(const ParticleView& particles, const ContactStep& step, bool search_all, Threads& threads);
-  /// After prediction, before contacts are refreshed.
+  /// Applies the velocity constraints. Call after prediction and before contacts are refreshed.
   void separate(const ParticleView& particles, const Substep& substep) const;
 
-  /// Whether contacts must let the pair pass.
+  /// Whether contacts must ignore the pair. `edges`: it is a pair of edges, not a vertex and a triangle.
   bool exempts(const NearPair& pair, bool edges) const;
-  /// What `begin_step` found, by surfaces.
+  /// Intersecting pairs of objects that `begin_step` found.
   std::span<const IntersectingPair> pairs() const { return pairs_; }
-  /// Points of layers that lie wrong.
+  /// Layer violations that `begin_step` found.
   std::span<const LayerViolation> layer_violations() const { return layers_.found(); }
   std::size_t bytes() const;
 
  private:
-  /// How a component is pulled; what it leaves to the knots of the next step.
+  /// How a component is resolved. The components of the next step inherit it.
   struct Strategy {
-    bool chosen = false;                   // it has been looked for
-    Vec3f direction{};                     // of a relative to b; zero: by the contour
-    float speed = 0;                       // m/s
-    std::size_t min_count = 0;             // edges that it had
-    double deadline = 0;                   // by when it should be undone, or have fewer [s]
-    int escalations = 0;                   // of the speed
-    int attempt = 0;                       // directions so far
-    std::uint32_t tried = 0, current = 0;  // bits of those, and the one it has
+    bool chosen = false;                   // the members below are set
+    Vec3f direction{};                     // unit: motion of object a relative to b; zero: follow the contour
+    float speed = 0;                       // of separation [m/s]
+    std::size_t min_count = 0;             // lowest number of intersections since it was chosen
+    double deadline = 0;                   // time by which min_count must fall, else escalate [s]
+    int escalations = 0;                   // how often the speed was doubled for this direction
+    int attempt = 0;                       // number of directions (or of alternations) so far
+    std::uint32_t tried = 0, current = 0;  // bits of failed directions; index of the current direction
   };
-  /// Of surfaces a <= b.
+  /// Connected intersections of surfaces a <= b.
   struct Component : Strategy {
     std::uint32_t a = 0, b = 0;
-    std::size_t first = 0, count = 0;  // of order_
-    Bounds bounds{};
+    std::size_t first = 0, count = 0;  // order_[first, first + count)
+    Bounds bounds{};                   // of all their particles
   };
+  /// direction . sum_k c_k (p_k - x_k) >= speed h.
   struct VelocityConstraint {
     std::array<std::uint32_t, 5> particle;
     std::array<float, 5> c;
@@ -116,22 +119,24 @@ class IntersectionResolver {
 
   IntersectionFinder finder_;
   Layers layers_;
-  std::vector<std::uint32_t> order_;  // of finder_.intersections(): by pair, then component
+  std::vector<std::uint32_t> order_;  // indices of finder_.intersections(), by pair, then component
   std::vector<IntersectingPair> pairs_;
-  std::vector<Component> components_, old_components_;
-  std::vector<std::uint32_t> root_, last_of_, component_of_;  // of crossings; of particles
-  std::vector<std::uint32_t> old_component_of_;               // of particles
-  std::vector<std::uint8_t> is_intersecting_;                 // of particles
-  std::vector<std::uint32_t> inside_;                         // of particles: which surface, or none
-  std::vector<std::uint32_t> edges_a_, edges_b_;  // near the component whose direction is looked for
-  std::vector<SurfaceHit> hits_;                  // of the vertices that are looked from
+  std::vector<Component> components_, old_components_;  // of this step, of the last search
+  std::vector<std::uint32_t> root_, component_of_;      // per intersection
+  std::vector<std::uint32_t> last_of_;           // per particle: last intersection, in join_intersections
+  std::vector<std::uint32_t> old_component_of_;  // per particle: index in old_components_, or none
+  std::vector<std::uint8_t> is_intersecting_;    // per particle: part of an intersecting edge or triangle
+  std::vector<std::uint32_t> inside_;            // per particle: the closed surface that contains it, or none
+  std::vector<std::uint32_t> edges_a_, edges_b_;  // near the component whose direction is searched
+  std::vector<SurfaceHit> hits_;                  // per vertex, in constrain_inside
   std::vector<VelocityConstraint> constraints_;
-  ObjectMatrix intersecting_pairs_, searched_pairs_;  // watched: also those whose layers lie wrong
+  ObjectMatrix intersecting_pairs_;
+  ObjectMatrix searched_pairs_;  // intersecting_pairs_ and pairs with layer violations
   std::size_t min_layer_violations_ = 0;
-  double layer_escalation_time_ = 0;  // by when there should be fewer of them [s]
-  int layer_escalations_ = 0;         // escalations of the speed at which they are pulled
-  double last_time_ = 0;              // when the last step began [s]: earlier after a snapshot was restored
-  int idle_ = 0;                      // steps since a tangle that is held was looked at
+  double layer_escalation_time_ = 0;  // time by which layer violations must become fewer, else escalate [s]
+  int layer_escalations_ = 0;         // how often the speed against layer violations was doubled
+  double last_time_ = 0;  // start of the last step [s]; a restored snapshot makes step.time earlier
+  int idle_ = 0;          // steps since the last search, while no found particle can move
 };
 
 }  // namespace souple
