@@ -15,12 +15,12 @@ constexpr Bounds empty_bounds{{infinity, infinity, infinity}, {-infinity, -infin
 constexpr std::uint32_t none = SurfaceElement::no_edge;
 constexpr std::size_t chunk_size = 1024;
 constexpr std::size_t box_grain = 1024;
-constexpr float rounding = 4e-7f;  // of a coordinate: boxes are made a little larger than that
-constexpr int max_pieces = 4096;   // that a line is cut into
+constexpr float rounding = 4e-7f;  // relative to a coordinate: margin of boxes
+constexpr int max_pieces = 4096;   // of a ray
 
 Bounds around(const Vec3f& x) {
-  const float reach = rounding * max(abs(x.x), max(abs(x.y), abs(x.z)));
-  const Vec3f all{reach, reach, reach};
+  const float margin = rounding * max(abs(x.x), max(abs(x.y), abs(x.z)));
+  const Vec3f all{margin, margin, margin};
   return {x - all, x + all};
 }
 
@@ -28,7 +28,7 @@ Bounds shifted(const Bounds& box, const Vec3f& by) {
   return {box.lo + by, box.hi + by};
 }
 
-// In double and from the segment's first point: inner points of both only.
+// In double, relative to the segment's first point. Intersections on a boundary of either do not count.
 Crossing<double> crossing_of(const Vec3d& direction, const Corners<double>& corners) {
   Crossing<double> crossing = find_crossing<Watertight, double>({{}, direction}, corners);
   const Vec3d& w = crossing.weight;
@@ -52,7 +52,7 @@ bool shares_particle(const Edge& edge, const SurfaceElement& triangle) {
 
 }  // namespace
 
-// --- what there is
+// --- surfaces
 
 void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) {
   auto excluded = std::move(excluded_);
@@ -105,8 +105,8 @@ void IntersectionFinder::find_opposite() {
     }
 }
 
-// Every side of a triangle is that of one other, which goes along it the other way, and the volume is
-// positive: a surface that is wound inward may be a room.
+// Closed: every edge belongs to two triangles, which traverse it in opposite directions, and the volume is
+// positive. A surface that faces inward may be a room.
 void IntersectionFinder::find_closed(std::span<const ContactSurface> surfaces) {
   std::vector<Edge> sides;
   for (std::size_t a = 0; a < surfaces.size(); ++a) {
@@ -137,23 +137,23 @@ bool IntersectionFinder::is_excluded(const EdgeIntersection& pair) const {
   return false;
 }
 
-// --- finding
+// --- search
 
-// Surfaces that meet themselves, or whose bounds overlap those of another that they meet.
-void IntersectionFinder::find_active(const ParticleView& particles, const ObjectMatrix& of) {
+// Active surfaces: with self-collision, or with bounds that overlap those of a surface they collide with.
+void IntersectionFinder::find_active(const ParticleView& particles, const ObjectMatrix& enabled) {
   const std::size_t n = surface_count();
   for (std::size_t a = 0; a < n; ++a) {
     surface_bounds_[a] = empty_bounds;
     for (std::uint32_t i = ranges_[a][0]; i < ranges_[a][1]; ++i)
       surface_bounds_[a] = united(surface_bounds_[a], around(particles.relative(i, {})));
-    active_[a] = of.at(a, a) ? 1 : 0;
+    active_[a] = enabled.at(a, a) ? 1 : 0;
   }
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < a; ++b)
-      if (of.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b])) active_[a] = active_[b] = 1;
+      if (enabled.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b])) active_[a] = active_[b] = 1;
 }
 
-// Of triangles; those of surfaces that empty_bounds can cross are left out.
+// Boxes of triangles; empty for inactive surfaces.
 void IntersectionFinder::find_boxes(const ParticleView& particles, Threads& threads) {
   const std::span<const SurfaceElement> triangles = elements_.triangles();
   resize_with_spare(boxes_, triangles.size());
@@ -167,10 +167,10 @@ void IntersectionFinder::find_boxes(const ParticleView& particles, Threads& thre
   });
 }
 
-void IntersectionFinder::find(const ParticleView& particles, const ObjectMatrix& of, Threads& threads) {
+void IntersectionFinder::find(const ParticleView& particles, const ObjectMatrix& enabled, Threads& threads) {
   found_.clear();
   if (!any_pair_) return;
-  find_active(particles, of);
+  find_active(particles, enabled);
   if (std::find(active_.begin(), active_.end(), 1) == active_.end()) return;
   find_boxes(particles, threads);
   cell_size_ = SpatialHash::choose_cell_size(boxes_);
@@ -178,22 +178,23 @@ void IntersectionFinder::find(const ParticleView& particles, const ObjectMatrix&
   const std::size_t chunks = (elements_.edges().size() + chunk_size - 1) / chunk_size;
   if (chunks_.size() < chunks) chunks_.resize(chunks);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t end) {
-    for (; c < end; ++c) find_chunk(particles, of, c);
+    for (; c < end; ++c) find_chunk(particles, enabled, c);
   });
   for (std::size_t c = 0; c < chunks; ++c)
     found_.insert(found_.end(), chunks_[c].edges.begin(), chunks_[c].edges.end());
 }
 
-// Whether the box reaches to something that the surface meets.
+// Whether the box overlaps the bounds of a surface that `surface` collides with.
 bool IntersectionFinder::may_intersect(const Bounds& box, std::uint32_t surface,
-                                       const ObjectMatrix& of) const {
-  if (of.at(surface, surface)) return true;
+                                       const ObjectMatrix& enabled) const {
+  if (enabled.at(surface, surface)) return true;
   for (std::size_t b = 0; b < surface_count(); ++b)
-    if (of.at(surface, b) && overlap(box, surface_bounds_[b])) return true;
+    if (enabled.at(surface, b) && overlap(box, surface_bounds_[b])) return true;
   return false;
 }
 
-void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectMatrix& of, std::size_t c) {
+void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectMatrix& enabled,
+                                    std::size_t c) {
   Chunk& chunk = chunks_[c];
   chunk.edges.clear();
   const std::span<const Edge> edges = elements_.edges();
@@ -205,11 +206,11 @@ void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectM
     chunk.crossed_opposite.clear();
     const std::size_t before = chunk.edges.size();
     const Bounds box = box_of(particles, edge, edge_surface);
-    if (!may_intersect(box, edge_surface, of)) continue;
+    if (!may_intersect(box, edge_surface, enabled)) continue;
     hash_.find(box, chunk.near);
     for (const std::uint32_t t : chunk.near) {
       const SurfaceElement& triangle = elements_.triangles()[t];
-      if (!of.at(edge_surface, triangle.object) || shares_particle(edge, triangle)) continue;
+      if (!enabled.at(edge_surface, triangle.object) || shares_particle(edge, triangle)) continue;
       const Vec3d direction(particles.difference(edge[1], edge[0]));
       const Vec3f perturbed_by = perturbation(edge_surface, triangle.object);
       const auto crossing_at = [&](const Vec3f& shift) {
@@ -238,21 +239,22 @@ void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectM
   }
 }
 
-// Meshes made by a rule are often aligned to the bit: edges that meet edges, faces in one plane. What is
-// asked is therefore asked of the surfaces a little displaced, once to one side and once to the other: what
-// is tangled both times is, and what only touches is not. Not for a surface against itself.
+// Regular meshes are often aligned to the bit: edges that intersect edges, coplanar faces. So each test is
+// done twice, with the surfaces perturbed in opposite directions. An edge that passes through a
+// surface in only one test touches it. A surface is not perturbed against itself.
 Vec3f IntersectionFinder::perturbation(std::uint32_t edge_surface, std::uint32_t surface) const {
-  constexpr Vec3f generic{6.1e-7f, 3.5e-7f, 7.1e-7f};  // of the smaller one's size
+  constexpr Vec3f generic{6.1e-7f, 3.5e-7f, 7.1e-7f};  // relative to the smaller surface's size
   if (edge_surface == surface) return {};
   const auto size = [&](std::uint32_t a) { return length(surface_bounds_[a].hi - surface_bounds_[a].lo); };
   const float smaller = min(size(edge_surface), size(surface));
   return generic * (edge_surface < surface ? smaller : -smaller);
 }
 
-// --- looking around
+// --- queries
 
-// The line is looked at piece by piece: its own box would hold half of the surface. It is bent a little, for
-// along an axis it would meet the corners of a regular mesh, which many triangles share.
+// The ray is processed in pieces: the box of the whole ray would contain half of the surface. The direction
+// is bent slightly: a ray along an axis would pass through vertices of a regular mesh, which many triangles
+// share.
 SurfaceHit IntersectionFinder::cast_ray(const ParticleView& particles, std::uint32_t i, const Vec3f& by,
                                         const Vec3f& straight, std::uint32_t surface, float side) const {
   const Vec3f shift = by + perturbation(surface_of_[i], surface) * side;
@@ -261,13 +263,13 @@ SurfaceHit IntersectionFinder::cast_ray(const ParticleView& particles, std::uint
   SurfaceHit hit;
   const Bounds& bounds = surface_bounds_[surface];
   const Vec3f x = particles.relative(i, {}) + shift;
-  float reach = 0;  // the far end of the bounds, along the line
+  float range = 0;  // distance to the far end of the bounds along the ray
   for (int k = 0; k < 3; ++k)
-    reach += abs(direction[k]) * max(0.0f, direction[k] > 0 ? bounds.hi[k] - x[k] : x[k] - bounds.lo[k]);
-  if (!(reach > 0) || !(reach < infinity)) return hit;
-  reach *= 1.01f;
-  const int pieces = std::min(max_pieces, static_cast<int>(reach / (2 * cell_size_)) + 1);
-  const Vec3d whole = Vec3d(direction) * static_cast<double>(reach);
+    range += abs(direction[k]) * max(0.0f, direction[k] > 0 ? bounds.hi[k] - x[k] : x[k] - bounds.lo[k]);
+  if (!(range > 0) || !(range < infinity)) return hit;
+  range *= 1.01f;
+  const int pieces = std::min(max_pieces, static_cast<int>(range / (2 * cell_size_)) + 1);
+  const Vec3d whole = Vec3d(direction) * static_cast<double>(range);
   std::vector<std::uint32_t> near;
   double first = std::numeric_limits<double>::infinity();
   for (int piece = 0; piece < pieces; ++piece) {
@@ -313,13 +315,13 @@ bool IntersectionFinder::would_intersect(const ParticleView& particles, std::uin
   });
 }
 
-// With room for the perturbation.
+// Includes a margin for the perturbation.
 Bounds IntersectionFinder::box_of(const ParticleView& particles, const Edge& edge,
                                   std::uint32_t edge_surface) const {
   const Bounds& all = surface_bounds_[edge_surface];
-  const float reach = 1e-6f * length(all.hi - all.lo);
+  const float margin = 1e-6f * length(all.hi - all.lo);
   const Bounds box = united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {})));
-  return {box.lo - Vec3f{reach, reach, reach}, box.hi + Vec3f{reach, reach, reach}};
+  return {box.lo - Vec3f{margin, margin, margin}, box.hi + Vec3f{margin, margin, margin}};
 }
 
 std::size_t IntersectionFinder::bytes() const {

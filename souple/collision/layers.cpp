@@ -61,10 +61,11 @@ void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
 
 // --- the surfaces as they are now
 
-void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& of) {
+void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& enabled) {
   for (Surface& surface : surfaces_) surface.active = false;
   for (const Pair& pair : pairs_)
-    if (of.at(pair.lower, pair.upper)) surfaces_[pair.lower].active = surfaces_[pair.upper].active = true;
+    if (enabled.at(pair.lower, pair.upper))
+      surfaces_[pair.lower].active = surfaces_[pair.upper].active = true;
   for (Surface& surface : surfaces_) {
     surface.bounds = empty_bounds;
     for (std::uint32_t i = surface.begin; surface.active && i < surface.end; ++i) {
@@ -248,18 +249,18 @@ void Layers::find_pair(const Pair& pair, const ParticleView& particles, const In
     if (is_violation_[v] != 0) found_.push_back(violation_of_[v]);
 }
 
-void Layers::find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectMatrix& of,
-                  Threads& threads) {
+void Layers::find(const ParticleView& particles, const IntersectionFinder& finder,
+                  const ObjectMatrix& enabled, Threads& threads) {
   for (const LayerViolation& violation : found_) has_exemption_[violation.vertex] = 0;
   found_.clear();
   exemptions_.clear();
   if (!any()) return;
-  find_bounds(particles, of);
+  find_bounds(particles, enabled);
   if (std::none_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.active; })) return;
   find_normals(particles, finder);
   build_hash(particles, finder, threads);
   for (const Pair& pair : pairs_) {
-    if (!of.at(pair.lower, pair.upper)) continue;
+    if (!enabled.at(pair.lower, pair.upper)) continue;
     if (overlap(widened(surfaces_[pair.lower].bounds, search_range(pair)), surfaces_[pair.upper].bounds))
       find_pair(pair, particles, finder, threads);
   }

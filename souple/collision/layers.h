@@ -49,7 +49,7 @@ class Layers {
 
   /// What lies wrong now, between surfaces so marked. `finder` must have been given the same surfaces. In
   /// order of pairs, then vertices: the same for any number of threads.
-  void find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectMatrix& of,
+  void find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectMatrix& enabled,
             Threads& threads);
   std::span<const LayerViolation> found() const { return found_; }
   /// Whether the vertex is on the wrong side of the surface: contacts must let it pass.
@@ -79,7 +79,7 @@ class Layers {
     Vec3f offset{};  // from it to the point that was active for
   };
 
-  void find_bounds(const ParticleView& particles, const ObjectMatrix& of);
+  void find_bounds(const ParticleView& particles, const ObjectMatrix& enabled);
   void find_normals(const ParticleView& particles, const IntersectionFinder& finder);
   void build_hash(const ParticleView& particles, const IntersectionFinder& finder, Threads& threads);
   Nearest nearest(const ParticleView& particles, const IntersectionFinder& finder, std::uint32_t i,
