@@ -13,9 +13,9 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr Bounds empty_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::uint32_t none = SurfaceElement::no_edge;
-constexpr float range_part = 0.05f;       // of the lower surface's size
-constexpr float coincident_part = 1e-6f;  // of it: nearer than that there is no line between the two
-constexpr float border_cosine = 0.7f;     // at a border: what is farther from the normal is beside, not under
+constexpr float range_part = 0.05f;       // search range, relative to the lower surface's size
+constexpr float coincident_part = 1e-6f;  // relative to that size: nearer points have no direction
+constexpr float border_cosine = 0.7f;  // at a border: points farther from the normal are beside the surface
 constexpr std::size_t vertex_grain = 64;
 
 Bounds widened(const Bounds& box, float by) {
@@ -59,7 +59,7 @@ void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
   has_exemption_.assign(end, 0);
 }
 
-// --- the surfaces as they are now
+// --- current geometry
 
 void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& enabled) {
   for (Surface& surface : surfaces_) surface.active = false;
@@ -75,7 +75,7 @@ void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& enab
   }
 }
 
-// Sums over triangles: of unit normals at edges, of these times the angle at vertices. Not made unit.
+// Sums over triangles: of unit normals at edges; of unit normals times the angle at vertices. Not normalized.
 void Layers::find_normals(const ParticleView& particles, const IntersectionFinder& finder) {
   const SurfaceElements& elements = finder.elements();
   vertex_normal_.assign(has_exemption_.size(), {});
@@ -109,9 +109,9 @@ void Layers::build_hash(const ParticleView& particles, const IntersectionFinder&
   hash_.build(boxes_, cell_size_, threads);
 }
 
-// --- which side
+// --- side test
 
-// Nearest to x_i + shift, within range: first close by, then farther and farther offset.
+// The point nearest to x_i + shift within `range`. The search radius starts small and doubles.
 Layers::Nearest Layers::nearest(const ParticleView& particles, const IntersectionFinder& finder,
                                 std::uint32_t i, const Vec3f& shift, std::uint32_t surface, float range,
                                 std::vector<std::uint32_t>& near) const {
@@ -139,7 +139,7 @@ Layers::Nearest Layers::nearest(const ParticleView& particles, const Intersectio
   return squared <= range * range ? best : Nearest{};
 }
 
-// Weights that are zero say where on the triangle the point lies.
+// Zero weights show whether the point lies on an edge or a corner of the triangle.
 Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles,
                         const IntersectionFinder& finder, bool& border) const {
   const SurfaceElement& t = finder.elements().triangles()[nearest.triangle];
@@ -162,7 +162,7 @@ Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles,
   return normalized(vertex_normal_[t.particle[other]]);
 }
 
-// What lies in the surface counts as under it: its contact would have no side.
+// A point in the surface counts as under it, because its contact would have no side.
 bool Layers::is_under(const Nearest& nearest, const ParticleView& particles, const IntersectionFinder& finder,
                       float size, Vec3f& normal) const {
   if (nearest.triangle == none) return false;
@@ -178,7 +178,7 @@ float Layers::search_range(const Pair& pair) const {
   return range_part * size_of(surfaces_[pair.lower].bounds);
 }
 
-// --- what lies violates
+// --- violations
 
 bool Layers::test_upper(const Pair& pair, std::uint32_t i, const ParticleView& particles,
                         const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
@@ -204,7 +204,7 @@ bool Layers::test_upper(const Pair& pair, std::uint32_t i, const ParticleView& p
   return true;
 }
 
-// Asks the point of the upper surface that is nearest to vertex i of the lower one.
+// Tests the point of the upper surface that is nearest to vertex i of the lower one.
 bool Layers::test_lower(const Pair& pair, std::uint32_t i, const ParticleView& particles,
                         const IntersectionFinder& finder, std::vector<std::uint32_t>& near,
                         LayerViolation& found) const {
@@ -219,7 +219,7 @@ bool Layers::test_lower(const Pair& pair, std::uint32_t i, const ParticleView& p
   if (!is_under(on, particles, finder, size, normal)) return false;
   const float depth = length(above.offset);
   const Vec3f direction = depth > coincident_part * size ? above.offset / depth : normal;
-  if (!(dot(direction, normal) > 0)) return false;  // the surface is folded between the two
+  if (!(dot(direction, normal) > 0)) return false;  // the surface is folded between the two points
   const auto& corner = finder.elements().triangles()[above.triangle].particle;
   found = {i,
            pair.upper,
@@ -277,11 +277,11 @@ bool Layers::is_exempt(std::uint32_t vertex, std::uint32_t surface) const {
                             std::array<std::uint32_t, 2>{vertex, surface});
 }
 
-Vec3f Layers::outward(const EdgeIntersection& crossing, const ParticleView& particles,
+Vec3f Layers::outward(const EdgeIntersection& intersection, const ParticleView& particles,
                       const IntersectionFinder& finder) const {
-  if (surfaces_[crossing.surface].layer < surfaces_[crossing.edge_surface].layer)
-    return normalized(area_normal(particles, finder.elements().triangles()[crossing.triangle]));
-  return -normalized(edge_normal_[crossing.edge]);
+  if (surfaces_[intersection.surface].layer < surfaces_[intersection.edge_surface].layer)
+    return normalized(area_normal(particles, finder.elements().triangles()[intersection.triangle]));
+  return -normalized(edge_normal_[intersection.edge]);
 }
 
 std::size_t Layers::bytes() const {
