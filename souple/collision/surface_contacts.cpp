@@ -18,15 +18,16 @@ using kernels::Classification;
 constexpr std::size_t contact_grain = 256;
 constexpr std::uint16_t no_color = std::numeric_limits<std::uint16_t>::max();
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
-// Nearer than this no side is left to keep: what began so is not held back, or two sheets that lie in one
-// plane would never come apart. [m]
+// Pairs that start nearer than this have no side to keep, and continuous detection ignores them: otherwise
+// two sheets in one plane could never separate. [m]
 constexpr float coincident_distance = 1e-8f;
 
 const kernels::ElementPairKernels& simd_kernels() {
   return kernels::find_element_pair_kernels(instruction_set());
 }
 
-/// The four particles of a pair relative to the first: when the substep began, and where they go.
+/// Positions of the four particles of a pair relative to the first: x at the start of the substep, p at its
+/// end.
 struct Motion {
   Vec3f x[4], p[4];
 };
@@ -42,7 +43,7 @@ Motion motion_of(const NearPair& pair, const ParticleView& particles) {
   return motion;
 }
 
-/// The toi of x -> p that brings nothing into contact.
+/// The part of the motion x -> p up to which the two elements do not touch, at most 1.
 float safe_time(const Motion& motion, bool edges) {
   Moving4 moving;
   for (std::size_t k = 0; k < 4; ++k) moving.x[k] = Vec3d(motion.x[k]), moving.p[k] = Vec3d(motion.p[k]);
@@ -50,8 +51,7 @@ float safe_time(const Motion& motion, bool edges) {
   return static_cast<float>(time);
 }
 
-/// Whether there is a line between the two where that toi of their way has led them, and one of them can
-/// move along it.
+/// Whether the nearest points at `toi` differ, so that they have a normal, and a particle can move along it.
 bool has_normal(const NearPair& pair, const Motion& motion, float toi, bool edges,
                 const ParticleView& particles) {
   Vec3f at[4];
@@ -71,8 +71,8 @@ bool has_normal(const NearPair& pair, const Motion& motion, float toi, bool edge
   return inverse_mass > 0 && length(at[1] * c[1] + at[2] * c[2] + at[3] * c[3]) > 0;
 }
 
-// Whether a way from q to k begins towards the origin: by more than rounding can tell, or what is just above
-// a side would be over neither triangle.
+// Whether the path from q to k starts towards the origin, by more than rounding errors. Otherwise a vertex
+// just above an edge would get a contact from neither triangle.
 bool points_to_origin(const Vec3f& q, const Vec3f& k) {
   constexpr float sine = 1e-4f;
   const float along = -dot(q, k - q);
@@ -86,7 +86,7 @@ void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   pairs_.set_surfaces(std::move(surfaces));
   if (!pairs_.any()) return;
   build_vertex_edges();
-  // Colors and what the solver leaves undone come and go.
+  // The numbers of colors and of violations vary between substeps.
   used_.reserve(3 * pairs_.particle_count());
   begin_.reserve(512), next_slot_.reserve(512);
   correction_pair_.reserve(256), correction_toi_.reserve(256), violations_.reserve(256);
@@ -94,7 +94,7 @@ void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   corrections_.resize(256);
 }
 
-// --- what is there more than once
+// --- feature owners
 
 void SurfaceContacts::build_vertex_edges() {
   const std::size_t n = pairs_.particle_count();
@@ -128,8 +128,8 @@ void SurfaceContacts::build_vertex_edges() {
   for (std::size_t i = 0; i < n; ++i) vertex_edges_begin_[i + 1] += vertex_edges_begin_[i];
 }
 
-// Whether the triangle of a pair is the one that stands for the side or the corner where its nearest point
-// lies: bit k of on_border says that corner k has no weight.
+// Whether the triangle of a pair owns the feature where its nearest point lies: the triangle, an edge or a
+// corner. Bit k of on_border: corner k has no weight.
 bool SurfaceContacts::is_owner(const NearPair& pair, unsigned on_border,
                                const ParticleView& particles) const {
   if (on_border == 0) return true;
@@ -139,8 +139,9 @@ bool SurfaceContacts::is_owner(const NearPair& pair, unsigned on_border,
   return is_owner_of_corner(pair, k, particles);
 }
 
-// The side across from a corner. Of all triangles that have it none may reach below the vertex x: with q the
-// nearest point of the side and k the corner across, (x - q) . (k - q) <= 0.
+// The edge opposite to `corner`: its first triangle owns it, unless a triangle with this edge extends below
+// the vertex x. With q the nearest point of the edge and k the corner opposite to it, (x - q) . (k - q) <= 0
+// must hold.
 bool SurfaceContacts::is_owner_of_edge(const NearPair& pair, std::size_t corner,
                                        const ParticleView& particles) const {
   const std::uint32_t x = pair.particle[0], k = pair.particle[1 + corner];
@@ -160,7 +161,7 @@ bool SurfaceContacts::is_owner_of_edge(const NearPair& pair, std::size_t corner,
   return true;
 }
 
-// The same of all sides that meet in a corner.
+// A corner: its first triangle owns it, if all edges at the corner fulfill the condition above.
 bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corner,
                                          const ParticleView& particles) const {
   const auto& i = pair.particle;
@@ -175,7 +176,7 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
   return true;
 }
 
-// --- what pairs
+// --- search
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                                  std::span<const float> radius, std::span<float> contact_margin,
@@ -200,7 +201,7 @@ void SurfaceContacts::clear_contacts() {
   begin_.assign(1, 0);
 }
 
-// Pairs from there on are new; 0: all.
+// Pairs from `first_new` on are new and have no color; 0: all pairs are new.
 void SurfaceContacts::reset_colors_from(std::size_t first_new) {
   if (first_new == 0) return reset_colors();
   const std::size_t known = color_.size();
@@ -214,7 +215,7 @@ void SurfaceContacts::reset_colors() {
   used_.assign(pairs_.particle_count(), 0);
 }
 
-// of_chunk(index, what it found).
+// Calls of_chunk(index of the chunk, its results) and joins the results of all chunks in order.
 template <class Function>
 void SurfaceContacts::find(std::vector<PairToi>& found, Threads& threads, const Function& of_chunk) {
   const std::size_t count = pairs_.chunk_count();
@@ -292,7 +293,7 @@ bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, co
 
 // --- colors
 
-// The lowest color that none of its particles has yet. A particle that cannot move takes none.
+// The lowest color that none of its movable particles has.
 std::uint16_t SurfaceContacts::color_of(const NearPair& pair, const ParticleView& particles) {
   const std::size_t n = pairs_.particle_count();
   for (std::size_t round = 0;; ++round) {
@@ -308,7 +309,7 @@ std::uint16_t SurfaceContacts::color_of(const NearPair& pair, const ParticleView
   }
 }
 
-// By color, and within a color in order of pairs, which has vertices and triangles first.
+// Sorts by color; within a color vertices and triangles come first, then edges, each in order of pairs.
 void SurfaceContacts::sort_by_color(const ParticleView& particles) {
   next_slot_.assign(next_slot_.capacity() > 0 ? 2 : 256, 0);
   for (const PairToi& contact : contact_pairs_) {
@@ -376,11 +377,11 @@ void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, con
   simd_kernels().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
 }
 
-// --- nothing passes
+// --- continuous detection
 
 void SurfaceContacts::find_chunk_violations(std::size_t chunk, const ParticleView& particles, bool all,
                                             std::vector<PairToi>& found) {
-  constexpr float distance_part = 0.9f;  // of what is between them
+  constexpr float distance_part = 0.9f;  // of the distance: pairs with a smaller motion are skipped
   if (!all && !pairs_.any_moved_by(distance_part, pairs_.chunk(chunk))) return;
   std::uint32_t near[ElementPairs::chunk_size];
   const std::size_t count =
@@ -393,7 +394,7 @@ void SurfaceContacts::find_chunk_violations(std::size_t chunk, const ParticleVie
   }
 }
 
-// Pairs that would contact on their ways, in order.
+// Finds the pairs that would touch along their motions, in order of pairs.
 void SurfaceContacts::find_violations(const ParticleView& particles, Threads& threads) {
   pairs_.measure(particles, threads);
   find(violations_, threads, [&](std::size_t chunk, std::vector<PairToi>& found) {
@@ -401,8 +402,8 @@ void SurfaceContacts::find_violations(const ParticleView& particles, Threads& th
   });
 }
 
-// After a pass, which moves the particles of cuts and of rescues and no others: what it did not move passes
-// through nothing, as before.
+// After a pass. It moved only particles of violations and of correction contacts, so only their pairs are
+// tested: all other pairs have no violation, as before.
 void SurfaceContacts::refind_violations(const ParticleView& particles, const Substep& substep,
                                         Threads& threads) {
   corrected_particles_.clear();
@@ -422,8 +423,8 @@ void SurfaceContacts::refind_violations(const ParticleView& particles, const Sub
   });
 }
 
-// What the solver left undone: contacts of the pairs that would still contact, one after the other. They keep
-// momentum.
+// Adds correction contacts of the violations and solves all correction contacts, one after the other. They
+// conserve momentum.
 void SurfaceContacts::solve_corrections(const ParticleView& particles) {
   const std::size_t begin = correction_pair_.size();
   const auto append = [&](bool edges) {
@@ -450,7 +451,7 @@ void SurfaceContacts::solve_corrections(const ParticleView& particles) {
     scalar_kernels.project(pairs_.particle_records(particles), columns, 0, correction_pair_.size());
 }
 
-// Particles of a pair that would contact keep the toi of their way that is safe.
+// Particles of violations keep the part of their motion that is safe.
 void SurfaceContacts::clamp_to_toi(const ParticleView& particles) {
   clamp_toi_.assign(pairs_.particle_count(), 1);
   for (const PairToi& violation : violations_)
@@ -461,12 +462,12 @@ void SurfaceContacts::clamp_to_toi(const ParticleView& particles) {
       particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * clamp_toi_[i]);
 }
 
-// What a contact pushed beyond what motion asked for, where that is more than what comes early anyway. At
-// most a toi of the thickness.
+// A contact's correction beyond the approach becomes the margin of its particles, if it exceeds the
+// speculative margin: at most max_part of the thickness. Older margins decay.
 void SurfaceContacts::update_contact_margins() {
-  constexpr float max_part = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
+  constexpr float max_part = 0.5f, decay = 0.9f, negligible = 1e-6f;  // negligible: m
   for (float& contact_margin : contact_margin_)
-    contact_margin = contact_margin > negligible ? kept * contact_margin : 0;
+    contact_margin = contact_margin > negligible ? decay * contact_margin : 0;
   for (std::size_t c = 0; c < size(); ++c) {
     const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
     if (!(beyond > speculative_part * columns_.thickness[c])) continue;
@@ -476,7 +477,7 @@ void SurfaceContacts::update_contact_margins() {
   }
 }
 
-// First correction_passes, which keep momentum; what they do not settle is stopped.
+// First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped.
 std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
                                         Threads& threads) {
   if (!pairs_.any()) return 0;
@@ -532,7 +533,7 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
     const auto i = [&](std::size_t k) { return columns_.particle[k][contact]; };
     const auto c = [&](std::size_t k) { return columns_.c[k][contact]; };
     const Vec3f normal{columns_.normal[0][contact], columns_.normal[1][contact], columns_.normal[2][contact]};
-    // The corner that carries most of each side.
+    // The particle with the largest weight on each side.
     const bool edges = c(0) < 1 || c(1) > 0;
     const std::uint32_t one = edges && c(1) > c(0) ? i(1) : i(0);
     std::size_t other = edges ? 2 : 1;
@@ -573,7 +574,7 @@ void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisit
     }
 }
 
-// Surfaces are set anew before the next step.
+// The caller sets the surfaces again before the next step.
 void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
   set_surfaces({});
 }

@@ -13,51 +13,57 @@
 
 namespace souple {
 
-/// Surfaces against surfaces: a vertex against a triangle, an edge against an edge, of two objects or of one;
-/// and a ball against the edge of a rope, as an edge of no length.
+/// Contacts between surfaces: a vertex and a triangle, or two edges, of two objects or of one. A ball and the
+/// edge of a rope are two edges, the ball's of zero length.
 ///
 ///   C = n . sum_k c_k p_k - d >= 0,   sum_k c_k = 0
 ///
 /// c_k are the weights of the two nearest points (1 and minus barycentric for a vertex and a triangle), n the
-/// unit vector between them and d the distance that thickness asks for. Both are found once a substep: where
-/// the motion x -> p leads, or, when it would bring the two through each other, just before they contact
-/// (continuous.h). So n always points to the side that the features came from. Corrections w_k c_k n keep
-/// momentum. Friction, restitution and the slow release of an old overlap are those of ParticleContacts.
+/// unit vector between them, and d the distance that the thickness requires. Both are computed once a
+/// substep, at the end of the motion x -> p. If the motion would bring the two elements through each other,
+/// they are computed just before the impact (continuous.h). So n always points to the side where the elements
+/// started. Corrections w_k c_k n conserve momentum. Friction, restitution and the slow release of an old
+/// overlap are as in ParticleContacts.
 ///
-/// A vertex that is nearest to a side or a corner of a triangle, and over none of the triangles around it,
-/// pairs all of these: one contact is made of them, with the first that the mesh has there. Where it is
-/// over one of them, that one alone counts: the normal from the side would brake what slides across. Edges
-/// whose nearest point is an end are left to that vertex and the triangles, unless one of them is a rope's.
+/// A vertex may be nearest to an edge or a corner of a triangle, and over none of the triangles around it. It
+/// then makes one contact with all of them, through the first triangle of the mesh there. If it is over one
+/// of them, only that triangle makes a contact: the normal from the edge would brake sliding vertices. Pairs
+/// of edges whose nearest point is an end make no contact, unless one is a rope's: the vertex at that end
+/// makes it with the triangles.
 ///
-/// A contact has to be there before the solver brings the two too near, or it comes and goes from one substep
-/// to the next: what lies still would tremble. Where bodies are stiff or heavy, the solver first moves them
-/// into each other by much more than they move in a substep, and contacts push them back. So contacts near
-/// a particle that was pushed begin as much earlier as it was pushed, in this and in some substeps after.
+/// A contact must exist before the solver brings two elements too near. Otherwise it is present in one
+/// substep and absent in the next, and resting objects would tremble. Where bodies are stiff or heavy, the
+/// solver first moves them into each other by much more than their motion in a substep, and contacts push
+/// them back. So contacts of a particle that was pushed back start earlier by that correction, in this
+/// substep and some following ones.
 ///
-/// After the solver, `keep_apart` looks along the way of everything once more. Pairs that would pass through
-/// each other all the same are pushed some more; where that does not settle it either (something is squeezed
-/// between walls), ways are shortened: what was not tangled never becomes so.
+/// After the solver, `keep_apart` tests all motions again. Pairs that would still pass through each other
+/// receive correction contacts. If these do not suffice (an object is squeezed between walls), motions are
+/// clamped. So objects without intersections never start to intersect.
 class SurfaceContacts final : public Projector {
  public:
-  /// What can contact, anew when objects came, went or changed.
+  /// Replaces all surfaces: call it again when objects are added, removed or changed.
   void set_surfaces(std::vector<ContactSurface> surfaces);
-  /// The loose particles of a surface end here from the next step on, at most at its reserved end.
+  /// Sets the end of a surface that consists of particles alone, from the next step on: at most its
+  /// reserved_end.
   void set_end(std::size_t surface, std::uint32_t end) { pairs_.set_end(surface, end); }
-  /// Pairs of particles that are tied together: features that have one each never contact.
+  /// Pairs of particles with a distance joint: no contact between an element of one and an element of the
+  /// other.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { pairs_.exclude(std::move(pairs)); }
-  /// Whose tangles may pass; none: all are held. It must live as long as this is used.
+  /// Contacts ignore the pairs that the resolver exempts; null: none. It must outlive this object.
   void set_intersection_resolver(const IntersectionResolver* intersection_resolver) {
     pairs_.set_intersection_resolver(intersection_resolver);
   }
 
-  /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
-  /// [m], which this keeps up to date. All must live until the step ends.
+  /// `materials` and `radius` as for ParticleContacts. contact_margin[i]: additional distance at which
+  /// contacts of particle i begin [m]; `keep_apart` updates it. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<float> contact_margin,
                   const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
-  /// After prediction: the contacts of this substep.
+  /// Finds the contacts of this substep. Call after prediction.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
-  /// After the solver, before velocities are occupied. Returns how often a way was shortened.
+  /// Prevents intersections. Call after the solver and before the velocity update. Returns the number of
+  /// clamps.
   std::size_t keep_apart(const ParticleView& particles, const Substep& substep, Threads& threads);
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
@@ -83,15 +89,16 @@ class SurfaceContacts final : public Projector {
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  /// A pair that makes a contact in this substep, where this toi of its way has led it.
+  /// A contact or a TOI violation: an index in pairs_, and the part of the motion at which its nearest points
+  /// count. This is its time of impact, or 1 without impact.
   struct PairToi {
     std::uint32_t pair;
     float toi;
   };
-  /// What was found among the pairs of a chunk.
+  /// Contacts or violations in a chunk of pairs.
   struct ChunkResult {
     std::vector<PairToi> pairs;
-    std::size_t offset = 0;
+    std::size_t offset = 0;  // in the list of all chunks
   };
 
   void clear_contacts();
@@ -102,7 +109,7 @@ class SurfaceContacts final : public Projector {
   bool is_owner_of_edge(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
   bool is_owner_of_corner(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
   template <class Function>
-  void find(std::vector<PairToi>& found, Threads& threads, const Function& of_range);
+  void find(std::vector<PairToi>& found, Threads& threads, const Function& of_chunk);
   void find_chunk_contacts(std::size_t chunk, const ParticleView& particles, std::vector<PairToi>& found);
   void find_chunk_violations(std::size_t chunk, const ParticleView& particles, bool all,
                              std::vector<PairToi>& found);
@@ -121,38 +128,40 @@ class SurfaceContacts final : public Projector {
   void update_contact_margins();
 
   ElementPairs pairs_;
-  /// A side of a triangle, by one of its ends.
+  /// An edge of a triangle, listed at one of its ends.
   struct VertexEdge {
-    std::uint32_t other, opposite;  ///< its other end, and the corner across
+    std::uint32_t other, opposite;  ///< the other end of the edge, and the opposite corner of the triangle
   };
-  /// Those of vertex i begin at vertex_edges_begin_[i], by their other ends and then in the order of triangles.
+  /// Edges of vertex i begin at vertex_edges_begin_[i], sorted by their other ends, then in the order of
+  /// triangles.
   std::vector<std::uint32_t> vertex_edges_begin_;
   std::vector<VertexEdge> vertex_edges_;
-  std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // the first triangle that has it
+  std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // per particle: its first triangle
 
   std::span<float> contact_margin_;
   const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};
-  std::vector<ChunkResult> chunk_results_;  // of each chunk
+  std::vector<ChunkResult> chunk_results_;  // per chunk
   std::vector<PairToi> contact_pairs_;      // in order of pairs
-  /// Of each pair that has made a contact since all pairs were found: its color. A pair keeps it until they
-  /// are found again.
+  /// Per pair that has made a contact since the last search of all pairs: its color. It keeps the color until
+  /// the next such search.
   std::vector<std::uint16_t> color_;
-  /// Which colors the contacts of each particle have; 64 to a word, all particles of one word in a row.
+  /// Bits of the colors that contacts of each particle have: a word of 64 colors for all particles, then the
+  /// next 64.
   std::vector<std::uint64_t> used_;
-  std::vector<std::uint32_t> pair_;  // of each contact
-  std::vector<float> toi_;
+  std::vector<std::uint32_t> pair_;  // per contact: index in pairs_
+  std::vector<float> toi_;           // per contact
   /// Contacts of color c: vertices against triangles begin at begin_[2 c], edges at begin_[2 c + 1].
   std::vector<std::size_t> begin_{0}, next_slot_;
   ContactArrays contacts_;
   kernels::ContactColumns columns_{};  // of contacts_
-  std::vector<float> clamp_toi_;       // to each particle, in keep_apart
+  std::vector<float> clamp_toi_;       // per particle, in keep_apart: part of the motion that remains
   std::vector<PairToi> violations_;
   std::vector<std::uint32_t> correction_pair_;
   std::vector<float> correction_toi_;
-  std::vector<std::uint32_t> corrected_particles_;  // that a pass of keep_apart has moved
-  ContactArrays corrections_;                       // what the solver left undone
+  std::vector<std::uint32_t> corrected_particles_;  // moved by the last pass of keep_apart
+  ContactArrays corrections_;                       // correction contacts, of correction_pair_
 };
 
 }  // namespace souple
