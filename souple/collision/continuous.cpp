@@ -6,24 +6,25 @@
 #include <initializer_list>
 #include <limits>
 
-// Two ways to know that nothing touches, each sound by itself.
+// Two tests prove that two elements do not touch. Each is sound by itself.
 //
-// Separation. For any unit vector n, the distance of two convex hulls is at least the least n . (x_a - x_b)
-// over their pairs of corners. While n stays and corners move straight, each of these is linear in time, so
-// they say until when the distance is above a bound, exactly and not by a Lipschitz constant: motion across n
-// costs nothing. With n along the shortest connection this is conservative advancement (Mirtich 1996,
-// section 2.3; Li et al. 2021, "Codimensional IPC", algorithm 1, advance by the length of the motion instead,
-// which makes a vertex that slides along a triangle crawl). Any n is sound, so nothing hangs on how exactly
-// it was computed.
+// Separation. For any unit vector n, the distance of two convex hulls is at least the minimum of n . (x_a -
+// x_b) over their pairs of corners. While n is constant and corners move straight, each of these is linear in
+// time. So they give the time until which the distance exceeds a bound, exactly and not by a Lipschitz
+// constant: motion across n costs nothing. With n along the shortest connection this is conservative
+// advancement (Mirtich 1996, section 2.3). Li et al. 2021, "Codimensional IPC", algorithm 1, advance by the
+// length of the motion instead, which makes a vertex that slides along a triangle advance very slowly. Any n
+// is sound, so rounding errors of n do not matter.
 //
 // Volume. With e, f, r as in wedge below and n = e x f, V(t) = r . n is a cubic, and |V| / |n| is the
-// distance of the particle to the plane, or of the two lines: it bounds the distance. With N(t) >= |n(t)| a
-// quadratic, its Bernstein coefficients the lengths of those of n, nothing is near before the first root of
-// |V| - bound N (Provot 1997 asks for V = 0, which leaves nothing for rounding). If its Bernstein
-// coefficients are positive there is none, else cubic.h says where.
+// distance of the particle to the plane, or of the two lines: a lower bound of the distance of the elements.
+// Let N(t) >= |n(t)| be a quadratic whose Bernstein coefficients are the lengths of those of n. The elements
+// are separated by more than `bound` before the first root of |V| - bound N. (Provot 1997 tests V = 0, which
+// leaves no margin for rounding.) If the Bernstein coefficients of |V| - bound N are positive there is no
+// root, else cubic.h finds it.
 //
-// Separation finds straight motion in one step and is slow where things turn around each other; volume knows
-// turning and is blind beside the triangle. So both look, and the later time counts.
+// Separation finds straight motion in one step and is slow where elements rotate around each other. Volume
+// handles rotation, but gives no bound beside the triangle. So both are tested, and the later time counts.
 
 namespace souple {
 namespace {
@@ -39,7 +40,7 @@ double largest(const Vec3d& v) {
 }
 
 struct VertexTriangle {
-  static constexpr int first = 1;  // particles of the one side, the others are the other side's
+  static constexpr int first = 1;  // particles [0, first) are one element, the others the second element
   static constexpr Pair pairs[] = {{0, 1}, {0, 2}, {0, 3}};
 
   /// From the nearest point of the triangle to the particle.
@@ -60,7 +61,7 @@ struct EdgeEdge {
   static constexpr int first = 2;
   static constexpr Pair pairs[] = {{0, 2}, {0, 3}, {1, 2}, {1, 3}};
 
-  /// From the nearest point of edge 2, 3 to that of edge 0, 1.
+  /// From the nearest point of edge 2, 3 to the nearest point of edge 0, 1.
   static Vec3d connection(const Vec3d (&x)[4]) {
     double s = 0, t = 0;
     const Vec3d p1 = x[1] - x[0], q0 = x[2] - x[0], q1 = x[3] - x[0];
@@ -78,17 +79,17 @@ void positions_at(const Moving4& m, double t, Vec3d (&x)[4]) {
   for (int i = 0; i < 4; ++i) x[i] = m.x[i] * (1 - t) + m.p[i] * t;
 }
 
-/// What the projection of a pair on a unit vector, at any time, may be wrong by: the differences, three
-/// products and two sums, the length of n, the interpolation; under 20 eps of the largest component, 64
-/// leaves room.
+/// Bound of the rounding error of a pair's projection on a unit vector, at any time: the differences, three
+/// products and two sums, the length of n, the interpolation. This is under 20 eps of the largest component;
+/// 64 is a safe bound.
 double rounding(const Moving4& m) {
   double size = 0;
   for (int i = 1; i < 4; ++i) size = max(size, max(largest(m.x[i]), largest(m.p[i])));
   return 64 * eps * size;
 }
 
-/// Until when the hulls stay apart by more than `bound` along n, given that it is now `t`; t where they are
-/// not.
+/// Time until which the hulls are separated by more than `bound` along n, from time `t` on; t if they are not
+/// at t.
 template <class Kind>
 double separated_until(const Moving4& m, const Vec3d& n, double t, double bound) {
   double until = 1;
@@ -108,14 +109,14 @@ Vec3d plane_normal(const Vec3d (&x)[4]) {
   return dot(n, r) < 0 ? -n : n;
 }
 
-/// Volume: until when the two stay apart by more than `bound`, given that at `t` they are at x; t where it
-/// tells nothing.
+/// Time until which the two are separated by more than `bound`, from time `t` on, when they are at x; t if
+/// the volume gives no such time.
 template <class Kind>
 double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double bound) {
   Vec3d e0, f0, r0, e1, f1, r1;
   Kind::wedge(x, e0, f0, r0);
   Kind::wedge(m.p, e1, f1, r1);
-  // Bernstein coefficients over [t, 1] of n, N and V; one sign of V is enough.
+  // Bernstein coefficients over [t, 1] of n, N and |V| - bound N, for the sign of V at t.
   const Vec3d n[3] = {cross(e0, f0), 0.5 * (cross(e0, f1) + cross(e1, f0)), cross(e1, f1)};
   const double N[3] = {length(n[0]), length(n[1]), length(n[2])};
   const double V0 = dot(r0, n[0]), side = V0 < 0 ? -1 : 1;
@@ -123,12 +124,12 @@ double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double boun
                        (side * (dot(r1, n[0]) + 2 * dot(r0, n[1])) - bound * (N[0] + 2 * N[1])) / 3,
                        (side * (2 * dot(r1, n[1]) + dot(r0, n[2])) - bound * (2 * N[1] + N[2])) / 3,
                        side * dot(r1, n[2]) - bound * N[2]};
-  // n is wrong by at most 6 eps area, V by 24 eps area * reach, a time by eps; what c rounds is at most 54
-  // eps times the largest b: each is three or four roundings of terms whose sum is at most 27 times that.
+  // Errors: n at most 6 eps area, V 24 eps area * range, a time eps. Rounding of c is at most 54 eps times
+  // the largest b: each is three or four roundings of terms whose sum is at most 27 times that.
   const double area = max(largest(e0), largest(e1)) * max(largest(f0), largest(f1));
-  const double reach = max(largest(r0), largest(r1)) + bound;
+  const double range = max(largest(r0), largest(r1)) + bound;
   const double extent = max(max(abs(b[0]), abs(b[1])), max(abs(b[2]), abs(b[3])));
-  const double error = 128 * eps * (area * reach + extent);
+  const double error = 128 * eps * (area * range + extent);
   if (!(b[0] > error)) return t;
   if (min(min(b[1], b[2]), b[3]) > error) return 1;
   const double c[4] = {b[0], 3 * (b[1] - b[0]), 3 * (b[2] - 2 * b[1] + b[0]),
@@ -137,7 +138,8 @@ double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double boun
   return roots.count == 0 ? 1 : t + (1 - t) * roots.interval[0].lo;
 }
 
-/// In touch at the begin: no bound can hold, but they may part at once, along the normal and at every corner.
+/// For a motion that starts in contact, no bound can hold. The result is 1 if every corner separates along
+/// the normal, else 0.
 template <class Kind>
 double time_from_contact(const Moving4& m, double touch) {
   const Vec3d n = plane_normal<Kind>(m.x);
@@ -152,16 +154,16 @@ double time_from_contact(const Moving4& m, double touch) {
   return 0;
 }
 
-/// min and max overlook NaN.
+/// Needed because min and max ignore NaN.
 bool all_finite(const Moving4& m) {
   Vec3d sum;
   for (int i = 0; i < 4; ++i) sum += m.x[i] + m.p[i];
   return is_finite(sum);
 }
 
-/// The cheapest way out, for most of what a broad phase brings: whether the boxes that the two sweep are
-/// apart by more than `gap` and a 1024th of any distance at the begin. Then the bound holds without knowing
-/// that distance.
+/// The cheapest test, sufficient for most pairs of a broad phase: whether the swept boxes of the two elements
+/// are separated by more than `gap` and a 1024th of any initial distance. Then the bound holds without
+/// computing that distance.
 template <class Kind>
 bool swept_boxes_apart(const Moving4& m, double gap, double far) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -180,7 +182,7 @@ bool swept_boxes_apart(const Moving4& m, double gap, double far) {
   return false;
 }
 
-/// In the frame of particle 0, where interpolation rounds no more than differences do.
+/// In the frame of particle 0, where interpolation has no larger rounding errors than differences.
 Moving4 relative(const Moving4& m) {
   Moving4 r;
   for (int i = 1; i < 4; ++i) {
@@ -192,9 +194,9 @@ Moving4 relative(const Moving4& m) {
 
 template <class Kind>
 double safe_time(const Moving4& motion, double gap) {
-  constexpr double close = 0.1, far = 1.0 / 1024;  // what must remain of the distance, see the header
+  constexpr double close = 0.1, far = 1.0 / 1024;  // minimum parts of the initial distance, see the header
   constexpr double near_enough = 1 + 1.0 / 64;
-  constexpr int advances = 64;  // ordinary motions need one to five
+  constexpr int advances = 64;  // typical motions need one to five
 
   if (swept_boxes_apart<Kind>(motion, gap, far)) return 1;
   const Moving4 m = relative(motion);
@@ -209,8 +211,8 @@ double safe_time(const Moving4& motion, double gap) {
   for (int k = 0; k < advances && distance > bound * near_enough; ++k) {
     double next = separated_until<Kind>(m, connection / distance, t, bound);
     if (next >= 1) return 1;
-    // The direction of a short connection may be rounded too much to part anything; volume does not depend on
-    // it.
+    // Rounding of a short connection's direction may be too large to prove separation; the volume does not
+    // depend on it.
     if (k % 4 == 0 || !(next > t)) next = max(next, volume_until<Kind>(m, x, t, bound));
     if (next >= 1) return 1;
     if (!(next > t)) next = separated_until<Kind>(m, plane_normal<Kind>(x), t, bound);

@@ -4,21 +4,21 @@
 #include <cmath>
 #include <limits>
 
-// f(t) = c0 + c1 t + c2 t^2 + c3 t^3 is monotone between the zeros of f'. On a monotone piece two values tell
-// where roots are, and a point at which |f| > E parts the roots from what lies on the same side of it.
+// f(t) = c0 + c1 t + c2 t^2 + c3 t^3 is monotone between the zeros of f'. On a monotone piece two values show
+// whether it has a root, and a point with |f| > E separates the roots from all points on one side of it.
 //
-// What E has to hold, with eps = 2^-52, S = |c0| + |c1| + |c2| + |c3| and t in [0, 1]:
-// (1) Horner's rule is wrong by at most 3 eps S (Higham, Accuracy and Stability of Numerical Algorithms,
+// E must cover these errors, with eps = 2^-52, S = |c0| + |c1| + |c2| + |c3| and t in [0, 1]:
+// (1) Horner's rule has an error of at most 3 eps S (Higham, Accuracy and Stability of Numerical Algorithms,
 //     2002, eq. 5.3).
-// (2) The zeros of f' are rounded, so that a piece is only nearly monotone. The zeros below are those of
-//     a quadratic whose coefficients differ by at most 5 eps from those of f' (the discriminant's two terms
-//     and root, one sum, one division). So where f' has the wrong sign on a piece,
-//     |f'| <= 5 eps (|c1| + 2 |c2| + 3 |c3|) <= 15 eps S: between a true zero and the rounded one beside it
-//     |f'| is at most its value at the latter. Where the discriminant is rounded to below zero, two close
-//     zeros are taken for none; then |f'| = |discriminant / (3 c3)| between them, and with the zeros in
-//     [0, 1] and hence |c2| <= 3 |c3| and |c1| <= |c2| (1 + eps) this is at most 8 eps |c2|. A piece is at
-//     most 1 long, so f turns back by at most 15 eps S.
-// Together 18 eps S; 64 leaves room. `error` is added to it.
+// (2) The zeros of f' are rounded, so a piece is only nearly monotone. The computed zeros are those of a
+//     quadratic whose coefficients differ by at most 5 eps from those of f' (the discriminant's two terms and
+//     root, one sum, one division). So where f' has the wrong sign on a piece, |f'| <= 5 eps (|c1| + 2 |c2| +
+//     3 |c3|) <= 15 eps S: between a true zero and the adjacent rounded one, |f'| is at most its value at the
+//     rounded one. If the discriminant is rounded to below zero, two close zeros are missed; then |f'| =
+//     |discriminant / (3 c3)| between them. With the zeros in [0, 1] and hence |c2| <= 3 |c3| and |c1| <=
+//     |c2| (1 + eps) this is at most 8 eps |c2|. A piece is at most 1 long, so f reverses by at most 15 eps
+//     S.
+// The sum is 18 eps S; 64 is a safe bound. `error` is added to it.
 
 namespace souple {
 namespace {
@@ -29,11 +29,11 @@ struct Cubic {
 
   double operator()(double t) const { return ((c[3] * t + c[2]) * t + c[1]) * t + c[0]; }
   double derivative(double t) const { return (3 * c[3] * t + 2 * c[2]) * t + c[1]; }
-  /// The sign of f, 0 where it may be zero.
+  /// The sign of f; 0 if f may be zero.
   int sign(double value) const { return value > E ? 1 : (value < -E ? -1 : 0); }
 };
 
-/// Zeros of f' within (0, 1), ascending, by the formula that does not cancel; returns how many.
+/// Zeros of f' within (0, 1), ascending, by the formula without cancellation. Returns their number.
 int critical_points(const Cubic& f, double (&t)[2]) {
   const double a = 3 * f.c[3], b = f.c[2], discriminant = b * b - a * f.c[1];
   if (!(discriminant > 0)) return 0;  // none, or an inflection: monotone
@@ -46,9 +46,10 @@ int critical_points(const Cubic& f, double (&t)[2]) {
   return count;
 }
 
-/// From `inside`, where f may be zero, towards `outside`, where it is not: a point that has the sign f has
-/// there, at most twice as far from `inside` as need be. Steps grow fourfold, then the last is halved once.
-/// (Any sign will not do: at the rim of what may be zero, the next value may be beyond it on the other side.)
+/// From `inside`, where f may be zero, towards `outside`, where it is not: a point where f has the sign of
+/// f(outside), at most twice as far from `inside` as necessary. Steps grow fourfold, then the last is halved
+/// once. (Not any nonzero sign is sufficient: at the edge of the interval where f may be zero, the next value
+/// may have the opposite sign.)
 double leave_zero(const Cubic& f, double inside, double outside) {
   const int sign = f.sign(f(outside));
   const double distance = outside - inside;
@@ -61,8 +62,8 @@ double leave_zero(const Cubic& f, double inside, double outside) {
   return outside;
 }
 
-/// The interval of the one root between `lo` and `hi`, where f has opposite signs: Newton's steps, each
-/// fourth a bisection, so that it ends whatever f is.
+/// The interval of the single root between `lo` and `hi`, where f has opposite signs: Newton's method, with
+/// every fourth step a bisection, so that it ends for any f.
 RootInterval bracket(const Cubic& f, double lo, double hi) {
   const int sign_lo = f.sign(f(lo));
   double t = 0.5 * (lo + hi);
@@ -105,7 +106,8 @@ CubicRoots cubic_roots(const double (&c)[4], double error) {
     roots.interval[0] = {0, 1};
     return roots;
   }
-  // To sizes whose squares neither overflow nor vanish; a power of two rounds nothing that E does not hold.
+  // Scale such that squares neither overflow nor vanish. A power of two adds no rounding that E does not
+  // cover.
   const int exponent = std::ilogb(sum);
   const double scale = std::abs(exponent) > 300 ? std::ldexp(1.0, std::clamp(-exponent, -1000, 1000)) : 1;
   const double eps = std::numeric_limits<double>::epsilon();

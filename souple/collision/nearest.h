@@ -2,22 +2,22 @@
 
 #include "souple/math/vec3.h"
 
-// Nearest points without a branch, for T = float, double or simd::Pack<Set>. A pack's lanes hold the bits
+// Nearest points without branches, for T = float, double or simd::Pack<Isa>. Each lane of a pack has the bits
 // that float gives.
 //
-// Every candidate lies on the triangle or on the edges, and the nearest of them is the answer, judged by its
-// distance and not by the signs that place a point in a region (Ericson, Real-Time Collision Detection, 2005,
-// section 5.1.5): these signs are noise for slivers and for nearly parallel edges, and a wrong region answers
-// with a point that is far away. So the distance is right to some rounding errors of the size of the
-// coordinates, for any shape. The point itself is right to the square root of that where the distance is
+// Every candidate lies on the triangle or on the edges, and the nearest one is the result. Candidates are
+// compared by their distances, not by the signs that place a point in a region (Ericson, Real-Time Collision
+// Detection, 2005, section 5.1.5). These signs are noise for slivers and for nearly parallel edges, and a
+// wrong region gives a point that is far away. So the error of the distance is a few rounding errors of the
+// coordinates' size, for any shape. The error of the point is the square root of that where the distance is
 // flat.
 //
-// Give coordinates relative to a point nearby. Sizes from 1e-9 to 1e9 neither overflow nor underflow in
+// Pass coordinates relative to a nearby point. Sizes from 1e-9 to 1e9 neither overflow nor underflow in
 // float.
 
 namespace souple {
 
-/// The parameter s in [0, 1] of the point a + s (b - a) nearest to p; 0 on an edge without length.
+/// Parameter s in [0, 1] of the point a + s (b - a) nearest to p; 0 on an edge of zero length.
 template <class T>
 T nearest_on_edge(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b) {
   const Vec3<T> ab = b - a;
@@ -26,11 +26,11 @@ T nearest_on_edge(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b) {
   return min(max(s, T(0)), T(1));
 }
 
-/// The barycentric weights, all >= 0 and their sum 1 to rounding, of the point of triangle a, b, c nearest to
-/// p. A triangle without area answers with a point on it.
+/// Barycentric weights, all >= 0 and their sum 1 to rounding, of the point of triangle a, b, c nearest to p.
+/// For a triangle without area the result is a point on it.
 ///
-/// Inside: with n = (b - a) x (c - a), weight a is n . ((b - p) x (c - p)) / |n|^2, and so on around. It
-/// counts where all three are >= 0; else an edge is nearest.
+/// Inside: with n = (b - a) x (c - a), weight a is n . ((b - p) x (c - p)) / |n|^2, and cyclically for b and
+/// c. This candidate counts if all three are >= 0; else the nearest point is on an edge.
 template <class T>
 void nearest_on_triangle(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c,
                          T (&weight)[3]) {
@@ -62,14 +62,13 @@ void nearest_on_triangle(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b, c
   consider(select(inside, squared, nearest), wa, wb, wc);
 }
 
-/// The parameters s and t in [0, 1] of the nearest points p0 + s (p1 - p0) and q0 + t (q1 - q0) of two edges.
-/// Parallel edges answer with one of the nearest pairs, edges without length with s or t = 0.
+/// Parameters s and t in [0, 1] of the nearest points p0 + s (p1 - p0) and q0 + t (q1 - q0) of two edges. For
+/// parallel edges the result is one of the nearest pairs; for edges of zero length s or t is 0.
 ///
 /// With d = p1 - p0, e = q1 - q0, n = d x e, r = q0 - p0, the lines are nearest at s = (r x e) . n / |n|^2.
-/// Clamped to [0, 1], then projected onto q and from there back onto p, it is the answer (Ericson,
-/// section 5.1.9, who projects back only if t was clamped). Of edges at a small angle a, s is wrong by
-/// eps / a; the distance changes by a times that, so it is right however parallel they are, and the ends need
-/// not be tried.
+/// This s is clamped to [0, 1], then projected onto q and from there back onto p (Ericson, section 5.1.9,
+/// projects back only if t was clamped). For edges at a small angle a, s has an error of eps / a. The
+/// distance changes by a times that, so it is right for any angle, and the ends need not be tested.
 template <class T>
 void nearest_on_edges(const Vec3<T>& p0, const Vec3<T>& p1, const Vec3<T>& q0, const Vec3<T>& q1, T& s,
                       T& t) {

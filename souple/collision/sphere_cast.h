@@ -6,23 +6,23 @@
 
 namespace souple {
 
-/// Where a ball is when it touches a shape.
+/// First contact of a moving ball with a shape.
 struct SphereCastHit {
-  SurfaceDistance surface;
-  Vec3d point;  ///< its center [m]
+  SurfaceDistance surface;  ///< distance and normal at `point`
+  Vec3d point;              ///< center of the ball [m]
 };
 
-/// Where a ball of radius r whose center goes from `from` to `to` first touches a shape: sphere tracing
-/// (Hart 1996), each stride as long as the free distance. Grazing paths may need many strides; one that has
-/// not passed after 64 is within a hair of the surface and counts as touching. What leaves a surface it
-/// touches meets no other side of a convex shape; of any other it may, and a smaller ball goes there.
-/// `start`: the surface's distance at `from`.
+/// First contact of a ball of radius r with a shape, as its center moves from `from` to `to`: sphere tracing
+/// (Hart 1996), each step as long as the free distance. Grazing paths may need many steps; a ball that is
+/// still near the surface after 64 steps counts as in contact. A ball that starts in contact and moves away
+/// touches no other part of a convex shape. It may touch another part of other shapes, so a smaller ball is
+/// cast there. `start`: the surface's distance at `from`.
 std::optional<SphereCastHit> sphere_cast(const Shape& shape, const SurfaceDistance& start, const Vec3d& from,
                                          const Vec3d& to, double r);
 
-/// Whether the straight way between two points at these distances from a surface may lead through it: each
-/// distance is the radius of a ball free of the shape. A particle that moves more than its radius takes the
-/// ball it is itself into account as well.
+/// Whether a straight path may pass through a surface, from the distances at its start and end: each is the
+/// radius of a ball free of the shape. If the path is longer than the particle's radius r, the particle's own
+/// ball counts as well.
 bool may_tunnel(double start, double end, double path, double r);
 
 }  // namespace souple

@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::uint32_t no_particle = ~std::uint32_t{0};
 
-/// Triangles in order of patches, and how many each patch has.
+/// Triangles in the order of patches, and the number of triangles of each patch.
 struct Grouped {
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> sizes;
 };
 
-/// The triangles on each edge: those of e are items[begin[e] .. begin[e + 1]).
+/// Triangles of each edge e: items[begin[e] .. begin[e + 1]).
 struct EdgeTriangles {
   std::vector<std::uint32_t> begin, items;
 };
@@ -34,8 +34,8 @@ EdgeTriangles edge_triangles(const TriangleEdges& sides) {
   return result;
 }
 
-/// Grows patches over a mesh. A patch starts at one triangle and adds, of the free triangles at its edges, the one
-/// with the most corners in the patch. So it closes the fan around a vertex and stays round.
+/// Grows patches over a mesh. A patch starts at one triangle and adds, of the free triangles at its edges,
+/// the one with the most corners in the patch. So it closes the fan around a vertex and stays round.
 class PatchGrower {
  public:
   explicit PatchGrower(std::span<const Triangle> triangles)
@@ -94,8 +94,8 @@ class PatchGrower {
 
 }  // namespace
 
-// The patches of new elements, by the number of elements in each. Whatever an element owns follows what the
-// one before it owns.
+// Adds the patches of new elements; sizes: number of elements of each patch. The edges and vertices that an
+// element owns follow those of the element before it.
 void SurfaceElements::add_patches(std::size_t first_element, std::span<const std::uint32_t> sizes) {
   auto e = elements_.begin() + static_cast<std::ptrdiff_t>(first_element);
   SurfacePatch next;
@@ -146,7 +146,7 @@ void SurfaceElements::extend_columns() {
            [&](std::size_t i) { return triangles_[i].particle[k]; });
 }
 
-// Marks the corners that no earlier element of this call has, and lists them as vertices.
+// An element owns the corners that no earlier element of this call has. Adds them to the vertices.
 void SurfaceElements::assign_particle_owners(std::size_t first_element) {
   std::uint32_t end = 0;
   for (std::size_t e = first_element; e < elements_.size(); ++e)

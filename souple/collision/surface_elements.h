@@ -9,45 +9,46 @@
 
 namespace souple {
 
-/// A triangle, a loose edge or a loose vertex of some object.
+/// A triangle, an edge without triangles, or a vertex without edges.
 struct SurfaceElement {
   static constexpr std::uint32_t no_edge = TriangleEdges::no_edge;
-  std::uint32_t particle[3]{};  ///< corners; those that an edge or a vertex lacks repeat the last one
+  std::uint32_t particle[3]{};  ///< corners; an edge or a vertex repeats the last one
   std::uint32_t edge[3]{no_edge, no_edge,
-                        no_edge};  ///< side k joins corners k and (k + 1) % 3; no_edge where there is none
-  std::uint32_t object = 0;        ///< whose it is
-  std::uint8_t corners = 0;        ///< 3, 2 or 1
-  std::uint8_t owns_particle = 0;  ///< bit k: corner k belongs to this element and to no other
-  std::uint8_t owns_edge = 0;      ///< bit k: so does side k
+                        no_edge};  ///< edge k joins corners k and (k + 1) % 3; no_edge if there is none
+  std::uint32_t object = 0;        ///< index of the object
+  std::uint8_t corners = 0;        ///< number of corners: 3, 2 or 1
+  std::uint8_t owns_particle = 0;  ///< bit k: this element alone owns corner k
+  std::uint8_t owns_edge = 0;      ///< bit k: this element alone owns edge k
 };
 
-/// Neighboring elements and what they own, all in a row: triangles, edges and vertices
-/// [begin, begin + count).
+/// Neighboring elements, and the edges and vertices they own. Indices are consecutive: triangles, edges and
+/// vertices [first, first + count).
 struct SurfacePatch {
-  static constexpr std::uint32_t max_triangles = 15, max_edges = 8;  ///< max_edges: of a rope
+  static constexpr std::uint32_t max_triangles = 15, max_edges = 8;  ///< max_edges: for ropes
   std::uint32_t first_triangle = 0, first_edge = 0, first_vertex = 0;
   std::uint32_t object = 0;
   std::uint8_t triangles = 0, edges = 0, vertices = 0;
 };
 
-/// What can touch: all surfaces, ropes and grains of a world, by the numbers of their particles. Built when
-/// objects come and go, not in a step. Elements are numbered by patches: the triangles of a mesh in another
-/// order than its own, so that neighbors follow one another. Vertices and edges are numbered in the order of
-/// the elements; each is there once, and belongs to the first element that has it.
+/// All triangles, edges and vertices of a world that can be in contact: of surfaces, ropes and grains, by the
+/// indices of their particles. Rebuilt when objects are added or removed, not in a step. Elements are
+/// numbered by patches: the order of a mesh's triangles changes such that neighbors follow each other.
+/// Vertices and edges are numbered in the order of elements. Each occurs once, and the first element that has
+/// it owns it.
 class SurfaceElements {
  public:
-  /// A mesh's surface. Its vertex i is particle first_particle + i; a vertex that no triangle has is left
-  /// out, and so is a triangle with a repeated corner. One object may be added in several calls, if they
-  /// share no particle.
+  /// Adds the triangles of a mesh. Its vertex i is particle first_particle + i. Vertices without triangles
+  /// and triangles with a repeated corner are skipped. Several calls may add to one object, if they share no
+  /// particle.
   void add_triangles(std::span<const Triangle> triangles, std::uint32_t first_particle, std::uint32_t object);
-  /// Edges that no triangle has: a rope. One from a vertex to itself is left out.
+  /// Adds edges without triangles, of a rope. An edge from a vertex to itself is skipped.
   void add_edges(std::span<const Edge> edges, std::uint32_t first_particle, std::uint32_t object);
-  /// Particles [begin, end), each alone: grains.
+  /// Adds particles [begin, end), each a vertex without edges: grains.
   void add_particles(std::uint32_t begin, std::uint32_t end, std::uint32_t object);
   void clear();
 
   std::span<const SurfaceElement> elements() const { return elements_; }
-  /// Those that are triangles, in the same order.
+  /// The elements that are triangles, in the order of elements.
   std::span<const SurfaceElement> triangles() const { return triangles_; }
   /// Particles of each edge.
   std::span<const Edge> edges() const { return edges_; }
@@ -56,17 +57,18 @@ class SurfaceElements {
   std::span<const std::uint32_t> vertices() const { return vertices_; }
   std::span<const std::uint32_t> vertex_objects() const { return vertex_objects_; }
   std::span<const SurfacePatch> patches() const { return patches_; }
-  /// Lists which patches name a particle, after the last add; ascending.
+  /// Builds the ascending lists of patches_of. Call after the last add.
   void index_particles();
+  /// Patches with elements that have the particle.
   std::span<const std::uint32_t> patches_of(std::uint32_t particle) const {
     return std::span(patches_of_)
         .subspan(patches_begin_[particle], patches_begin_[particle + 1] - patches_begin_[particle]);
   }
-  /// Particles that elements of a patch name; some of them several times.
+  /// Calls function(particle) for all corners of the elements of a patch; some particles occur several times.
   template <class Function>
   void for_each_particle(const SurfacePatch& patch, const Function& function) const;
-  /// The particles of all vertices, edges or triangles, corner by corner, and `padding` zeros behind the
-  /// last.
+  /// Particles of all vertices, edges or triangles as arrays, one per corner, with `padding` zeros at the
+  /// end.
   static constexpr std::size_t padding = 32;
   const std::uint32_t* vertex_particles() const { return vertex_particles_.data(); }
   const std::uint32_t* edge_particles(std::size_t corner) const { return edge_particles_[corner].data(); }
@@ -74,7 +76,7 @@ class SurfaceElements {
     return triangle_particles_[corner].data();
   }
 
-  /// One more than the largest particle and the largest object that are named.
+  /// One more than the largest index of a particle and of an object.
   std::uint32_t particle_end() const { return particle_end_; }
   std::uint32_t object_end() const { return object_end_; }
   std::size_t bytes() const;
@@ -89,7 +91,7 @@ class SurfaceElements {
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;
   std::vector<SurfacePatch> patches_;
-  std::vector<std::uint32_t> patches_begin_, patches_of_;  // of each particle
+  std::vector<std::uint32_t> patches_begin_, patches_of_;  // per particle: the lists of patches_of
   std::vector<std::uint32_t> vertex_particles_;
   std::array<std::vector<std::uint32_t>, 2> edge_particles_;
   std::array<std::vector<std::uint32_t>, 3> triangle_particles_;
