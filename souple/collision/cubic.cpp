@@ -16,8 +16,8 @@
 //     3 |c3|) <= 15 eps S: between a true zero and the adjacent rounded one, |f'| is at most its value at the
 //     rounded one. If the discriminant is rounded to below zero, two close zeros are missed; then |f'| =
 //     |discriminant / (3 c3)| between them. With the zeros in [0, 1] and hence |c2| <= 3 |c3| and |c1| <=
-//     |c2| (1 + eps) this is at most 8 eps |c2|. A piece is at most 1 long, so f reverses by at most 15 eps
-//     S.
+//     |c2| (1 + eps) this is at most 8 eps |c2|. Pieces are at most 1 long, so f reverses by
+//     at most 15 eps S.
 // The sum is 18 eps S; 64 is a safe bound. `error` is added to it.
 
 namespace souple {

@@ -11,12 +11,12 @@
 #include <span>
 #include <vector>
 
-// Counts edges that pass through triangles. It shares no code with the engine's collision detection: a grid
-// of its own (a map of cells) and signs of volumes in double.
+// Counts edges that pass through triangles. It shares no code with the engine's collision detection: its own
+// grid (a map of cells) and signs of volumes in double.
 
 namespace souple::test {
 
-/// Triangles over the points of several objects put together.
+/// Points and triangles of several objects.
 struct CrossingCounter {
   std::vector<Vec3d> points;
   std::vector<Triangle> triangles;

@@ -4,8 +4,8 @@
 
 #include <gmpxx.h>
 
-// Arithmetic without rounding, for predicates whose answer must be known for sure: dot, cross and the rest of
-// Vec3 work on it. Slow: ask it only what numbers with bounds leave open.
+// Arithmetic without rounding, for predicates whose result must be certain: dot, cross and other functions of
+// Vec3 accept it. It is slow: use it only where numbers with error bounds are not sufficient.
 
 namespace souple::test {
 

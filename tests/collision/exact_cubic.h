@@ -68,7 +68,7 @@ inline Division divide(Polynomial a, const Polynomial& b) {
   return {quotient, a};
 }
 
-/// The same roots, each once.
+/// A polynomial with the same roots, each of them simple.
 inline Polynomial square_free(const Polynomial& a) {
   Polynomial g = a, h = derivative(a);
   while (!h.empty()) {
@@ -91,7 +91,7 @@ class RootCounter {
     }
   }
 
-  /// In [lo, hi].
+  /// Number of distinct roots in [lo, hi].
   int count(const Rational& lo, const Rational& hi) const {
     return changes(lo) - changes(hi) + (value_at(chain_[0], lo) == 0 ? 1 : 0);
   }
@@ -100,8 +100,8 @@ class RootCounter {
     Rational lo, hi;
   };
 
-  /// Each root of [lo, hi] in an interval of its own, no wider than `width`, ascending; a root that a
-  /// bisection meets has lo = hi.
+  /// An interval for each root of [lo, hi], no wider than `width`, ascending. If a bisection point is a root,
+  /// lo = hi.
   std::vector<Root> isolate(const Rational& lo, const Rational& hi, const Rational& width) const {
     std::vector<Root> roots;
     isolate(lo, hi, width, roots);
@@ -120,7 +120,7 @@ class RootCounter {
     return changes;
   }
 
-  // Roots at the two ends first: an open interval is bisected by signs.
+  // Roots at the two ends are handled here: bisection by signs needs an open interval.
   void isolate(const Rational& lo, const Rational& hi, const Rational& width,
                std::vector<Root>& roots) const {
     if (value_at(chain_[0], lo) == 0) roots.push_back({lo, lo});
@@ -139,11 +139,11 @@ class RootCounter {
     if (value_at(chain_[0], middle) == 0) roots.push_back({middle, middle});
     inner(middle, hi, width, roots);
   }
-  // A simple root alone: its sign changes there, and an end that is a root itself was taken before.
+  // For a single simple root: the sign changes there. An end that is a root was handled before.
   void bisect(Rational lo, Rational hi, const Rational& width, std::vector<Root>& roots) const {
     const Polynomial& p = chain_[0];
     int low = sgn(value_at(p, lo));
-    if (low == 0) low = sgn(value_at(derivative(p), lo));  // what it is just after
+    if (low == 0) low = sgn(value_at(derivative(p), lo));  // the sign just after lo
     while (hi - lo > width) {
       const Rational middle = (lo + hi) / 2;
       const int sign = sgn(value_at(p, middle));

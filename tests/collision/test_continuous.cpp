@@ -14,9 +14,9 @@
 
 #include <gtest/gtest.h>
 
-// What exact arithmetic says of the same doubles: when the two touch first. With V(t) the volume of the four
-// particles, they touch at a root of V where the plane's point is within the triangle, or the lines meet
-// within the edges. If V is zero all along, a particle meets an edge or a particle first.
+// The time of first contact in exact arithmetic, from the same doubles. With V(t) the volume of the four
+// particles, contact is at a root of V where the point in the plane is inside the triangle, or the lines
+// intersect inside the edges. If V is zero throughout, a particle first touches an edge or another particle.
 
 namespace souple {
 namespace {
@@ -58,15 +58,14 @@ struct Paths {
 
 const Rational width = Rational(1) / Rational("1152921504606846976");  // 2^-60
 
-/// Earliest root of `zero` in [0, 1] at whose both ends all of `conditions` are >= 0.
+/// Earliest root of `zero` in [0, 1] with all `conditions` >= 0 at both ends of its interval.
 std::optional<double> earliest(const Polynomial& zero, const std::vector<Polynomial>& conditions) {
   const auto hold = [&](const Rational& t) {
     for (const Polynomial& c : conditions)
       if (value_at(c, t) < 0) return false;
     return true;
   };
-  if (zero.empty()) {  // then the conditions alone tell; the first time at which they hold is 0 or a root of
-                       // one
+  if (zero.empty()) {  // the first time at which all conditions hold is 0 or a root of a condition
     if (hold(0)) return 0;
     std::optional<double> first;
     for (const Polynomial& c : conditions) {
@@ -81,7 +80,7 @@ std::optional<double> earliest(const Polynomial& zero, const std::vector<Polynom
   return {};
 }
 
-std::optional<double> meets_edge(const Vec3p& p, const Vec3p& a, const Vec3p& b) {
+std::optional<double> contact_with_edge(const Vec3p& p, const Vec3p& a, const Vec3p& b) {
   const Vec3p n = cross(a - p, b - p);
   return earliest(dot(n, n), {dot(a - p, b - p) * Polynomial{-1}});
 }
@@ -97,7 +96,7 @@ std::optional<double> first_contact(Kind kind, const Moving4& m) {
   const Polynomial V = dot(cross(x[1] - x[0], x[2] - x[0]), x[3] - x[0]);
   if (!V.empty() && vertex) {
     const Vec3p n = cross(x[2] - x[1], x[3] - x[1]), a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];
-    // Strictly positive area, so that a triangle that folds to a line touches nobody by this alone.
+    // Strictly positive area: a triangle that folds to a line is not in contact by this condition.
     return earliest(V, {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b)),
                         dot(n, n) - Polynomial{Rational(1e-40)}});
   }
@@ -108,11 +107,11 @@ std::optional<double> first_contact(Kind kind, const Moving4& m) {
   }
   std::optional<double> first;
   if (vertex) {
-    for (int i = 1; i < 4; ++i) take(first, meets_edge(x[0], x[i], x[i % 3 + 1]));
+    for (int i = 1; i < 4; ++i) take(first, contact_with_edge(x[0], x[i], x[i % 3 + 1]));
   } else {
     for (int i = 0; i < 2; ++i) {
-      take(first, meets_edge(x[i], x[2], x[3]));
-      take(first, meets_edge(x[i + 2], x[0], x[1]));
+      take(first, contact_with_edge(x[i], x[2], x[3]));
+      take(first, contact_with_edge(x[i + 2], x[0], x[1]));
     }
   }
   return first;
@@ -133,7 +132,7 @@ double point_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3
   return min(least, length((a - p) * w.a + (b - p) * w.b + (c - p) * w.c));
 }
 
-/// Of two edges: from the origin to the parallelogram of their differences.
+/// Distance of two edges: from the origin to the parallelogram of their differences.
 double distance_at(Kind kind, const Moving4& m, double t) {
   Vec3d x[4];
   for (int i = 0; i < 4; ++i) x[i] = m.x[i] * (1 - t) + m.p[i] * t;
@@ -155,7 +154,7 @@ double reach(const Moving4& m) {
   return size;
 }
 
-/// What the header promises never to fall below.
+/// The lower bound of the distance that the header guarantees.
 double bound(Kind kind, const Moving4& m, double gap) {
   const double begin = distance_at(kind, m, 0);
   return begin > gap ? max(gap, begin / 1024) : begin / 10;
@@ -194,7 +193,7 @@ Moving4 motion(Kind kind, int which, Random& random) {
   const auto all = [&](auto&& change) {
     for (int i = 0; i < 4; ++i) m.x[i] = change(m.x[i]), m.p[i] = change(m.p[i]);
   };
-  // Flat parts at y = 0 with the other above, which the motion below moves.
+  // One element at y = 0 and the other above it; the code below moves the upper one.
   const int flat = kind == Kind::vertex_triangle ? 1 : 2;
   const auto lay_down = [&](double height) {
     for (int i = 0; i < 4; ++i) m.p[i] = m.x[i] = {m.x[i].x, i < flat ? height : 0, m.x[i].z};
@@ -251,7 +250,7 @@ Moving4 motion(Kind kind, int which, Random& random) {
       lay_down(height);
       for (int i = 0; i < 4; ++i) m.p[i] += random.point(-3, 3) * height;
       break;
-    case hairline:  // next to rounding
+    case hairline:  // near the limit of rounding
       lay_down(height * 3e-5);
       for (int i = 0; i < 4; ++i) m.p[i] += random.point(-1, 1) * height;
       break;
@@ -269,8 +268,8 @@ void describe(const Moving4& m) {
 
 class Continuous : public testing::TestWithParam<Kind> {};
 
-/// Beside the promise, how near the answer comes: 0.995 of the first touch in the mean, under 0.9 in one of
-/// 200 (which may come within its bound before it touches).
+/// Besides the guarantee, tests the accuracy of the result: 0.995 of the time of first contact on average,
+/// below 0.9 in one of 200 motions (which may reach the bound before contact).
 void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
   Random random(seed);
   int touches[motions] = {};
@@ -279,16 +278,16 @@ void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
   for (int k = 0; k < motions * cases; ++k) {
     const int which = k % motions;
     const Moving4 m = motion(kind, which, random);
-    if (distance_at(kind, m, 0) < 1e-13 * reach(m)) continue;  // in touch at the begin
-    const auto touch = first_contact(kind, m);
-    if (!touch) continue;
+    if (distance_at(kind, m, 0) < 1e-13 * reach(m)) continue;  // starts in contact
+    const auto contact = first_contact(kind, m);
+    if (!contact) continue;
     const double t = time_of(kind, m, 0);
-    if (!(t < *touch)) describe(m);
-    ASSERT_LT(t, *touch) << "motion " << which;
+    if (!(t < *contact)) describe(m);
+    ASSERT_LT(t, *contact) << "motion " << which;
     ++touches[which];
-    sum += t / *touch;
-    if (t / *touch < 0.9) ++behind;
-    worst = min(worst, t / *touch);
+    sum += t / *contact;
+    if (t / *contact < 0.9) ++behind;
+    worst = min(worst, t / *contact);
   }
   int all = 0;
   for (const int n : touches) all += n;
@@ -336,7 +335,7 @@ TEST_P(Continuous, KeepsItsDistanceAndStopsOnlyWhenNear) {
     }
     ++stopped;
     if (distance_at(GetParam(), m, t) <= 1.05 * least + rounding) continue;
-    // Where turning is fierce or within the plane it gives up once in a while; elsewhere never.
+    // Only with fast rotation, or in the plane, the result is sometimes earlier.
     ++early;
     ASSERT_TRUE(which == fast || which == rotating || which == coplanar || which == oblique_coplanar)
         << "motion " << which;
@@ -389,16 +388,16 @@ TEST_P(Continuous, InTouchAtTheBeginItMayOnlyPart) {
 
 TEST_P(Continuous, NotFiniteIsNotSafe) {
   Random random(25);
-  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+  for (const double invalid : {std::nan(""), std::numeric_limits<double>::infinity()}) {
     for (int i = 0; i < 8; ++i) {
       Moving4 m = motion(GetParam(), anything, random);
-      (i < 4 ? m.x[i] : m.p[i - 4]).y = bad;
+      (i < 4 ? m.x[i] : m.p[i - 4]).y = invalid;
       EXPECT_EQ(time_of(GetParam(), m, 1e-3), 0);
     }
   }
 }
 
-/// A vertex against an edge is an edge from it to itself.
+/// A vertex and an edge, as two edges: the vertex is an edge to itself.
 Moving4 vertex_to_edge(int which, Random& random) {
   Moving4 m = motion(Kind::edge_edge, which, random);
   m.x[1] = m.x[0];
@@ -406,7 +405,7 @@ Moving4 vertex_to_edge(int which, Random& random) {
   return m;
 }
 
-// The two meet only where something aims them at each other: within a plane, or at one moment.
+// The two collide only in motions that aim them at each other: in a plane, or at one moment.
 TEST(ContinuousVertexEdge, NeverPastTheFirstTouchOfExactArithmetic) {
   Random random(26);
   int touches = 0, behind = 0;
@@ -414,14 +413,14 @@ TEST(ContinuousVertexEdge, NeverPastTheFirstTouchOfExactArithmetic) {
   for (int k = 0; k < 600; ++k) {
     const int which = std::array{grazing, coplanar, oblique_coplanar}[std::size_t(k % 3)];
     const Moving4 m = vertex_to_edge(which, random);
-    const auto touch = first_contact(Kind::edge_edge, m);
+    const auto contact = first_contact(Kind::edge_edge, m);
     if (!touch || distance_at(Kind::edge_edge, m, 0) < 1e-13 * reach(m)) continue;
     const double t = edge_edge_time(m, 0);
-    if (!(t < *touch)) describe(m);
-    ASSERT_LT(t, *touch) << "motion " << which;
+    if (!(t < *contact)) describe(m);
+    ASSERT_LT(t, *contact) << "motion " << which;
     ++touches;
-    sum += t / *touch;
-    behind += t / *touch < 0.9 ? 1 : 0;
+    sum += t / *contact;
+    behind += t / *contact < 0.9 ? 1 : 0;
   }
   RecordProperty("touches", touches);
   RecordProperty("mean_ratio", std::to_string(sum / touches));

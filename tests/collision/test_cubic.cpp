@@ -20,7 +20,8 @@ Polynomial exact(const double (&c)[4]) {
   return test::trimmed({Rational(c[0]), Rational(c[1]), Rational(c[2]), Rational(c[3])});
 }
 
-/// Every root that exact arithmetic finds in [0, 1] is in an interval; they are in order and within [0, 1].
+/// Every root that exact arithmetic finds in [0, 1] is in an interval; intervals are in order and within [0,
+/// 1].
 void expect_all_roots(const double (&c)[4], const Polynomial& truth, double error) {
   const CubicRoots found = cubic_roots(c, error);
   double last = -1;
@@ -92,7 +93,8 @@ TEST(Cubic, FindsDoubleAndTripleRootsAndRootsAtTheEnds) {
   }
 }
 
-// Rounding moves a double root apart or away by the square root of eps: the exact roots of what is left.
+// Rounding splits or removes a double root, by the square root of eps. Compares with the exact roots of the
+// rounded coefficients.
 TEST(Cubic, FindsNearlyDoubleAndTripleRoots) {
   Random random(4);
   for (int k = 0; k < 4000; ++k) {

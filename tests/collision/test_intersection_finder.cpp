@@ -48,14 +48,14 @@ class CrumpledSheets {
   test::CrossingCounter checker_;
 };
 
-/// How many that are of two objects, and of one.
+/// Number of intersections between two objects, and of self-intersections.
 std::pair<std::size_t, std::size_t> count(const IntersectionFinder& finder) {
   std::size_t between = 0, within = 0;
   for (const EdgeIntersection& e : finder.intersections()) ++(e.edge_surface == e.surface ? within : between);
   return {between, within};
 }
 
-TEST(IntersectionFinder, AreThoseThatTheCheckerCounts) {
+TEST(IntersectionFinder, FindsWhatTheCheckerCounts) {
   const auto threads = make_threads(Threading::pool, 2);
   for (const double far : {0.0, 1000.0}) {
     CrumpledSheets sheets(3, 20, 2, {far, -far, far / 2});
@@ -70,7 +70,7 @@ TEST(IntersectionFinder, AreThoseThatTheCheckerCounts) {
       EXPECT_LT(std::tie(a.edge, a.triangle), std::tie(b.edge, b.triangle));
     }
     for (const EdgeIntersection& e : finder.intersections()) {
-      Vec3f gap;  // of the two points where they cross
+      Vec3f gap;  // between the two intersection points
       for (std::size_t k = 1; k < 5; ++k)
         gap += sheets.view().difference(e.particle[k], e.particle[0]) * e.c[k];
       EXPECT_LT(length(gap), 1e-5f);
@@ -78,7 +78,7 @@ TEST(IntersectionFinder, AreThoseThatTheCheckerCounts) {
   }
 }
 
-TEST(IntersectionFinder, AreOfWhatMeets) {
+TEST(IntersectionFinder, SearchesOnlyCollidingSurfaces) {
   const auto threads = make_threads(Threading::serial, 1);
   CrumpledSheets sheets(2, 12, 2, {});
   IntersectionFinder finder;
@@ -93,13 +93,13 @@ TEST(IntersectionFinder, AreOfWhatMeets) {
   for (ContactSurface& surface : sheets.surfaces()) surface.self_collision = true;
   EXPECT_EQ(found().first, between);
   EXPECT_GT(found().second, 100u);
-  // Another group, and nothing is left between them.
+  // With different groups the sheets do not collide.
   sheets.surfaces()[0].mask = 2, sheets.surfaces()[0].groups = 2, sheets.surfaces()[1].mask = 1;
   EXPECT_EQ(found().first, 0u);
   EXPECT_GT(found().second, 100u);
 }
 
-TEST(IntersectionFinder, WhatIsTiedTogetherIsNone) {
+TEST(IntersectionFinder, IgnoresExcludedPairs) {
   const auto threads = make_threads(Threading::serial, 1);
   CrumpledSheets sheets(2, 12, 2, {});
   IntersectionFinder finder;
@@ -114,8 +114,8 @@ TEST(IntersectionFinder, WhatIsTiedTogetherIsNone) {
     EXPECT_FALSE(e.edge == first.edge && e.triangle == first.triangle);
 }
 
-// Boxes that lie face on face, aligned to the bit, only touch; pushed into each other they are tangled.
-TEST(IntersectionFinder, WhatOnlyTouchesIsNone) {
+// Boxes that lie face on face, aligned to the bit, only touch. Overlapping boxes intersect.
+TEST(IntersectionFinder, TouchingSurfacesDoNotIntersect) {
   const auto threads = make_threads(Threading::serial, 1);
   const TriangleMesh mesh = box({1, 1, 1}, 4);
   for (const double offset : {1.0, 0.75, 0.5, 0.9}) {

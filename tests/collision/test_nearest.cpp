@@ -20,16 +20,15 @@ double to_edge(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   return length(a + (b - a) * s - p);
 }
 
-/// The least of what Ericson's regions and the edges say: either is a distance to a point of the triangle,
-/// and so is the tested one. So the tested one cannot be too small, and is compared with the least in one
-/// direction only.
+/// The minimum of the distances by Ericson's regions and to the edges. Each is a distance to a point of the
+/// triangle, and so is the tested one. So the tested one cannot be too small, and an upper bound suffices.
 double to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const TrianglePoint w = closest_on_triangle(p, a, b, c);
   const double regions = length(a * w.a + b * w.b + c * w.c - p);
   return min(min(regions, to_edge(p, a, b)), min(to_edge(p, b, c), to_edge(p, c, a)));
 }
 
-/// Of two edges: from the origin to the parallelogram of their differences.
+/// Distance of two edges: from the origin to the parallelogram of their differences.
 double between_edges(const Vec3d& p0, const Vec3d& p1, const Vec3d& q0, const Vec3d& q1) {
   return min(to_triangle({}, p0 - q0, p1 - q0, p0 - q1), to_triangle({}, p1 - q1, p1 - q0, p0 - q1));
 }
@@ -44,13 +43,13 @@ std::array<Vec3d, 4> points(Random& random, int kind) {
   if (kind == 2) x[2] = x[1] + (x[3] - x[1]) * 0.5;
   if (kind == 3) x[2] = x[1];
   if (kind == 4) x[1] = x[2] = x[3] = near(x[0]);
-  if (kind == 5) x[0] = near(x[1] * 0.25 + x[2] * 0.25 + x[3] * 0.5);        // next to the inside
+  if (kind == 5) x[0] = near(x[1] * 0.25 + x[2] * 0.25 + x[3] * 0.5);        // near an interior point
   if (kind == 6) x[3] = near(x[2] + (x[1] - x[0]) * random.uniform(-1, 1));  // nearly parallel edges
   if (kind == 7) x[3] = x[2] + (x[1] - x[0]);
   if (kind == 8) x[0] = x[1] = x[2] = x[3];
   if (kind == 9)
     for (Vec3d& v : x) v.z = 0;
-  // A float holds each exactly, so that nothing but the method is compared.
+  // Each is exact in float, so that only the method is compared.
   for (Vec3d& v : x) v = Vec3d(Vec3f(v));
   return x;
 }
@@ -94,7 +93,7 @@ TEST(Nearest, EdgesWithinRoundingForAnyShape) {
   }
 }
 
-// A point above the inside, and two edges that cross at an angle, are known by construction.
+// A point above the interior, and two edges that cross at an angle: the results are known by construction.
 TEST(Nearest, WeightsAreTheOnesPutIn) {
   Random random(13);
   for (int k = 0; k < 20000; ++k) {

@@ -9,7 +9,7 @@
 namespace souple {
 namespace {
 
-// Every vertex and edge of a closed mesh has one owner, and the elements name the edges that the list has.
+// Every vertex and edge of a mesh has one owner, and the edges of the elements agree with edges().
 TEST(SurfaceElements, EachVertexAndEdgeHasOneOwner) {
   const TriangleMesh mesh = grid(7, 5, 1.0);
   SurfaceElements elements;
