@@ -423,9 +423,9 @@ struct Movable {
     return {T(records[k].r[0]), T(records[k].r[1]), T(records[k].r[2])};
   }
 
-  /// Adds change times w_k c_k to each corner of the lanes in `which`. Writes to no particle that cannot move:
-  /// contacts of one color may share it. The order is from the last corner to the first one, for a vertex that
-  /// is stored as an edge from it to itself: its first corner has all the weight, and the last write counts.
+  /// Adds change times w_k c_k to each corner, in the lanes of `which`. Writes to no particle that cannot
+  /// move: contacts of one color may share it. The last corner is written first, for a vertex stored as an
+  /// edge from it to itself: its first corner has all the weight, and the last write counts.
   SOUPLE_INLINE void add(const Vectors<Isa>& change, const T (&c)[4], const typename T::Mask& which,
                          float* base, const std::uint32_t (&first_float)[4][Isa::lanes]) {
     for (int k = 3; k >= 0; --k) {

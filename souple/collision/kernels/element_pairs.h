@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-// Vertices against triangles and edges against edges, a register of pairs at a time. The version with one lane
-// serves processors without these instruction sets, and tests. All versions return the same bits.
+// Vertices against triangles and edges against edges, a register of pairs at a time. The version with one
+// lane serves tests, and processors without these instruction sets. All versions return the same bits.
 
 namespace souple::kernels {
 
@@ -12,9 +12,9 @@ namespace souple::kernels {
 struct ParticleRecords {
   const float* position = nullptr;  ///< w = inverse mass [1/kg]
   float* moving = nullptr;          ///< plain form: the same as position
-  float* corrected = nullptr;    ///< project adds corrections here: `moving`, unless the solver is Jacobi's
-  const float* start = nullptr;  ///< `moving` at the substep's start; read by project
-  const float* moved = nullptr;  ///< moving - start; read by ranges, find_near, classify and describe
+  float* corrected = nullptr;       ///< project adds to it: `moving`, unless the solver is Jacobi's
+  const float* start = nullptr;     ///< `moving` at the substep's start; read by project
+  const float* moved = nullptr;     ///< moving - start; read by ranges, find_near, classify and describe
   /// Per particle: additional distance at which its contacts begin [m]; read by ranges and classify.
   const float* contact_margin = nullptr;
 };
@@ -89,8 +89,9 @@ struct ElementPairKernels {
   /// Current distances of pairs [m].
   void (*distances[2])(const ParticleRecords&, const std::uint32_t (*pairs)[4], std::size_t begin,
                        std::size_t end, float* out);
-  /// Sum of the radii of both elements, and the range: the greatest distance from which they can come within
-  /// (1 + speculative_part) thickness + their largest contact margin in `dt` [m]. `moved` holds velocities.
+  /// Thickness of both elements together, and their range: the greatest distance from which they can come
+  /// within (1 + speculative_part) thickness + their largest contact margin in `dt` [m]. `moved` holds
+  /// velocities.
   void (*ranges[2])(const ParticleRecords&, const PredictionMargins&, float dt,
                     const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end, float* thickness,
                     float* range);
