@@ -125,8 +125,8 @@ float ColliderElementContacts::radius_of(const Element& element) const {
   return min(radius_[element.particle[0]], min(radius_[element.particle[1]], radius_[element.particle[2]]));
 }
 
-// The margins are those of ColliderContacts: twice the distance that a particle moves in a step at its
-// present speed.
+// The margins are those of ColliderContacts: a particle's radius plus twice its path in a step at its present
+// speed and under gravity.
 void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                               float h, Threads& threads) {
   candidates_.clear();

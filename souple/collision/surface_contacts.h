@@ -48,8 +48,8 @@ class SurfaceContacts final : public Projector {
   /// Whose tangles may pass; none: all are held. It must live as long as this is used.
   void set_untangling(const Untangling* untangling) { pairs_.set_untangling(untangling); }
 
-  /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
-  /// [m], which this keeps up to date. All must live until the step ends.
+  /// `surfaces` and `radius` as for ParticleContacts; contact_margin[i]: how far contacts pushed particle i
+  /// of late [m], which this keeps up to date. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<float> contact_margin,
                   const ContactMaterialTable& matrix, const ContactStep& step, Threads& threads);
