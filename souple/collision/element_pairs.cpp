@@ -45,12 +45,12 @@ Bounds around(const Vec3f& a, const Vec3f& b, float margin) {
 // Longest edge at rest [m].
 float longest_edge(const ContactSurface& surface) {
   double longest = 0;
-  const auto look_at = [&](std::uint32_t i, std::uint32_t j) {
+  const auto measure = [&](std::uint32_t i, std::uint32_t j) {
     longest = std::max(longest, length(surface.rest[i] - surface.rest[j]));
   };
   if (surface.rest.empty()) return 0;
-  for (const Edge& edge : surface.edges) look_at(edge[0], edge[1]);
-  for (const Triangle& t : surface.triangles) look_at(t[0], t[1]), look_at(t[1], t[2]), look_at(t[2], t[0]);
+  for (const Edge& edge : surface.edges) measure(edge[0], edge[1]);
+  for (const Triangle& t : surface.triangles) measure(t[0], t[1]), measure(t[1], t[2]), measure(t[2], t[0]);
   return static_cast<float>(longest);
 }
 
@@ -410,20 +410,20 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
                              const ParticleView& particles, float dt) const {
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
-  float apart[batch_size], thickness[batch_size], range[batch_size];
+  float distance[batch_size], thickness[batch_size], range[batch_size];
   kernels::ParticleRecords records = records_of(particles, predicted_velocity_);
   records.contact_margin = contact_margin_.data();
   const kernels::PredictionMargins margins{
       radius_.data(), inter_object ? &path_[0].margin : &path_[0].relative_margin,
       sizeof(PredictedPath) / sizeof(float), min_thickness, speculative_part};
   kernels.ranges[kind](records, margins, dt, &pairs[0].particle, 0, pairs.size(), thickness, range);
-  kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), apart);
+  kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), distance);
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (apart[k] > range[k] || is_excluded(pairs[k], edges)) continue;
+    if (distance[k] > range[k] || is_excluded(pairs[k], edges)) continue;
     if (untangling_ && untangling_->exempts(pairs[k], edges)) continue;
-    (apart[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
-        .add(pairs[k], thickness[k], apart[k]);
+    (distance[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
+        .add(pairs[k], thickness[k], distance[k]);
   }
   if (inter_object) return;
   limit_to_rest_distance(batch.near, edges);
@@ -445,14 +445,14 @@ void ElementPairs::limit_to_rest_distance(List& list, bool edges) const {
     which[count++] = k;
   }
   if (count == 0) return;
-  float apart[batch_size];
+  float distance[batch_size];
   kernels::ParticleRecords at_rest;
   at_rest.position = &rest_[0].x;
   at_rest.moving = const_cast<float*>(at_rest.position);  // only read
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
-  kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, apart);
+  kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, distance);
   for (std::size_t n = 0; n < count; ++n)
-    list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * apart[n]);
+    list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * distance[n]);
 }
 
 void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_object,

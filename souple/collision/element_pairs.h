@@ -113,8 +113,8 @@ class ElementPairs {
     std::vector<NearPair> particle;
     std::vector<float> thickness, distance_bound;
     std::size_t count = 0, offset = 0;  // offset: in the columns of all pairs
-    void add(const NearPair& pair, float thick, float apart) {
-      particle[count] = pair, thickness[count] = thick, distance_bound[count] = apart;
+    void add(const NearPair& pair, float pair_thickness, float distance) {
+      particle[count] = pair, thickness[count] = pair_thickness, distance_bound[count] = distance;
       ++count;
     }
   };

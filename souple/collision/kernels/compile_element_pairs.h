@@ -239,8 +239,9 @@ template <class Isa, bool edges>
     const T thick = max(sum_of_largest<Isa, edges>(margins.radius, 1, corners), T(margins.min_thickness));
     const T margin = sum_of_largest<Isa, edges>(margins.margin, margins.stride, corners);
     store<Isa>(thick, thickness + i, indices.count);
-    const T near = T(1 + margins.speculative_part) * thick + max_contact_margin(particles, corners);
-    store<Isa>(near + relative_motion<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
+    const T contact_distance =
+        T(1 + margins.speculative_part) * thick + max_contact_margin(particles, corners);
+    store<Isa>(contact_distance + relative_motion<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
   }
 }
 
@@ -269,14 +270,14 @@ template <class Isa, bool edges>
     const T motion = relative_motion<Isa, edges>(m);
     T distance_bound = load<Isa>(pairs.distance_bound + i, indices.count) - T(motion_since);
     const T thickness = load<Isa>(pairs.thickness + i, indices.count);
-    const T thick = T(rule.thickness_part) * thickness + T(rule.contact_margin);
-    const auto is_near = motion >= T(rule.bound_part) * distance_bound - thick;
+    const T required = T(rule.thickness_part) * thickness + T(rule.contact_margin);
+    const auto is_near = motion >= T(rule.bound_part) * distance_bound - required;
     if (any_lane(is_near)) {
       Vectors<Isa> x[4];
       differences(particles, records, x);
       for (int k = 1; k < 4; ++k) x[k] -= m[k];
       distance_bound = select(is_near, distance<Isa, edges>(x), distance_bound);
-      const auto still = is_near && motion >= T(rule.bound_part) * distance_bound - thick;
+      const auto still = is_near && motion >= T(rule.bound_part) * distance_bound - required;
       if (any_lane(still)) {
         float lanes[Isa::lanes];
         select(still, T(1.f), T(0.f)).store(lanes);
@@ -323,10 +324,10 @@ template <class Isa, bool edges>
     differences(particles, corners, x);
     nearest_points<Isa, edges>(x, c);
     const T size = length(weighted(x, c));
-    const T near = T(1 + speculative_part) * gather<Isa>(pairs.thickness, indices.at) +
-                   max_contact_margin(particles, corners);
+    const T contact_distance = T(1 + speculative_part) * gather<Isa>(pairs.thickness, indices.at) +
+                               max_contact_margin(particles, corners);
     const auto moves = effective_inverse_mass(particles, corners, c) > zero;
-    T sum = flag(size <= near && size > zero && moves, Classification::touches);
+    T sum = flag(size <= contact_distance && size > zero && moves, Classification::touches);
     Vectors<Isa> m[4];
     moved_differences(particles, corners, m);
     const T motion = relative_motion<Isa, edges>(m);
@@ -358,9 +359,9 @@ template <class Isa, bool edges>
     for (int k = 1; k < 4; ++k) x[k] -= m[k] * remaining;
     T c[4];
     nearest_points<Isa, edges>(x, c);
-    const Vectors<Isa> apart = weighted(x, c);
-    const T size = length(apart);
-    const Vectors<Isa> n = apart * (T(1.f) / select(size > zero, size, T(1.f)));
+    const Vectors<Isa> difference = weighted(x, c);
+    const T size = length(difference);
+    const Vectors<Isa> n = difference * (T(1.f) / select(size > zero, size, T(1.f)));
     const T thickness = gather<Isa>(pairs.thickness, indices.at);
     const T overlap = gather<Isa>(pairs.distance_bound, indices.at) - thickness;
     for (int k = 0; k < 4; ++k) {
@@ -461,7 +462,7 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
   const T zero(0.f);
   const ContactPack<Isa> pack(columns, i, end);
   Movable<Isa> corners;
-  Vectors<Isa> first, first_moved, apart{zero, zero, zero}, moved = apart;
+  Vectors<Isa> first, first_moved, difference{zero, zero, zero}, moved = difference;
   for (int k = 0; k < 4; ++k) {
     Records<Isa> position(particles.position, pack.first_float[k]),
         start(particles.start, pack.first_float[k]);
@@ -479,14 +480,14 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
     }
     x -= first;
     if constexpr (displacement) x += d - corners.component(0);
-    apart += x * pack.c[k];
+    difference += x * pack.c[k];
     moved += (m - first_moved) * pack.c[k];
   }
   ContactSums<T> sums{
       load<Isa>(columns.normal_sum + i, pack.count),
       {load<Isa>(columns.tangent_sum[0] + i, pack.count), load<Isa>(columns.tangent_sum[1] + i, pack.count),
        load<Isa>(columns.tangent_sum[2] + i, pack.count)}};
-  const T C = dot(pack.n, apart) - load<Isa>(columns.thickness + i, pack.count);
+  const T C = dot(pack.n, difference) - load<Isa>(columns.thickness + i, pack.count);
   const T slop = load<Isa>(columns.slop + i, pack.count);
   const auto acts = slop > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
