@@ -34,7 +34,7 @@ class ElementPairs {
   /// Pairs of particles with a distance joint: no contact between an element of one and an element of the
   /// other.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
-  /// Whose tangles are left out; none: nothing is. It must live as long as this is used.
+  /// Skips the pairs that it exempts; null: skips none. It must outlive this object.
   void set_untangling(const Untangling* untangling) { untangling_ = untangling; }
 
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. contact_margin[i]:
