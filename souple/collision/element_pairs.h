@@ -31,10 +31,10 @@ class ElementPairs {
   /// Sets the end of a surface that consists of particles alone, from the next step on: at most its
   /// reserved_end.
   void set_end(std::size_t surface, std::uint32_t end);
-  /// Pairs of particles with a distance joint: no contact between an element of one and an element of the
-  /// other.
+  /// Sets the pairs of particles with a distance joint. Elements with a particle each of such a pair get no
+  /// contact.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
-  /// Skips the pairs that it exempts; null: skips none. It must outlive this object.
+  /// Sets the object whose exempt pairs are skipped; null: none are. It must outlive this object.
   void set_untangling(const Untangling* untangling) { untangling_ = untangling; }
 
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. contact_margin[i]:
@@ -97,7 +97,7 @@ class ElementPairs {
            pair < valid_from_[i[3]];
   }
   const NearPair& pair(std::size_t index) const { return particle_[index]; }
-  /// Lower bound of the distance between the pair's elements at the substep's start [m].
+  /// Lower bound of the distance of a pair that find_near returned, at the substep's start [m].
   float distance_bound(std::size_t pair) const { return distance_bound_[pair]; }
   kernels::ElementPairColumns columns();
 
@@ -108,7 +108,7 @@ class ElementPairs {
   std::size_t bytes() const;
 
  private:
-  /// Pairs of a batch, column by column.
+  /// Pairs of a batch, as columns.
   struct List {
     std::vector<NearPair> particle;
     std::vector<float> thickness, distance_bound;
