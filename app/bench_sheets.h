@@ -25,7 +25,7 @@ class Sheets {
   std::span<const Bounds> boxes() const { return boxes_; }
   /// w = inverse mass.
   std::span<const Vec4f> positions() const { return positions_; }
-  /// All sheets meet each other and themselves.
+  /// All sheets collide with each other and with themselves.
   const ObjectMatrix& matrix() const { return matrix_; }
   std::size_t sheets() const { return matrix_.size(); }
   /// Vertices of each sheet: sheet s has particles [s n, (s + 1) n).

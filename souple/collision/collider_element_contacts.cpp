@@ -11,20 +11,21 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t element_grain = 256;  // features worth a thread
-constexpr std::size_t search_grain = 8;     // searches worth a thread
-// Between its corners a feature keeps this part of its radius.
+constexpr std::size_t element_grain = 256;  // least number of elements that pays for a thread
+constexpr std::size_t search_grain = 8;     // least number of searches that pays for a thread
+// Between its corners an element keeps a distance of this part of its radius.
 constexpr double target_part = 0.25;
-// Features matter from this part of a round shape's radius on, or of the radius of the ball about any other:
-// a fine cloth on a large table would pay for every triangle at its edges, ten times the rest of its step,
-// and one on a ball sinks in by 0.2 % of its radius at most.
+// Smallest elements that get contacts, as a part of a round shape's radius, or of the radius of another
+// shape's bounding ball. Without this limit a fine cloth on a large table would pay for every triangle at the
+// table's edges, ten times the rest of its step. With it, a cloth sinks into a ball by 0.2 % of the ball's
+// radius at most.
 constexpr double coarse_part = 0.05;
 
 bool is_edge(const ColliderElementContacts::Element& element) {
   return element.particle[1] == element.particle[2];
 }
 
-/// A ball about a feature.
+/// A ball around an element.
 struct Ball {
   Vec3d middle;
   double radius;
@@ -37,8 +38,8 @@ Ball ball_about(const std::array<Vec3d, 3>& x, bool edge) {
   return {middle, sqrt(squared)};
 }
 
-/// The smallest radius of curvature of a shape's surface where it bulges; 0 at edges and where it is not
-/// known.
+/// The smallest radius of curvature of a shape's convex surface parts; 0 for shapes with edges, and where it
+/// is unknown.
 struct CurvatureRadius {
   double operator()(const Sphere& sphere) const { return double(sphere.radius); }
   double operator()(const Capsule& capsule) const { return double(capsule.radius); }
@@ -48,7 +49,7 @@ struct CurvatureRadius {
   }
 };
 
-/// The radius of the smallest circle that holds a triangle.
+/// The radius of the smallest circle that contains a triangle.
 double radius_around(const std::array<Vec3d, 3>& x) {
   const double a = length_squared(x[1] - x[2]), b = length_squared(x[2] - x[0]),
                c = length_squared(x[0] - x[1]);
@@ -57,9 +58,9 @@ double radius_around(const std::array<Vec3d, 3>& x) {
   return sqrt(a * b * c) / (2 * area);
 }
 
-// Whether a feature that a circle of radius R holds, whose corners keep r from a surface of that radius of
-// curvature, may come nearer than kept_part r between them: it lies deepest at sqrt((c + r)^2 - R^2) - c. A
-// tenth is left for what it may stretch.
+// Whether an element that a circle of radius R contains may come nearer than target_part r between its
+// corners, which keep the distance r from a surface with the radius of curvature c. The distance of its
+// deepest point is sqrt((c + r)^2 - R^2) - c. R is increased by a tenth, for stretch.
 bool needs_contact(double R, double r, double curvature_radius) {
   const double outer = curvature_radius + r, wide = 1.1 * R;
   return wide >= outer || sqrt(outer * outer - wide * wide) - curvature_radius < target_part * r;
@@ -103,7 +104,7 @@ void ColliderElementContacts::begin_step(const ParticleView& particles, std::spa
   find_candidates(particles, velocity, 0, threads);
 }
 
-// Of a plane nothing is lower than a corner.
+// Planes are skipped: the deepest point of an element is one of its corners.
 void ColliderElementContacts::find_bodies() {
   bodies_.clear();
   if (elements_.empty()) return;
@@ -124,7 +125,8 @@ float ColliderElementContacts::radius_of(const Element& element) const {
   return min(radius_[element.particle[0]], min(radius_[element.particle[1]], radius_[element.particle[2]]));
 }
 
-// The margins are those of ColliderContacts: twice what a particle goes in a step at its present speed.
+// The margins are those of ColliderContacts: a particle's radius plus twice its path in a step at its present
+// speed and under gravity.
 void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                               float h, Threads& threads) {
   candidates_.clear();
@@ -151,7 +153,8 @@ void ColliderElementContacts::find_candidates(const ParticleView& particles, std
   }
 }
 
-// A body that moves may go anywhere: what matters for it is looked at in every substep.
+// A moving body may go anywhere within the step. So all elements that may need contacts with it are its
+// candidates, and are tested in every substep.
 bool ColliderElementContacts::is_candidate(const Body& body, std::size_t element,
                                            const ParticleView& particles) const {
   const Element& f = elements_[element];
@@ -198,7 +201,8 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
   }
 }
 
-// On all threads, then in order on one: the same contacts in the same order for any number of threads.
+// All threads test the candidates; one thread then appends the contacts in order. So the contacts and their
+// order do not depend on the number of threads.
 void ColliderElementContacts::find_contacts(Body& body, const ParticleView& particles, float h,
                                             Threads& threads) {
   const std::size_t count = body.candidate_end - body.candidate_begin;
@@ -225,8 +229,9 @@ void ColliderElementContacts::find_contacts(Body& body, const ParticleView& part
   body.contact_end = contacts_.size();
 }
 
-// Where a collider has jumped into an object, corners are led out slowly, by contacts of their own. Held by
-// its features at the same time it would be torn, so these wait until none is inside.
+// Where a collider has jumped into an object, contacts of the corners (ColliderContacts) move them out
+// slowly. Contacts of elements at the same time would tear the object, so they wait until no corner is
+// inside.
 void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView& particles,
                                                  Threads& threads) {
   std::uint8_t* const depenetrating = depenetrating_of(body);
@@ -258,10 +263,10 @@ ColliderElementContacts::Corners ColliderElementContacts::corners(const RigidPos
   return x;
 }
 
-// How much lower than its lowest corner a feature may be, where d is convex: with the middle m and the corner
-// x that is lowest along n(m),
+// Upper bound of an element's depth below its lowest corner, where d is convex: with the middle m and the
+// corner x that is lowest along n(m),
 //   d(x) - (d(m) + n(m) . (x - m)).
-// It is 0 on what is flat below the feature.
+// It is 0 where the surface below the element is flat.
 double ColliderElementContacts::sag(const Shape& shape, const Corners& x, const Vec3d& middle,
                                     const SurfaceDistance& at_middle) {
   std::size_t low = 0;
@@ -271,10 +276,10 @@ double ColliderElementContacts::sag(const Shape& shape, const Corners& x, const 
          dot(at_middle.normal, x[low] - middle);
 }
 
-// The distance d to a convex shape is a convex function: nowhere on the way of the feature is it below
-//   d(m) + min_k n(m) . (x_k - m),   m the middle, x_k its corners at the way's begin and end.
-// Nor does a feature need a contact that sags so little that its corners hold it. Each takes one look at the
-// shape. For shapes that are not convex both are good guesses.
+// The distance d to a convex shape is a convex function. On the whole path of the element it is at least
+//   d(m) + min_k n(m) . (x_k - m),   m the middle, x_k the corners at the path's start and end.
+// An element also needs no contact if its sag is so small that its corners' contacts suffice. Each test takes
+// one distance query. For shapes that are not convex both tests are good guesses.
 bool ColliderElementContacts::may_touch(const Body& body, const Element& element,
                                         const ParticleView& particles) const {
   const Corners x = corners(body.before, element, particles, true);
@@ -306,9 +311,10 @@ bool ColliderElementContacts::may_touch(const Body& body, const Element& element
   return sag(shape, to, middle, surface_distance(shape, middle)) > min_sag;
 }
 
-// With the gap of Frank and Wolfe,
-//   g = max_k n . (q - x_k),
-// d - g bounds from below what is left to gain where d is convex: what stays above `limit` is soon known to.
+// The point q = sum_k w_k x_k, its distance d and normal n, and the gap of Frank and Wolfe,
+//   g = max_k n . (q - x_k).
+// Where d is convex, d - g is a lower bound of the element's distance. So the search for an element farther
+// than `limit` ends early.
 ColliderElementContacts::Deepest ColliderElementContacts::evaluate(const Shape& shape, const Corners& x,
                                                                    const std::array<double, 3>& weight) {
   Deepest at{weight, x[0] * weight[0] + x[1] * weight[1] + x[2] * weight[2], {}, 0};
@@ -317,7 +323,8 @@ ColliderElementContacts::Deepest ColliderElementContacts::evaluate(const Shape& 
   return at;
 }
 
-// The lowest point between two, where d is convex: by bisection of its slope, which may jump.
+// The lowest point between the points with weights a and b, where d is convex: bisection of the slope of d,
+// which may be discontinuous.
 ColliderElementContacts::Deepest ColliderElementContacts::deepest_between(const Shape& shape,
                                                                           const Corners& x,
                                                                           const std::array<double, 3>& a,
@@ -335,8 +342,8 @@ ColliderElementContacts::Deepest ColliderElementContacts::deepest_between(const 
   return evaluate(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
 }
 
-// f(w_2) = min over w_1 of d is convex where d is: a golden section of it finds the minimum of any such d,
-// the fold of a box's edge included, where nothing that follows the gradient arrives.
+// f(w_2) = min over w_1 of d is convex where d is. So a golden-section search finds the minimum of any such
+// d, even at the fold of d along a box's edge, which methods that follow the gradient do not reach.
 ColliderElementContacts::Deepest ColliderElementContacts::deepest_by_sections(const Shape& shape,
                                                                               const Corners& x) {
   constexpr int sections = 16;
@@ -353,10 +360,10 @@ ColliderElementContacts::Deepest ColliderElementContacts::deepest_by_sections(co
   return low.surface.distance <= high.surface.distance ? low : high;
 }
 
-// min over w of d(sum_k w_k x_k),  w_k >= 0, sum_k w_k = 1:  along the chords through the corners in turn.
+// min over w of d(sum_k w_k x_k),  w_k >= 0, sum_k w_k = 1:  along the chords through each corner in turn.
 // (The steps of Frank and Wolfe, which Macklin et al. take, are chords too, but only towards the corner that
-// is lowest along the gradient, and never back: on a triangle of half a meter 12 of them were centimeters
-// off.) What that leaves undone is done by sections.
+// is lowest along the gradient, and never back: on a triangle of half a meter the result of 12 such steps was
+// wrong by centimeters.) If the chords do not converge, sections finish the search.
 ColliderElementContacts::Deepest ColliderElementContacts::deepest(const Shape& shape, const Corners& x,
                                                                   double limit, double tolerance) {
   constexpr int rounds = 3;
@@ -381,9 +388,8 @@ ColliderElementContacts::Deepest ColliderElementContacts::deepest(const Shape& s
   return found.surface.distance < best.surface.distance ? found : best;
 }
 
-// Conservative advancement: as long as the feature is free by more than it still has to go it cannot touch.
-// Corners go straight, in the collider's frame. One that has not arrived after 16 strides is as good as
-// there.
+// Conservative advancement: an element cannot touch before it has moved by its free distance. Corners move on
+// straight lines in the collider's frame. After 16 advances an element is taken to touch where it is.
 bool ColliderElementContacts::contact_of(const Body& body, const Element& element,
                                          const ParticleView& particles, float h, Found& found) const {
   Contact& contact = found.contact;
@@ -414,7 +420,7 @@ bool ColliderElementContacts::contact_of(const Body& body, const Element& elemen
   Vec3d predicted;
   for (std::size_t k = 0; k < 3; ++k) {
     const double w = low.weight[k];
-    if (w > 0.999) return false;  // its corner is held
+    if (w > 0.999) return false;  // the corner's own contact suffices
     contact.weight[k] = float(w);
     predicted += (to[k] - from[k]) * w;
     contact.inverse_mass += float(w * w) * particles.inverse_mass(element.particle[k]);
@@ -442,7 +448,7 @@ Vec3f ColliderElementContacts::moved(const Contact& contact, const ParticleView&
   return sum;
 }
 
-// The point moves by `change` when each corner does by w_k / m_k of it, over sum_k w_k^2 / m_k.
+// The point moves by `change` if corner k moves by change w_k / m_k / sum_j (w_j^2 / m_j).
 void ColliderElementContacts::correct(const Contact& contact, const ParticleView& particles,
                                       const Vec3f& change) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -459,7 +465,7 @@ void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, c
       project_one(body, contacts_[c], particles);
 }
 
-// The law of ColliderContacts::project_one, for a point of a feature.
+// As ColliderContacts::project_one, for a point of an element.
 void ColliderElementContacts::project_one(const Body& body, Contact& contact,
                                           const ParticleView& particles) const {
   const auto C = static_cast<float>(gap(body, contact, particles));
@@ -486,7 +492,7 @@ void ColliderElementContacts::apply_restitution(const ParticleView& particles, s
       apply_restitution_to(body, contacts_[c], particles, velocity, substep.h);
 }
 
-// The law of ColliderContacts::apply_restitution_to.
+// As ColliderContacts::apply_restitution_to.
 void ColliderElementContacts::apply_restitution_to(const Body& body, Contact& contact,
                                                    const ParticleView& particles, std::span<Vec4f> velocity,
                                                    float h) const {
@@ -557,7 +563,7 @@ void ColliderElementContacts::visit(const ParticleView& particles, const Constra
   }
 }
 
-/// Features name particles that are no more: none until they are set again.
+/// Removes all elements, because their particles may no longer exist: call set_elements again.
 void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
   set_elements({});
 }

@@ -13,41 +13,42 @@
 
 namespace souple {
 
-/// Triangles and edges against colliders, where their corners alone do not suffice: a coarse cloth on a
-/// table's corner or on a small ball, a rope over a thin bar.
+/// Contacts of triangles and edges with colliders, where contacts of their corners do not suffice: a coarse
+/// cloth on a table's corner or on a small ball, a rope over a thin bar.
 ///
 ///   C = n . (sum_k w_k p_k - s) - r / 4 >= 0,
 ///
-/// sum_k w_k p_k the feature's deepest point, s the surface point below it, n the outward normal there, r the
-/// radius of its particles. The corners keep r themselves (ColliderContacts); between them a feature may come
-/// nearer, so that whatever is fine for the curvature below it never needs a contact of its own: it is left
-/// out before it costs anything. So is, on shapes with edges, what is small beside the whole shape: there a
-/// fine cloth still lets an edge in between its vertices, by half a triangle's size at most. Planes need
-/// none.
+/// sum_k w_k p_k the element's deepest point, s the surface point below it, n the outward normal there, r the
+/// smallest radius of its particles. The corners keep the distance r themselves (ColliderContacts); the
+/// points between them may come nearer. So elements that are fine relative to the curvature below them need
+/// no contact, and are skipped before they cost anything. On shapes with edges, elements that are small
+/// relative to the whole shape are skipped too: an edge of the shape may enter a fine cloth between its
+/// vertices, by half a triangle's size at most. Planes need no such contacts.
 ///
-/// The deepest point is searched for as Macklin et al. 2020 ("Local optimization for robust signed distance
-/// field collision", section 4) do, by the method of Frank and Wolfe. It, its weights and its plane hold for
-/// a substep; where the feature is fast they are those of the moment at which it first touches. Friction and
-/// restitution are those of ColliderContacts, spread over the corners by their weights. Contacts are few, and
-/// projected in the order of colliders, then features.
+/// The search for the deepest point follows Macklin et al. 2020 ("Local optimization for robust signed
+/// distance field collision", section 4), who use the method of Frank and Wolfe; see `deepest` for the
+/// deviation. The point, its weights and its plane are fixed for a substep. For a fast element they are those
+/// of its first touch. Friction and restitution are those of ColliderContacts, distributed to the corners by
+/// their weights. Contacts are few. They are projected one after another, by collider, then element.
 class ColliderElementContacts final : public Projector {
  public:
-  /// A triangle, or an edge with its second corner twice.
+  /// A triangle, or an edge that repeats its second corner.
   struct Element {
     std::array<std::uint32_t, 3> particle;
-    std::uint32_t object;  ///< row in the surface matrix
+    std::uint32_t object;  ///< row in the material table
   };
-  /// Features of all objects, in an order that decides that of the contacts.
+  /// Sets the elements of all objects. Their order determines the order of contacts.
   void set_elements(std::vector<Element> elements);
 
-  /// As of ColliderContacts, with the same arguments: what is given must live until the step ends.
+  /// As for ColliderContacts. `colliders`, `materials` and `radius` must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const Collider> colliders,
                   const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
   void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
   ContactReport report() const;
-  /// Contacts that pushed; each names its heaviest corner.
+  /// Appends the contacts with a normal impulse in the last substep. `particle` is the corner with the
+  /// largest weight.
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
   std::string_view kind() const override { return "collider element contact"; }
@@ -55,7 +56,7 @@ class ColliderElementContacts final : public Projector {
   void prepare(std::size_t) override {}
   int color_count() const override { return contacts_.empty() ? 0 : 1; }
   std::size_t color_size(int) const override { return contacts_.size(); }
-  /// They share particles: never cut.
+  /// Contacts share particles, so one thread projects all of them.
   std::size_t grain() const override { return std::size_t{1} << 40; }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -71,9 +72,9 @@ class ColliderElementContacts final : public Projector {
   struct Body {
     std::uint32_t collider = 0;
     bool moves = false;
-    RigidPose before, after;  // at the substep's begin and end
+    RigidPose before, after;  // at the substep's start and end
     BoundingBall ball;
-    double curvature_radius = 0;  // the smallest of its surface [m]
+    double curvature_radius = 0;  // smallest one of the surface; 0: unknown, or the shape has edges [m]
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
@@ -81,7 +82,7 @@ class ColliderElementContacts final : public Projector {
     std::array<double, 3> weight;
     Vec3d point;
     SurfaceDistance surface;
-    double gap;  // how much lower it may be elsewhere, if the shape is convex [m]
+    double gap;  // bound of how much lower the distance is elsewhere, for convex shapes [m]
   };
   struct Contact {
     std::array<std::uint32_t, 3> particle;
@@ -89,17 +90,17 @@ class ColliderElementContacts final : public Projector {
     float inverse_mass;  // sum_k w_k^2 / m_k [1/kg]
     float target;        // [m]
     ContactMaterialPair material;
-    Vec3d normal;          // in the collider's frame
-    double plane_offset;   // [m]
-    float slop;            // C may stay this negative: an old overlap leaves slowly [m]
-    Vec3f predicted;       // motion of the point relative to the surface before any projection [m]
-    float normal_sum = 0;  // sums of corrections of the point [m]
-    Vec3f tangent_sum{};
-    Vec3f surface_motion{};          // what the surface moved in the substep at the contact [m]
-    float restitution_velocity = 0;  // normal velocity added by apply_restitution [m/s]
-    float depth = 0;                 // what is left of the overlap of one that pushed [m]
+    Vec3d normal;                    // in the collider's frame
+    double plane_offset;             // [m]
+    float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
+    Vec3f predicted;                 // motion of the point relative to the surface before any projection [m]
+    float normal_sum = 0;            // sum of normal corrections of the point [m]
+    Vec3f tangent_sum{};             // sum of tangential corrections of the point [m]
+    Vec3f surface_motion{};          // displacement of the surface at the contact in the substep [m]
+    float restitution_velocity = 0;  // normal velocity that apply_restitution added [m/s]
+    float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
   };
-  /// What a candidate came to.
+  /// Result of the test of a candidate.
   struct Found {
     bool touches = false, inside = false;
     Contact contact{};
@@ -143,21 +144,21 @@ class ColliderElementContacts final : public Projector {
   struct Corner {
     std::uint32_t particle, object;
   };
-  std::vector<Corner> corners_;  // the particles they have, each once
-  std::uint32_t objects_ = 0;    // one more than the largest that features name
+  std::vector<Corner> corners_;  // particles of all elements, each once
+  std::uint32_t objects_ = 0;    // one more than the largest object of an element
   std::span<const Collider> colliders_;
   std::span<const float> radius_;
   const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;
-  std::vector<Vec3d> broad_phase_position_;  // of each of corners_, when candidates were looked for [m]
-  std::vector<float> margin_;                // of each particle: how far it may go until they are again [m]
-  std::vector<std::uint8_t> near_;           // of each feature or candidate
-  std::vector<std::uint32_t> candidates_;    // features, body by body
-  std::vector<std::uint32_t> tested_;        // of them, those that may touch now
-  std::vector<Found> found_;                 // what each of these came to
-  std::vector<std::uint8_t> depenetrating_;  // [body][object]: some corner begins inside
+  std::vector<Vec3d> broad_phase_position_;  // per particle: in the last broad phase [m]
+  std::vector<float> margin_;                // per particle: motion allowed before the next one [m]
+  std::vector<std::uint8_t> near_;           // per element, candidate or corner: result of a test
+  std::vector<std::uint32_t> candidates_;    // elements, body by body
+  std::vector<std::uint32_t> tested_;        // candidates of a body that may touch it in this substep
+  std::vector<Found> found_;                 // per element of tested_
+  std::vector<std::uint8_t> depenetrating_;  // [body][object]: a part of the object started inside
   std::vector<Contact> contacts_;            // body by body
 };
 

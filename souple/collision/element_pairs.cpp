@@ -12,23 +12,25 @@ namespace souple {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds infinite_box{{-infinity, -infinity, -infinity},
-                              {infinity, infinity, infinity}};  // it is left out
-// Pairs are looked at in batches of one size, and what these found is put together in order: the same for any
+// The search skips boxes that are not finite.
+constexpr Bounds infinite_box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+// Threads test pairs in batches of one size, whose results are joined in order: they do not depend on the
 // number of threads.
 constexpr std::size_t batch_size = 1024;
 constexpr std::size_t particle_grain = 2048;
-// Features that were nearer than their thickness at rest may stay a little nearer than that.
+// Elements that are nearer than their thickness at rest: their thickness is this part of the rest distance.
 constexpr float rest_part = 0.9f;
-// Room around the way that a particle's velocity takes it: it may be pushed, by a part of that way and of its
-// radius. What moves may also fall where the rest of its object does not, or the other way round.
+// Margin around the path that follows from a particle's velocity, as parts of the path's length and of the
+// radius: contacts may move the particle. `predict` adds the fall by gravity: a particle may fall where the
+// rest of its object does not, or the reverse.
 constexpr float motion_margin_part = 0.15f, radius_margin_part = 0.25f;
-// What is far from everything may be pulled along within a step by this part of its size.
+// Margin of a surface's bounds, as a part of its size. The rest of the world may pull a surface far from all
+// others by as much within a step, while its particles are not checked.
 constexpr float far_surface_margin_part = 0.125f;
-// Particles whose mean motion is that of an object.
+// Greatest number of particles whose mean motion stands for that of an object.
 constexpr std::uint32_t max_samples = 512;
 
-// Pairs that are this part of their thickness farther apart than they need be to touch are far.
+// Far pairs: more than the contact distance apart by at least this part of their thickness.
 constexpr float far_part = 0.4f;
 
 std::size_t batches_of(std::size_t n) {
@@ -40,15 +42,15 @@ Bounds around(const Vec3f& a, const Vec3f& b, float margin) {
           {max(a.x, b.x) + margin, max(a.y, b.y) + margin, max(a.z, b.z) + margin}};
 }
 
-// At rest. [m]
+// Longest edge at rest [m].
 float longest_edge(const ContactSurface& surface) {
   double longest = 0;
-  const auto look_at = [&](std::uint32_t i, std::uint32_t j) {
+  const auto measure = [&](std::uint32_t i, std::uint32_t j) {
     longest = std::max(longest, length(surface.rest[i] - surface.rest[j]));
   };
   if (surface.rest.empty()) return 0;
-  for (const Edge& edge : surface.edges) look_at(edge[0], edge[1]);
-  for (const Triangle& t : surface.triangles) look_at(t[0], t[1]), look_at(t[1], t[2]), look_at(t[2], t[0]);
+  for (const Edge& edge : surface.edges) measure(edge[0], edge[1]);
+  for (const Triangle& t : surface.triangles) measure(t[0], t[1]), measure(t[1], t[2]), measure(t[2], t[0]);
   return static_cast<float>(longest);
 }
 
@@ -163,8 +165,9 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
   find(particles, velocity, threads);
 }
 
-// For the rest of the step, or the time in which particles go, in the mean and as seen from the frame of
-// their object, `ways` times their thickness. A multiple of h.
+// Time that the next search covers [s]: the rest of the step. If particles move faster relative to their
+// object, the time in which their mean motion is motion_in_thicknesses times their thickness; then it is a
+// multiple of h.
 float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
   constexpr double motion_in_thicknesses = 1;
   if (!(step_.h > 0) || !(step_.h < remaining_)) return remaining_;
@@ -214,7 +217,7 @@ Vec3d ElementPairs::mean_position(const ContactSurface& surface, const ParticleV
   return count > 0 ? sum / count : sum;
 }
 
-// Mean velocities of what can move.
+// Mean velocities and positions of the particles that can move.
 void ElementPairs::find_means(const ParticleView& particles, std::span<const Vec4f> velocity) {
   mean_velocity_.assign(surfaces_.size(), {});
   shift_.assign(surfaces_.size(), {});
@@ -255,7 +258,7 @@ void ElementPairs::predict_all(const ParticleView& particles, std::span<const Ve
   });
 }
 
-// A particle that is at x, `since` after pairs were found, and goes with v for dt.
+// The path of a particle that is at x at the time `since` after pairs were found and moves with v for dt.
 void ElementPairs::predict(std::uint32_t i, const Vec3f& x, const Vec3f& v, float since, float dt,
                            float margin) {
   const Vec3f relative_v = v - mean_velocity_[surface_of_[i]], relative_x = x - shift_[surface_of_[i]];
@@ -283,7 +286,7 @@ bool ElementPairs::is_on_path(std::uint32_t i, const Vec3f& x) const {
                 path.relative_margin);
 }
 
-// Surfaces whose boxes meet, of those that may: their elements are compared.
+// Selects the elements of surfaces whose bounds overlap those of a surface that they may collide with.
 void ElementPairs::select_inter_object_elements() {
   const std::size_t n = surfaces_.size();
   surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
@@ -311,8 +314,8 @@ void ElementPairs::select_inter_object_elements() {
   inter_object_elements_.index_particles();
 }
 
-// Particles that have left their ways. Surfaces that are far from all others are not watched within a step;
-// their bounds are larger for it.
+// Finds particles that have left their paths. Positions of surfaces far from all others are not checked
+// within a step; the margin of their bounds covers their motion.
 void ElementPairs::find_off_path(const ParticleView& particles, Threads& threads) {
   find_shift(particles);
   const std::size_t n = surface_of_.size(), chunks = batches_of(n);
@@ -339,7 +342,7 @@ std::size_t ElementPairs::update(const ParticleView& particles, float h, Threads
   return refind(particles, h, over, threads);
 }
 
-// Ways of one surface are all compared with the shift that the last keep_up found.
+// Compares all particles of a surface with one shift, that of the last update of all particles.
 std::size_t ElementPairs::update(const ParticleView& particles, float h,
                                  std::span<const std::uint32_t> particles_moved, Threads& threads) {
   off_path_.clear();
@@ -349,8 +352,8 @@ std::size_t ElementPairs::update(const ParticleView& particles, float h,
 }
 
 std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool over, Threads& threads) {
-  constexpr std::size_t refind_all_divisor =
-      5;  // a part of all particles: for these alone it would take as long
+  // For a fifth of all particles, a search for their pairs alone takes as long as a search for all pairs.
+  constexpr std::size_t refind_all_divisor = 5;
   const bool all = over || off_path_.size() > surface_of_.size() / refind_all_divisor + 8;
   if (!all && off_path_.empty()) return size();
   const ParticleView before = rewind(particles, h);
@@ -364,7 +367,7 @@ std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool ov
   return first;
 }
 
-// Particles as they were when the substep began, and in velocity_now_ the ways that they have taken since.
+// Returns the particles at the substep's start. Sets velocity_now_ to their mean velocities since then.
 ParticleView ElementPairs::rewind(const ParticleView& particles, float h) {
   velocity_now_.resize(surface_of_.size());
   for (std::size_t i = 0; i < velocity_now_.size(); ++i) velocity_now_[i].set_xyz(particles.moved(i) / h);
@@ -375,17 +378,17 @@ ParticleView ElementPairs::rewind(const ParticleView& particles, float h) {
   return before;
 }
 
-// For the rest of the step.
+// Searches for all pairs, for the rest of the step.
 void ElementPairs::refind_all(const ParticleView& before, float h, Threads& threads) {
   remaining_ = max(remaining_ + h, h);
   find(before, velocity_now_, threads);
   begin_substep(h);
 }
 
-// Those of the particles that have left their boxes. They were pushed: where they are going is not sure for
-// long.
+// Searches for the pairs of the particles in off_path_. Contacts moved these particles, so a prediction of
+// their motion is valid for a short time only.
 void ElementPairs::refind_off_path(const ParticleView& before, float h, Threads& threads) {
-  constexpr float covered_substeps = 3;  // substeps
+  constexpr float covered_substeps = 3;
   const float dt = max(min(covered_ + h, covered_substeps * h), h);
   saved_shift_ = shift_;
   find_shift(before);
@@ -402,32 +405,32 @@ void ElementPairs::refind_off_path(const ParticleView& before, float h, Threads&
 
 // --- pairs
 
-// What cannot come near enough within the time is left out.
+// Keeps the pairs that can come into contact within dt.
 void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
                              const ParticleView& particles, float dt) const {
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
-  float apart[batch_size], thickness[batch_size], range[batch_size];
+  float distance[batch_size], thickness[batch_size], range[batch_size];
   kernels::ParticleRecords records = records_of(particles, predicted_velocity_);
   records.contact_margin = contact_margin_.data();
   const kernels::PredictionMargins margins{
       radius_.data(), inter_object ? &path_[0].margin : &path_[0].relative_margin,
       sizeof(PredictedPath) / sizeof(float), min_thickness, speculative_part};
   kernels.ranges[kind](records, margins, dt, &pairs[0].particle, 0, pairs.size(), thickness, range);
-  kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), apart);
+  kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), distance);
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (apart[k] > range[k] || is_excluded(pairs[k], edges)) continue;
+    if (distance[k] > range[k] || is_excluded(pairs[k], edges)) continue;
     if (intersection_resolver_ && intersection_resolver_->exempts(pairs[k], edges)) continue;
-    (apart[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
-        .add(pairs[k], thickness[k], apart[k]);
+    (distance[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
+        .add(pairs[k], thickness[k], distance[k]);
   }
   if (inter_object) return;
   limit_to_rest_distance(batch.near, edges);
   limit_to_rest_distance(batch.far, edges);
 }
 
-// Those of one surface are not kept farther apart than they were at rest.
+// Limits the thickness of pairs of one surface: contacts keep them no farther apart than at rest.
 void ElementPairs::limit_to_rest_distance(List& list, bool edges) const {
   NearPair near[batch_size];
   std::size_t which[batch_size], count = 0;
@@ -442,14 +445,14 @@ void ElementPairs::limit_to_rest_distance(List& list, bool edges) const {
     which[count++] = k;
   }
   if (count == 0) return;
-  float apart[batch_size];
+  float distance[batch_size];
   kernels::ParticleRecords at_rest;
   at_rest.position = &rest_[0].x;
   at_rest.moving = const_cast<float*>(at_rest.position);  // only read
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
-  kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, apart);
+  kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, distance);
   for (std::size_t n = 0; n < count; ++n)
-    list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * apart[n]);
+    list.thickness[which[n]] = min(list.thickness[which[n]], rest_part * distance[n]);
 }
 
 void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_object,
@@ -475,7 +478,7 @@ void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_o
   append(&Batch::far, count, edges, inter_object, threads);
 }
 
-// Puts the lists of all batches behind the columns, and cuts what is new into chunks.
+// Appends the lists of all batches to the columns, and divides the new pairs into chunks.
 void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bool inter_object,
                           Threads& threads) {
   const std::size_t begin = size();
@@ -514,7 +517,7 @@ void ElementPairs::add_found(const ParticleView& particles, float dt, Threads& t
   measure_new_chunks(first, threads);
 }
 
-// --- chunks that need not be looked at
+// --- chunks that need no test
 
 void ElementPairs::measure_new_chunks(std::size_t first, Threads& threads) {
   resize_with_spare(blocks_, chunks_.size());
@@ -522,7 +525,7 @@ void ElementPairs::measure_new_chunks(std::size_t first, Threads& threads) {
     for (; c < last; ++c) {
       Chunk& chunk = chunks_[first + c];
       auto& blocks = blocks_[first + c];
-      std::array<std::uint32_t, 64> seen;  // some of those that it has, by their last bits
+      std::array<std::uint32_t, 64> seen;  // cache of blocks that were added, by their last bits
       seen.fill(no_surface);
       const auto add = [&](std::uint32_t block) {
         if (seen[block % seen.size()] == block) return;
@@ -609,7 +612,7 @@ void ElementPairs::measure(const ParticleView& particles, std::span<const std::u
   }
 }
 
-// How far a point of one feature has moved relative to a point of the other.
+// Largest motion of a point of one element relative to a point of the other element [m].
 float ElementPairs::relative_motion(const NearPair& pair, bool edges) const {
   const auto squared = [&](std::size_t a, std::size_t b) {
     return length_squared(moved_[pair.particle[a]].xyz() - moved_[pair.particle[b]].xyz());
@@ -627,7 +630,7 @@ bool ElementPairs::any_moved_by(float part, const Chunk& chunk) const {
   return false;
 }
 
-// A bound on the ways of a chunk's pairs, rounding included.
+// Upper bound of the relative motions of a chunk's pairs, rounding included [m].
 float ElementPairs::motion_bound(const Chunk& chunk) const {
   constexpr float both = 2.001f;
   if (chunk.blocks == too_many) return both * (chunk.inter_object ? max_motion_ : max_relative_motion_);

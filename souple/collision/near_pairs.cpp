@@ -14,8 +14,8 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t chunk_size = 128;  // patches that one thread deals with in one go
-constexpr std::size_t box_grain = 1024;  // boxes worth a thread
+constexpr std::size_t chunk_size = 128;  // patches of a chunk
+constexpr std::size_t box_grain = 1024;  // least number of boxes that pays for a thread
 
 using Clock = std::chrono::steady_clock;
 
@@ -27,22 +27,22 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// A box around an endless one is endless, which tells what to leave out.
+// A box around an infinite box is infinite, and the search skips it.
 Bounds finite_or_infinite(const Bounds& box) {
   return is_finite(box) ? box : infinite_box;
 }
 
 void require(std::size_t is, std::size_t expected, const char* what) {
   if (is < expected)
-    throw Error(
-        fmt::format("NearPairFinder: {} has {}, elements name {}; give one for each", what, is, expected));
+    throw Error(fmt::format("NearPairFinder: {} has {} entries, elements refer to {}; pass one for each",
+                            what, is, expected));
 }
 
 kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& box, std::uint32_t marked) {
   return {begin, count, {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}, marked};
 }
 
-// Of what a patch is made, where it is not of triangles.
+// Kinds of patches without triangles: of grains, and of a rope's edges.
 bool is_particles_only(const SurfacePatch& patch) {
   return patch.triangles == 0 && patch.edges == 0;
 }
@@ -50,7 +50,7 @@ bool is_edges_only(const SurfacePatch& patch) {
   return patch.triangles == 0 && patch.edges > 0;
 }
 
-// Pairs of which something can move, in the same order; how many.
+// Keeps the pairs with a particle that can move, in order. Returns their number.
 std::size_t keep_moving(kernels::Quad* pairs, std::size_t count, std::span<const Vec4f> position_w) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -88,7 +88,7 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
                           Threads& threads) {
   require(boxes.size(), elements.particle_end(), "boxes");
   require(position_w.size(), elements.particle_end(), "position_w");
-  require(matrix.size(), elements.object_end(), "meets");
+  require(matrix.size(), elements.object_end(), "matrix");
   elements_ = &elements;
   matrix_ = &matrix;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
@@ -111,8 +111,8 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   is_moving_.assign(elements.particle_end(), 0);
 }
 
-// Calls find_one(k, part) for k in [0, count). Chunks of them go to the parts in turn, so that each has its
-// share of crowded places; pairs come in order of k.
+// Calls find_one(k, part) for k in [0, count). Parts take chunks in rotation, so that crowded regions are
+// distributed among them. Pairs are in order of k.
 template <class Function>
 void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, NearPairs& out,
                                     Threads& threads, const Function& find_one) {
@@ -159,7 +159,7 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
   unmark(particles);
 }
 
-// Finds the patches that name one of them, and which of their items do.
+// Finds the patches that contain a given particle, and marks their items that do.
 void NearPairFinder::mark(std::span<const std::uint32_t> particles) {
   moved_patches_.clear();
   for (const std::uint32_t i : particles) {
@@ -226,7 +226,7 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
   for (std::size_t k = 0; k < 3; ++k) triangles_.particle[k] = elements_->triangle_particles(k);
 }
 
-// Of a patch and all that it has. Returns how many of these are left out.
+// Computes the boxes of a patch and its items. Returns the number of items that are skipped.
 std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> position_w) {
   const SurfacePatch& patch = elements_->patches()[a];
   std::size_t left_out = 0, moving = 0;
@@ -307,7 +307,7 @@ void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint3
   vertices_edges(q, q_box, of_b, p, p_box, of_a);
 }
 
-// Puts the pairs of all chunks one after the other, in order of chunks.
+// Joins the pairs of all chunks, in order of chunks.
 void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<NearPair>& out,
                           std::size_t parts, Threads& threads) {
   std::size_t sum = 0;

@@ -26,7 +26,7 @@ Vec4f record(const Vec3d& x, float w) {
   return {float(x.x), float(x.y), float(x.z), w};
 }
 
-/// Particles in a small box, moved by a little, and pairs of them; every fifth cannot move.
+/// Particles in a small box, with small motions, and pairs of them. Every fifth particle cannot move.
 struct Crowd {
   std::vector<Vec4f> position, moving, start, moved, velocity;
   std::vector<std::array<std::uint32_t, 4>> pairs;
@@ -69,7 +69,7 @@ struct Crowd {
   }
 };
 
-/// All that kernels make of a crowd, in a row.
+/// All results of the kernels for a crowd, one after another.
 std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std::size_t count, int kind) {
   Crowd crowd(plain, count);
   for (std::size_t k = 0; kind == 1 && k < count; k += 3) crowd.pairs[k][1] = crowd.pairs[k][0];
@@ -114,7 +114,7 @@ std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std
   return result;
 }
 
-// Any number of pairs, registers full or not; some edges are a vertex twice.
+// Numbers of pairs that fill registers or not. Some edges repeat a vertex.
 TEST(ElementPairKernels, EveryInstructionSetGivesTheSameBits) {
   for (const bool plain : {false, true})
     for (const int kind : {0, 1})
@@ -131,8 +131,8 @@ TEST(ElementPairKernels, EveryInstructionSetGivesTheSameBits) {
       }
 }
 
-// A vertex and a triangle that come towards each other: radii of the vertex and of the thickest corner, the
-// fastest corner's relative velocity, and the rooms of both.
+// A vertex and a triangle that approach each other: the range has the radii of the vertex and of the thickest
+// corner, the fastest corner's relative velocity, and the margins of both.
 TEST(ElementPairKernels, ARangeIsThicknessAndMotionAndMargins) {
   const std::vector<Vec4f> velocity{{1, 0, 0, 0}, {1, 0, 0, 0}, {-2, 0, 0, 0}, {1, 4, 0, 0}};
   const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, margin{0.01f, 0.02f, 0.02f, 0.05f},
@@ -154,7 +154,7 @@ TEST(ElementPairKernels, ARangeIsThicknessAndMotionAndMargins) {
   }
 }
 
-/// The only pair of a crowd, 3 cm thick, without friction.
+/// Projects the only pair of a crowd, 3 cm thick, without friction.
 void project_one(const ElementPairKernels& kernels, Crowd& crowd, int kind) {
   crowd.thickness[0] = crowd.distance_bound[0] = 0.03f;
   const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(),
@@ -169,7 +169,8 @@ void project_one(const ElementPairKernels& kernels, Crowd& crowd, int kind) {
   kernels.project(crowd.records(), contacts, 0, 1);
 }
 
-// Two that overlap are pushed apart by what their masses say; momentum stays, what cannot move stays.
+// Two overlapping elements move apart in proportion to their inverse masses. Momentum is conserved, and a
+// corner that cannot move stays.
 TEST(ElementPairKernels, AProjectionKeepsMomentumAndTheDistance) {
   for (const InstructionSet set : all_sets()) {
     const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
@@ -182,13 +183,13 @@ TEST(ElementPairKernels, AProjectionKeepsMomentumAndTheDistance) {
     EXPECT_EQ(moved(3), Vec3d{});
     // Weights of the triangle's corners where the vertex is above it: 0.5, 0.2, 0.3.
     EXPECT_NEAR(0.01 + moved(0).y - 0.5 * moved(1).y - 0.2 * moved(2).y, 0.03, 1e-7);
-    // The third corner takes its share of the momentum with it, being of infinite mass.
+    // The third corner has infinite mass and absorbs its part of the momentum.
     EXPECT_NEAR(moved(1).y / moved(0).y, -0.5 / 2, 1e-5);
     EXPECT_NEAR(moved(2).y / moved(0).y, -0.2 / 2, 1e-5);
   }
 }
 
-// A ball and an edge: an edge from the ball to itself. The ball moves once, not twice and not never.
+// A ball and an edge; the ball is an edge from its particle to itself. Its correction counts exactly once.
 TEST(ElementPairKernels, ABallIsPushedOffAnEdge) {
   for (const bool plain : {false, true})
     for (const InstructionSet set : all_sets()) {

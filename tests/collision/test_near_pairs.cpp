@@ -17,7 +17,7 @@ using test::Random;
 using test::SurfaceScene;
 using Quad = std::array<std::uint32_t, 4>;
 
-// Numbers written so that a pair has one form, whichever edge comes first.
+// Particles in an order that does not depend on which edge comes first: each pair has one form.
 Quad as_vertex_triangle(const NearPair& pair) {
   Quad q{pair.particle[0], pair.particle[1], pair.particle[2], pair.particle[3]};
   std::sort(q.begin() + 1, q.end());
@@ -47,7 +47,7 @@ Bounds around(const SurfaceScene& scene, std::span<const std::uint32_t> particle
   return box;
 }
 
-// Whether a pair of particles' groups counts, by the words of the header alone.
+// Whether a pair of elements must be found, according to the header's documentation alone.
 bool counts(const SurfaceScene& scene, std::span<const std::uint32_t> a, std::span<const std::uint32_t> b,
             std::uint32_t object_a, std::uint32_t object_b) {
   bool moves = false, shared = false, finite = true;
@@ -61,7 +61,7 @@ bool counts(const SurfaceScene& scene, std::span<const std::uint32_t> a, std::sp
          overlap(around(scene, a), around(scene, b));
 }
 
-// All against all.
+// Compares all elements with all others.
 NearPairs brute_force(const SurfaceScene& scene) {
   NearPairs pairs;
   const SurfaceElements& all = scene.elements;
@@ -151,7 +151,7 @@ TEST(NearPairs, ClothOverCloth) {
   expect_all_pairs(scene, 1000);
 }
 
-// A sheet wound up: layers 1 cm apart.
+// A spiral sheet: its layers are 1 cm apart.
 TEST(NearPairs, AFoldedSheetMeetsItself) {
   SurfaceScene scene;
   scene.add_cloth(40, 1, 0.006, [](double x, double z) {
@@ -193,7 +193,7 @@ TEST(NearPairs, OneTriangleAThousandTimesLarger) {
   expect_all_pairs(scene, 1000);
 }
 
-// A shot: boxes swept over meters, of grains, a rope and a sheet, among small triangles.
+// Fast particles of grains, a rope and a sheet among small triangles: their boxes are swept over meters.
 TEST(NearPairs, SomethingFastAmongSlowThings) {
   SurfaceScene scene = mixture(8);
   for (std::size_t i = 0; i < scene.boxes.size(); i += 37) scene.boxes[i].hi += Vec3f{0.9f, 1.7f, 0.4f};
@@ -299,7 +299,7 @@ TEST(NearPairs, AWarmFindAllocatesNothing) {
   EXPECT_GT(pairs.edge_edge.size(), 100u);
 }
 
-// Some particles are elsewhere: their pairs, and no others, as brute force has them.
+// After some particles have moved: exactly those of the brute-force pairs that contain such a particle.
 TEST(NearPairs, WhatMovedIsFoundAgainAlone) {
   for (const std::size_t stride : {1u, 7u, 90u}) {
     SurfaceScene scene = mixture(17 + stride);

@@ -14,7 +14,7 @@ using kernels::BoxColumns;
 using kernels::BoxGroup;
 using kernels::PatchKernels;
 
-/// Boxes in a unit cube, and particles of which many have the same.
+/// Boxes in a unit cube, and their particles: many items share a particle.
 struct Items {
   std::array<std::vector<float>, 3> lo, hi;
   std::array<std::vector<std::uint32_t>, 3> particle;
@@ -51,7 +51,7 @@ BoxGroup random_group(std::uint32_t most, test::Random& random) {
   return group;
 }
 
-// Up to as many items as a group can have, at any place: the same pairs in the same order.
+// Groups of any size and position: the same pairs in the same order.
 TEST(PatchKernels, EveryInstructionSetFindsTheSame) {
   test::Random random(1);
   const Items a(200, random), b(200, random);

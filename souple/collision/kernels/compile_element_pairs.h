@@ -5,8 +5,8 @@
 #include "souple/collision/nearest.h"
 #include "souple/math/simd/pack.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Include this only in translation units that are compiled for one instruction set. Every template here has
+// the tag of its instruction set as an argument.
 
 #define SOUPLE_INLINE __attribute__((always_inline))
 
@@ -17,7 +17,7 @@ using Numbers = simd::Pack<Isa>;
 template <class Isa>
 using Vectors = Vec3<simd::Pack<Isa>>;
 
-/// Four floats of each lane's record; as they were loaded, then, after `components`, turned into components.
+/// Four floats of each lane's record: as loaded, or, after `components`, one register per component.
 template <class Isa>
 struct Records {
   typename Isa::Vector r[4];
@@ -38,7 +38,7 @@ struct Records {
   SOUPLE_INLINE void subtract(const Records& b) {
     for (int j = 0; j < 4; ++j) r[j] = r[j] - b.r[j];
   }
-  /// Turned back and written.
+  /// Transposes back and writes.
   SOUPLE_INLINE void write(float* base, const std::uint32_t* first_float) {
     transpose();
     for (std::uint32_t j = 0; j < 4; ++j) {
@@ -58,7 +58,7 @@ struct Records {
   }
 };
 
-/// Where the records of as many pairs as there are lanes begin. Lanes beyond the end repeat the last pair.
+/// Per corner and lane: first float of the particle's record. Lanes beyond the end repeat the last pair.
 template <class Isa>
 struct PairRecords {
   std::uint32_t first_float[4][Isa::lanes];
@@ -73,7 +73,7 @@ struct PairRecords {
   }
 };
 
-/// Indices from i on, or those that a list has there; lanes beyond the end repeat the last.
+/// Indices i, i + 1, ... or the entries of a list from i on; lanes beyond the end repeat the last one.
 template <class Isa>
 struct Indices {
   std::uint32_t at[Isa::lanes];
@@ -95,7 +95,7 @@ SOUPLE_INLINE inline Numbers<Isa> gather(const float* column, const std::uint32_
   return Numbers<Isa>::load(lanes);
 }
 
-// Neighbors in a column; where fewer are left than there are lanes, nothing behind them is touched.
+// Consecutive values of a column. Reads and writes no value beyond `count`.
 template <class Isa>
 SOUPLE_INLINE inline Numbers<Isa> load(const float* column, int count) {
   if (count == Isa::lanes) return Numbers<Isa>::load(column);
@@ -111,7 +111,7 @@ SOUPLE_INLINE inline void store(Numbers<Isa> a, float* column, int count) {
   for (int lane = 0; lane < count; ++lane) column[lane] = lanes[lane];
 }
 
-/// PairRecords 1 to 3 less corner 0, without the rounding of what is far away.
+/// Corners 1 to 3 relative to corner 0, without the rounding of positions far from the origin.
 template <class Isa, bool displacement>
 SOUPLE_INLINE inline void differences(const ParticleRecords& particles, const PairRecords<Isa>& corners,
                                       Vectors<Isa> (&x)[4]) {
@@ -136,7 +136,7 @@ SOUPLE_INLINE inline void differences(const ParticleRecords& particles, const Pa
   differences<Isa, true>(particles, corners, x);
 }
 
-/// The same of what corners moved.
+/// Motions of corners 1 to 3 relative to that of corner 0.
 template <class Isa>
 SOUPLE_INLINE inline void moved_differences(const ParticleRecords& particles, const PairRecords<Isa>& corners,
                                             Vectors<Isa> (&m)[4]) {
@@ -178,7 +178,7 @@ SOUPLE_INLINE inline Numbers<Isa> distance(const Vectors<Isa> (&x)[4]) {
   return length(weighted(x, c));
 }
 
-/// How far any point of one feature may have moved relative to any point of the other [m].
+/// Upper bound of the motion of a point of one element relative to a point of the other element [m].
 template <class Isa, bool edges>
 SOUPLE_INLINE inline Numbers<Isa> relative_motion(const Vectors<Isa> (&m)[4]) {
   const Numbers<Isa> two = length_squared(m[2]), three = length_squared(m[3]);
@@ -197,7 +197,7 @@ template <class Isa, bool edges>
   }
 }
 
-/// The larger of each feature's two or three, or of the vertex's one; both added up.
+/// Sum of both elements' largest values: of two or three corners, or of the one vertex.
 template <class Isa, bool edges>
 SOUPLE_INLINE inline Numbers<Isa> sum_of_largest(const float* column, std::size_t stride,
                                                  const PairRecords<Isa>& corners) {
@@ -212,7 +212,7 @@ SOUPLE_INLINE inline Numbers<Isa> sum_of_largest(const float* column, std::size_
   return edges ? max(of[0], of[1]) + max(of[2], of[3]) : of[0] + max(of[1], max(of[2], of[3]));
 }
 
-/// The most of the four.
+/// Largest contact margin of the four particles.
 template <class Isa>
 SOUPLE_INLINE inline Numbers<Isa> max_contact_margin(const ParticleRecords& particles,
                                                      const PairRecords<Isa>& corners) {
@@ -239,8 +239,9 @@ template <class Isa, bool edges>
     const T thick = max(sum_of_largest<Isa, edges>(margins.radius, 1, corners), T(margins.min_thickness));
     const T margin = sum_of_largest<Isa, edges>(margins.margin, margins.stride, corners);
     store<Isa>(thick, thickness + i, indices.count);
-    const T near = T(1 + margins.speculative_part) * thick + max_contact_margin(particles, corners);
-    store<Isa>(near + relative_motion<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
+    const T contact_distance =
+        T(1 + margins.speculative_part) * thick + max_contact_margin(particles, corners);
+    store<Isa>(contact_distance + relative_motion<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
   }
 }
 
@@ -269,14 +270,14 @@ template <class Isa, bool edges>
     const T motion = relative_motion<Isa, edges>(m);
     T distance_bound = load<Isa>(pairs.distance_bound + i, indices.count) - T(motion_since);
     const T thickness = load<Isa>(pairs.thickness + i, indices.count);
-    const T thick = T(rule.thickness_part) * thickness + T(rule.contact_margin);
-    const auto is_near = motion >= T(rule.bound_part) * distance_bound - thick;
+    const T required = T(rule.thickness_part) * thickness + T(rule.contact_margin);
+    const auto is_near = motion >= T(rule.bound_part) * distance_bound - required;
     if (any_lane(is_near)) {
       Vectors<Isa> x[4];
       differences(particles, records, x);
       for (int k = 1; k < 4; ++k) x[k] -= m[k];
       distance_bound = select(is_near, distance<Isa, edges>(x), distance_bound);
-      const auto still = is_near && motion >= T(rule.bound_part) * distance_bound - thick;
+      const auto still = is_near && motion >= T(rule.bound_part) * distance_bound - required;
       if (any_lane(still)) {
         float lanes[Isa::lanes];
         select(still, T(1.f), T(0.f)).store(lanes);
@@ -323,10 +324,10 @@ template <class Isa, bool edges>
     differences(particles, corners, x);
     nearest_points<Isa, edges>(x, c);
     const T size = length(weighted(x, c));
-    const T near = T(1 + speculative_part) * gather<Isa>(pairs.thickness, indices.at) +
-                   max_contact_margin(particles, corners);
+    const T contact_distance = T(1 + speculative_part) * gather<Isa>(pairs.thickness, indices.at) +
+                               max_contact_margin(particles, corners);
     const auto moves = effective_inverse_mass(particles, corners, c) > zero;
-    T sum = flag(size <= near && size > zero && moves, Classification::touches);
+    T sum = flag(size <= contact_distance && size > zero && moves, Classification::touches);
     Vectors<Isa> m[4];
     moved_differences(particles, corners, m);
     const T motion = relative_motion<Isa, edges>(m);
@@ -358,9 +359,9 @@ template <class Isa, bool edges>
     for (int k = 1; k < 4; ++k) x[k] -= m[k] * remaining;
     T c[4];
     nearest_points<Isa, edges>(x, c);
-    const Vectors<Isa> apart = weighted(x, c);
-    const T size = length(apart);
-    const Vectors<Isa> n = apart * (T(1.f) / select(size > zero, size, T(1.f)));
+    const Vectors<Isa> difference = weighted(x, c);
+    const T size = length(difference);
+    const Vectors<Isa> n = difference * (T(1.f) / select(size > zero, size, T(1.f)));
     const T thickness = gather<Isa>(pairs.thickness, indices.at);
     const T overlap = gather<Isa>(pairs.distance_bound, indices.at) - thickness;
     for (int k = 0; k < 4; ++k) {
@@ -383,7 +384,7 @@ template <class Isa, bool edges>
   }
 }
 
-/// What contacts from i on read.
+/// Particles, weights and normals of the contacts from i on.
 template <class Isa>
 struct ContactPack {
   using T = Numbers<Isa>;
@@ -404,8 +405,8 @@ struct ContactPack {
   }
 };
 
-/// PairRecords of contacts, what they weigh, and the records that corrections are added to: positions (plain
-/// form), displacements or velocities.
+/// Inverse masses of contacts' particles, and the records that receive corrections: positions (plain form),
+/// displacements or velocities.
 template <class Isa>
 struct Movable {
   using T = Numbers<Isa>;
@@ -423,9 +424,9 @@ struct Movable {
     return {T(records[k].r[0]), T(records[k].r[1]), T(records[k].r[2])};
   }
 
-  /// Adds change times w_k c_k / inverse_mass to each corner where `which` says so. Nothing is written to a
-  /// particle that cannot move: contacts of one color may share it. Backwards, for a vertex that stands as
-  /// an edge from it to itself: all the weight is on its first corner, and what is written last counts.
+  /// Adds change times w_k c_k to each corner, in the lanes of `which`. Writes to no particle that cannot
+  /// move: contacts of one color may share it. The last corner is written first, for a vertex stored as an
+  /// edge from it to itself: its first corner has all the weight, and the last write counts.
   SOUPLE_INLINE void add(const Vectors<Isa>& change, const T (&c)[4], const typename T::Mask& which,
                          float* base, const std::uint32_t (&first_float)[4][Isa::lanes]) {
     for (int k = 3; k >= 0; --k) {
@@ -452,7 +453,7 @@ struct Movable {
   }
 };
 
-/// As for two particles (particle_contacts.cpp), on the difference of two points:
+/// As for two particles (particle_contacts.cpp), for the difference of two points:
 ///   dx_k = w_k c_k / (sum_j w_j c_j^2) dx
 template <class Isa, bool displacement>
 SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const ContactColumns& columns,
@@ -461,7 +462,7 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
   const T zero(0.f);
   const ContactPack<Isa> pack(columns, i, end);
   Movable<Isa> corners;
-  Vectors<Isa> first, first_moved, apart{zero, zero, zero}, moved = apart;
+  Vectors<Isa> first, first_moved, difference{zero, zero, zero}, moved = difference;
   for (int k = 0; k < 4; ++k) {
     Records<Isa> position(particles.position, pack.first_float[k]),
         start(particles.start, pack.first_float[k]);
@@ -479,14 +480,14 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
     }
     x -= first;
     if constexpr (displacement) x += d - corners.component(0);
-    apart += x * pack.c[k];
+    difference += x * pack.c[k];
     moved += (m - first_moved) * pack.c[k];
   }
   ContactSums<T> sums{
       load<Isa>(columns.normal_sum + i, pack.count),
       {load<Isa>(columns.tangent_sum[0] + i, pack.count), load<Isa>(columns.tangent_sum[1] + i, pack.count),
        load<Isa>(columns.tangent_sum[2] + i, pack.count)}};
-  const T C = dot(pack.n, apart) - load<Isa>(columns.thickness + i, pack.count);
+  const T C = dot(pack.n, difference) - load<Isa>(columns.thickness + i, pack.count);
   const T slop = load<Isa>(columns.slop + i, pack.count);
   const auto acts = slop > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
@@ -518,7 +519,7 @@ template <class Isa>
   }
 }
 
-/// rebound(), on the difference of two points.
+/// solve_restitution(), for the difference of two points.
 template <class Isa>
 [[gnu::flatten]] void apply_restitution(const ParticleRecords& particles, const ContactColumns& columns,
                                         const ContactLimits& limits, float* velocity, std::size_t begin,

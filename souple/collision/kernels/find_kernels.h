@@ -5,7 +5,7 @@
 
 namespace souple::kernels {
 
-/// Of an instruction set that this build and this processor have.
+/// Kernels for an instruction set that this build and this processor support.
 const ElementPairKernels& find_element_pair_kernels(InstructionSet set);
 
 }  // namespace souple::kernels

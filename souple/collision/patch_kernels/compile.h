@@ -3,14 +3,14 @@
 #include "souple/collision/patch_kernels/patch_kernels.h"
 #include "souple/math/simd/instruction_sets.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Include this only in translation units that are compiled for one instruction set. Every template here has
+// the tag of its instruction set as an argument.
 
 #define SOUPLE_INLINE __attribute__((always_inline))
 
 namespace souple::kernels {
 
-/// Comparisons of all lanes at once. bits: bit l is set where lane l is true.
+/// Comparisons of all lanes at once. bits(): bit l is set where lane l is true.
 template <class Isa>
 struct Lanes {
   static constexpr std::uint32_t count = Isa::lanes;
@@ -86,8 +86,8 @@ SOUPLE_INLINE inline std::uint32_t items_in(const BoxColumns& items, const BoxGr
   return bits & first_bits<Isa>(group.count);
 }
 
-/// Bit k: item k of the group overlaps box i of `from` and shares no particle with it. No branch looks at
-/// what is found: it could not be foreseen.
+/// Bit k: item k of the group overlaps box i of `from` and shares no particle with it. No branch depends on
+/// the result: the processor could not predict it.
 template <class Isa, int n, int other_n>
 SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t i, const BoxColumns& items,
                                             const BoxGroup& group) {
@@ -105,17 +105,17 @@ SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t 
   return bits & first_bits<Isa>(group.count);
 }
 
-/// Items of the first group that may have a marked pair with one of the second.
+/// Items of the first group that may have a pair with a marked item.
 inline std::uint32_t may_have_marked(const BoxGroup& first, const BoxGroup& second) {
   return second.marked != 0 ? ~0u : first.marked;
 }
-/// What item k of the first group may have in the second.
+/// Items of the second group whose pair with item k of the first group has a marked item.
 inline std::uint32_t wanted_by(const BoxGroup& first, std::uint32_t k, const BoxGroup& second) {
   return (first.marked >> k & 1) != 0 ? ~0u : second.marked;
 }
 
-/// What is near each item of a group: only items that have something near. One loop then goes over all pairs;
-/// a loop for each item would end as many times at a place that nobody foresees.
+/// Near items of each item of a group, without items that have none. One loop then visits all pairs. A loop
+/// per item would end that many times, each time at an iteration that the processor cannot predict.
 template <class Isa>
 struct Rows {
   std::uint32_t item[BoxGroup::max_items + 1], near[BoxGroup::max_items + 1];
@@ -132,7 +132,7 @@ struct Rows {
     x = (x & 0x33333333u) + (x >> 2 & 0x33333333u);
     return ((x + (x >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24;
   }
-  /// f(item, bit) for each pair.
+  /// Calls f(item, bit) for each pair.
   template <class Function>
   SOUPLE_INLINE void for_each(const Function& f) {
     near[count] = item[count] = 0;
@@ -167,7 +167,7 @@ std::size_t vertices_items(const BoxColumns& vertices, const BoxGroup& v, const 
   return rows.pairs;
 }
 
-// Going over the fewer edges of both groups costs more in finding out which they are than it saves (5 %).
+// Starting from the group with fewer edges costs more, for finding them, than it saves (5 %).
 template <class Isa>
 std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs) {
   Rows<Isa> rows;
