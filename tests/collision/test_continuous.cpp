@@ -414,7 +414,7 @@ TEST(ContinuousVertexEdge, NeverPastTheFirstTouchOfExactArithmetic) {
     const int which = std::array{grazing, coplanar, oblique_coplanar}[std::size_t(k % 3)];
     const Moving4 m = vertex_to_edge(which, random);
     const auto contact = first_contact(Kind::edge_edge, m);
-    if (!touch || distance_at(Kind::edge_edge, m, 0) < 1e-13 * reach(m)) continue;
+    if (!contact || distance_at(Kind::edge_edge, m, 0) < 1e-13 * reach(m)) continue;
     const double t = edge_edge_time(m, 0);
     if (!(t < *contact)) describe(m);
     ASSERT_LT(t, *contact) << "motion " << which;
