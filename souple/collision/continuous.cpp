@@ -141,13 +141,13 @@ double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double boun
 /// For a motion that starts in contact, no bound can hold. The result is 1 if every corner separates along
 /// the normal, else 0.
 template <class Kind>
-double time_from_contact(const Moving4& m, double touch) {
+double time_from_contact(const Moving4& m, double contact_distance) {
   const Vec3d n = plane_normal<Kind>(m.x);
   for (const double side : {1.0, -1.0}) {
     bool parts = true;
     for (const auto [a, b] : Kind::pairs) {
       const double begin = side * dot(n, m.x[a] - m.x[b]), end = side * dot(n, m.p[a] - m.p[b]);
-      parts = parts && begin >= -touch && end > touch;
+      parts = parts && begin >= -contact_distance && end > contact_distance;
     }
     if (parts) return 1;
   }
@@ -203,9 +203,10 @@ double safe_time(const Moving4& motion, double gap) {
   Vec3d x[4] = {m.x[0], m.x[1], m.x[2], m.x[3]};
   Vec3d connection = Kind::connection(x);
   double distance = length(connection);
-  const double touch = rounding(m);
-  if (!(distance > touch)) return distance <= touch ? time_from_contact<Kind>(m, touch) : 0;
-  const double bound = (distance > gap ? max(gap, far * distance) : close * distance) + touch;
+  const double contact_distance = rounding(m);
+  if (!(distance > contact_distance))
+    return distance <= contact_distance ? time_from_contact<Kind>(m, contact_distance) : 0;
+  const double bound = (distance > gap ? max(gap, far * distance) : close * distance) + contact_distance;
 
   double t = 0;
   for (int k = 0; k < advances && distance > bound * near_enough; ++k) {

@@ -204,9 +204,9 @@ void SurfaceContacts::clear_contacts() {
 // Pairs from `first_new` on are new and have no color; 0: all pairs are new.
 void SurfaceContacts::reset_colors_from(std::size_t first_new) {
   if (first_new == 0) return reset_colors();
-  const std::size_t known = color_.size();
+  const std::size_t old_size = color_.size();
   resize_with_spare(color_, pairs_.size());
-  std::fill(color_.begin() + static_cast<std::ptrdiff_t>(known), color_.end(), no_color);
+  std::fill(color_.begin() + static_cast<std::ptrdiff_t>(old_size), color_.end(), no_color);
 }
 
 void SurfaceContacts::reset_colors() {

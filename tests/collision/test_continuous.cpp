@@ -148,7 +148,7 @@ double fastest(const Moving4& m) {
   return v;
 }
 
-double reach(const Moving4& m) {
+double extent(const Moving4& m) {
   double size = 0;
   for (int i = 0; i < 4; ++i) size = max(size, max(length(m.x[i] - m.x[0]), length(m.p[i] - m.p[0])));
   return size;
@@ -269,7 +269,7 @@ void describe(const Moving4& m) {
 class Continuous : public testing::TestWithParam<Kind> {};
 
 /// Besides the guarantee, tests the accuracy of the result: 0.995 of the time of first contact on average,
-/// below 0.9 in one of 200 motions (which may reach the bound before contact).
+/// below 0.9 in one of 200 motions (which may come within the bound before contact).
 void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
   Random random(seed);
   int touches[motions] = {};
@@ -278,7 +278,7 @@ void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
   for (int k = 0; k < motions * cases; ++k) {
     const int which = k % motions;
     const Moving4 m = motion(kind, which, random);
-    if (distance_at(kind, m, 0) < 1e-13 * reach(m)) continue;  // starts in contact
+    if (distance_at(kind, m, 0) < 1e-13 * extent(m)) continue;  // starts in contact
     const auto contact = first_contact(kind, m);
     if (!contact) continue;
     const double t = time_of(kind, m, 0);
@@ -414,7 +414,7 @@ TEST(ContinuousVertexEdge, NeverPastTheFirstTouchOfExactArithmetic) {
     const int which = std::array{grazing, coplanar, oblique_coplanar}[std::size_t(k % 3)];
     const Moving4 m = vertex_to_edge(which, random);
     const auto contact = first_contact(Kind::edge_edge, m);
-    if (!contact || distance_at(Kind::edge_edge, m, 0) < 1e-13 * reach(m)) continue;
+    if (!contact || distance_at(Kind::edge_edge, m, 0) < 1e-13 * extent(m)) continue;
     const double t = edge_edge_time(m, 0);
     if (!(t < *contact)) describe(m);
     ASSERT_LT(t, *contact) << "motion " << which;

@@ -14,7 +14,7 @@ namespace {
 /// Crumpled sheets that pass through themselves and one another.
 class CrumpledSheets {
  public:
-  CrumpledSheets(int count, int columns, double roughness, const Vec3d& place) {
+  CrumpledSheets(int count, int columns, double roughness, const Vec3d& origin) {
     const TriangleMesh mesh = grid(columns, columns, 1);
     meshes_.assign(static_cast<std::size_t>(count), mesh.triangles);
     test::Random random(7);
@@ -22,12 +22,12 @@ class CrumpledSheets {
       const auto begin = static_cast<std::uint32_t>(position_.size());
       std::vector<Vec3f> positions;
       for (const Vec3d& x : mesh.positions) {
-        const Vec3d exact = place + x + random.point(-1, 1) * (roughness / columns);
+        const Vec3d exact = origin + x + random.point(-1, 1) * (roughness / columns);
         const Vec3f rounded(exact);
         const Vec3f rest(exact - Vec3d(rounded));
         position_.push_back({rounded.x, rounded.y, rounded.z, 1});
         offset_.push_back({rest.x, rest.y, rest.z, 0});
-        positions.emplace_back(exact - place);
+        positions.emplace_back(exact - origin);
       }
       checker_.add(positions, triangles);
       ContactSurface surface;
