@@ -8,9 +8,9 @@
 
 // Two tests prove that two elements do not touch. Each is sound by itself.
 //
-// Separation. For any unit vector n, the distance of two convex hulls is at least the minimum over their pairs
-// of corners of n . (x_a - x_b). While n is constant and corners move straight, each of these is linear in
-// time. So they give the time until which the distance exceeds a bound, exactly and not by a Lipschitz
+// Separation. For any unit vector n, the distance of two convex hulls is at least the minimum over their
+// pairs of corners of n . (x_a - x_b). While n is constant and corners move straight, each of these is linear
+// in time. So they give the time until which the distance exceeds a bound, exactly and not by a Lipschitz
 // constant: motion across n costs nothing. With n along the shortest connection this is conservative
 // advancement (Mirtich 1996, section 2.3). Li et al. 2021, "Codimensional IPC", algorithm 1, advance by the
 // length of the motion instead, which makes a vertex that slides along a triangle advance very slowly. Any n

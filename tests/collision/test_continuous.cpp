@@ -269,7 +269,7 @@ void describe(const Moving4& m) {
 class Continuous : public testing::TestWithParam<Kind> {};
 
 /// Besides the guarantee, tests the accuracy of the result: 0.995 of the time of first contact on average,
-/// below 0.9 in one of 200 motions (which may come within the bound before contact).
+/// below 0.9 in one of 200 motions (their distance may come near its bound before contact).
 void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
   Random random(seed);
   int touches[motions] = {};
