@@ -33,7 +33,7 @@
 // A constraint whose linearization holds only over a part of its size (a crushed tet, whose gradient all but
 // vanishes) may declare the longest correction [m] that one projection makes; longer ones are scaled down:
 //
-//   template <class T> static T reach(const Params<T>& p);
+//   template <class T> static T max_correction(const Params<T>& p);
 //
 // A constraint of one row whose gradients are unit vectors, or all zero, may say so and saves their lengths:
 //

@@ -66,7 +66,7 @@ struct NeoHookean {
 
   /// About the smallest height of the rest tet.
   template <class T>
-  static T reach(const Params<T>& p) {
+  static T max_correction(const Params<T>& p) {
     return sqrt(T(3) / frobenius_squared(p.rest_inverse));
   }
 

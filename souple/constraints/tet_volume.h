@@ -19,7 +19,7 @@ struct TetVolume {
   template <class T>
   struct Params {
     T rest_volume;  ///< V0 [m^3]
-    T rest_length;  ///< longest correction of one projection, see reach [m]
+    T rest_length;  ///< longest correction of one projection, see max_correction [m]
   };
 
   /// Throws Error where the tet is flat or inside out.
@@ -36,7 +36,7 @@ struct TetVolume {
   }
 
   template <class T>
-  static T reach(const Params<T>& p) {
+  static T max_correction(const Params<T>& p) {
     return p.rest_length;
   }
 

@@ -63,7 +63,7 @@ struct TriangleMembrane {
 
   /// sqrt(2 A), the size of the triangle: |det B| = 1 / (2 A).
   template <class T>
-  static T reach(const Params<T>& p) {
+  static T max_correction(const Params<T>& p) {
     return T(1) / sqrt(abs(p.b00 * p.b11 - p.b01 * p.b10));
   }
 

@@ -233,7 +233,7 @@ TEST(LinearSolvers, RigidClothHangsDenseSlow) {
 
 // Rigid constraints of a sheet outnumber its unknowns: the floor that stands in for infinite stiffness is
 // told, and is as stiff as it says: a rigid link that carries the whole weight.
-TEST(LinearSolvers, FloorIsToldAndStiff) {
+TEST(LinearSolvers, FloorIsReportedAndStiff) {
   SolverScene scene;
   scene.add({0, 0, 0}, 0);
   scene.add({0, -0.1, 0}, 1);
