@@ -10,7 +10,7 @@ namespace souple {
 /// segments a b and b c, use the axis a c: the twist about the mean of both directions does not depend on the
 /// swing.
 ///
-///   C = max_angle - |theta - theta0| >= 0  [rad],  theta as in dihedral_angle.h,  theta - theta0 in (-pi, pi]
+///   C = max_angle - |theta - theta0| >= 0  [rad], theta as in dihedral_angle.h,  theta - theta0 in (-pi, pi]
 ///
 /// Compliance alpha in rad^2/J. If a side particle is on the axis, the angle is undefined: C is then that of
 /// an untwisted joint, and the gradient is zero.
