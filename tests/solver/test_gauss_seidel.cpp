@@ -11,7 +11,7 @@ namespace {
 using test::SolverScene;
 
 // How far the last row of a stretched rigid sheet still is from where it belongs. [m]
-double left_after(const SolverSettings& settings, int iterations) {
+double error_after(const SolverSettings& settings, int iterations) {
   SolverScene scene = test::sheet(16, 0.1, 0.001, 0, true);
   const double rest = scene.body.at(255).z;
   for (Vec4f& x : scene.body.position) x.z *= 1.1f;
@@ -27,22 +27,22 @@ double left_after(const SolverSettings& settings, int iterations) {
 TEST(GaussSeidel, ChebyshevConvergesFaster) {
   SolverSettings plain, chebyshev;
   chebyshev.chebyshev = 0.98f;
-  EXPECT_LT(left_after(chebyshev, 64), 0.5 * left_after(plain, 64));
+  EXPECT_LT(error_after(chebyshev, 64), 0.5 * error_after(plain, 64));
 }
 TEST(GaussSeidel, ChebyshevOfSymmetricSweepsTakesALargeRadius) {
   SolverSettings symmetric, both;
   symmetric.sweep = both.sweep = Sweep::symmetric;
   both.chebyshev = 0.99f;
-  EXPECT_LT(left_after(symmetric, 64), left_after({}, 64));
-  EXPECT_LT(left_after(both, 64), 0.3 * left_after({}, 128));
+  EXPECT_LT(error_after(symmetric, 64), error_after({}, 64));
+  EXPECT_LT(error_after(both, 64), 0.3 * error_after({}, 128));
 }
 TEST(Jacobi, RelaxationAndChebyshevConvergeFaster) {
   SolverSettings plain = test::kind_of(SolverKind::jacobi), relaxed = plain, chebyshev = plain;
   relaxed.relaxation = 1.8f;
   chebyshev.chebyshev = 0.99f;
-  const double before = left_after(plain, 200);
-  EXPECT_LT(left_after(relaxed, 200), 0.9 * before);
-  EXPECT_LT(left_after(chebyshev, 200), 0.7 * before);
+  const double before = error_after(plain, 200);
+  EXPECT_LT(error_after(relaxed, 200), 0.9 * before);
+  EXPECT_LT(error_after(chebyshev, 200), 0.7 * before);
 }
 
 // Neither changes what a material is: multipliers are relaxed and extrapolated with the positions.

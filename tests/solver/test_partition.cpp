@@ -74,16 +74,16 @@ void expect_valid(const ColorCase& of, const Partition& partition) {
 }
 
 // A split particle has two phantoms or more, no constraint of its own, and shares that differ by one at most.
-void expect_shared(const ColorCase& of, const Partition& partition) {
-  const std::vector<std::uint32_t>& owner = partition.phantom_of;
-  EXPECT_TRUE(std::is_sorted(owner.begin(), owner.end()));
-  std::vector<int> share(of.particles + owner.size());
-  for (const std::uint32_t index : partition.indices) ++share[index];
-  for (std::size_t begin = 0, end = 0; begin < owner.size(); begin = end) {
-    while (end < owner.size() && owner[end] == owner[begin]) ++end;
+void expect_balanced(const ColorCase& of, const Partition& partition) {
+  const std::vector<std::uint32_t>& phantom_of = partition.phantom_of;
+  EXPECT_TRUE(std::is_sorted(phantom_of.begin(), phantom_of.end()));
+  std::vector<int> constraint_count(of.particles + phantom_of.size());
+  for (const std::uint32_t index : partition.indices) ++constraint_count[index];
+  for (std::size_t begin = 0, end = 0; begin < phantom_of.size(); begin = end) {
+    while (end < phantom_of.size() && phantom_of[end] == phantom_of[begin]) ++end;
     EXPECT_GE(end - begin, 2u);
-    EXPECT_EQ(share[owner[begin]], 0);
-    const auto first = share.begin() + static_cast<std::ptrdiff_t>(of.particles);
+    EXPECT_EQ(constraint_count[phantom_of[begin]], 0);
+    const auto first = constraint_count.begin() + static_cast<std::ptrdiff_t>(of.particles);
     const auto [least, most] = std::minmax_element(first + static_cast<std::ptrdiff_t>(begin),
                                                    first + static_cast<std::ptrdiff_t>(end));
     EXPECT_GE(*least, 1);
@@ -98,7 +98,7 @@ TEST(Partition, AsManyColorsAsAskedFor) {
       EXPECT_EQ(color_count(partition),
                 std::min(mesh.color_begin.size() - 1, static_cast<std::size_t>(colors)));
       expect_valid(mesh.of, partition);
-      expect_shared(mesh.of, partition);
+      expect_balanced(mesh.of, partition);
     }
 }
 
@@ -132,7 +132,7 @@ TEST(Partition, Stars) {
     EXPECT_EQ(color_count(partition), 4u);
     EXPECT_EQ(partition.phantom_of.size(), (rays + 3) / 4);
     expect_valid(star.of, partition);
-    expect_shared(star.of, partition);
+    expect_balanced(star.of, partition);
   }
 }
 

@@ -169,10 +169,10 @@ TEST(ThreadsDeathTest, GoOnWithFewerWhereTheSystemRefusesThem) {
 #endif  // __linux__
 
 /// SOUPLE_THREADS while it lives.
-class Variable {
+class ScopedVariable {
  public:
-  explicit Variable(const char* value) { setenv("SOUPLE_THREADS", value, 1); }
-  ~Variable() { unsetenv("SOUPLE_THREADS"); }
+  explicit ScopedVariable(const char* value) { setenv("SOUPLE_THREADS", value, 1); }
+  ~ScopedVariable() { unsetenv("SOUPLE_THREADS"); }
 };
 
 TEST(ThreadCount, IsWhatWasAskedForOrTheEnvironmentsOrTheProcessors) {
@@ -181,18 +181,18 @@ TEST(ThreadCount, IsWhatWasAskedForOrTheEnvironmentsOrTheProcessors) {
   EXPECT_GE(thread_count(0), 1);
   const int processors = thread_count(0);
   {
-    const Variable variable("3");
+    const ScopedVariable variable("3");
     EXPECT_EQ(thread_count(0), 3);
     EXPECT_EQ(thread_count(5), 5);
     EXPECT_EQ(make_threads(Threading::automatic, 0)->count(), 3);
   }
-  const Variable empty("");
+  const ScopedVariable empty("");
   EXPECT_EQ(thread_count(0), processors);
 }
 
 TEST(ThreadCount, RefusesAnEnvironmentThatSaysNoNumber) {
   for (const char* bad : {"0", "-2", "1025", "two", "2 ", "1.5", "99999999999999999999"}) {
-    const Variable variable(bad);
+    const ScopedVariable variable(bad);
     expect_error([] { thread_count(0); }, {"SOUPLE_THREADS", bad, "1 to 1024"});
     EXPECT_EQ(thread_count(2), 2);
   }
