@@ -19,12 +19,14 @@ namespace souple {
 /// J - 1 - mu/lambda, do not vanish at rest: they oppose each other, and converge to a wrong volume when
 /// projected one after the other. D vanishes for rotations; compliance is diag(1/(mu V), 1/(lambda V)) [1/J].
 ///
-/// Near rest the terms of D^2 and of its gradient cancel. With Green's strain
-/// E = (F^T F - I)/2 and j = J - 1,
+/// Near rest the terms of D^2 and of its gradient cancel. With Green's strain E = (F^T F - 1)/2 and j = J - 1,
+/// these forms keep their digits:
+///
 ///   D^2 = 2 |E|^2 + 2 s (j + tr E) - 8 det E,   s = j - tr E = (4 m2 + 8 det E - j tr E) / (J + 1),
 ///   D dD/dF = F + (J - 2) cof F = 2/J F ((s + j tr E) 1 + (1 - j) E - 2 (1 - j) cof E),
-/// keep their digits (m2 is the sum of the principal 2 x 2 minors of E). Where strain is below float
-/// rounding, D and its gradient are zero.
+///
+/// where m2 is the sum of the principal 2 x 2 minors of E. Where strain is below float rounding, D and its
+/// gradient are zero.
 ///
 /// The direction of dD rotates with the strain, but stored multipliers do not. So few, long substeps of many
 /// iterations give a wrong equilibrium under load: with 2 substeps of 5 to 40 iterations at 60 Hz, 1e5 Pa and

@@ -19,7 +19,7 @@ struct TetVolume {
   template <class T>
   struct Params {
     T rest_volume;  ///< V0 [m^3]
-    T rest_length;  ///< cube root of V0: longest correction of one projection [m]
+    T rest_size;    ///< cube root of V0: longest correction of one projection [m]
   };
 
   /// Throws Error when the tet is flat or inverted.
@@ -37,7 +37,7 @@ struct TetVolume {
 
   template <class T>
   static T max_correction(const Params<T>& p) {
-    return p.rest_length;
+    return p.rest_size;
   }
 
   template <class T>
