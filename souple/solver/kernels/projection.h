@@ -129,6 +129,8 @@ inline void project_constraint(const ProjectionInput<Kind, T>& in,
     for (int r = 1; r < rows; ++r) sum += gradient[r][i] * dlambda[r];
     dx[i] = sum * in.inverse_mass[i];
   }
+  static_assert(
+      !requires { Kind::template reach<T>(params); }, "rename the constraint's reach: max_correction");
   if constexpr (requires { Kind::template max_correction<T>(params); })
     limit_correction<Kind, T>(params, dx, dlambda);
 }
