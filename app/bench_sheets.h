@@ -25,9 +25,9 @@ class Sheets {
   std::span<const Bounds> boxes() const { return boxes_; }
   /// w = inverse mass.
   std::span<const Vec4f> positions() const { return positions_; }
-  /// All sheets meet each other and themselves.
-  const ObjectMatrix& meets() const { return meets_; }
-  std::size_t sheets() const { return meets_.size(); }
+  /// All sheets collide with each other and with themselves.
+  const ObjectMatrix& matrix() const { return matrix_; }
+  std::size_t sheets() const { return matrix_.size(); }
   /// Vertices of each sheet: sheet s has particles [s n, (s + 1) n).
   std::size_t vertices_of_sheet() const { return flat_.size(); }
   const std::vector<Triangle>& triangles_of_sheet() const { return triangles_; }
@@ -40,7 +40,7 @@ class Sheets {
   std::vector<Vec3d> flat_;  // of each vertex of a sheet
   std::vector<Triangle> triangles_;
   SurfaceElements elements_;
-  ObjectMatrix meets_;
+  ObjectMatrix matrix_;
   std::vector<Vec4f> positions_;
   std::vector<Vec3f> motion_;
   std::vector<Bounds> boxes_;

@@ -43,7 +43,7 @@ Json measure_triangles(const BenchOptions& options) {
   for (int step = 0; step < options.warm_up + options.runs; ++step) {
     sheets.move_to(step);
     const auto start = std::chrono::steady_clock::now();
-    finder.find(sheets.elements(), sheets.boxes(), sheets.meets(), sheets.positions(), pairs, *threads);
+    finder.find(sheets.elements(), sheets.boxes(), sheets.matrix(), sheets.positions(), pairs, *threads);
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
     if (step < options.warm_up) continue;
     times.whole.push_back(spent.count());

@@ -151,7 +151,7 @@ void run(const Options& options) {
     scene.move_to(step);
     const double times[] = {
         milliseconds([&] {
-          finder.find(scene.elements(), scene.boxes(), scene.meets(), scene.positions(), pairs, *threads);
+          finder.find(scene.elements(), scene.boxes(), scene.matrix(), scene.positions(), pairs, *threads);
         }),
         milliseconds([&] { bullet.update(); }), milliseconds([&] { node_pairs = bullet.nodes_faces(); }),
         milliseconds([&] { face_pairs = bullet.faces_faces(); })};

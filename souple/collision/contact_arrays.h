@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/kernels/features.h"
+#include "souple/collision/kernels/element_pairs.h"
 #include "souple/collision/spatial_hash.h"
 
 #include <array>

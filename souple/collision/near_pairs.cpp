@@ -14,43 +14,43 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t chunk_size = 128;  // patches that one thread deals with in one go
-constexpr std::size_t box_grain = 1024;  // boxes worth a thread
+constexpr std::size_t chunk_size = 128;  // patches of a chunk
+constexpr std::size_t box_grain = 1024;  // least number of boxes that pays for a thread
 
 using Clock = std::chrono::steady_clock;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds endless{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+constexpr Bounds infinite_box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
 constexpr Bounds empty{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// A box around an endless one is endless, which tells what to leave out.
-Bounds finite_or_endless(const Bounds& box) {
-  return is_finite(box) ? box : endless;
+// A box around an infinite box is infinite, and the search skips it.
+Bounds finite_or_infinite(const Bounds& box) {
+  return is_finite(box) ? box : infinite_box;
 }
 
 void require(std::size_t is, std::size_t expected, const char* what) {
   if (is < expected)
-    throw Error(
-        fmt::format("NearPairFinder: {} has {}, elements name {}; give one for each", what, is, expected));
+    throw Error(fmt::format("NearPairFinder: {} has {} entries, elements refer to {}; pass one for each",
+                            what, is, expected));
 }
 
 kernels::BoxGroup group(std::uint32_t begin, std::uint32_t count, const Bounds& box, std::uint32_t marked) {
   return {begin, count, {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}, marked};
 }
 
-// Of what a patch is made, where it is not of triangles.
-bool is_loose_vertex(const SurfacePatch& patch) {
+// Kinds of patches without triangles: of grains, and of a rope's edges.
+bool is_particles_only(const SurfacePatch& patch) {
   return patch.triangles == 0 && patch.edges == 0;
 }
-bool is_loose_edges(const SurfacePatch& patch) {
+bool is_edges_only(const SurfacePatch& patch) {
   return patch.triangles == 0 && patch.edges > 0;
 }
 
-// Pairs of which something can move, in the same order; how many.
+// Keeps the pairs with a particle that can move, in order. Returns their number.
 std::size_t keep_moving(kernels::Quad* pairs, std::size_t count, std::span<const Vec4f> position_w) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -64,7 +64,7 @@ std::size_t keep_moving(kernels::Quad* pairs, std::size_t count, std::span<const
 
 }  // namespace
 
-kernels::Quad* NearPairFinder::List::room_for(std::size_t more) {
+kernels::Quad* NearPairFinder::List::grow_capacity(std::size_t more) {
   if (count + more > pairs.size()) pairs.resize(2 * (count + more));
   return &pairs[count].particle;
 }
@@ -84,13 +84,13 @@ kernels::BoxColumns NearPairFinder::Boxes::columns() const {
 }
 
 void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
-                          const ObjectMatrix& meets, std::span<const Vec4f> position_w, NearPairs& out,
+                          const ObjectMatrix& matrix, std::span<const Vec4f> position_w, NearPairs& out,
                           Threads& threads) {
   require(boxes.size(), elements.particle_end(), "boxes");
   require(position_w.size(), elements.particle_end(), "position_w");
-  require(meets.size(), elements.object_end(), "meets");
+  require(matrix.size(), elements.object_end(), "matrix");
   elements_ = &elements;
-  meets_ = &meets;
+  matrix_ = &matrix;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
   const ActiveScope awake(threads);
   auto start = Clock::now();
@@ -111,8 +111,8 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   is_moving_.assign(elements.particle_end(), 0);
 }
 
-// Calls find_one(k, part) for k in [0, count). Chunks of them go to the parts in turn, so that each has its
-// share of crowded places; pairs come in order of k.
+// Calls find_one(k, part) for k in [0, count). Parts take chunks in rotation, so that crowded regions are
+// distributed among them. Pairs are in order of k.
 template <class Function>
 void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, NearPairs& out,
                                     Threads& threads, const Function& find_one) {
@@ -140,13 +140,14 @@ void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, Ne
 void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
                                 std::span<const Vec4f> position_w, NearPairs& out, Threads& threads) {
   for (const std::uint32_t i : particles)
-    if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_endless(boxes[i]);
+    if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_infinite(boxes[i]);
   mark(particles);
-  for (const std::uint32_t a : moving_now_) left_out_ += make_boxes_of(a, position_w);
-  if (!moving_now_.empty()) hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
+  for (const std::uint32_t a : moved_patches_) left_out_ += make_boxes_of(a, position_w);
+  if (!moved_patches_.empty())
+    hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
   constexpr std::size_t per_chunk = 16;
-  find_in_chunks(moving_now_.size(), per_chunk, out, threads, [&](std::size_t k, Part& part) {
-    const std::uint32_t a = moving_now_[k];
+  find_in_chunks(moved_patches_.size(), per_chunk, out, threads, [&](std::size_t k, Part& part) {
+    const std::uint32_t a = moved_patches_[k];
     part.found.clear();
     hash_.find(patch_boxes_[a], part.found);
     for (const std::uint32_t b : part.found) {
@@ -158,22 +159,22 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
   unmark(particles);
 }
 
-// Finds the patches that name one of them, and which of their items do.
+// Finds the patches that contain a given particle, and marks their items that do.
 void NearPairFinder::mark(std::span<const std::uint32_t> particles) {
-  moving_now_.clear();
+  moved_patches_.clear();
   for (const std::uint32_t i : particles) {
     if (i >= elements_->particle_end()) continue;
     is_moving_[i] = 1;
-    for (const std::uint32_t p : elements_->patches_of(i)) moving_now_.push_back(p);
+    for (const std::uint32_t p : elements_->patches_of(i)) moved_patches_.push_back(p);
   }
-  std::sort(moving_now_.begin(), moving_now_.end());
-  moving_now_.erase(std::unique(moving_now_.begin(), moving_now_.end()), moving_now_.end());
+  std::sort(moved_patches_.begin(), moved_patches_.end());
+  moved_patches_.erase(std::unique(moved_patches_.begin(), moved_patches_.end()), moved_patches_.end());
   const auto bits = [&](std::uint32_t first, std::uint32_t count, const auto& moves) {
     std::uint32_t marked = 0;
     for (std::uint32_t k = 0; k < count; ++k) marked |= moves(first + k) ? 1u << k : 0u;
     return marked;
   };
-  for (const std::uint32_t a : moving_now_) {
+  for (const std::uint32_t a : moved_patches_) {
     const SurfacePatch& patch = elements_->patches()[a];
     marks_[a].vertices = bits(patch.first_vertex, patch.vertices,
                               [&](std::uint32_t v) { return is_moving_[elements_->vertices()[v]] != 0; });
@@ -191,7 +192,7 @@ void NearPairFinder::mark(std::span<const std::uint32_t> particles) {
 void NearPairFinder::unmark(std::span<const std::uint32_t> particles) {
   for (const std::uint32_t i : particles)
     if (i < elements_->particle_end()) is_moving_[i] = 0;
-  for (const std::uint32_t a : moving_now_) marks_[a] = {};
+  for (const std::uint32_t a : moved_patches_) marks_[a] = {};
 }
 
 void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w,
@@ -199,7 +200,7 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
   const std::size_t particles = elements_->particle_end(), patches = elements_->patches().size();
   clean_boxes_.resize(particles);
   threads.for_each(particles, box_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) clean_boxes_[i] = finite_or_endless(boxes[i]);
+    for (std::size_t i = begin; i < end; ++i) clean_boxes_[i] = finite_or_infinite(boxes[i]);
   });
   vertex_boxes_.resize(elements_->vertices().size());
   edge_boxes_.resize(elements_->edges().size());
@@ -225,7 +226,7 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
   for (std::size_t k = 0; k < 3; ++k) triangles_.particle[k] = elements_->triangle_particles(k);
 }
 
-// Of a patch and all that it has. Returns how many of these are left out.
+// Computes the boxes of a patch and its items. Returns the number of items that are skipped.
 std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> position_w) {
   const SurfacePatch& patch = elements_->patches()[a];
   std::size_t left_out = 0, moving = 0;
@@ -269,12 +270,12 @@ void NearPairFinder::find_near(std::uint32_t a, std::span<const Vec4f> position_
 void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint32_t b, const Marks& of_b,
                                   std::span<const Vec4f> position_w, Part& part) const {
   const SurfacePatch &p = elements_->patches()[a], &q = elements_->patches()[b];
-  if (!meets_->at(p.object, q.object)) return;
+  if (!matrix_->at(p.object, q.object)) return;
   if (moves_[a] == Moves::nothing && moves_[b] == Moves::nothing) return;
   const bool all_move = moves_[a] == Moves::all || moves_[b] == Moves::all;
   const auto add = [&](List& list, std::size_t most, const auto& find) {
     if (most == 0) return;
-    kernels::Quad* const pairs = list.room_for(most);
+    kernels::Quad* const pairs = list.grow_capacity(most);
     const std::size_t count = find(pairs);
     list.count += all_move ? count : keep_moving(pairs, count, position_w);
   };
@@ -296,7 +297,7 @@ void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint3
   });
   const auto vertices_edges = [&](const SurfacePatch& v, const Bounds& v_box, const Marks& of_v,
                                   const SurfacePatch& e, const Bounds& e_box, const Marks& of_e) {
-    if (!is_loose_vertex(v) || !is_loose_edges(e)) return;
+    if (!is_particles_only(v) || !is_edges_only(e)) return;
     add(part.edge_edge, std::size_t{v.vertices} * e.edges, [&](kernels::Quad* pairs) {
       return kernels_->vertices_edges(vertices_, group(v.first_vertex, v.vertices, v_box, of_v.vertices),
                                       edges_, group(e.first_edge, e.edges, e_box, of_e.edges), pairs);
@@ -306,26 +307,26 @@ void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint3
   vertices_edges(q, q_box, of_b, p, p_box, of_a);
 }
 
-// Puts the pairs of all chunks one after the other, in order of chunks.
+// Joins the pairs of all chunks, in order of chunks.
 void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<NearPair>& out,
                           std::size_t parts, Threads& threads) {
   std::size_t sum = 0;
   for (Chunk& chunk : chunks_) {
-    (chunk.*piece).place = sum;
+    (chunk.*piece).offset = sum;
     sum += (chunk.*piece).count;
   }
   resize_with_spare(out, sum);
   threads.for_each(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Piece& from = chunks_[k].*piece;
-      std::copy_n((parts_[k % parts].*list).pairs.data() + from.begin, from.count, out.data() + from.place);
+      std::copy_n((parts_[k % parts].*list).pairs.data() + from.begin, from.count, out.data() + from.offset);
     }
   });
 }
 
 std::size_t NearPairFinder::bytes() const {
   std::size_t sum =
-      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, marks_, is_moving_, moving_now_) +
+      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, marks_, is_moving_, moved_patches_) +
       hash_.bytes();
   for (const Boxes* boxes : {&vertex_boxes_, &edge_boxes_, &triangle_boxes_})
     for (std::size_t axis = 0; axis < 3; ++axis) sum += bytes_of(boxes->lo[axis], boxes->hi[axis]);

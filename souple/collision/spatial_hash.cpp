@@ -182,9 +182,9 @@ void SpatialHash::sort_by_parts(Threads& threads) {
   });
   entry_count_ = sum_offsets();
   resize_with_spare(keyed_, entry_count_);
-  resize_with_spare(entries_, entry_count_ + kernels::BoxGroup::most_items);
+  resize_with_spare(entries_, entry_count_ + kernels::BoxGroup::max_items);
   for (auto* columns : {&lo_, &hi_})
-    for (auto& column : *columns) resize_with_spare(column, entry_count_ + kernels::BoxGroup::most_items);
+    for (auto& column : *columns) resize_with_spare(column, entry_count_ + kernels::BoxGroup::max_items);
   threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
     for (std::size_t chunk = begin; chunk < end; ++chunk) {
       std::array<std::uint32_t, max_parts> next{};

@@ -13,7 +13,7 @@
 namespace souple {
 namespace {
 
-using kernels::Verdict;
+using kernels::Classification;
 
 constexpr std::size_t contact_grain = 256;
 constexpr std::uint16_t no_color = std::numeric_limits<std::uint16_t>::max();
@@ -22,8 +22,8 @@ constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 // plane would never come apart. [m]
 constexpr float touching = 1e-8f;
 
-const kernels::FeatureKernels& packed() {
-  return kernels::find_feature_kernels(instruction_set());
+const kernels::ElementPairKernels& packed() {
+  return kernels::find_element_pair_kernels(instruction_set());
 }
 
 /// The four particles of a pair relative to the first: when the substep began, and where they go.
@@ -177,7 +177,7 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 // --- what touches
 
 void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                 std::span<const float> radius, std::span<float> pressed,
+                                 std::span<const float> radius, std::span<float> contact_margin,
                                  const ContactMaterialTable& matrix, const ContactStep& step,
                                  Threads& threads) {
   forget_contacts();
@@ -187,8 +187,8 @@ void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const 
     throw Error("SurfaceContacts: the surface matrix is smaller than surfaces x surfaces; build it anew");
   matrix_ = &matrix;
   step_ = step;
-  pressed_ = pressed;
-  pairs_.begin_step(particles, velocity, radius, pressed, step, threads);
+  contact_margin_ = contact_margin;
+  pairs_.begin_step(particles, velocity, radius, contact_margin, step, threads);
   renew_colors();
 }
 
@@ -218,7 +218,7 @@ void SurfaceContacts::find(std::vector<Touch>& found, Threads& threads, const Fu
   if (found_.size() < count) {
     const std::size_t before = found_.size();
     found_.resize(count + count / 2 + 16);
-    for (std::size_t c = before; c < found_.size(); ++c) found_[c].touches.reserve(FeaturePairs::chunk_size);
+    for (std::size_t c = before; c < found_.size(); ++c) found_[c].touches.reserve(ElementPairs::chunk_size);
   }
   threads.for_each(count, 4, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
@@ -242,7 +242,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   if (!pairs_.any()) return;
   limits_ = {1 / substep.h, 2 * step_.gravity * substep.h, step_.depenetration_speed * substep.h};
   pairs_.begin_substep(substep.h);
-  renew_colors_from(pairs_.keep_up(particles, substep.h, threads));
+  renew_colors_from(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
   find(touches_, threads,
        [&](std::size_t chunk, std::vector<Touch>& found) { find_touching(chunk, particles, found); });
@@ -252,31 +252,33 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
 
 void SurfaceContacts::find_touching(std::size_t chunk, const ParticleView& particles,
                                     std::vector<Touch>& found) {
-  std::uint32_t near[FeaturePairs::chunk_size];
-  float verdict[FeaturePairs::chunk_size];
-  const kernels::FeaturePoints points = pairs_.points(particles);
-  const std::size_t count = pairs_.near(chunk, {1, 1 + early, pairs_.pressed(chunk)}, points, near);
+  std::uint32_t near[ElementPairs::chunk_size];
+  float classification[ElementPairs::chunk_size];
+  const kernels::ParticleRecords records = pairs_.particle_records(particles);
+  const std::size_t count =
+      pairs_.find_near(chunk, {1, 1 + speculative_part, pairs_.contact_margin(chunk)}, records, near);
   if (count == 0) return;
-  packed().judge[pairs_.chunk(chunk).edges ? 1 : 0](points, pairs_.columns(), early, near, 0, count, verdict);
+  packed().classify[pairs_.chunk(chunk).edges ? 1 : 0](records, pairs_.columns(), speculative_part, near, 0,
+                                                       count, classification);
   for (std::size_t k = 0; k < count; ++k) {
     float part = 1;
     if (!pairs_.is_replaced(near[k]) &&
-        is_contact(near[k], static_cast<unsigned>(verdict[k]), particles, part))
+        is_contact(near[k], static_cast<unsigned>(classification[k]), particles, part))
       found.push_back({near[k], part});
   }
 }
 
-bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned verdict, const ParticleView& particles,
+bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
                                  float& part) const {
   const bool edges = pairs_.are_edges(pair);
   const NearPair& particle = pairs_.pair(pair);
-  if ((verdict & Verdict::fast) != 0) {
+  if ((classification & Classification::fast) != 0) {
     const Motion motion = motion_of(particle, particles);
     part = safe_time(motion, edges);
     if (part < 1) return has_normal(particle, motion, part, edges, particles);
   }
-  if ((verdict & Verdict::touches) == 0) return false;
-  const unsigned on_border = verdict / Verdict::on_border;
+  if ((classification & Classification::touches) == 0) return false;
+  const unsigned on_border = classification / Classification::on_border;
   if (!edges) return is_owner(particle, on_border, particles);
   const auto is_rope = [&](std::uint32_t i) {
     return pairs_.surface(pairs_.surface_of(i)).triangles.empty();
@@ -338,8 +340,8 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
                                const std::vector<std::uint32_t>& pairs, const std::vector<float>& parts,
                                const kernels::ContactColumns& out) {
   if (begin >= end) return;
-  packed().describe[edges ? 1 : 0](pairs_.points(particles), pairs_.columns(), limits_, pairs.data(),
-                                   parts.data(), begin, end, out);
+  packed().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), limits_,
+                                   pairs.data(), parts.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
     const ContactMaterialPair& surface =
@@ -367,7 +369,7 @@ void SurfaceContacts::describe_touches(const ParticleView& particles, Threads& t
 void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep&) {
   const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
-  packed().project(pairs_.points(particles), columns_, first + begin, first + end);
+  packed().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
 }
 
 // --- nothing passes
@@ -376,11 +378,11 @@ void SurfaceContacts::find_passing(std::size_t chunk, const ParticleView& partic
                                    std::vector<Cut>& found) {
   constexpr float nearly = 0.9f;  // of what is between them
   if (!all && !pairs_.any_moved_by(nearly, pairs_.chunk(chunk))) return;
-  std::uint32_t near[FeaturePairs::chunk_size];
-  const std::size_t count = pairs_.near(chunk, {nearly, 0, 0}, pairs_.points(particles), near);
+  std::uint32_t near[ElementPairs::chunk_size];
+  const std::size_t count = pairs_.find_near(chunk, {nearly, 0, 0}, pairs_.particle_records(particles), near);
   for (std::size_t k = 0; k < count; ++k) {
     if (!all && !pairs_.was_moved(near[k])) continue;
-    if (pairs_.known(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
+    if (pairs_.distance_bound(near[k]) < touching || pairs_.is_replaced(near[k])) continue;
     const float part = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
     if (part < 1) found.push_back({near[k], part});
   }
@@ -404,7 +406,7 @@ void SurfaceContacts::find_cuts_again(const ParticleView& particles, const Subst
     cut_particles_.insert(cut_particles_.end(), column, column + cut_pair_.size());
   std::sort(cut_particles_.begin(), cut_particles_.end());
   cut_particles_.erase(std::unique(cut_particles_.begin(), cut_particles_.end()), cut_particles_.end());
-  const std::size_t renewed_from = pairs_.keep_up(particles, substep.h, cut_particles_, threads);
+  const std::size_t renewed_from = pairs_.update(particles, substep.h, cut_particles_, threads);
   renew_colors_from(renewed_from);
   if (renewed_from == 0) return find_cuts(particles, threads);
   pairs_.measure(particles, cut_particles_);
@@ -433,10 +435,10 @@ void SurfaceContacts::push_cuts(const ParticleView& particles) {
   const kernels::ContactColumns columns = rescues_.columns();
   describe(false, begin, edges, particles, cut_pair_, cut_part_, columns);
   describe(true, edges, cut_pair_.size(), particles, cut_pair_, cut_part_, columns);
-  const kernels::FeatureKernels& one_by_one = kernels::find_feature_kernels(InstructionSet::scalar);
+  const kernels::ElementPairKernels& one_by_one = kernels::find_element_pair_kernels(InstructionSet::scalar);
   constexpr int sweeps = 4;
   for (int sweep = 0; sweep < sweeps; ++sweep)
-    one_by_one.project(pairs_.points(particles), columns, 0, cut_pair_.size());
+    one_by_one.project(pairs_.particle_records(particles), columns, 0, cut_pair_.size());
 }
 
 // Particles of a pair that would touch keep the part of their way that is safe.
@@ -454,13 +456,14 @@ void SurfaceContacts::shorten_ways(const ParticleView& particles) {
 // most a part of the thickness.
 void SurfaceContacts::remember_pushes() {
   constexpr float part_of_thickness = 0.5f, kept = 0.9f, negligible = 1e-6f;  // m
-  for (float& pressed : pressed_) pressed = pressed > negligible ? kept * pressed : 0;
+  for (float& contact_margin : contact_margin_)
+    contact_margin = contact_margin > negligible ? kept * contact_margin : 0;
   for (std::size_t c = 0; c < size(); ++c) {
     const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
-    if (!(beyond > early * columns_.thickness[c])) continue;
-    const float pressed = min(beyond, part_of_thickness * columns_.thickness[c]);
+    if (!(beyond > speculative_part * columns_.thickness[c])) continue;
+    const float contact_margin = min(beyond, part_of_thickness * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
-      pressed_[particle[c]] = max(pressed_[particle[c]], pressed);
+      contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);
   }
 }
 
@@ -471,7 +474,7 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
   constexpr int pushes = 20, passes = 30;
   cut_pair_.clear(), cut_part_.clear();
   std::size_t count = 0;
-  renew_colors_from(pairs_.keep_up(particles, substep.h, threads));
+  renew_colors_from(pairs_.update(particles, substep.h, threads));
   find_cuts(particles, threads);
   for (int pass = 0; pass < passes && !cuts_.empty(); ++pass) {
     if (pass < pushes) {
@@ -495,8 +498,8 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
   for (int color = 0; color < color_count(); ++color) {
     const std::size_t first = begin_[2 * static_cast<std::size_t>(color)];
     threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
-      packed().apply_restitution(pairs_.points(particles), columns_, limits_, &velocity[0].x, first + begin,
-                                 first + end);
+      packed().apply_restitution(pairs_.particle_records(particles), columns_, limits_, &velocity[0].x,
+                                 first + begin, first + end);
     });
   }
 }

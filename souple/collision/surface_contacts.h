@@ -3,7 +3,7 @@
 #include "souple/collision/contact.h"
 #include "souple/collision/contact_arrays.h"
 #include "souple/collision/contact_material.h"
-#include "souple/collision/feature_pairs.h"
+#include "souple/collision/element_pairs.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -48,11 +48,11 @@ class SurfaceContacts final : public Projector {
   /// Whose tangles may pass; none: all are held. It must live as long as this is used.
   void set_untangling(const Untangling* untangling) { pairs_.set_untangling(untangling); }
 
-  /// `surfaces` and `radius` as for ParticleContacts; pressed[i]: how far contacts pushed particle i of late
-  /// [m], which this keeps up to date. All must live until the step ends.
+  /// `surfaces` and `radius` as for ParticleContacts; contact_margin[i]: how far contacts pushed particle i
+  /// of late [m], which this keeps up to date. All must live until the step ends.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<float> pressed, const ContactMaterialTable& matrix,
-                  const ContactStep& step, Threads& threads);
+                  std::span<const float> radius, std::span<float> contact_margin,
+                  const ContactMaterialTable& matrix, const ContactStep& step, Threads& threads);
   /// After prediction: the contacts of this substep.
   void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
   /// After the solver, before velocities are taken. Returns how often a way was shortened.
@@ -107,7 +107,8 @@ class SurfaceContacts final : public Projector {
   void find_passing(std::size_t chunk, const ParticleView& particles, bool all, std::vector<Cut>& found);
   void find_cuts(const ParticleView& particles, Threads& threads);
   void find_cuts_again(const ParticleView& particles, const Substep& substep, Threads& threads);
-  bool is_contact(std::uint32_t pair, unsigned verdict, const ParticleView& particles, float& part) const;
+  bool is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
+                  float& part) const;
   std::uint16_t color_of(const NearPair& pair, const ParticleView& particles);
   void sort_touches(const ParticleView& particles);
   void describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -118,7 +119,7 @@ class SurfaceContacts final : public Projector {
   void shorten_ways(const ParticleView& particles);
   void remember_pushes();
 
-  FeaturePairs pairs_;
+  ElementPairs pairs_;
   /// A side of a triangle, by one of its ends.
   struct Side {
     std::uint32_t other, third;  ///< its other end, and the corner across
@@ -128,7 +129,7 @@ class SurfaceContacts final : public Projector {
   std::vector<Side> sides_;
   std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // the first triangle that has it
 
-  std::span<float> pressed_;
+  std::span<float> contact_margin_;
   const ContactMaterialTable* matrix_ = nullptr;
   ContactStep step_;
   kernels::ContactLimits limits_{};

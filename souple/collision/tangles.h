@@ -36,9 +36,9 @@ struct SurfaceHit {
 /// plane.
 class Tangles {
  public:
-  /// As FeaturePairs::set_surfaces; `surfaces` is read now and not kept.
+  /// As ElementPairs::set_surfaces; `surfaces` is read now and not kept.
   void set_surfaces(std::span<const ContactSurface> surfaces);
-  /// As FeaturePairs::exclude.
+  /// As ElementPairs::exclude.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
 
   /// Where particles are now. By edge, then triangle: the same for any number of threads. Allocates nothing

@@ -244,7 +244,7 @@ void remove_object(WorldState& world, const Object& object) {
   for (UserConstraint& user_constraint : world.user_constraints) user_constraint.erase_particles(begin, end);
   world.particle_contacts.erase_particles(begin, end);
   world.surface_contacts.erase_particles(begin, end);
-  world.feature_contacts.erase_particles(begin, end);
+  world.collider_element_contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
   std::erase_if(world.emitters, [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));

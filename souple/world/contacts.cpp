@@ -52,12 +52,12 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
 }
 
 // Bodies with an embedded surface have no elements: their particles collide instead.
-void append_features(const Object& object, std::uint32_t index, std::span<const Edge> rope_edges,
-                     std::vector<FeatureContacts::Feature>& features) {
+void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> rope_edges,
+                     std::vector<ColliderElementContacts::Element>& elements) {
   if (object.kind == ObjectKind::obstacle || is_particle_only(object)) return;
   const std::uint32_t b = object.begin;
-  for (const Triangle& t : object.surface) features.push_back({{b + t[0], b + t[1], b + t[2]}, index});
-  for (const Edge& edge : rope_edges) features.push_back({{b + edge[0], b + edge[1], b + edge[1]}, index});
+  for (const Triangle& t : object.surface) elements.push_back({{b + t[0], b + t[1], b + t[2]}, index});
+  for (const Edge& edge : rope_edges) elements.push_back({{b + edge[0], b + edge[1], b + edge[1]}, index});
 }
 
 ContactMaterial contact_material_of(const Material& material) {
@@ -134,16 +134,16 @@ void build_contact_tables(WorldState& world) {
   world.check_intersections = true;
   world.surface_contacts.set_surfaces(std::move(surfaces));
   world.surface_contacts.set_untangling(&world.untangling);
-  std::vector<FeatureContacts::Feature> features;
+  std::vector<ColliderElementContacts::Element> elements;
   const bool any_solid = std::any_of(tables.colliders.begin(), tables.colliders.end(), [](const Collider& c) {
     return !std::holds_alternative<Plane>(c.shape);
   });
   for (std::uint32_t a = 0; any_solid && a < world.objects.size(); ++a)
-    append_features(*world.objects[a], a, tables.rope_edges[a], features);
+    append_elements(*world.objects[a], a, tables.rope_edges[a], elements);
   world.dirty_counts = true;
   world.fluids.build(world);
-  features.shrink_to_fit();
-  world.feature_contacts.set_features(std::move(features));
+  elements.shrink_to_fit();
+  world.collider_element_contacts.set_elements(std::move(elements));
 }
 
 void update_fluid_counts(WorldState& world) {
@@ -215,8 +215,8 @@ void find_candidates(WorldState& world, double dt) {
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
     tables.objects[a].moves = world.objects[a]->island == 0;
-  world.feature_contacts.begin_step(view, particles.velocity, particles.radius, tables.colliders,
-                                    tables.against_colliders, step, *world.threads);
+  world.collider_element_contacts.begin_step(view, particles.velocity, particles.radius, tables.colliders,
+                                             tables.against_colliders, step, *world.threads);
   world.guarded("a collider's motion", [&] {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
                                        tables.colliders, tables.against_colliders, step, *world.threads);
@@ -235,7 +235,7 @@ void generate_contacts(WorldState& world, const Substep& substep) {
   world.guarded("a collider's motion",
                 [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
   world.guarded("a collider's motion",
-                [&] { world.feature_contacts.refresh(view, substep, world.time, *world.threads); });
+                [&] { world.collider_element_contacts.refresh(view, substep, world.time, *world.threads); });
   world.surface_contacts.refresh(view, substep, *world.threads);
   world.particle_contacts.refresh(view, substep, *world.threads);
 }
@@ -248,18 +248,18 @@ void apply_restitution(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   world.surface_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
   world.particle_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
-  world.feature_contacts.apply_restitution(view, world.particles.velocity, substep);
+  world.collider_element_contacts.apply_restitution(view, world.particles.velocity, substep);
   world.collider_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
 }
 
 void report_contacts(WorldState& world) {
   const ContactReport colliders = world.collider_contacts.report();
-  const ContactReport features = world.feature_contacts.report();
+  const ContactReport elements = world.collider_element_contacts.report();
   const ContactReport particles = world.particle_contacts.report();
   const ContactReport surfaces = world.surface_contacts.report();
-  world.report.contacts = colliders.count + features.count + particles.count + surfaces.count;
+  world.report.contacts = colliders.count + elements.count + particles.count + surfaces.count;
   world.report.deepest_contact = static_cast<double>(
-      std::max({colliders.deepest, features.deepest, particles.deepest, surfaces.deepest}));
+      std::max({colliders.deepest, elements.deepest, particles.deepest, surfaces.deepest}));
 }
 
 std::span<const ContactEvent> World::contacts() const {
@@ -271,7 +271,7 @@ std::span<const ContactEvent> World::contacts() const {
   const ParticleView view = world.view();
   std::vector<ContactPush> pushes;
   world.collider_contacts.events(view, pushes);
-  world.feature_contacts.events(view, pushes);
+  world.collider_element_contacts.events(view, pushes);
   for (const ContactPush& push : pushes) append_event(world, push, true, world.events);
   pushes.clear();
   world.surface_contacts.events(view, pushes);

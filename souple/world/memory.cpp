@@ -89,7 +89,7 @@ MemoryReport World::memory() {
   add_constraints(world, report);
   report.simulation.push_back({"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
                                                world.collider_contacts.bytes() +
-                                               world.feature_contacts.bytes() +
+                                               world.collider_element_contacts.bytes() +
                                                world.sleep.proximity.bytes() + world.untangling.bytes()});
   if (const std::size_t foam = world.fluids.foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});

@@ -4,7 +4,7 @@
 
 #include "souple/collision/collider.h"
 #include "souple/collision/collider_contacts.h"
-#include "souple/collision/feature_contacts.h"
+#include "souple/collision/collider_element_contacts.h"
 #include "souple/collision/particle_contacts.h"
 #include "souple/collision/surface_contacts.h"
 #include "souple/collision/untangling.h"
@@ -176,7 +176,7 @@ struct WorldState {
   std::unique_ptr<Solver> solver;
   std::unique_ptr<Threads> threads;  ///< null: create before the next step
   ColliderContacts collider_contacts;
-  FeatureContacts feature_contacts;
+  ColliderElementContacts collider_element_contacts;
   ParticleContacts particle_contacts;
   SurfaceContacts surface_contacts;
   Untangling untangling;
@@ -235,7 +235,7 @@ struct WorldState {
     for_each_constraint_projector(f);
     f(surface_contacts);
     f(particle_contacts);
-    f(feature_contacts);
+    f(collider_element_contacts);
     f(collider_contacts);
   }
 

@@ -9,13 +9,13 @@
 
 namespace souple::test {
 
-/// Things to look for near pairs in: particles with a box each, and what they make up.
+/// A scene for searches of near pairs: particles, each with a box, and elements of these particles.
 struct SurfaceScene {
   SurfaceElements elements;
   std::vector<Bounds> boxes;
   std::vector<Vec4f> position_w;
   std::uint32_t objects = 0;
-  ObjectMatrix meets;
+  ObjectMatrix matrix;
 
   std::uint32_t add_particle(const Vec3d& x, double half_size, float inverse_mass = 1) {
     const Vec3f at(x), half{float(half_size), float(half_size), float(half_size)};
@@ -25,7 +25,7 @@ struct SurfaceScene {
   }
   std::uint32_t size() const { return static_cast<std::uint32_t>(boxes.size()); }
 
-  /// A grid whose vertices go where `shape` says: its arguments are those of the flat grid.
+  /// A grid with its vertices at shape(x, z), where x and z are those of the flat grid.
   void add_cloth(int columns, double width, double half_size,
                  const std::function<Vec3d(double, double)>& shape) {
     const TriangleMesh mesh = grid(columns, columns, width);
@@ -33,8 +33,8 @@ struct SurfaceScene {
     for (const Vec3d& x : mesh.positions) add_particle(shape(x.x, x.z), half_size);
     elements.add_triangles(mesh.triangles, first, objects++);
   }
-  /// Triangles anywhere in a cube, of sides about `length`.
-  void add_soup(int triangles, double cube, double length, double half_size, Random& random) {
+  /// Triangles at random positions in a cube, with sides of about `length`.
+  void add_random_triangles(int triangles, double cube, double length, double half_size, Random& random) {
     const std::uint32_t first = size();
     std::vector<Triangle> list;
     for (int t = 0; t < triangles; ++t) {
@@ -62,7 +62,7 @@ struct SurfaceScene {
   void move(const Vec3d& by) {
     for (Bounds& box : boxes) box = {Vec3f(Vec3d(box.lo) + by), Vec3f(Vec3d(box.hi) + by)};
   }
-  void all_meet() { meets = ObjectMatrix(objects, true); }
+  void all_collide() { matrix = ObjectMatrix(objects, true); }
 };
 
 }  // namespace souple::test

@@ -17,7 +17,7 @@ using test::Random;
 using test::SurfaceScene;
 using Quad = std::array<std::uint32_t, 4>;
 
-// Numbers written so that a pair has one form, whichever edge comes first.
+// Particles in an order that does not depend on which edge comes first: each pair has one form.
 Quad as_vertex_triangle(const NearPair& pair) {
   Quad q{pair.particle[0], pair.particle[1], pair.particle[2], pair.particle[3]};
   std::sort(q.begin() + 1, q.end());
@@ -47,7 +47,7 @@ Bounds around(const SurfaceScene& scene, std::span<const std::uint32_t> particle
   return box;
 }
 
-// Whether a pair of particles' groups counts, by the words of the header alone.
+// Whether a pair of elements must be found, according to the header's documentation alone.
 bool counts(const SurfaceScene& scene, std::span<const std::uint32_t> a, std::span<const std::uint32_t> b,
             std::uint32_t object_a, std::uint32_t object_b) {
   bool moves = false, shared = false, finite = true;
@@ -57,11 +57,11 @@ bool counts(const SurfaceScene& scene, std::span<const std::uint32_t> a, std::sp
       finite = finite && is_finite(scene.boxes[i].lo) && is_finite(scene.boxes[i].hi);
     }
   for (const std::uint32_t i : a) shared = shared || std::find(b.begin(), b.end(), i) != b.end();
-  return moves && !shared && finite && scene.meets.at(object_a, object_b) &&
+  return moves && !shared && finite && scene.matrix.at(object_a, object_b) &&
          overlap(around(scene, a), around(scene, b));
 }
 
-// All against all.
+// Compares all elements with all others.
 NearPairs brute_force(const SurfaceScene& scene) {
   NearPairs pairs;
   const SurfaceElements& all = scene.elements;
@@ -94,7 +94,7 @@ std::vector<NearPair> find_both(const SurfaceScene& scene, int threads, std::vec
   NearPairFinder finder;
   NearPairs pairs;
   const auto pool = make_threads(Threading::pool, threads);
-  finder.find(scene.elements, scene.boxes, scene.meets, scene.position_w, pairs, *pool);
+  finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
   edge_edge = pairs.edge_edge;
   return pairs.vertex_triangle;
 }
@@ -124,12 +124,12 @@ void expect_all_pairs(const SurfaceScene& scene, std::size_t at_least) {
 SurfaceScene mixture(std::uint64_t seed) {
   SurfaceScene scene;
   Random random(seed);
-  scene.add_soup(300, 1, 0.1, 0.02, random);
+  scene.add_random_triangles(300, 1, 0.1, 0.02, random);
   scene.add_cloth(16, 1.5, 0.01, [](double x, double z) { return Vec3d{x, 0.1 * std::sin(9 * x), z}; });
   for (int rope = 0; rope < 4; ++rope)
     scene.add_rope(40, random.point(-1, 1), random.point(-1, 1), random.uniform(0.01, 0.03));
   scene.add_grains(300, 1, 0.03, random);
-  scene.all_meet();
+  scene.all_collide();
   return scene;
 }
 
@@ -137,8 +137,8 @@ TEST(NearPairs, RandomTriangles) {
   for (std::uint64_t seed = 1; seed < 5; ++seed) {
     Random random(seed);
     SurfaceScene scene;
-    scene.add_soup(500, 1, random.uniform(0.02, 0.3), random.uniform(0, 0.05), random);
-    scene.all_meet();
+    scene.add_random_triangles(500, 1, random.uniform(0.02, 0.3), random.uniform(0, 0.05), random);
+    scene.all_collide();
     expect_all_pairs(scene, 100);
   }
 }
@@ -147,18 +147,18 @@ TEST(NearPairs, ClothOverCloth) {
   SurfaceScene scene;
   scene.add_cloth(24, 1, 0.01, [](double x, double z) { return Vec3d{x, 0, z}; });
   scene.add_cloth(20, 1, 0.01, [](double x, double z) { return Vec3d{z, 0.015, x}; });
-  scene.all_meet();
+  scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
 
-// A sheet wound up: layers 1 cm apart.
+// A spiral sheet: its layers are 1 cm apart.
 TEST(NearPairs, AFoldedSheetMeetsItself) {
   SurfaceScene scene;
   scene.add_cloth(40, 1, 0.006, [](double x, double z) {
     const double angle = 6 * pi * (x + 0.5), radius = 0.03 + 0.01 * angle / (2 * pi);
     return Vec3d{radius * std::cos(angle), z, radius * std::sin(angle)};
   });
-  scene.all_meet();
+  scene.all_collide();
   expect_all_pairs(scene, 5000);
 }
 
@@ -168,10 +168,10 @@ TEST(NearPairs, MixturesOfEverything) {
 
 TEST(NearPairs, OnlyObjectsThatMeet) {
   SurfaceScene scene = mixture(5);
-  scene.meets = ObjectMatrix(scene.objects);
-  scene.meets.set(0, 0, true);
-  scene.meets.set(0, 3, true);
-  scene.meets.set(1, scene.objects - 1, true);
+  scene.matrix = ObjectMatrix(scene.objects);
+  scene.matrix.set(0, 0, true);
+  scene.matrix.set(0, 3, true);
+  scene.matrix.set(1, scene.objects - 1, true);
   expect_all_pairs(scene, 200);
 }
 
@@ -188,12 +188,12 @@ TEST(NearPairs, OnlyWhatCanMove) {
 TEST(NearPairs, OneTriangleAThousandTimesLarger) {
   SurfaceScene scene = mixture(7);
   Random random(3);
-  scene.add_soup(1, 0.1, 100, 0.1, random);
-  scene.all_meet();
+  scene.add_random_triangles(1, 0.1, 100, 0.1, random);
+  scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
 
-// A shot: boxes swept over meters, of grains, a rope and a sheet, among small triangles.
+// Fast particles of grains, a rope and a sheet among small triangles: their boxes are swept over meters.
 TEST(NearPairs, SomethingFastAmongSlowThings) {
   SurfaceScene scene = mixture(8);
   for (std::size_t i = 0; i < scene.boxes.size(); i += 37) scene.boxes[i].hi += Vec3f{0.9f, 1.7f, 0.4f};
@@ -206,11 +206,11 @@ TEST(NearPairs, AllSizesAtOnce) {
   Random random(11);
   double size = 1e-4;
   for (int step = 0; step < 9; ++step, size *= 5) {
-    scene.add_soup(40, 3 * size, size, 0.1 * size, random);
+    scene.add_random_triangles(40, 3 * size, size, 0.1 * size, random);
     scene.add_grains(20, 3 * size, size * random.uniform(0.1, 2), random);
     scene.add_rope(10, random.point(-size, size), random.point(-size, size), 0.05 * size);
   }
-  scene.all_meet();
+  scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
 
@@ -219,17 +219,17 @@ TEST(NearPairs, CoincidentPoints) {
   Random random(9);
   for (int copy = 0; copy < 3; ++copy)
     scene.add_cloth(8, 1, 0, [](double x, double z) { return Vec3d{x, 0, z}; });
-  scene.add_soup(30, 0, 0, 0, random);
+  scene.add_random_triangles(30, 0, 0, 0, random);
   scene.add_grains(30, 0, 0, random);
-  scene.all_meet();
+  scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
 
 TEST(NearPairs, EverythingInOnePoint) {
   SurfaceScene scene;
   Random random(1);
-  scene.add_soup(40, 0, 0, 0, random);
-  scene.all_meet();
+  scene.add_random_triangles(40, 0, 0, 0, random);
+  scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
 
@@ -247,12 +247,12 @@ TEST(NearPairs, OneStrayFarAway) {
   Random random(2);
   for (const double far : {1e3, 1e6, 1e12, 1e30}) {
     const std::uint32_t first = scene.size();
-    scene.add_soup(2, 0, 0.1, 0.02, random);
+    scene.add_random_triangles(2, 0, 0.1, 0.02, random);
     for (std::uint32_t i = first; i < scene.size(); ++i)
       scene.boxes[i] = {scene.boxes[i].lo + Vec3f{float(far), 0, 0},
                         scene.boxes[i].hi + Vec3f{float(far), 0, 0}};
   }
-  scene.all_meet();
+  scene.all_collide();
   expect_all_pairs(scene, 1000);
 }
 
@@ -261,8 +261,8 @@ TEST(NearPairs, WhatIsNotFiniteIsLeftOutAndCounted) {
                   infinity = std::numeric_limits<float>::infinity();
   SurfaceScene scene;
   Random random(14);
-  scene.add_soup(200, 0.5, 0.1, 0.02, random);
-  scene.all_meet();
+  scene.add_random_triangles(200, 0.5, 0.1, 0.02, random);
+  scene.all_collide();
   scene.boxes[7].lo.y = nan;
   scene.boxes[33].hi.z = infinity;
   scene.boxes[72].lo = {nan, nan, nan};
@@ -270,18 +270,18 @@ TEST(NearPairs, WhatIsNotFiniteIsLeftOutAndCounted) {
   expect_all_pairs(scene, 1000);
   NearPairFinder finder;
   NearPairs pairs;
-  finder.find(scene.elements, scene.boxes, scene.meets, scene.position_w, pairs,
+  finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs,
               *make_threads(Threading::serial, 1));
   EXPECT_EQ(finder.left_out(), 4u + 3u + 7u);  // vertices, triangles, edges: 72 and 73 are of one triangle
 }
 
 TEST(NearPairs, NothingGivesNothing) {
   SurfaceScene scene;
-  scene.all_meet();
+  scene.all_collide();
   expect_all_pairs(scene, 0);
   Random random(1);
   scene.add_grains(10, 0, 1, random);
-  scene.all_meet();
+  scene.all_collide();
   expect_all_pairs(scene, 0);
 }
 
@@ -291,15 +291,15 @@ TEST(NearPairs, AWarmFindAllocatesNothing) {
   NearPairFinder finder;
   NearPairs pairs;
   for (int step = 0; step < 3; ++step)
-    finder.find(scene.elements, scene.boxes, scene.meets, scene.position_w, pairs, *pool);
+    finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
   for (Bounds& box : scene.boxes) box.lo.x += 1e-3f * (box.hi.x - box.lo.x);
   const long before = test::allocations();
-  finder.find(scene.elements, scene.boxes, scene.meets, scene.position_w, pairs, *pool);
+  finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
   EXPECT_EQ(test::allocations() - before, 0);
   EXPECT_GT(pairs.edge_edge.size(), 100u);
 }
 
-// Some particles are elsewhere: their pairs, and no others, as brute force has them.
+// After some particles have moved: exactly those of the brute-force pairs that contain such a particle.
 TEST(NearPairs, WhatMovedIsFoundAgainAlone) {
   for (const std::size_t stride : {1u, 7u, 90u}) {
     SurfaceScene scene = mixture(17 + stride);
@@ -307,7 +307,7 @@ TEST(NearPairs, WhatMovedIsFoundAgainAlone) {
     const auto pool = make_threads(Threading::pool, 2);
     NearPairFinder finder;
     NearPairs pairs;
-    finder.find(scene.elements, scene.boxes, scene.meets, scene.position_w, pairs, *pool);
+    finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
     Random random(stride);
     std::vector<std::uint32_t> moved;
     for (std::uint32_t i = 3; i < scene.boxes.size(); i += static_cast<std::uint32_t>(stride)) {
@@ -336,7 +336,7 @@ TEST(NearPairs, TooFewBoxesAreAnError) {
   NearPairs pairs;
   const auto threads = make_threads(Threading::serial, 1);
   const std::span<const Bounds> few = std::span<const Bounds>(scene.boxes).first(100);
-  EXPECT_THROW(finder.find(scene.elements, few, scene.meets, scene.position_w, pairs, *threads), Error);
+  EXPECT_THROW(finder.find(scene.elements, few, scene.matrix, scene.position_w, pairs, *threads), Error);
   EXPECT_THROW(finder.find(scene.elements, scene.boxes, ObjectMatrix(1), scene.position_w, pairs, *threads),
                Error);
 }

@@ -14,7 +14,7 @@ using kernels::BoxColumns;
 using kernels::BoxGroup;
 using kernels::PatchKernels;
 
-/// Boxes in a unit cube, and particles of which many have the same.
+/// Boxes in a unit cube, and their particles: many items share a particle.
 struct Items {
   std::array<std::vector<float>, 3> lo, hi;
   std::array<std::vector<std::uint32_t>, 3> particle;
@@ -51,21 +51,21 @@ BoxGroup random_group(std::uint32_t most, test::Random& random) {
   return group;
 }
 
-// Up to as many items as a group can have, at any place: the same pairs in the same order.
+// Groups of any size and position: the same pairs in the same order.
 TEST(PatchKernels, EveryInstructionSetFindsTheSame) {
   test::Random random(1);
   const Items a(200, random), b(200, random);
-  std::vector<std::array<std::uint32_t, 4>> room(std::size_t{BoxGroup::most_items} * BoxGroup::most_items);
-  auto* const pairs = reinterpret_cast<kernels::Quad*>(room.data());
+  std::vector<std::array<std::uint32_t, 4>> storage(std::size_t{BoxGroup::max_items} * BoxGroup::max_items);
+  auto* const pairs = reinterpret_cast<kernels::Quad*>(storage.data());
   std::size_t sum = 0;
   for (int round = 0; round < 2000; ++round) {
-    const BoxGroup p = random_group(BoxGroup::most_items, random);
-    const BoxGroup q = round % 3 == 0 ? p : random_group(BoxGroup::most_items, random);
+    const BoxGroup p = random_group(BoxGroup::max_items, random);
+    const BoxGroup q = round % 3 == 0 ? p : random_group(BoxGroup::max_items, random);
     std::vector<std::vector<std::array<std::uint32_t, 4>>> found;
     for (const PatchKernels* kernels : all_kernels()) {
       auto& list = found.emplace_back();
       const auto keep = [&](std::size_t n) {
-        list.insert(list.end(), room.begin(), room.begin() + std::ptrdiff_t(n));
+        list.insert(list.end(), storage.begin(), storage.begin() + std::ptrdiff_t(n));
       };
       keep(kernels->edges_edges(a.columns(), p, q, pairs));
       keep(kernels->vertices_triangles(a.columns(), p, b.columns(), q, pairs));

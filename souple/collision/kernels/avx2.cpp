@@ -1,5 +1,6 @@
-#include "souple/collision/kernels/compile_features.h"
+#include "souple/collision/kernels/compile_element_pairs.h"
 #include "souple/collision/kernels/compile_segments.h"
 
-template const souple::kernels::FeatureKernels& souple::kernels::feature_kernels<souple::simd::Avx2>();
+template const souple::kernels::ElementPairKernels&
+souple::kernels::element_pair_kernels<souple::simd::Avx2>();
 template const souple::kernels::SegmentKernels& souple::kernels::segment_kernels<souple::simd::Avx2>();

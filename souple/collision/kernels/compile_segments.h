@@ -3,8 +3,8 @@
 #include "souple/collision/kernels/segments.h"
 #include "souple/math/simd/pack.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Include this only in translation units that are compiled for one instruction set. Every template here has
+// the tag of its instruction set as an argument.
 
 namespace souple::kernels {
 
@@ -28,7 +28,7 @@ inline void store_crossing(const Crossing<simd::Pack<Isa>>& found, const Crossin
 template <class Isa, class Prepared>
 [[gnu::flatten]] std::size_t cross_packs(const Prepared& crosses_segment, const TriangleColumns& columns,
                                          const CrossingColumns& out_columns) {
-  // Copies that the compiler knows no store to change.
+  // Local copies: the compiler can see that no store changes them.
   const Prepared crosses = crosses_segment;
   const TriangleColumns triangles = columns;
   const CrossingColumns out = out_columns;

@@ -4,10 +4,10 @@
 
 namespace souple::kernels {
 
-const FeatureKernels& find_feature_kernels(InstructionSet set) {
-  const FeatureKernels* const packed = souple::detail::find_for(
-      set, []<class Isa>(std::type_identity<Isa>) { return &feature_kernels<Isa>(); });
-  return packed ? *packed : feature_kernels<Single>();
+const ElementPairKernels& find_element_pair_kernels(InstructionSet set) {
+  const ElementPairKernels* const packed = souple::detail::find_for(
+      set, []<class Isa>(std::type_identity<Isa>) { return &element_pair_kernels<Isa>(); });
+  return packed ? *packed : element_pair_kernels<Single>();
 }
 
 }  // namespace souple::kernels

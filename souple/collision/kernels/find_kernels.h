@@ -1,11 +1,11 @@
 #pragma once
 
-#include "souple/collision/kernels/features.h"
+#include "souple/collision/kernels/element_pairs.h"
 #include "souple/solver/instruction_set.h"
 
 namespace souple::kernels {
 
-/// Of an instruction set that this build and this processor have.
-const FeatureKernels& find_feature_kernels(InstructionSet set);
+/// Kernels for an instruction set that this build and this processor support.
+const ElementPairKernels& find_element_pair_kernels(InstructionSet set);
 
 }  // namespace souple::kernels

@@ -6,11 +6,12 @@
 #include <cstddef>
 #include <type_traits>
 
-// One segment against many triangles, a register's worth at a time.
+// One segment against many triangles, a register at a time.
 
 namespace souple::kernels {
 
-/// As many triangles, from the first on, as fill whole registers; returns the first that is left.
+/// Tests as many triangles, from the first one on, as fill whole registers. Returns the index after the last
+/// tested one.
 using FindCrossings = std::size_t (*)(const Segment<float>&, const TriangleColumns&, const CrossingColumns&);
 
 struct SegmentKernels {

@@ -1,5 +1,6 @@
 #include "souple/collision/kernels/single.h"
 
-#include "souple/collision/kernels/compile_features.h"
+#include "souple/collision/kernels/compile_element_pairs.h"
 
-template const souple::kernels::FeatureKernels& souple::kernels::feature_kernels<souple::kernels::Single>();
+template const souple::kernels::ElementPairKernels&
+souple::kernels::element_pair_kernels<souple::kernels::Single>();

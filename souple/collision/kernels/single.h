@@ -4,7 +4,7 @@
 
 namespace souple::kernels {
 
-/// One lane, as an instruction set (math/simd/instruction_sets.h) whose registers are floats.
+/// The instruction set with one lane (see math/simd/instruction_sets.h): its registers are floats.
 struct Single {
   static constexpr int lanes = 1;
   using Vector = float;

@@ -3,14 +3,14 @@
 #include "souple/collision/patch_kernels/patch_kernels.h"
 #include "souple/math/simd/instruction_sets.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Include this only in translation units that are compiled for one instruction set. Every template here has
+// the tag of its instruction set as an argument.
 
 #define SOUPLE_INLINE __attribute__((always_inline))
 
 namespace souple::kernels {
 
-/// Comparisons of all lanes at once. bits: bit l is set where lane l is true.
+/// Comparisons of all lanes at once. bits(): bit l is set where lane l is true.
 template <class Isa>
 struct Lanes {
   static constexpr std::uint32_t count = Isa::lanes;
@@ -47,16 +47,16 @@ struct Lanes {
 
 /// A box in every lane.
 template <class Isa>
-struct SpreadBox {
+struct BroadcastBox {
   typename Lanes<Isa>::Vector lo[3], hi[3];
 
-  explicit SpreadBox(const float (&box)[6]) {
+  explicit BroadcastBox(const float (&box)[6]) {
     for (int axis = 0; axis < 3; ++axis) {
       lo[axis] = Lanes<Isa>::broadcast(box[axis]);
       hi[axis] = Lanes<Isa>::broadcast(box[3 + axis]);
     }
   }
-  SpreadBox(const BoxColumns& boxes, std::size_t i) {
+  BroadcastBox(const BoxColumns& boxes, std::size_t i) {
     for (int axis = 0; axis < 3; ++axis) {
       lo[axis] = Lanes<Isa>::broadcast(boxes.lo[axis][i]);
       hi[axis] = Lanes<Isa>::broadcast(boxes.hi[axis][i]);
@@ -79,20 +79,20 @@ std::uint32_t first_bits(std::uint32_t count) {
 template <class Isa>
 SOUPLE_INLINE inline std::uint32_t items_in(const BoxColumns& items, const BoxGroup& group,
                                             const float (&box)[6]) {
-  const SpreadBox<Isa> spread(box);
+  const BroadcastBox<Isa> broadcast_box(box);
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < group.count; k += Lanes<Isa>::count)
-    bits |= Lanes<Isa>::bits(spread.overlaps(items, group.begin + k)) << k;
+    bits |= Lanes<Isa>::bits(broadcast_box.overlaps(items, group.begin + k)) << k;
   return bits & first_bits<Isa>(group.count);
 }
 
-/// Bit k: item k of the group overlaps box i of `from` and shares no particle with it. No branch looks at
-/// what is found: it could not be foreseen.
+/// Bit k: item k of the group overlaps box i of `from` and shares no particle with it. No branch depends on
+/// the result: the processor could not predict it.
 template <class Isa, int n, int other_n>
 SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t i, const BoxColumns& items,
                                             const BoxGroup& group) {
   using L = Lanes<Isa>;
-  const SpreadBox<Isa> box(from, i);
+  const BroadcastBox<Isa> box(from, i);
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < group.count; k += L::count) {
     const std::size_t at = group.begin + k;
@@ -105,20 +105,20 @@ SOUPLE_INLINE inline std::uint32_t near_one(const BoxColumns& from, std::size_t 
   return bits & first_bits<Isa>(group.count);
 }
 
-/// Items of the first group that may have a marked pair with one of the second.
+/// Items of the first group that may have a pair with a marked item.
 inline std::uint32_t may_have_marked(const BoxGroup& first, const BoxGroup& second) {
   return second.marked != 0 ? ~0u : first.marked;
 }
-/// What item k of the first group may have in the second.
+/// Items of the second group whose pair with item k of the first group has a marked item.
 inline std::uint32_t wanted_by(const BoxGroup& first, std::uint32_t k, const BoxGroup& second) {
   return (first.marked >> k & 1) != 0 ? ~0u : second.marked;
 }
 
-/// What is near each item of a group: only items that have something near. One loop then goes over all pairs;
-/// a loop for each item would end as many times at a place that nobody foresees.
+/// Near items of each item of a group, without items that have none. One loop then visits all pairs. A loop
+/// per item would end that many times, each time at an iteration that the processor cannot predict.
 template <class Isa>
 struct Rows {
-  std::uint32_t item[BoxGroup::most_items + 1], near[BoxGroup::most_items + 1];
+  std::uint32_t item[BoxGroup::max_items + 1], near[BoxGroup::max_items + 1];
   std::uint32_t count = 0, pairs = 0;
 
   void add(std::uint32_t which, std::uint32_t bits) {
@@ -132,7 +132,7 @@ struct Rows {
     x = (x & 0x33333333u) + (x >> 2 & 0x33333333u);
     return ((x + (x >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24;
   }
-  /// f(item, bit) for each pair.
+  /// Calls f(item, bit) for each pair.
   template <class Function>
   SOUPLE_INLINE void for_each(const Function& f) {
     near[count] = item[count] = 0;
@@ -167,7 +167,7 @@ std::size_t vertices_items(const BoxColumns& vertices, const BoxGroup& v, const 
   return rows.pairs;
 }
 
-// Going over the fewer edges of both groups costs more in finding out which they are than it saves (5 %).
+// Starting from the group with fewer edges costs more, for finding them, than it saves (5 %).
 template <class Isa>
 std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs) {
   Rows<Isa> rows;
@@ -175,8 +175,8 @@ std::size_t edges_edges(const BoxColumns& edges, const BoxGroup& a, const BoxGro
   for (std::uint32_t near = items_in<Isa>(edges, a, b.box) & may_have_marked(a, b); near != 0;
        near &= near - 1) {
     const auto k = static_cast<std::uint32_t>(__builtin_ctz(near));
-    const std::uint32_t hits = near_one<Isa, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
-    rows.add(a.begin + k, same ? hits & ~first_bits<Isa>(k + 1) : hits);
+    const std::uint32_t overlaps = near_one<Isa, 2, 2>(edges, a.begin + k, edges, b) & wanted_by(a, k, b);
+    rows.add(a.begin + k, same ? overlaps & ~first_bits<Isa>(k + 1) : overlaps);
   }
   Quad* next = pairs;
   rows.for_each([&](std::uint32_t i, std::uint32_t bit) {
@@ -193,13 +193,14 @@ template <class Isa>
 std::size_t overlapping(const BoxColumns& boxes, std::size_t begin, std::size_t count, const float (&box)[6],
                         const std::uint32_t* keys, std::uint32_t mask, std::uint32_t* found) {
   using L = Lanes<Isa>;
-  const SpreadBox<Isa> spread(box);
+  const BroadcastBox<Isa> broadcast_box(box);
   std::size_t n = 0;
   for (std::size_t k = 0; k < count; k += L::count) {
-    std::uint32_t hits = L::bits(spread.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
-    if (count - k < L::count) hits &= first_bits<Isa>(static_cast<std::uint32_t>(count - k));
-    for (; hits != 0; hits &= hits - 1)
-      found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(hits))];
+    std::uint32_t overlaps =
+        L::bits(broadcast_box.overlaps(boxes, begin + k) & L::has_none(keys + begin + k, mask));
+    if (count - k < L::count) overlaps &= first_bits<Isa>(static_cast<std::uint32_t>(count - k));
+    for (; overlaps != 0; overlaps &= overlaps - 1)
+      found[n++] = keys[begin + k + static_cast<std::uint32_t>(__builtin_ctz(overlaps))];
   }
   return n;
 }

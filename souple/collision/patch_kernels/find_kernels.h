@@ -5,7 +5,7 @@
 
 namespace souple::kernels {
 
-/// Those of an instruction set; scalar code where there are none. Results are the same.
+/// Kernels for an instruction set; scalar code where it has none. Results are the same for all sets.
 const PatchKernels& find_patch_kernels(InstructionSet set);
 
 }  // namespace souple::kernels

@@ -1,12 +1,12 @@
 #pragma once
 
 #include "souple/collision/contact_law.h"
-#include "souple/collision/kernels/features.h"
+#include "souple/collision/kernels/element_pairs.h"
 #include "souple/collision/nearest.h"
 #include "souple/math/simd/pack.h"
 
-// Included by the translation units that are compiled for one instruction set, and by nothing else; every
-// template here carries the set's tag.
+// Include this only in translation units that are compiled for one instruction set. Every template here has
+// the tag of its instruction set as an argument.
 
 #define SOUPLE_INLINE __attribute__((always_inline))
 
@@ -17,7 +17,7 @@ using Numbers = simd::Pack<Isa>;
 template <class Isa>
 using Vectors = Vec3<simd::Pack<Isa>>;
 
-/// Four floats of each lane's record; as they were loaded, then, after `components`, turned into components.
+/// Four floats of each lane's record: as loaded, or, after `components`, one register per component.
 template <class Isa>
 struct Records {
   typename Isa::Vector r[4];
@@ -38,9 +38,9 @@ struct Records {
   SOUPLE_INLINE void subtract(const Records& b) {
     for (int j = 0; j < 4; ++j) r[j] = r[j] - b.r[j];
   }
-  /// Turned back and written.
+  /// Transposes back and writes.
   SOUPLE_INLINE void write(float* base, const std::uint32_t* first_float) {
-    turn();
+    transpose();
     for (std::uint32_t j = 0; j < 4; ++j) {
       if constexpr (Isa::lanes == 1) {
         base[first_float[0] + j] = r[j];
@@ -49,16 +49,16 @@ struct Records {
       }
     }
   }
-  SOUPLE_INLINE void turn() {
+  SOUPLE_INLINE void transpose() {
     if constexpr (Isa::lanes > 1) simd::transpose<Isa>(r);
   }
   SOUPLE_INLINE Vectors<Isa> components() {
-    turn();
+    transpose();
     return {Numbers<Isa>(r[0]), Numbers<Isa>(r[1]), Numbers<Isa>(r[2])};
   }
 };
 
-/// Where the records of as many pairs as there are lanes begin. Lanes beyond the end repeat the last pair.
+/// Per corner and lane: first float of the particle's record. Lanes beyond the end repeat the last pair.
 template <class Isa>
 struct PairRecords {
   std::uint32_t first_float[4][Isa::lanes];
@@ -73,7 +73,7 @@ struct PairRecords {
   }
 };
 
-/// Indices from i on, or those that a list has there; lanes beyond the end repeat the last.
+/// Indices i, i + 1, ... or the entries of a list from i on; lanes beyond the end repeat the last one.
 template <class Isa>
 struct Indices {
   std::uint32_t at[Isa::lanes];
@@ -95,7 +95,7 @@ SOUPLE_INLINE inline Numbers<Isa> gather(const float* column, const std::uint32_
   return Numbers<Isa>::load(lanes);
 }
 
-// Neighbors in a column; where fewer are left than there are lanes, nothing behind them is touched.
+// Consecutive values of a column. Reads and writes no value beyond `count`.
 template <class Isa>
 SOUPLE_INLINE inline Numbers<Isa> load(const float* column, int count) {
   if (count == Isa::lanes) return Numbers<Isa>::load(column);
@@ -111,40 +111,40 @@ SOUPLE_INLINE inline void store(Numbers<Isa> a, float* column, int count) {
   for (int lane = 0; lane < count; ++lane) column[lane] = lanes[lane];
 }
 
-/// PairRecords 1 to 3 less corner 0, without the rounding of what is far away.
+/// Corners 1 to 3 relative to corner 0, without the rounding of positions far from the origin.
 template <class Isa, bool displacement>
-SOUPLE_INLINE inline void differences(const FeaturePoints& points, const PairRecords<Isa>& corners,
+SOUPLE_INLINE inline void differences(const ParticleRecords& particles, const PairRecords<Isa>& corners,
                                       Vectors<Isa> (&x)[4]) {
   const Numbers<Isa> zero(0.f);
   x[0] = {zero, zero, zero};
-  const Records<Isa> first(points.position, corners.first_float[0]);
+  const Records<Isa> first(particles.position, corners.first_float[0]);
   for (int k = 1; k < 4; ++k) {
-    Records<Isa> records(points.position, corners.first_float[k]);
+    Records<Isa> records(particles.position, corners.first_float[k]);
     records.subtract(first);
     if constexpr (displacement) {
-      Records<Isa> offset(points.moving, corners.first_float[k]);
-      offset.subtract(Records<Isa>(points.moving, corners.first_float[0]));
+      Records<Isa> offset(particles.moving, corners.first_float[k]);
+      offset.subtract(Records<Isa>(particles.moving, corners.first_float[0]));
       records.add(offset);
     }
     x[k] = records.components();
   }
 }
 template <class Isa>
-SOUPLE_INLINE inline void differences(const FeaturePoints& points, const PairRecords<Isa>& corners,
+SOUPLE_INLINE inline void differences(const ParticleRecords& particles, const PairRecords<Isa>& corners,
                                       Vectors<Isa> (&x)[4]) {
-  if (points.position == points.moving) return differences<Isa, false>(points, corners, x);
-  differences<Isa, true>(points, corners, x);
+  if (particles.position == particles.moving) return differences<Isa, false>(particles, corners, x);
+  differences<Isa, true>(particles, corners, x);
 }
 
-/// The same of what corners moved.
+/// Motions of corners 1 to 3 relative to that of corner 0.
 template <class Isa>
-SOUPLE_INLINE inline void moved_differences(const FeaturePoints& points, const PairRecords<Isa>& corners,
+SOUPLE_INLINE inline void moved_differences(const ParticleRecords& particles, const PairRecords<Isa>& corners,
                                             Vectors<Isa> (&m)[4]) {
   const Numbers<Isa> zero(0.f);
   m[0] = {zero, zero, zero};
-  const Records<Isa> first(points.moved, corners.first_float[0]);
+  const Records<Isa> first(particles.moved, corners.first_float[0]);
   for (int k = 1; k < 4; ++k) {
-    Records<Isa> records(points.moved, corners.first_float[k]);
+    Records<Isa> records(particles.moved, corners.first_float[k]);
     records.subtract(first);
     m[k] = records.components();
   }
@@ -178,26 +178,26 @@ SOUPLE_INLINE inline Numbers<Isa> distance(const Vectors<Isa> (&x)[4]) {
   return length(weighted(x, c));
 }
 
-/// How far any point of one feature may have moved relative to any point of the other [m].
+/// Upper bound of the motion of a point of one element relative to a point of the other element [m].
 template <class Isa, bool edges>
-SOUPLE_INLINE inline Numbers<Isa> relative_way(const Vectors<Isa> (&m)[4]) {
+SOUPLE_INLINE inline Numbers<Isa> relative_motion(const Vectors<Isa> (&m)[4]) {
   const Numbers<Isa> two = length_squared(m[2]), three = length_squared(m[3]);
   if constexpr (!edges) return sqrt(max(length_squared(m[1]), max(two, three)));
   return sqrt(max(max(two, three), max(length_squared(m[1] - m[2]), length_squared(m[1] - m[3]))));
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] void distances(const FeaturePoints& points, const std::uint32_t (*pairs)[4],
+[[gnu::flatten]] void distances(const ParticleRecords& particles, const std::uint32_t (*pairs)[4],
                                 std::size_t begin, std::size_t end, float* out) {
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const Indices<Isa> indices(i, end);
     Vectors<Isa> x[4];
-    differences(points, PairRecords<Isa>(pairs, indices.at), x);
+    differences(particles, PairRecords<Isa>(pairs, indices.at), x);
     store<Isa>(distance<Isa, edges>(x), out + i, indices.count);
   }
 }
 
-/// The larger of each feature's two or three, or of the vertex's one; both added up.
+/// Sum of both elements' largest values: of two or three corners, or of the one vertex.
 template <class Isa, bool edges>
 SOUPLE_INLINE inline Numbers<Isa> sum_of_largest(const float* column, std::size_t stride,
                                                  const PairRecords<Isa>& corners) {
@@ -212,39 +212,41 @@ SOUPLE_INLINE inline Numbers<Isa> sum_of_largest(const float* column, std::size_
   return edges ? max(of[0], of[1]) + max(of[2], of[3]) : of[0] + max(of[1], max(of[2], of[3]));
 }
 
-/// The most of the four.
+/// Largest contact margin of the four particles.
 template <class Isa>
-SOUPLE_INLINE inline Numbers<Isa> most_pressed(const FeaturePoints& points, const PairRecords<Isa>& corners) {
+SOUPLE_INLINE inline Numbers<Isa> max_contact_margin(const ParticleRecords& particles,
+                                                     const PairRecords<Isa>& corners) {
   Numbers<Isa> most(0.f);
   for (int k = 0; k < 4; ++k) {
     float lanes[Isa::lanes];
     for (int lane = 0; lane < Isa::lanes; ++lane)
-      lanes[lane] = points.pressed[corners.first_float[k][lane] / 4];
+      lanes[lane] = particles.contact_margin[corners.first_float[k][lane] / 4];
     most = max(most, Numbers<Isa>::load(lanes));
   }
   return most;
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] void reaches(const FeaturePoints& points, const FeatureRooms& rooms, float dt,
-                              const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
-                              float* thickness, float* reach) {
+[[gnu::flatten]] void ranges(const ParticleRecords& particles, const PredictionMargins& margins, float dt,
+                             const std::uint32_t (*pairs)[4], std::size_t begin, std::size_t end,
+                             float* thickness, float* range) {
   using T = Numbers<Isa>;
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const Indices<Isa> indices(i, end);
     const PairRecords<Isa> corners(pairs, indices.at);
     Vectors<Isa> m[4];
-    moved_differences(points, corners, m);
-    const T thick = max(sum_of_largest<Isa, edges>(rooms.radius, 1, corners), T(rooms.least_thickness));
-    const T room = sum_of_largest<Isa, edges>(rooms.room, rooms.stride, corners);
+    moved_differences(particles, corners, m);
+    const T thick = max(sum_of_largest<Isa, edges>(margins.radius, 1, corners), T(margins.min_thickness));
+    const T margin = sum_of_largest<Isa, edges>(margins.margin, margins.stride, corners);
     store<Isa>(thick, thickness + i, indices.count);
-    const T near = T(1 + rooms.early) * thick + most_pressed(points, corners);
-    store<Isa>(near + relative_way<Isa, edges>(m) * T(dt) + room, reach + i, indices.count);
+    const T contact_distance =
+        T(1 + margins.speculative_part) * thick + max_contact_margin(particles, corners);
+    store<Isa>(contact_distance + relative_motion<Isa, edges>(m) * T(dt) + margin, range + i, indices.count);
   }
 }
 
 template <class Isa>
-SOUPLE_INLINE inline float least(Numbers<Isa> a) {
+SOUPLE_INLINE inline float min_lane(Numbers<Isa> a) {
   float lanes[Isa::lanes];
   a.store(lanes);
   float result = lanes[0];
@@ -253,28 +255,29 @@ SOUPLE_INLINE inline float least(Numbers<Isa> a) {
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] Nearness near(const FeaturePoints& points, const FeatureColumns& pairs, const NearRule& rule,
-                               float owed, float early, std::size_t begin, std::size_t end,
-                               std::uint32_t* found) {
+[[gnu::flatten]] NearPairStatistics find_near(const ParticleRecords& particles,
+                                              const ElementPairColumns& pairs, const NearRule& rule,
+                                              float motion_since, float speculative_part, std::size_t begin,
+                                              std::size_t end, std::uint32_t* found) {
   using T = Numbers<Isa>;
   std::size_t n = 0;
-  T least_known(1e30f), least_slack(1e30f);
+  T min_distance_bound(1e30f), min_gap_bound(1e30f);
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const Indices<Isa> indices(i, end);
     const PairRecords<Isa> records(pairs.particle, indices.at);
     Vectors<Isa> m[4];
-    moved_differences(points, records, m);
-    const T way = relative_way<Isa, edges>(m);
-    T known = load<Isa>(pairs.known + i, indices.count) - T(owed);
+    moved_differences(particles, records, m);
+    const T motion = relative_motion<Isa, edges>(m);
+    T distance_bound = load<Isa>(pairs.distance_bound + i, indices.count) - T(motion_since);
     const T thickness = load<Isa>(pairs.thickness + i, indices.count);
-    const T thick = T(rule.thickness_part) * thickness + T(rule.pressed);
-    const auto is_near = way >= T(rule.known_part) * known - thick;
+    const T required = T(rule.thickness_part) * thickness + T(rule.contact_margin);
+    const auto is_near = motion >= T(rule.bound_part) * distance_bound - required;
     if (any_lane(is_near)) {
       Vectors<Isa> x[4];
-      differences(points, records, x);
+      differences(particles, records, x);
       for (int k = 1; k < 4; ++k) x[k] -= m[k];
-      known = select(is_near, distance<Isa, edges>(x), known);
-      const auto still = is_near && way >= T(rule.known_part) * known - thick;
+      distance_bound = select(is_near, distance<Isa, edges>(x), distance_bound);
+      const auto still = is_near && motion >= T(rule.bound_part) * distance_bound - required;
       if (any_lane(still)) {
         float lanes[Isa::lanes];
         select(still, T(1.f), T(0.f)).store(lanes);
@@ -284,30 +287,32 @@ template <class Isa, bool edges>
         }
       }
     }
-    store<Isa>(known, pairs.known + i, indices.count);
-    least_known = min(least_known, known);
-    least_slack = min(least_slack, known - T(1 + early) * thickness);
+    store<Isa>(distance_bound, pairs.distance_bound + i, indices.count);
+    min_distance_bound = min(min_distance_bound, distance_bound);
+    min_gap_bound = min(min_gap_bound, distance_bound - T(1 + speculative_part) * thickness);
   }
-  return {n, least<Isa>(least_known), least<Isa>(least_slack)};
+  return {n, min_lane<Isa>(min_distance_bound), min_lane<Isa>(min_gap_bound)};
 }
 
 /// sum_k w_k c_k^2
 template <class Isa>
-SOUPLE_INLINE inline Numbers<Isa> effective_inverse_mass(const FeaturePoints& points,
+SOUPLE_INLINE inline Numbers<Isa> effective_inverse_mass(const ParticleRecords& particles,
                                                          const PairRecords<Isa>& corners,
                                                          const Numbers<Isa> (&c)[4]) {
   Numbers<Isa> sum(0.f);
   for (int k = 0; k < 4; ++k) {
     float w[Isa::lanes];
-    for (int lane = 0; lane < Isa::lanes; ++lane) w[lane] = points.position[corners.first_float[k][lane] + 3];
+    for (int lane = 0; lane < Isa::lanes; ++lane)
+      w[lane] = particles.position[corners.first_float[k][lane] + 3];
     sum += Numbers<Isa>::load(w) * c[k] * c[k];
   }
   return sum;
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] void judge(const FeaturePoints& points, const FeatureColumns& pairs, float early,
-                            const std::uint32_t* found, std::size_t begin, std::size_t end, float* verdict) {
+[[gnu::flatten]] void classify(const ParticleRecords& particles, const ElementPairColumns& pairs,
+                               float speculative_part, const std::uint32_t* found, std::size_t begin,
+                               std::size_t end, float* classification) {
   using T = Numbers<Isa>;
   const T zero(0.f);
   const auto flag = [&](auto is, unsigned value) { return select(is, T(static_cast<float>(value)), zero); };
@@ -316,28 +321,29 @@ template <class Isa, bool edges>
     const PairRecords<Isa> corners(pairs.particle, indices.at);
     Vectors<Isa> x[4];
     T c[4];
-    differences(points, corners, x);
+    differences(particles, corners, x);
     nearest_points<Isa, edges>(x, c);
     const T size = length(weighted(x, c));
-    const T near = T(1 + early) * gather<Isa>(pairs.thickness, indices.at) + most_pressed(points, corners);
-    const auto moves = effective_inverse_mass(points, corners, c) > zero;
-    T sum = flag(size <= near && size > zero && moves, Verdict::touches);
+    const T contact_distance = T(1 + speculative_part) * gather<Isa>(pairs.thickness, indices.at) +
+                               max_contact_margin(particles, corners);
+    const auto moves = effective_inverse_mass(particles, corners, c) > zero;
+    T sum = flag(size <= contact_distance && size > zero && moves, Classification::touches);
     Vectors<Isa> m[4];
-    moved_differences(points, corners, m);
-    const T way = relative_way<Isa, edges>(m);
-    sum += flag(way > T(0.5f) * gather<Isa>(pairs.known, indices.at), Verdict::fast);
+    moved_differences(particles, corners, m);
+    const T motion = relative_motion<Isa, edges>(m);
+    sum += flag(motion > T(0.5f) * gather<Isa>(pairs.distance_bound, indices.at), Classification::fast);
     if constexpr (edges) {
       const auto is_end = [&](T a) { return a >= zero && a <= zero; };
-      sum += flag(is_end(c[0]) || is_end(c[1]) || is_end(c[2]) || is_end(c[3]), Verdict::on_border);
+      sum += flag(is_end(c[0]) || is_end(c[1]) || is_end(c[2]) || is_end(c[3]), Classification::on_border);
     } else {
-      for (unsigned k = 0; k < 3; ++k) sum += flag(c[k + 1] >= zero, Verdict::on_border << k);
+      for (unsigned k = 0; k < 3; ++k) sum += flag(c[k + 1] >= zero, Classification::on_border << k);
     }
-    store<Isa>(sum, verdict + i, indices.count);
+    store<Isa>(sum, classification + i, indices.count);
   }
 }
 
 template <class Isa, bool edges>
-[[gnu::flatten]] void describe(const FeaturePoints& points, const FeatureColumns& pairs,
+[[gnu::flatten]] void describe(const ParticleRecords& particles, const ElementPairColumns& pairs,
                                const ContactLimits& limits, const std::uint32_t* found, const float* part,
                                std::size_t begin, std::size_t end, const ContactColumns& out) {
   using T = Numbers<Isa>;
@@ -347,17 +353,17 @@ template <class Isa, bool edges>
     const int count = indices.count;
     const PairRecords<Isa> corners(pairs.particle, indices.at);
     Vectors<Isa> x[4], m[4];
-    differences(points, corners, x);
-    moved_differences(points, corners, m);
-    const T rest_of_way = T(1.f) - load<Isa>(part + i, count);
-    for (int k = 1; k < 4; ++k) x[k] -= m[k] * rest_of_way;
+    differences(particles, corners, x);
+    moved_differences(particles, corners, m);
+    const T remaining = T(1.f) - load<Isa>(part + i, count);
+    for (int k = 1; k < 4; ++k) x[k] -= m[k] * remaining;
     T c[4];
     nearest_points<Isa, edges>(x, c);
-    const Vectors<Isa> apart = weighted(x, c);
-    const T size = length(apart);
-    const Vectors<Isa> n = apart * (T(1.f) / select(size > zero, size, T(1.f)));
+    const Vectors<Isa> difference = weighted(x, c);
+    const T size = length(difference);
+    const Vectors<Isa> n = difference * (T(1.f) / select(size > zero, size, T(1.f)));
     const T thickness = gather<Isa>(pairs.thickness, indices.at);
-    const T overlap = gather<Isa>(pairs.known, indices.at) - thickness;
+    const T overlap = gather<Isa>(pairs.distance_bound, indices.at) - thickness;
     for (int k = 0; k < 4; ++k) {
       for (int lane = 0; lane < count; ++lane)
         out.particle[k][i + static_cast<std::size_t>(lane)] = pairs.particle[indices.at[lane]][k];
@@ -370,7 +376,7 @@ template <class Isa, bool edges>
     store<Isa>(thickness, out.thickness + i, count);
     store<Isa>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.slop + i,
                count);
-    store<Isa>(effective_inverse_mass(points, corners, c), out.inverse_mass + i, count);
+    store<Isa>(effective_inverse_mass(particles, corners, c), out.inverse_mass + i, count);
     store<Isa>(-dot(n, weighted(m, c)), out.approach + i, count);
     store<Isa>(zero, out.normal_sum + i, count);
     store<Isa>(zero, out.restitution_velocity + i, count);
@@ -378,7 +384,7 @@ template <class Isa, bool edges>
   }
 }
 
-/// What contacts from i on read.
+/// Particles, weights and normals of the contacts from i on.
 template <class Isa>
 struct ContactPack {
   using T = Numbers<Isa>;
@@ -399,8 +405,8 @@ struct ContactPack {
   }
 };
 
-/// PairRecords of contacts, what they weigh, and the records that corrections are added to: positions (plain
-/// form), displacements or velocities.
+/// Inverse masses of contacts' particles, and the records that receive corrections: positions (plain form),
+/// displacements or velocities.
 template <class Isa>
 struct Movable {
   using T = Numbers<Isa>;
@@ -418,9 +424,9 @@ struct Movable {
     return {T(records[k].r[0]), T(records[k].r[1]), T(records[k].r[2])};
   }
 
-  /// Adds change times w_k c_k / inverse_mass to each corner where `which` says so. Nothing is written to a
-  /// particle that cannot move: contacts of one color may share it. Backwards, for a vertex that stands as
-  /// an edge from it to itself: all the weight is on its first corner, and what is written last counts.
+  /// Adds change times w_k c_k to each corner, in the lanes of `which`. Writes to no particle that cannot
+  /// move: contacts of one color may share it. The last corner is written first, for a vertex stored as an
+  /// edge from it to itself: its first corner has all the weight, and the last write counts.
   SOUPLE_INLINE void add(const Vectors<Isa>& change, const T (&c)[4], const typename T::Mask& which,
                          float* base, const std::uint32_t (&first_float)[4][Isa::lanes]) {
     for (int k = 3; k >= 0; --k) {
@@ -447,24 +453,25 @@ struct Movable {
   }
 };
 
-/// As for two particles (particle_contacts.cpp), on the difference of two points:
+/// As for two particles (particle_contacts.cpp), for the difference of two points:
 ///   dx_k = w_k c_k / (sum_j w_j c_j^2) dx
 template <class Isa, bool displacement>
-SOUPLE_INLINE inline void project_pack(const FeaturePoints& points, const ContactColumns& columns,
+SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const ContactColumns& columns,
                                        std::size_t i, std::size_t end) {
   using T = Numbers<Isa>;
   const T zero(0.f);
   const ContactPack<Isa> pack(columns, i, end);
   Movable<Isa> corners;
-  Vectors<Isa> first, first_moved, apart{zero, zero, zero}, moved = apart;
+  Vectors<Isa> first, first_moved, difference{zero, zero, zero}, moved = difference;
   for (int k = 0; k < 4; ++k) {
-    Records<Isa> position(points.position, pack.first_float[k]), start(points.start, pack.first_float[k]);
+    Records<Isa> position(particles.position, pack.first_float[k]),
+        start(particles.start, pack.first_float[k]);
     Vectors<Isa> x = position.components();
     corners.inverse_mass[k] = T(position.r[3]);
     corners.records[k] = position;
     if constexpr (displacement) {
-      corners.records[k] = Records<Isa>(points.moving, pack.first_float[k]);
-      corners.records[k].turn();
+      corners.records[k] = Records<Isa>(particles.moving, pack.first_float[k]);
+      corners.records[k].transpose();
     }
     const Vectors<Isa> d = corners.component(k), m = d - start.components();
     if (k == 0) {
@@ -473,14 +480,14 @@ SOUPLE_INLINE inline void project_pack(const FeaturePoints& points, const Contac
     }
     x -= first;
     if constexpr (displacement) x += d - corners.component(0);
-    apart += x * pack.c[k];
+    difference += x * pack.c[k];
     moved += (m - first_moved) * pack.c[k];
   }
   ContactSums<T> sums{
       load<Isa>(columns.normal_sum + i, pack.count),
       {load<Isa>(columns.tangent_sum[0] + i, pack.count), load<Isa>(columns.tangent_sum[1] + i, pack.count),
        load<Isa>(columns.tangent_sum[2] + i, pack.count)}};
-  const T C = dot(pack.n, apart) - load<Isa>(columns.thickness + i, pack.count);
+  const T C = dot(pack.n, difference) - load<Isa>(columns.thickness + i, pack.count);
   const T slop = load<Isa>(columns.slop + i, pack.count);
   const auto acts = slop > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
@@ -490,31 +497,31 @@ SOUPLE_INLINE inline void project_pack(const FeaturePoints& points, const Contac
   store<Isa>(sums.normal_sum, columns.normal_sum + i, pack.count);
   for (int axis = 0; axis < 3; ++axis)
     store<Isa>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);
-  const T share = T(1.f) / load<Isa>(columns.inverse_mass + i, pack.count);
-  if (points.corrected != points.moving)
+  const T factor = T(1.f) / load<Isa>(columns.inverse_mass + i, pack.count);
+  if (particles.corrected != particles.moving)
     for (int k = 0; k < 4; ++k) {
-      corners.records[k] = Records<Isa>(points.corrected, pack.first_float[k]);
-      corners.records[k].turn();
+      corners.records[k] = Records<Isa>(particles.corrected, pack.first_float[k]);
+      corners.records[k].transpose();
     }
-  corners.add(change * share, pack.c, acts, points.corrected, pack.first_float);
+  corners.add(change * factor, pack.c, acts, particles.corrected, pack.first_float);
 }
 
 template <class Isa>
-[[gnu::flatten]] void project(const FeaturePoints& points, const ContactColumns& columns, std::size_t begin,
-                              std::size_t end) {
-  const bool displacement = points.position != points.moving;
+[[gnu::flatten]] void project(const ParticleRecords& particles, const ContactColumns& columns,
+                              std::size_t begin, std::size_t end) {
+  const bool displacement = particles.position != particles.moving;
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     if (displacement) {
-      project_pack<Isa, true>(points, columns, i, end);
+      project_pack<Isa, true>(particles, columns, i, end);
     } else {
-      project_pack<Isa, false>(points, columns, i, end);
+      project_pack<Isa, false>(particles, columns, i, end);
     }
   }
 }
 
-/// rebound(), on the difference of two points.
+/// solve_restitution(), for the difference of two points.
 template <class Isa>
-[[gnu::flatten]] void apply_restitution(const FeaturePoints& points, const ContactColumns& columns,
+[[gnu::flatten]] void apply_restitution(const ParticleRecords& particles, const ContactColumns& columns,
                                         const ContactLimits& limits, float* velocity, std::size_t begin,
                                         std::size_t end) {
   using T = Numbers<Isa>;
@@ -527,13 +534,13 @@ template <class Isa>
     if (!any_lane(acts)) continue;
     const ContactPack<Isa> pack(columns, i, end);
     Vectors<Isa> x[4];
-    differences(points, PairRecords<Isa>(pack.first_float), x);
+    differences(particles, PairRecords<Isa>(pack.first_float), x);
     Movable<Isa> corners;
-    corners.load_masses(points.position, pack.first_float);
+    corners.load_masses(particles.position, pack.first_float);
     Vectors<Isa> u{zero, zero, zero};
     for (int k = 0; k < 4; ++k) {
       corners.records[k] = Records<Isa>(velocity, pack.first_float[k]);
-      corners.records[k].turn();
+      corners.records[k].transpose();
       u += corners.component(k) * pack.c[k];
     }
     const auto column = [&](const float* of) { return load<Isa>(of + i, count); };
@@ -552,14 +559,14 @@ template <class Isa>
 }
 
 template <class Isa>
-const FeatureKernels& feature_kernels() {
-  static constexpr FeatureKernels kernels{{distances<Isa, false>, distances<Isa, true>},
-                                          {reaches<Isa, false>, reaches<Isa, true>},
-                                          {near<Isa, false>, near<Isa, true>},
-                                          {judge<Isa, false>, judge<Isa, true>},
-                                          {describe<Isa, false>, describe<Isa, true>},
-                                          project<Isa>,
-                                          apply_restitution<Isa>};
+const ElementPairKernels& element_pair_kernels() {
+  static constexpr ElementPairKernels kernels{{distances<Isa, false>, distances<Isa, true>},
+                                              {ranges<Isa, false>, ranges<Isa, true>},
+                                              {find_near<Isa, false>, find_near<Isa, true>},
+                                              {classify<Isa, false>, classify<Isa, true>},
+                                              {describe<Isa, false>, describe<Isa, true>},
+                                              project<Isa>,
+                                              apply_restitution<Isa>};
   return kernels;
 }
 

@@ -36,7 +36,7 @@ ClothMaterial thick_cloth() {
 }
 
 // Edges of 0.2 m: four times the diameter of the ball.
-TEST(FeatureContacts, ACoarseClothStaysOutsideASmallBall) {
+TEST(ColliderElementContacts, ACoarseClothStaysOutsideASmallBall) {
   const Shape shapes[] = {Sphere{{0.03f, 0, 0.02f}, 0.05f}, SignedDistanceField(sphere(3, 0.05), 0.01)};
   for (const Shape& shape : shapes) {
     for (const Form form : {Form::plain, Form::displacement}) {
@@ -56,7 +56,7 @@ TEST(FeatureContacts, ACoarseClothStaysOutsideASmallBall) {
   }
 }
 
-TEST(FeatureContacts, ACoarseClothStaysOutsideATablesCorner) {
+TEST(ColliderElementContacts, ACoarseClothStaysOutsideATablesCorner) {
   const Shape table = Box{{-0.5f, -0.05f, -0.5f}, {0.5f, 0.05f, 0.5f}};
   World world;
   world.add_collider(table, {.friction = 0.6f});
@@ -71,7 +71,7 @@ TEST(FeatureContacts, ACoarseClothStaysOutsideATablesCorner) {
 }
 
 // Nodes 10 cm apart, a bar of 1 cm.
-TEST(FeatureContacts, ARopeHangsOverAThinBar) {
+TEST(ColliderElementContacts, ARopeHangsOverAThinBar) {
   const Shape bar = Capsule{{}, 0.01f, 0.5f};
   const Transform across{.rotation = Quatd::from_axis_angle({1, 0, 0}, 1.5707963267948966)};
   World world;
@@ -97,7 +97,7 @@ TEST(FeatureContacts, ARopeHangsOverAThinBar) {
 }
 
 // A taut triangle stops a ball that is fast enough to pass it within a substep.
-TEST(FeatureContacts, AFastBallDoesNotPassATriangle) {
+TEST(ColliderElementContacts, AFastBallDoesNotPassATriangle) {
   World world({.gravity = {}});
   const auto motion = ColliderMotion::callback([](double t) {
     return Transform{.translation = {0.13, 0.5 - 60 * t, 0.11}};
@@ -114,7 +114,7 @@ TEST(FeatureContacts, AFastBallDoesNotPassATriangle) {
 }
 
 // Fine enough for the ball below it: no contacts in addition to those of its vertices.
-TEST(FeatureContacts, AFineClothNeedsNone) {
+TEST(ColliderElementContacts, AFineClothNeedsNone) {
   World world;
   world.add_collider(Sphere{{}, 0.5f});
   const ObjectId cloth =
@@ -126,7 +126,7 @@ TEST(FeatureContacts, AFineClothNeedsNone) {
 
 // A sheet of two triangles whose center lies on a ball: the ball supports its weight, and the sheet slides
 // according to mu.
-TEST(FeatureContacts, TheBallCarriesTheWeight) {
+TEST(ColliderElementContacts, TheBallCarriesTheWeight) {
   World world;
   world.add_collider(Sphere{{0, -0.1f, 0}, 0.1f}, {.friction = 1});
   ClothMaterial stiff = thick_cloth();
@@ -148,7 +148,7 @@ TEST(FeatureContacts, TheBallCarriesTheWeight) {
   EXPECT_NEAR(impulse * 600, weight, 0.1 * weight);
 }
 
-TEST(FeatureContacts, AreTheSameForAnyNumberOfThreads) {
+TEST(ColliderElementContacts, AreTheSameForAnyNumberOfThreads) {
   std::vector<Vec3f> first;
   for (const int threads : {1, 2, 3}) {
     World world({.threads = threads});
