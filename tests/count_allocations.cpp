@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <new>
 
-// In a file of its own: where g++ 12 sees both ends of an allocation it finds fault with the pair.
+// A separate source: g++ 12 warns of mismatched allocation and release where it sees both.
 
 namespace {
 std::atomic<long> count{0};
@@ -19,7 +19,7 @@ void* operator new(std::size_t size) {
   if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
   throw std::bad_alloc();
 }
-// std::stable_sort's. A sanitizer would bring one of its own, which does not go with our delete.
+// std::stable_sort calls this form. Without it, a sanitizer's form would not match our operator delete.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++count;
   return std::malloc(size == 0 ? 1 : size);

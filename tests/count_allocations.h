@@ -2,7 +2,7 @@
 
 namespace souple::test {
 
-/// How often this program has called operator new.
+/// Number of calls of operator new in this program so far.
 long allocations();
 
 }  // namespace souple::test

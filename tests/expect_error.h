@@ -9,7 +9,7 @@
 
 namespace souple {
 
-/// The call throws Error, and its message holds all of these words.
+/// Expects that the call throws Error with a message that contains all `words`.
 template <class Function>
 void expect_error(const Function& function, std::initializer_list<std::string> words) {
   try {

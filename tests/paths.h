@@ -4,7 +4,8 @@
 
 namespace souple {
 
-/// The path of a file of the checkout, such as source_path("scenes/curtain.json"); without an argument the checkout's.
+/// Path of a file of the checkout, such as source_path("scenes/curtain.json"); without argument, of the
+/// checkout.
 std::string source_path(const std::string& file = {});
 
 }  // namespace souple

@@ -25,17 +25,17 @@ std::type_identity<std::tuple<A..., B...>> joined(std::type_identity<std::tuple<
                                                   std::type_identity<std::tuple<B...>>);
 }  // namespace detail
 
-// The kernels of each of these lists are a translation unit of their own.
+// The kernels of each list are compiled in a separate translation unit.
 
-/// What cloth and solids are made of.
+/// Kinds of cloth and solids.
 using MeshConstraints =
     std::tuple<Distance, DihedralBending, IsometricBending, TriangleMembrane, TetVolume, NeoHookean>;
-/// What ropes are made of, and what holds objects together or apart.
+/// Kinds of ropes, connections, limits and contacts.
 using OtherConstraints =
     std::tuple<RopeBending, ParticleContact, Attachment, BallJoint, ConeLimit, TwistLimit, Tether>;
 
-/// Every kind that Souple ships: what the kernels are compiled for and the typed test runs over. A new kind
-/// is registered in one of the lists above.
+/// All kinds that Souple ships. The kernels are compiled for each of them, and the typed test runs each. To
+/// register a new kind, add it to one of the lists above.
 using EveryConstraint = decltype(detail::joined(std::type_identity<MeshConstraints>{},
                                                 std::type_identity<OtherConstraints>{}))::type;
 

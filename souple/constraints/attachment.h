@@ -4,9 +4,9 @@
 
 namespace souple {
 
-/// Holds a particle at a target that somebody else moves. C = |x - target|  [m], positions measured from the
-/// target. Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. On the target there is no direction:
-/// the gradient is zero.
+/// Keeps a particle at a target, which the caller may move. C = |x - target|  [m], with positions relative to
+/// the target. Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. At the target the direction is
+/// undefined: the gradient is zero.
 struct Attachment {
   static constexpr const char* name = "attachment";
   static constexpr int arity = 1;

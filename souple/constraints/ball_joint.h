@@ -4,14 +4,14 @@
 
 namespace souple {
 
-/// Two points coincide and turn freely about each other: each is carried by particles of its own, a point of
-/// a segment, a triangle or a tet in barycentric coordinates.
+/// Makes two points coincide, and lets their bodies rotate freely about them. Each point is embedded in
+/// particles of its body: a point of a segment, a triangle or a tet in barycentric coordinates.
 ///
-///   a = x_0 + sum_{1 <= i < m} b_i (x_i - x_0),  the same for b from the n others,  C = |a - b|  [m]
+///   a = x_0 + sum_{1 <= i < m} b_i (x_i - x_0),  b alike from the other n particles,  C = |a - b|  [m]
 ///
-/// Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. Coincident, as they should be, the points
-/// have no direction: the gradient is zero. All particles must differ; bodies that share a particle are
-/// joined by it already. ConeLimit and TwistLimit take away what should not turn.
+/// Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. For coincident points, the satisfied state,
+/// the direction is undefined and the gradient is zero. All particles must differ; bodies that share a
+/// particle are joined by it already. Use ConeLimit and TwistLimit to limit the rotation.
 template <int m, int n>
 struct BallJointBetween {
   static_assert(m >= 1 && n >= 1 && m + n > 2, "two single particles: use Distance with length 0");
@@ -21,11 +21,11 @@ struct BallJointBetween {
 
   template <class T>
   struct Params {
-    /// Barycentric weights, those of the first particle of either point left out (they are 1 - the others).
+    /// Barycentric weights of all particles but the first of each point, whose weight is 1 minus the others.
     T weight[m + n - 2];
   };
 
-  /// The joint at `pivot`, for two segments: the nearest point of each.
+  /// Joint of two segments: connects the points of both that are nearest to `pivot`.
   static Params<float> from_rest(const Vec3d (&x)[4], const Vec3d& pivot) requires(m == 2 && n == 2) {
     const auto foot = [&pivot](const Vec3d& a, const Vec3d& b) {
       const double ee = dot(b - a, b - a);
@@ -56,7 +56,7 @@ struct BallJointBetween {
   }
 };
 
-/// A point of the segment x0 x1 on a point of the segment x2 x3.
+/// Connects a point of the segment x0 x1 to a point of the segment x2 x3.
 using BallJoint = BallJointBetween<2, 2>;
 
 }  // namespace souple

@@ -8,15 +8,15 @@
 
 namespace souple {
 
-/// One number for each of many constraints. While all are equal only one is stored.
+/// One number per constraint. As long as all numbers are equal, only one is stored.
 class Column {
  public:
   std::size_t size() const { return size_; }
   float operator[](std::size_t i) const { return values_[i * stride()]; }
-  /// Of neighbors in `data`: 0 while all are equal, else 1.
+  /// Distance in `data` between the values of neighboring constraints: 0 while all values are equal, else 1.
   std::size_t stride() const { return uniform_ ? 0 : 1; }
   const float* data() const { return values_.data(); }
-  /// Values in `data`.
+  /// Number of values in `data`.
   std::size_t distinct() const { return values_.size(); }
   std::size_t bytes() const { return values_.capacity() * sizeof(float); }
 
@@ -31,7 +31,7 @@ class Column {
     if (uniform_) expand();
     values_[i] = value;
   }
-  /// Keeps value order[k] as the k-th.
+  /// Makes value order[k] the k-th; removes values that `order` omits.
   void reorder(std::span<const std::uint32_t> order) {
     size_ = order.size();
     if (uniform_) return;
@@ -43,7 +43,7 @@ class Column {
   void shrink_to_fit() { values_.shrink_to_fit(); }
 
  private:
-  // The same bits: 0 and -0 differ.
+  // Compares bits: 0 and -0 differ.
   bool same(float value) const {
     return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(values_[0]);
   }

@@ -4,13 +4,14 @@
 
 namespace souple {
 
-/// The segment x1 x2 stays within a cone about the direction of x0 x1: the swing of a ball joint at x1.
+/// Limits the swing of a ball joint at x1: keeps the segment x1 x2 within a cone about the direction of x0
+/// x1.
 ///
 ///   u = x1 - x0,  v = x2 - x1,  angle = atan2(|u x v|, u . v) in [0, pi],  C = max_angle - angle >= 0  [rad]
 ///   n = u x v / |u x v|,  d angle/dv = n x v / |v|^2,  d angle/du = -n x u / |u|^2
 ///
-/// Compliance alpha in rad^2/J. Folded right back, every way out is as good: n is some normal of u. Straight
-/// on, or where a segment has no length, the gradient is zero.
+/// Compliance alpha in rad^2/J. If the segment is folded straight back, all ways out are equivalent: n
+/// is an arbitrary normal of u. If the segments are aligned or one has zero length, the gradient is zero.
 struct ConeLimit {
   static constexpr const char* name = "cone_limit";
   static constexpr int arity = 3;
@@ -28,7 +29,7 @@ struct ConeLimit {
     const T uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), nn = dot(normal, normal);
     const auto turned = nn > T(1e-12f) * uu * vv;
 
-    // u x axis, with the axis that u leans on least.
+    // u x axis, with the coordinate axis along which u is shortest.
     const T ax = abs(u.x), ay = abs(u.y), az = abs(u.z);
     const T least = min(ax, min(ay, az));
     const Vec3<T> axis{select(ax > least, T(0), T(1)), select(ay > least, T(0), T(1)),

@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-// What a constraint is. A constraint file states C and its gradient on any scalar T, nothing more:
+// The interface of a constraint kind. A constraint file states only C and its gradient, for any scalar T:
 //
 //   struct Distance {
 //     static constexpr const char* name = "distance";
@@ -16,31 +16,33 @@
 //     static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]);
 //   };
 //
-// Several coupled strains declare `rows` > 1 and fill arrays; their compliance is a symmetric rows x rows
-// matrix:
+// A constraint of several coupled strains declares `rows` > 1 and fills arrays; its compliance is a symmetric
+// rows x rows matrix:
 //
 //   static constexpr int rows = 3;
 //   template <class T>
 //   static void evaluate(const Vec3<T> (&x)[arity], const Params<T>& p, T (&C)[rows],
 //                        Vec3<T> (&gradient)[rows][arity]);
 //
-// A constraint on absolute positions (an attachment) also declares the point its positions are measured from,
-// so that nothing is lost far from the origin; all others are invariant to translation and get positions
-// relative to a corner:
+// A constraint on absolute positions (an attachment) also declares its origin: its positions are relative to
+// that point, so that no digits are lost far from the world's origin. All other constraints are invariant to
+// translation and get positions relative to their first particle:
 //
 //   template <class T> static Vec3<T> origin(const Params<T>& p);
 //
-// A constraint whose linearization holds only over a part of its size (a crushed tet, whose gradient all but
-// vanishes) may declare the longest correction [m] that one projection makes; longer ones are scaled down:
+// If the linearization of a constraint is valid only over a part of its size (a crushed tet has almost no
+// gradient), the constraint may declare the longest correction [m] of one projection. Longer corrections are
+// scaled down:
 //
-//   template <class T> static T reach(const Params<T>& p);
+//   template <class T> static T max_correction(const Params<T>& p);
 //
-// A constraint of one row whose gradients are unit vectors, or all zero, may say so and saves their lengths:
+// A constraint of one row whose gradients are unit vectors, or all zero, may declare it; their lengths are
+// then not computed:
 //
 //   static constexpr bool unit_gradients = true;
 //
-// Where the gradient is undefined (0/0) evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
-// are relative: a constraint must act alike on millimeters and on hundreds of meters.
+// Where the gradient is undefined (0/0), evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
+// are relative: a constraint must behave alike at millimeters and at hundreds of meters.
 
 namespace souple {
 
@@ -66,7 +68,7 @@ struct HasUnitGradients<Kind, std::void_t<decltype(Kind::unit_gradients)>>
     : std::bool_constant<Kind::unit_gradients> {};
 }  // namespace detail
 
-/// How many scalars C a constraint of this kind couples.
+/// Number of scalars C that a constraint of this kind couples.
 template <class Kind>
 inline constexpr int rows_of = detail::RowsOf<Kind>::value;
 
@@ -81,7 +83,7 @@ inline constexpr bool has_origin = detail::HasOrigin<Kind>::value;
 template <class Kind>
 inline constexpr bool has_unit_gradients = detail::HasUnitGradients<Kind>::value;
 
-/// One shape for both forms of evaluate: C[rows] and gradient[rows][arity].
+/// Calls either form of evaluate; fills C[rows] and gradient[rows][arity].
 template <class Kind, class T>
 void evaluate_rows(const Vec3<T> (&x)[Kind::arity], const typename Kind::template Params<T>& params,
                    T (&C)[rows_of<Kind>], Vec3<T> (&gradient)[rows_of<Kind>][Kind::arity]) {

@@ -12,8 +12,8 @@
 
 namespace souple {
 
-/// The arrays of many constraints of one kind, sorted by color: data only. Each number of a constraint has
-/// an array of its own, so that neighbors load as one register.
+/// Data of many constraints of one kind, sorted by color, as a structure of arrays: one array per number of a
+/// constraint, so that the numbers of neighboring constraints load as one register.
 template <class Kind>
 struct ConstraintSet {
   using Params = typename Kind::template Params<float>;
@@ -21,19 +21,19 @@ struct ConstraintSet {
   using Compliance = std::array<float, compliance_size<Kind>>;
   static constexpr std::size_t arity = Kind::arity;
   static constexpr std::size_t rows = rows_of<Kind>;
-  /// Params is this many floats.
+  /// Number of floats in Params.
   static constexpr std::size_t param_count = sizeof(Params) / sizeof(float);
   static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) % sizeof(float) == 0,
                 "Params<T> has members of type T only");
 
-  /// records[k][i] is 4 times the k-th particle of constraint i: where its record begins among floats, so
+  /// records[k][i] is 4 times the k-th particle of constraint i: the index of its record's first float, so
   /// that kernels need not multiply.
   std::array<std::vector<std::uint32_t>, arity> records;
-  std::array<Column, param_count> parameters;             ///< rest lengths and the like
+  std::array<Column, param_count> parameters;             ///< [float in Params]: rest lengths, ...
   std::array<Column, compliance_size<Kind>> compliances;  ///< alpha, packed; unit: (unit of C)^2 / J
   Column damping_times;                                   ///< tau [s]: damping coefficient is tau / alpha
   Column stiffnesses;                                     ///< PBD mode only: k in [0, 1]
-  std::array<std::vector<float>, rows> multipliers;       ///< lambda of the substep; only while stored
+  std::array<std::vector<float>, rows> multipliers;       ///< lambda of the substep; empty if not stored
   std::vector<std::uint32_t> color_begin;                 ///< color c is [color_begin[c], color_begin[c + 1])
 
   std::size_t size() const { return records[0].size(); }
@@ -74,7 +74,8 @@ struct ConstraintSet {
     stiffnesses.push_back(stiffness);
   }
 
-  /// Keeps constraint order[k] as the k-th; those not listed are dropped. Colors and multipliers are void.
+  /// Makes constraint order[k] the k-th; removes constraints that `order` omits. Clears the multipliers and
+  /// invalidates the colors.
   void reorder(std::span<const std::uint32_t> order) {
     for (std::vector<std::uint32_t>& index : records) {
       std::vector<std::uint32_t> sorted;
@@ -86,7 +87,7 @@ struct ConstraintSet {
     for (std::vector<float>& values : multipliers) values.clear();
   }
 
-  /// What the arrays take. [bytes]
+  /// Heap memory of the arrays. [bytes]
   std::size_t bytes() const {
     std::size_t sum =
         damping_times.bytes() + stiffnesses.bytes() + color_begin.capacity() * sizeof(std::uint32_t);

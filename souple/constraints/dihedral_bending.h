@@ -12,12 +12,13 @@ namespace souple {
 ///
 ///   C = |e| / sqrt(A2 + A3) (theta - theta0)   [1],   theta - theta0 in (-pi, pi]
 ///
-/// Müller et al. 2007, section 4.1, scaled so that stiffness has a unit: |e| and the triangles' areas are
-/// those of the rest state, the energy is 1/2 D C^2 = D/2 |e|^2/(A2 + A3) (theta - theta0)^2 with the bending
-/// stiffness D per unit width [N m], and compliance alpha = 1/D [1/J]. Exact for a cylinder along an axis of
-/// a regular grid: there the sum over the edges is D/2 kappa^2 times the area. At 45 degrees a grid whose
-/// diagonals alternate is 1.5 times as stiff; one with all diagonals one way 3 times when rolled along them
-/// and exact across; an irregular mesh 1.1 to 1.4 times.
+/// Müller et al. 2007, section 4.1, scaled so that stiffness has a unit: |e| and the areas A2, A3 are those
+/// of the rest state. The energy is 1/2 D C^2 = D/2 |e|^2/(A2 + A3) (theta - theta0)^2 with the bending
+/// stiffness D per unit width [N m]; compliance alpha = 1/D [1/J]. Exact for a cylinder along an axis of a
+/// regular grid: there the sum over the edges is D/2 kappa^2 times the area. Elsewhere a sheet may be too
+/// stiff. At 45 degrees a grid with alternating diagonals is 1.5 times as stiff. A grid with parallel
+/// diagonals is 3 times as stiff when rolled along them, and exact across them. An irregular mesh is 1.1 to
+/// 1.4 times as stiff.
 struct DihedralBending {
   static constexpr const char* name = "dihedral_bending";
   static constexpr int arity = 4;
@@ -29,7 +30,7 @@ struct DihedralBending {
     T rest_sine, rest_cosine;  ///< of theta0
   };
 
-  /// Edge x0 x1, opposite vertices x2 and x3. Throws Error where a triangle is degenerate.
+  /// Edge x0 x1, opposite vertices x2 and x3. Throws Error when a triangle is degenerate.
   static Params<float> from_rest(const Vec3d (&x)[4]) {
     const Vec3d e = x[1] - x[0];
     const double edge = detail::longest_edge(x);
@@ -51,7 +52,7 @@ struct DihedralBending {
   static T evaluate(const Vec3<T> (&x)[4], const Params<T>& p, Vec3<T> (&gradient)[4]) {
     const DihedralAngle<T> angle = dihedral_angle(x);
     for (int i = 0; i < 4; ++i) gradient[i] = angle.gradient[i] * p.scale;
-    // The difference of two angles by the sine and cosine of the difference: it wraps by itself.
+    // atan2 of the sine and cosine of the difference: the difference wraps automatically.
     return p.scale * atan2(angle.sine * p.rest_cosine - angle.cosine * p.rest_sine,
                            angle.cosine * p.rest_cosine + angle.sine * p.rest_sine);
   }

@@ -6,9 +6,9 @@
 
 namespace souple {
 
-/// Keeps two particles at rest length. C = |x0 - x1| - l  [m].  Müller et al. 2007, eq. 10.
-/// Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. Coincident points have no direction: the
-/// gradient is zero.
+/// Keeps two particles at their rest distance l. C = |x0 - x1| - l  [m].  Müller et al. 2007, eq. 10.
+/// Energy 1/2 k C^2 with k [N/m]; compliance alpha = 1/k [m/N]. For coincident particles the direction is
+/// undefined and the gradient is zero.
 struct Distance {
   static constexpr const char* name = "distance";
   static constexpr int arity = 2;
@@ -24,7 +24,7 @@ struct Distance {
   static T evaluate(const Vec3<T> (&x)[2], const Params<T>& p, Vec3<T> (&gradient)[2]) {
     const Vec3<T> d = x[0] - x[1];
     const T l = sqrt(dot(d, d));
-    const Vec3<T> n = d * (T(1) / max(l, T(1e-18f)));  // below, dot(d, d) has lost its digits
+    const Vec3<T> n = d * (T(1) / max(l, T(1e-18f)));  // below 1e-18, dot(d, d) has no digits left
     gradient[0] = n;
     gradient[1] = -n;
     return l - p.rest_length;
@@ -32,7 +32,7 @@ struct Distance {
 
   /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
   static float strain(const Params<float>& p, float C) {
-    // One choice and no branch about the division: it vectorizes.
+    // A selection instead of a branch around the division, so that it vectorizes.
     return C / (p.rest_length > 0 ? p.rest_length : std::numeric_limits<float>::infinity());
   }
 };

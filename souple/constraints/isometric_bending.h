@@ -7,17 +7,18 @@
 
 namespace souple {
 
-/// Flattens two triangles that share the edge x0 x1, quadratically in the positions. Bergou et al. 2006,
-/// section 4 (a surface that stretches little; its rest state is flat).
+/// Flattens two triangles that share the edge x0 x1; the energy is quadratic in the positions. Bergou et al.
+/// 2006, section 4. Assumes a surface that stretches little and is flat at rest.
 ///
 ///   K x = |e| (t2 + t3) / sqrt(A2 + A3) at rest, t_i the unit normal of the edge in triangle i towards x_i:
 ///         with height H_i and foot f_i of x_i on the edge, |e| t_i = |e|/H_i (x_i - (1 - f_i) x0 - f_i x1)
-///   |K x| = |e| / sqrt(A2 + A3) 2 sin(theta/2) as long as the triangles keep their shape
+///   |K x| = |e| / sqrt(A2 + A3) 2 sin(theta/2) while the triangles are undeformed
 ///   C = |K x|   [1]
 ///
-/// Energy 1/2 D C^2 with the bending stiffness D per unit width [N m], compliance alpha = 1/D [1/J]: the
-/// published factor 3 left out, a cylinder along an axis of a regular grid has exactly D/2 kappa^2 per area.
-/// Flat, C is 0 without a direction: C and gradient are zero while K x is below the rounding of its terms.
+/// Energy 1/2 D C^2 with the bending stiffness D per unit width [N m]; compliance alpha = 1/D [1/J]. Without
+/// the factor 3 of the paper, a cylinder along an axis of a regular grid has exactly D/2 kappa^2 per area.
+/// When flat, C is 0 and the direction undefined: C and gradient are zero while K x is below the rounding of
+/// its terms.
 struct IsometricBending {
   static constexpr const char* name = "isometric_bending";
   static constexpr int arity = 4;
@@ -28,15 +29,15 @@ struct IsometricBending {
     T k1, k2, k3;  ///< K_i / sqrt(A2 + A3) [1/m]; K_0 is minus their sum
   };
 
-  /// Edge x0 x1, opposite vertices x2 and x3; the rest state is their flat unfolding, whatever the angle they
-  /// come in. Throws Error where a triangle is degenerate.
+  /// Edge x0 x1, opposite vertices x2 and x3. The rest state is their unfolding into a plane, whatever their
+  /// current angle. Throws Error when a triangle is degenerate.
   static Params<float> from_rest(const Vec3d (&x)[4]) {
     const Vec3d e = x[1] - x[0];
     const double edge = detail::longest_edge(x), ee = dot(e, e);
     const double twice2 = length(cross(e, x[2] - x[0])), twice3 = length(cross(e, x[3] - x[0]));
     detail::require_valid_rest_shape(std::fmin(twice2, twice3), 0.8 * edge * edge, name);
-    // The apex of a triangle of height H = twice / |e| above foot f: |e| times the unit vector from the foot
-    // to the apex is |e| / H (x2 - (1 - f) x0 - f x1). Both together vanish when flat.
+    // Triangle of height H = twice / |e|, apex above foot f: |e| times the unit vector from the foot to the
+    // apex is |e| / H (x2 - (1 - f) x0 - f x1). The sum over both triangles vanishes when flat.
     const double scale = 1 / std::sqrt(0.5 * (twice2 + twice3));
     const double k2 = scale * ee / twice2, k3 = scale * ee / twice3;
     const double foot2 = dot(x[2] - x[0], e) / ee, foot3 = dot(x[3] - x[0], e) / ee;

@@ -7,32 +7,35 @@
 
 namespace souple {
 
-/// A soft tetrahedron: the stable neo-Hookean energy of Smith et al. 2018 and Macklin and Müller 2021, split
-/// into two rows that are both zero at rest.
+/// A soft tetrahedron with the stable neo-Hookean energy of Smith et al. 2018 and Macklin and Müller 2021,
+/// split into two rows that are both zero at rest.
 ///
 ///   F = (x1 - x0, x2 - x0, x3 - x0) B,  B the inverse of the rest edges,  I = |F|^2,  J = det F
 ///   C = (D, J - 1)   [1],   D^2 = I + J^2 - 4 J >= 0
 ///   V (mu/2 D^2 + lambda/2 (J - 1)^2) = V (mu/2 (I - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2)
 ///
-/// with Lamé's own mu and lambda [Pa]: the right side is the energy of the papers with the correction of the
-/// rest shape and of lambda that they need built in. Their rows, sqrt(I) and J - 1 - mu/lambda, do not vanish
-/// at rest, pull against each other and settle at a wrong volume when projected in turn. D vanishes for
-/// rotations; compliance is diag(1/(mu V), 1/(lambda V)) [1/J].
+/// with Lamé's mu and lambda [Pa]. The right side is the energy of the papers and already includes the
+/// corrections of the rest shape and of lambda that this energy needs. The rows of the papers, sqrt(I) and
+/// J - 1 - mu/lambda, do not vanish at rest: they oppose each other, and converge to a wrong volume when
+/// projected one after the other. D vanishes for rotations; compliance is diag(1/(mu V), 1/(lambda V)) [1/J].
 ///
-/// Near rest D^2 and its gradient are sums that cancel; with Green's strain E = (F^T F - I)/2 and j = J - 1
+/// Near rest the terms of D^2 and of its gradient cancel. With Green's strain E = (F^T F - 1)/2 and j = J - 1,
+/// these forms keep their digits:
+///
 ///   D^2 = 2 |E|^2 + 2 s (j + tr E) - 8 det E,   s = j - tr E = (4 m2 + 8 det E - j tr E) / (J + 1),
 ///   D dD/dF = F + (J - 2) cof F = 2/J F ((s + j tr E) 1 + (1 - j) E - 2 (1 - j) cof E),
-/// keep their digits (m2 is the sum of the principal 2 x 2 minors of E). Where strain is below float
-/// rounding, D and its gradient are zero.
 ///
-/// The direction of dD turns with the strain, and stored multipliers do not know: in few, long substeps of
-/// many iterations the shape at rest under load is off (2 substeps of 5 to 40 iterations at 60 Hz, 1e5 Pa,
-/// 10 cm cells: Poisson's ratio 0.3 shows as 0.36; right within 2 % with 10 substeps). Spend work on
-/// substeps.
+/// where m2 is the sum of the principal 2 x 2 minors of E. Where strain is below float rounding, D and its
+/// gradient are zero.
 ///
-/// D^2 also vanishes at F = 0, a trap for a tet that was crushed to a point. So D^2 gets (1 - I)^2 more where
-/// I < 1 (at rest I = 3): no shape but the rest shape is then a minimum. A tet crushed to a line or a point
-/// opens in the orientation of its rest shape.
+/// The direction of dD rotates with the strain, but stored multipliers do not. So few, long substeps of many
+/// iterations give a wrong equilibrium under load: with 2 substeps of 5 to 40 iterations at 60 Hz, 1e5 Pa and
+/// 10 cm cells, a Poisson's ratio of 0.3 appears as 0.36; with 10 substeps it is right within 2 %. Prefer
+/// substeps to iterations.
+///
+/// D^2 also vanishes at F = 0, which would trap a tet that was crushed to a point. So where I < 1 (at rest
+/// I = 3), (1 - I)^2 is added to D^2, and only the rest shape is a minimum. A tet that was crushed to a line
+/// or a point opens in the orientation of its rest shape.
 struct NeoHookean {
   static constexpr const char* name = "neo_hookean";
   static constexpr int arity = 4;
@@ -44,7 +47,7 @@ struct NeoHookean {
     Mat3<T> rest_inverse;  ///< B [1/m]
   };
 
-  /// Throws Error where the tet is flat or inside out.
+  /// Throws Error when the tet is flat or inverted.
   static Params<float> from_rest(const Vec3d (&x)[4]) {
     const Mat3d edges{x[1] - x[0], x[2] - x[0], x[3] - x[0]};
     const double edge = detail::longest_edge(x);
@@ -52,8 +55,9 @@ struct NeoHookean {
     return {Mat3f(inverse(edges))};
   }
 
-  /// Packed compliance from Young's modulus [Pa], Poisson's ratio in [0, 0.5) and rest volume [m^3]. With
-  /// Poisson's ratio 0 the volume row is as good as absent, its stiffness a millionth of the other's.
+  /// Packed compliance from Young's modulus [Pa], Poisson's ratio in [0, 0.5) and rest volume [m^3]. For a
+  /// Poisson's ratio of 0 the volume row is practically absent: its stiffness is a millionth of that
+  /// of the other row.
   static std::array<float, 3> compliance(double young_modulus, double poisson_ratio, double rest_volume) {
     detail::require_positive(young_modulus, "Young's modulus [Pa]");
     detail::require_in(poisson_ratio, 0, 0.5, "Poisson's ratio");
@@ -66,7 +70,7 @@ struct NeoHookean {
 
   /// About the smallest height of the rest tet.
   template <class T>
-  static T reach(const Params<T>& p) {
+  static T max_correction(const Params<T>& p) {
     return sqrt(T(3) / frobenius_squared(p.rest_inverse));
   }
 
@@ -76,7 +80,7 @@ struct NeoHookean {
     const Mat3<T> cof = cofactor(F);
     const T J = dot(F.column[0], cof.column[0]);
     const Strain<T> near = near_rest(F, J), far = far_from_rest(F, cof, J);
-    // A reflection has no strain either: it is far.
+    // A reflection has zero strain too, but is far from rest.
     const auto is_near = select(J > T(0), near.size, T(1)) < T(0.05f);
     C[0] = select(is_near, near.D, far.D);
     C[1] = select(is_near, near.j, J - T(1));
@@ -98,7 +102,8 @@ struct NeoHookean {
     return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
   }
 
-  /// F, or F and a tiny rest shape where all four points are on one line: no direction leads out of it.
+  /// F; if all four points are collinear, F plus a tiny rest shape, because collinear points have no gradient
+  /// that separates them.
   template <class T>
   static Mat3<T> opened(const Mat3<T>& F) {
     const T I = frobenius_squared(F);
@@ -107,7 +112,7 @@ struct NeoHookean {
     return F + Mat3<T>::diagonal({tiny, tiny, tiny});
   }
 
-  /// Where |E| is small and J > 0; finite elsewhere.
+  /// Accurate where |E| is small and J > 0; finite elsewhere.
   template <class T>
   static Strain<T> near_rest(const Mat3<T>& F, const T& J) {
     const Vec3<T>&a = F.column[0], &b = F.column[1], &c = F.column[2];
@@ -147,7 +152,7 @@ struct NeoHookean {
     return far;
   }
 
-  /// From dC/dF to the four particles: dC/dx_k = dC/dF B^T e_k.
+  /// Gradients at the four particles from dC/dF: dC/dx_k = dC/dF B^T e_k.
   template <class T>
   static void particle_gradients(const Mat3<T>& dF, const Mat3<T>& rest_inverse, Vec3<T> (&gradient)[4]) {
     const Mat3<T> edges = dF * transpose(rest_inverse);

@@ -4,8 +4,9 @@
 
 namespace souple {
 
-/// Two balls do not overlap. C = |x0 - x1| - (r0 + r1) >= 0  [m].  The sphere inequality of the seed; Müller
-/// et al. 2007, section 4.3. Centers that coincide are parted along Y: any direction is right, none is not.
+/// Keeps two spheres from overlapping. C = |x0 - x1| - (r0 + r1) >= 0  [m].  The sphere inequality of the
+/// seed; Müller et al. 2007, section 4.3. Coincident centers are separated along Y: any direction is valid, a
+/// zero gradient would not be.
 struct ParticleContact {
   static constexpr const char* name = "particle_contact";
   static constexpr int arity = 2;

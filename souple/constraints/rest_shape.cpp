@@ -9,8 +9,8 @@ namespace souple::detail {
 void require_valid_rest_shape(double measure, double regular, const char* what) {
   if (measure > 1e-6 * regular) return;
   throw Error(
-      fmt::format("{}: the rest shape is {} (its area or volume is below a millionth of a regular shape's of "
-                  "this size); remove the element or mend the mesh",
+      fmt::format("{}: the rest shape is {}: its area or volume is below a millionth of that of a regular "
+                  "shape of equal size; remove the element or repair the mesh",
                   what, measure < 0 ? "inside out" : "degenerate"));
 }
 

@@ -4,10 +4,10 @@
 
 namespace souple {
 
-/// Straightens three consecutive particles of a rope. C = |x0 - 2 x1 + x2|  [m], which for segments of length
-/// l is curvature times l^2. Energy 1/2 E I kappa^2 l = 1/2 (E I / l^3) C^2; compliance alpha = l^3 / (E I)
-/// [m/N], E I in N m^2. Straight, C is 0 without a direction: C and gradient are zero while the sum is below
-/// the rounding of its terms.
+/// Straightens three consecutive particles of a rope. C = |x0 - 2 x1 + x2|  [m]; for segments of length l
+/// that is curvature times l^2. Energy 1/2 E I kappa^2 l = 1/2 (E I / l^3) C^2, E I in N m^2; compliance
+/// alpha = l^3 / (E I) [m/N]. When straight, C is 0 and the direction undefined: C and gradient are zero
+/// while the sum is below the rounding of its terms.
 struct RopeBending {
   static constexpr const char* name = "rope_bending";
   static constexpr int arity = 3;
@@ -15,7 +15,7 @@ struct RopeBending {
 
   template <class T>
   struct Params {
-    T rest_length;  ///< l, of one segment [m]
+    T rest_length;  ///< l, rest length of one segment [m]
   };
 
   template <class T>

@@ -10,7 +10,7 @@ namespace souple {
 /// Keeps the signed volume of a tetrahedron. C = V - V0  [m^3],
 ///   V = 1/6 (x1 - x0) . (x2 - x0) x (x3 - x0),   grad_1 V = 1/6 (x2 - x0) x (x3 - x0)  and so on.
 /// Müller et al. 2007, section 4.4, for one tet. Energy K/2 V0 (C/V0)^2 with the bulk modulus K [Pa];
-/// compliance alpha = V0/K [m^6/J]. Four points on a line have no gradient: nothing moves.
+/// compliance alpha = V0/K [m^6/J]. For collinear particles the gradient is zero, and no particle moves.
 struct TetVolume {
   static constexpr const char* name = "tet_volume";
   static constexpr int arity = 4;
@@ -19,10 +19,10 @@ struct TetVolume {
   template <class T>
   struct Params {
     T rest_volume;  ///< V0 [m^3]
-    T rest_length;  ///< longest correction of one projection, see reach [m]
+    T rest_size;    ///< cube root of V0: longest correction of one projection [m]
   };
 
-  /// Throws Error where the tet is flat or inside out.
+  /// Throws Error when the tet is flat or inverted.
   static Params<float> from_rest(const Vec3d (&x)[4]) {
     const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6;
     const double edge = detail::longest_edge(x);
@@ -36,8 +36,8 @@ struct TetVolume {
   }
 
   template <class T>
-  static T reach(const Params<T>& p) {
-    return p.rest_length;
+  static T max_correction(const Params<T>& p) {
+    return p.rest_size;
   }
 
   template <class T>

@@ -4,9 +4,10 @@
 
 namespace souple {
 
-/// Long-range attachment: particle 0 stays within reach of the anchor particle 1, however stretchy the cloth
-/// or rope between them. C = L - |x0 - x1| >= 0  [m].  Kim, Chentanez and Müller-Fischer 2012, section 3.
-/// Coincident points are far from the limit and have no direction: the gradient is zero.
+/// Long-range attachment: keeps particle 0 within a distance L of the anchor, particle 1, however much the
+/// cloth or rope between them stretches. C = L - |x0 - x1| >= 0  [m].  Kim, Chentanez and Müller-Fischer
+/// 2012, section 3. Coincident particles are far from the limit; their direction is undefined and the
+/// gradient zero.
 struct Tether {
   static constexpr const char* name = "tether";
   static constexpr int arity = 2;
@@ -18,7 +19,7 @@ struct Tether {
     T max_length;  ///< L, the rest distance along the material or in a straight line [m]
   };
 
-  /// L as the straight rest distance times `slack` (1: none).
+  /// L is the straight rest distance times `slack`; 1: no slack.
   static Params<float> from_rest(const Vec3d (&x)[2], double slack = 1) {
     return {static_cast<float>(slack * length(x[0] - x[1]))};
   }

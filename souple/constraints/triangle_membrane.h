@@ -7,14 +7,15 @@
 
 namespace souple {
 
-/// A woven triangle: St. Venant-Kirchhoff in its plane, with its own stiffness along warp, weft and in shear.
+/// Orthotropic membrane (woven cloth) by St. Venant-Kirchhoff in the plane of a triangle, with separate
+/// stiffnesses along warp, along weft and in shear.
 ///
 ///   F = (x1 - x0, x2 - x0) B = (f_u, f_v),  B the inverse of the rest edges in the frame of warp u, weft v
 ///   C = (E_uu, E_vv, 2 E_uv) = ((f_u . f_u - 1)/2, (f_v . f_v - 1)/2, f_u . f_v)   [1], Green's strain
 ///
 /// Energy A/2 C^T S C with the stiffness S [N/m] (modulus times thickness) and the rest area A; compliance is
-/// S^-1 / A [1/J]. All rows are zero at rest. Green's strain ends at -1/2: a triangle crushed to a line or to
-/// a point meets no resistance across it, and its gradient is zero there.
+/// S^-1 / A [1/J]. All rows are zero at rest. Green's strain is at least -1/2: a triangle that is crushed to
+/// a line or a point has no resistance in the crushed directions, and its gradient is zero there.
 struct TriangleMembrane {
   static constexpr const char* name = "triangle_membrane";
   static constexpr int arity = 3;
@@ -26,8 +27,8 @@ struct TriangleMembrane {
     T b00, b01, b10, b11;  ///< B by row: row k belongs to edge k, columns are u and v [1/m]
   };
 
-  /// `warp` is projected onto the triangle (or is its first edge where it stands upright on it). Throws Error
-  /// where the triangle is degenerate.
+  /// `warp` is projected onto the plane of the triangle; if it is perpendicular to that plane, the first edge
+  /// is used. Throws Error when the triangle is degenerate.
   static Params<float> from_rest(const Vec3d (&x)[3], const Vec3d& warp) {
     const Vec3d e1 = x[1] - x[0], e2 = x[2] - x[0];
     const double twice_area = length(cross(e1, e2)), edge = detail::longest_edge(x);
@@ -42,9 +43,9 @@ struct TriangleMembrane {
             static_cast<float>(-v1 * inverse), static_cast<float>(u1 * inverse)};
   }
 
-  /// S^-1 / A of an orthotropic sheet, packed. Stiffness along warp and weft and in shear [N/m]; `poisson` is
-  /// the contraction along the weft of a sheet pulled along the warp; rest area [m^2]. Throws Error where no
-  /// such material exists (poisson^2 must stay below warp / weft).
+  /// S^-1 / A of an orthotropic sheet, packed. Stiffnesses along warp, along weft and in shear [N/m];
+  /// `poisson` is the contraction along the weft of a sheet stretched along the warp; rest area [m^2]. Throws
+  /// Error when no such material exists (poisson^2 must be below warp / weft).
   static std::array<float, 6> compliance(double warp, double weft, double poisson, double shear,
                                          double area) {
     detail::require_positive(warp, "warp stiffness [N/m]");
@@ -63,7 +64,7 @@ struct TriangleMembrane {
 
   /// sqrt(2 A), the size of the triangle: |det B| = 1 / (2 A).
   template <class T>
-  static T reach(const Params<T>& p) {
+  static T max_correction(const Params<T>& p) {
     return T(1) / sqrt(abs(p.b00 * p.b11 - p.b01 * p.b10));
   }
 

@@ -5,14 +5,15 @@
 
 namespace souple {
 
-/// Two side particles turn about the axis x0 x1 by no more than `max_angle` from their rest angle: the twist of
-/// a joint. x2 belongs to the body at x0, x3 to the body at x1. For a joint at b between a b and b c take the
-/// axis a c: the twist about the mean of the two directions does not change as the joint swings either way.
+/// Limits the twist of a joint: two side particles rotate about the axis x0 x1 by at most `max_angle` from
+/// their rest angle. x2 belongs to the body at x0, x3 to the body at x1. For a joint at b between the
+/// segments a b and b c, use the axis a c: the twist about the mean of both directions does not depend on the
+/// swing.
 ///
-///   C = max_angle - |theta - theta0| >= 0  [rad],  theta as in dihedral_angle.h,  theta - theta0 in (-pi, pi]
+///   C = max_angle - |theta - theta0| >= 0  [rad], theta as in dihedral_angle.h,  theta - theta0 in (-pi, pi]
 ///
-/// Compliance alpha in rad^2/J. A side particle on the axis has no angle: C and gradient are then those of an
-/// untwisted joint and zero.
+/// Compliance alpha in rad^2/J. If a side particle is on the axis, the angle is undefined: C is then that of
+/// an untwisted joint, and the gradient is zero.
 struct TwistLimit {
   static constexpr const char* name = "twist_limit";
   static constexpr int arity = 4;
@@ -24,7 +25,7 @@ struct TwistLimit {
     T max_angle;               ///< rad, in [0, pi)
   };
 
-  /// The present angle as rest angle.
+  /// The current angle becomes the rest angle.
   static Params<float> from_rest(const Vec3d (&x)[4], double max_angle) {
     const DihedralAngle<double> angle = dihedral_angle(x);
     const double norm = std::hypot(angle.sine, angle.cosine);

@@ -107,7 +107,7 @@ void Palette::list_constraints_of_particles() {
 }
 
 // Iterated greedy (Culberson 1992): first-fit over the colors of the last fit in reverse order. It never
-// takes more colors and often fewer, because the constraints that were hard to place choose first.
+// takes more colors and often fewer, because the constraints that were hard to color choose first.
 void Palette::refit_reversed() {
   std::vector<std::uint32_t> next(count());
   std::uint32_t begin = 0;
@@ -188,7 +188,7 @@ void Palette::improve() {
   std::uint32_t min_colors = 0;
   for (std::size_t particle = 0; particle < used_colors_.size(); ++particle)
     min_colors = std::max(min_colors, begin_[particle + 1] - begin_[particle]);
-  constexpr int passes = 4;  // more passes gain a color now and then
+  constexpr int passes = 4;  // more passes rarely save another color
   for (int pass = 0; count() > min_colors; ++pass) {
     while (count() > min_colors && dissolve_smallest()) {
     }

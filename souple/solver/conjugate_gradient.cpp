@@ -175,7 +175,7 @@ bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {
 std::string ConjugateGradient::diagnostic() const {
   const std::string floor = floor_diagnostic();
   return fmt::format(
-      "conjugate gradients: {} products to a residual of {:.1e} of the first, at worst {} to {:.1e}{}{}",
+      "conjugate gradients: {} products to a residual of {:.1e} of the first, at most {} and {:.1e}{}{}",
       products_, reached_, max_products_used_, worst_, floor.empty() ? "" : "; ", floor);
 }
 

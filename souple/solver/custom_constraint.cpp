@@ -27,7 +27,7 @@ constexpr const char* expected_settings =
 }  // namespace
 
 void CustomProjector::add(std::shared_ptr<CustomConstraint> constraint) {
-  if (!constraint) throw Error("custom constraint is null, expected an object");
+  if (!constraint) throw Error("the custom constraint is null, expected an object");
   const std::string what = label(*constraint);
   if (!valid(settings_of(*constraint))) throw Error(what + expected_settings);
   const auto particles = constraint->particles();
@@ -54,7 +54,8 @@ bool CustomProjector::evaluate(Item& item, std::span<const std::uint32_t> group,
                                const ParticleView& particles, float& C) {
   std::string reason;
   try {
-    if (!valid(settings_of(*item.constraint))) throw Error(std::string("bad settings") + expected_settings);
+    if (!valid(settings_of(*item.constraint)))
+      throw Error(std::string("invalid settings") + expected_settings);
     const Vec3f origin = item.constraint->origin();
     for (std::size_t k = 0; k < group.size(); ++k) {
       item.position[k] = particles.relative(group[k], origin);
@@ -68,7 +69,7 @@ bool CustomProjector::evaluate(Item& item, std::span<const std::uint32_t> group,
   } catch (const std::exception& e) {
     reason = e.what();
   } catch (...) {
-    reason = "threw something that is not a std::exception";
+    reason = "it threw an object that is not a std::exception";
   }
   if (item.error.empty()) item.error = label(*item.constraint) + ": " + reason;
   return false;

@@ -35,8 +35,8 @@ void Dense::prepare_system(LinearSystem& system, const ParticleView&) {
   floors_ = false;
   if (system.rows() > max_rows)
     throw Error(
-        fmt::format("the solver dense takes {} rows of constraints at most, here are {}: use direct or "
-                    "conjugate_gradient",
+        fmt::format("the solver dense takes at most {} rows of constraints, but the scene has {}: use the "
+                    "solver direct or conjugate_gradient",
                     max_rows, system.rows()));
   impl_->J.resize(static_cast<Eigen::Index>(system.rows()), static_cast<Eigen::Index>(3 * system.unknowns()));
 }

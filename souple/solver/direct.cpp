@@ -43,8 +43,8 @@ class Factorization : public Eigen::SimplicialLDLT<Matrix, Eigen::Lower> {
 
 [[noreturn]] void refuse(double amount, const char* what, double limit) {
   throw Error(
-      fmt::format("the solver direct would need {:.3g} {}, at most {:.3g} are taken: use conjugate_gradient, "
-                  "or a coarser mesh",
+      fmt::format("the solver direct would need {:.3g} {}, but the limit is {:.3g}: use the solver "
+                  "conjugate_gradient or a coarser mesh",
                   amount, what, limit));
 }
 

@@ -53,7 +53,7 @@ void require_closed(std::span<const Triangle> triangles) {
       throw Error(
           fmt::format("enclosed_volume: the edge between particles {} and {} has no triangle on its other "
                       "side, or one wound the other way; expected a closed surface: fill its holes, weld its "
-                      "seams and wind its triangles alike",
+                      "seams and wind its triangles consistently",
                       first.a, first.b));
   }
 }

@@ -9,7 +9,7 @@
 namespace souple {
 
 struct EnclosedVolumeOptions {
-  float pressure = 0;        ///< relative to the surroundings [Pa]; negative sucks
+  float pressure = 0;        ///< relative to the surroundings [Pa]; negative: inward
   bool keep_volume = false;  ///< whether the volume constraint is active too
   /// The "pressure" p of Müller's C = V - p V0: target volume over rest volume.
   float volume_factor = 1;
@@ -24,7 +24,7 @@ struct EnclosedVolumeOptions {
 ///   C = V - p V0  [m^3],   V = 1/6 sum x0 . (x1 x x2) over the triangles,
 ///   grad_i V = 1/6 sum (x1 - x0) x (x2 - x0) over the triangles at i.
 /// Energy C^2 / (2 alpha). One projection moves no particle farther than a quarter of the radius of a ball of
-/// volume p V0: a collapsed surface has almost no gradient, and unlimited corrections would throw it apart.
+/// volume p V0: a collapsed surface has almost no gradient, and unlimited corrections would make it explode.
 ///
 /// The pressure is the linear energy -P V, that is C = V with a known multiplier, lambda = P h^2:
 ///   dx_i = w_i h^2 P grad_i V
@@ -51,7 +51,7 @@ class EnclosedVolume final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  /// Of the surfaces with an active volume constraint [m^3].
+  /// Residual of the surfaces with an active volume constraint [m^3].
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;

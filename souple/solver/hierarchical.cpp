@@ -346,7 +346,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
 
 std::string Hierarchical::diagnostic() const {
   if (!links_.empty()) return {};
-  return "the hierarchical solver found no distances or membranes to make levels of: it is Gauss-Seidel here";
+  return "the hierarchical solver found no distances or membranes to build levels from: it is Gauss-Seidel";
 }
 
 }  // namespace souple

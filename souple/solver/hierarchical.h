@@ -19,10 +19,10 @@ namespace souple {
 ///   project      l_JK <= |X_J - X_K| <= L_JK for the links of each level, a few sweeps
 ///   prolong      d_i += sum_J w_iJ (correction of J)
 ///
-/// A coarse particle is the weighted mean of the finer particles that follow it; in the paper it is one of
-/// them. With the mean, corrections of a level add no kinetic energy (as far as C is linear), whatever links
-/// the level has, and momentum is kept. With injection a swinging 100 x 100 cloth exploded within ten frames
-/// (docs/solvers.md).
+/// A coarse particle is the weighted mean of the finer particles that follow it; in the paper it is a finer
+/// particle. With the mean, corrections of a level add no kinetic energy (as far as C is linear), whatever
+/// links the level has, and momentum is kept. With injection a swinging 100 x 100 cloth exploded within ten
+/// frames (docs/solvers.md).
 ///
 /// L_JK: a link that is stretched at the start of the substep shrinks by its stretch, and a folded link may
 /// unfold. A link whose finer links are all satisfied does not shrink, however inexact its rest length is.

@@ -341,7 +341,7 @@ struct Clusters {
 };
 
 // Müller 2008, section 4.2: a removed particle collapses into its nearest parent together with its links. If
-// two coarse particles get several links, the one with the shortest path along finer links is kept.
+// two coarse particles get several links, the link with the shortest path along finer links is kept.
 void collapse(std::span<const Link> links, const Clusters& clusters, std::span<const std::uint32_t> number,
               CoarseLevel& level) {
   struct Candidate {

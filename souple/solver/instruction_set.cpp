@@ -42,7 +42,7 @@ InstructionSet chosen() {
     available += (available.empty() ? "" : ", ") + std::string(simd_name(set));
   }
   throw Error("SOUPLE_SIMD is '" + std::string(wanted) + "': expected one of " + available +
-              ", which this build and this processor have");
+              ", which this build and this processor support");
 }
 
 }  // namespace

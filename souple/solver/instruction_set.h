@@ -12,8 +12,8 @@ namespace souple {
 /// The instruction sets for which kernels are compiled. All give the same bits.
 enum class InstructionSet { scalar, sse, avx2, avx512, neon };
 
-/// The widest set that this build and this processor support, or the one named by the environment variable
-/// SOUPLE_SIMD. Read once. Throws Error when SOUPLE_SIMD names no set, or one that is not supported.
+/// The widest instruction set that this build and this processor support, or the set that the environment
+/// variable SOUPLE_SIMD names. Read once. Throws Error when SOUPLE_SIMD names an unknown or unsupported set.
 InstructionSet instruction_set();
 
 /// The name as in SOUPLE_SIMD.

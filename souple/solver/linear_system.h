@@ -28,18 +28,18 @@ bool has_linear_form(const Projector& projector, const ParticleView& particles);
 /// As usual in position-based dynamics, the geometric stiffness lambda d2C/dx2 and the residual M (x - x*) -
 /// J^T lambda of the first line are neglected. In PBD mode alpha~ = 0, and C is multiplied by k'.
 ///
-/// Pinned particles are no unknowns. A satisfied inequality (C >= 0) and a constraint whose particles are all
-/// pinned are inactive: J = 0, A = 1, b = 0, so that the pattern of the matrices never changes.
+/// Pinned particles have no unknowns. A satisfied inequality (C >= 0) and a constraint whose particles are
+/// all pinned are inactive: J = 0, A = 1, b = 0, so that the pattern of the matrices never changes.
 class LinearSystem {
  public:
   static constexpr std::uint32_t pinned = std::numeric_limits<std::uint32_t>::max();
   static constexpr int max_rows = 6;  ///< rows of a block
 
   struct Block {
-    std::uint32_t row;     ///< first row
-    std::uint32_t member;  ///< first member in `unknown`
-    std::uint32_t gradient;
-    std::uint32_t compliance;
+    std::uint32_t row;         ///< first row
+    std::uint32_t member;      ///< first member in `unknown`
+    std::uint32_t gradient;    ///< first entry in LinearSystem::gradient
+    std::uint32_t compliance;  ///< first entry in LinearSystem::compliance
     std::uint16_t rows, arity;
     bool inequality, inactive;
     double size;  ///< shortest distance between its particles at `prepare` [m]
@@ -78,10 +78,9 @@ class LinearSystem {
   std::size_t rows() const { return b.size(); }
   /// Free particles with constraints, 3 numbers each.
   std::size_t unknowns() const { return particle_of.size(); }
-  /// Compliance that the floor gives the smallest rigid constraint of the scene [m/N], for a gradient of
-  /// length 1.
+  /// Floor of the compliance of the scene's smallest rigid constraint [m/N], for a gradient of length 1.
   double floor_compliance() const { return floor_ * smallest_size_; }
-  /// Rows that the last `linearize` raised to the floor.
+  /// Number of rows that the last `linearize` raised to the floor.
   std::size_t floored() const { return floored_; }
 
   std::span<const Block> blocks() const { return blocks_; }

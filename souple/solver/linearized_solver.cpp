@@ -62,7 +62,7 @@ void LinearizedSolver::solve(std::span<Projector* const>, const ParticleView& pa
   }
 }
 
-// Deactivates inequalities that the other constraints would make pull, and solves again.
+// Deactivates inequalities that would pull because of other constraints, and solves again.
 bool LinearizedSolver::solve_active(const ParticleView& particles, const Substep& substep, Threads& threads) {
   system_.linearize(particles, substep, floors_);
   for (int pass = 0; pass < max_passes; ++pass) {
@@ -98,12 +98,12 @@ std::string LinearizedSolver::floor_diagnostic() const {
   std::string text;
   if (floors_ && system_.floored() > 0) {
     text += fmt::format(
-        "{} rigid rows are held by springs, at the smallest constraint one of {:.3g} N/m: strain below 1e-5 "
+        "springs approximate {} rigid rows, with {:.3g} N/m at the smallest constraint: strain below 1e-5 "
         "under the weight of the whole scene",
         system_.floored(), 1 / system_.floor_compliance());
   }
   if (failures_ > 0) {
-    text += fmt::format("{}{} iterations could not be solved and were projected instead",
+    text += fmt::format("{}{} linearized systems could not be solved: Gauss-Seidel projected instead",
                         text.empty() ? "" : "; ", failures_);
   }
   return text;

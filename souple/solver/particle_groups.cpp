@@ -11,7 +11,7 @@ namespace souple {
 
 void ParticleGroups::add(std::span<const std::uint32_t> particles, std::string_view what) {
   if (particles.empty())
-    throw Error(std::string(what) + " has no particles, expected one or more: name those it acts on");
+    throw Error(std::string(what) + " has no particles, expected one or more: name the particles it acts on");
   std::vector<std::uint32_t> sorted(particles.begin(), particles.end());
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());

@@ -146,7 +146,7 @@ void PartitionedGaussSeidel::solve(std::span<Projector* const>, const ParticleVi
 
 std::string PartitionedGaussSeidel::diagnostic() const {
   const std::size_t count = split_.empty() ? 0 : all_.position.size() - particle_count_;
-  return fmt::format("{} phantoms cut the constraints to {} colors", count, colors_);
+  return fmt::format("{} phantoms reduce the constraints to {} colors", count, colors_);
 }
 
 }  // namespace souple

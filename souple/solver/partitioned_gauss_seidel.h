@@ -47,7 +47,7 @@ class PartitionedGaussSeidel final : public Solver {
   std::size_t particle_count_ = 0;
   ParticlesAndPhantoms all_;
   std::vector<std::unique_ptr<Split>> split_;
-  std::vector<Projector*> projectors_;  // unsplit projectors, and Splits in place of the others
+  std::vector<Projector*> projectors_;  // unsplit projectors, and Splits in place of split ones
 };
 
 }  // namespace souple

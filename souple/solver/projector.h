@@ -18,13 +18,15 @@ enum class Mode {
   pbd  ///< stiffness k in [0, 1], made independent of the iteration count (Müller et al. 2007, section 3.3)
 };
 
-/// The array that the solver modifies: predicted positions, or displacements from the position (see
-/// state/particles.h).
-enum class Form { displacement, plain };
+/// Content of the array that the solver modifies (see state/particles.h).
+enum class Form {
+  displacement,  ///< displacements from the positions
+  plain          ///< predicted positions
+};
 
 /// The current substep.
 struct Substep {
-  float h = 0;         ///< s
+  float h = 0;         ///< length [s]
   int iterations = 1;  ///< per substep
   Mode mode = Mode::small_steps;
   Form form = Form::displacement;
@@ -110,9 +112,9 @@ struct LinearConstraint {
 using LinearVisitor = std::function<void(const LinearConstraint&)>;
 using MultiplierVisitor = std::function<void(std::span<float>)>;
 
-/// The interface between solvers and constraints: moves particles towards satisfying its constraints. Called
-/// per set and color, never per constraint. Constraints of one color share no particle, so their order within
-/// a color is free, and parts of a color may be projected at the same time.
+/// The interface between solvers and constraints: moves particles towards satisfying its constraints. Solvers
+/// call it per set and color, never per constraint. Constraints of one color share no particle, so their
+/// order within a color is free, and parts of a color may be projected at the same time.
 class Projector {
  public:
   virtual ~Projector() = default;

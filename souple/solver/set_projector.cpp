@@ -6,8 +6,8 @@ namespace souple {
 
 void detail::throw_missing_particle(std::string_view kind, std::size_t constraint, std::uint32_t particle,
                                     std::size_t particle_count) {
-  throw Error(
-      fmt::format("{} {} names particle {}, but there are {}", kind, constraint, particle, particle_count));
+  throw Error(fmt::format("{} {} names particle {}, but there are {} particles", kind, constraint, particle,
+                          particle_count));
 }
 
 template class SetProjector<Distance>;

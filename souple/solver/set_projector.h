@@ -26,8 +26,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// Many constraints of one kind behind the Projector interface. This template makes solvers, colors and
-/// reports work for a user's own struct.
+/// Many constraints of one kind behind the Projector interface. Solvers, colors and reports work for a user's
+/// struct through this template.
 template <class Kind>
 class SetProjector final : public Projector {
  public:
@@ -242,7 +242,7 @@ class SetProjector final : public Projector {
 
   std::size_t chunk_count() const { return (set_.size() + residual_chunk - 1) / residual_chunk; }
 
-  // Chunks do not depend on the number of threads, so the result has the same bits for any number.
+  // Chunks do not depend on the number of threads, so the bits of the result do not either.
   Residual residual_of(std::size_t chunk, const ParticleView& particles, bool with_energy) const {
     const std::size_t begin = chunk * residual_chunk, end = std::min(begin + residual_chunk, set_.size());
     const std::size_t count = end - begin;

@@ -178,7 +178,7 @@ void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, co
                       dot(to_goal(region, group, particles, pose, k), Vec3d(particles.moved(group[k])));
   const ScalarStep step = project_scalar(state, region.settings, region.multiplier, substep);
   if (substep.stores_multipliers()) region.multiplier += step.dlambda;
-  // The first particle last: the positions of the others are relative to it.
+  // The first particle last: positions of all other particles are relative to it.
   for (std::size_t k = group.size(); k-- > 0;) {
     if (!(region.inverse_mass[k] > 0)) continue;
     particles.correct(group[k], Vec3f(to_goal(region, group, particles, pose, k) * (step.factor * scale)));

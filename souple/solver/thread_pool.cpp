@@ -45,8 +45,8 @@ void spin_until(int spin_limit, const Ready& ready) {
   }
 }
 
-/// While it exists, no external signal is delivered to this thread. Threads that it starts never receive one:
-/// a user's handlers run on the user's threads.
+/// While it exists, this thread receives no external signal. Threads that this thread starts inherit the mask
+/// and never receive one: handlers of users run on threads of users.
 class SignalsBlocked {
  public:
 #if defined(__unix__) || defined(__APPLE__)

@@ -38,7 +38,7 @@ class ThreadPool final : public Threads {
   void rest() override;
 
  private:
-  /// What the caller sends to the workers, on one cache line (two, where the processor fetches pairs).
+  /// Message from the caller to the workers, on one cache line (two, where the processor fetches pairs).
   struct alignas(128) Job {
     std::atomic<std::uint64_t> signal{0};
     const RangeFunction* function = nullptr;

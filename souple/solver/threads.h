@@ -29,19 +29,19 @@ class Threads {
  public:
   virtual ~Threads() = default;
 
-  /// Number of working threads, including the caller's. It may fall, once, when the system refuses to start
-  /// some.
+  /// Number of working threads, including the caller's. It decreases, at most once, when the system refuses
+  /// to start threads.
   virtual int count() const = 0;
   /// Divides [0, n) into at most count() parts of at least `grain`, calls f once per part, and waits for all
   /// parts; see WorkPartition. `f` must not throw. Allocates nothing once the threads have started.
   virtual void for_each(std::size_t n, std::size_t grain, RangeFunction f) = 0;
-  /// Enclose many for_each calls in close succession: in between, workers may spin instead of sleeping. A
-  /// for_each with a single part wakes no worker.
+  /// `wake` and `rest` enclose many for_each calls in close succession: between these calls, workers may spin
+  /// instead of sleeping. A for_each with a single part wakes no worker.
   virtual void wake() {}
   virtual void rest() {}
 };
 
-/// Keeps the threads awake while it exists.
+/// Calls `wake` when constructed and `rest` when destroyed: in between, worker threads may spin.
 class ActiveScope {
  public:
   explicit ActiveScope(Threads& threads) : threads_(threads) { threads_.wake(); }
@@ -69,7 +69,7 @@ bool has_tbb();
 /// is not a whole number from 1 to 1024.
 int thread_count(int count);
 
-/// thread_count(count) threads, including the caller's. They start when they first have work.
+/// Creates thread_count(count) threads, including the caller's. They start with their first job.
 std::unique_ptr<Threads> make_threads(Threading kind, int count);
 
 }  // namespace souple

@@ -7,8 +7,8 @@ namespace souple {
 
 /// Division of [0, n) among at most `count` threads: parts as equal as possible, none smaller than `grain`
 /// unless there is only one. If the grain is 16 or more, parts begin at multiples of 16, so that only the
-/// last part has a partial SIMD pack. Depends on nothing else: every implementation of Threads uses the same
-/// parts.
+/// last part has a partial SIMD pack. Depends only on n, `grain` and `count`: every implementation of Threads
+/// uses equal parts.
 class WorkPartition {
  public:
   WorkPartition(std::size_t n, std::size_t grain, int count)

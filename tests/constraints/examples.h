@@ -6,11 +6,12 @@
 #include <cstdint>
 #include <cstring>
 
-// One example of every kind, a meter in size: what the typed tests start from. A new kind adds its own here.
+// One example of each constraint kind, a meter in size, for the typed tests. A new kind adds its example
+// here.
 
 namespace souple {
 
-/// A small repeatable generator: the same numbers with every compiler.
+/// A small pseudo-random generator that gives equal numbers with every compiler.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 2862933555777941757u + 3037000493u) {}
@@ -34,8 +35,8 @@ template <class Kind>
 using ParamsOf = typename Kind::template Params<float>;
 
 template <class Kind>
-struct Example;  // points(): a sound shape; params(points): with these points at rest or well within the
-                 // limit
+struct Example;  // points(): a regular shape; params(points): parameters for which these points are at rest
+                 // or well within the limit
 
 struct TetExample {
   static std::array<Vec3d, 4> points() {
@@ -103,7 +104,7 @@ struct Example<ParticleContact> {
 };
 template <>
 struct Example<Attachment> {
-  static Points<Attachment> points() { return {{{0.3, 0.5, -0.2}}}; }  // from the target
+  static Points<Attachment> points() { return {{{0.3, 0.5, -0.2}}}; }  // relative to the target
   static ParamsOf<Attachment> params(const Points<Attachment>&) { return {{3, 4, 5}}; }
 };
 template <>
@@ -130,7 +131,7 @@ struct Example<Tether> {
   static ParamsOf<Tether> params(const Points<Tether>& x) { return Tether::from_rest(raw<Tether>(x)); }
 };
 
-/// Parameters in another scalar: they are plain numbers.
+/// Converts parameters to another scalar type; they consist of plain numbers.
 template <class Kind, class T>
 typename Kind::template Params<T> converted(const ParamsOf<Kind>& params) {
   constexpr std::size_t count = sizeof(params) / sizeof(float);

@@ -7,11 +7,11 @@
 #include <functional>
 #include <vector>
 
-// A loop of a dozen lines, to see a kind of constraint move before there is a world.
+// A simulation loop of a dozen lines, which tests a constraint kind without a World.
 
 namespace souple {
 
-/// Particles and one kind of constraint between them, advanced by displacements (state/particles.h).
+/// Particles with constraints of one kind, simulated in the displacement form (state/particles.h).
 template <class Kind>
 class SmallBody {
  public:
@@ -25,7 +25,7 @@ class SmallBody {
     velocity_.push_back({});
     mass_.push_back(mass);
   }
-  /// Adds mass to a particle, as elements share theirs out.
+  /// Adds mass to a particle. Elements add their mass to their particles.
   void add_mass(std::size_t i, double mass) {
     mass_[i] += mass;
     position_[i].w = static_cast<float>(1 / mass_[i]);
@@ -73,7 +73,7 @@ class SmallBody {
   std::vector<double> mass_;
 };
 
-/// What a soft body is made of.
+/// Material of a soft body; SI units.
 struct SoftMaterial {
   double young_modulus = 1e5, poisson_ratio = 0.3, density = 1000;
 };
@@ -82,7 +82,7 @@ inline double tet_volume(const Vec3d& a, const Vec3d& b, const Vec3d& c, const V
   return dot(b - a, cross(c - a, d - a)) / 6;
 }
 
-/// Joins four particles by a neo-Hookean tet as they lie and gives them its mass.
+/// Connects four particles by a neo-Hookean tet at rest in their current positions; adds its mass to them.
 inline void add_tet(SmallBody<NeoHookean>& body, const std::array<std::uint32_t, 4>& tet,
                     const SoftMaterial& material) {
   const Vec3d x[4] = {body.at(tet[0]), body.at(tet[1]), body.at(tet[2]), body.at(tet[3])};
@@ -92,7 +92,7 @@ inline void add_tet(SmallBody<NeoHookean>& body, const std::array<std::uint32_t,
                      NeoHookean::compliance(material.young_modulus, material.poisson_ratio, volume));
 }
 
-/// One tet of about this size.
+/// One tet of about this size [m].
 inline SmallBody<NeoHookean> single_tet(double size, const SoftMaterial& material) {
   SmallBody<NeoHookean> body;
   for (const Vec3d& x : TetExample::points()) body.add_particle(x * size, 0);
@@ -100,7 +100,7 @@ inline SmallBody<NeoHookean> single_tet(double size, const SoftMaterial& materia
   return body;
 }
 
-/// A bar of nx x ny x nz cubes, five tets each, mirrored from cube to cube so that faces match. Particle of
+/// A bar of nx x ny x nz cubes of five tets each, mirrored from cube to cube so that faces match. Particle at
 /// corner (i, j, k): (i (ny + 1) + j) (nz + 1) + k.
 inline SmallBody<NeoHookean> tet_bar(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz, double cell,
                                      const SoftMaterial& material) {
@@ -141,7 +141,7 @@ inline std::vector<double> volume_ratios(const SmallBody<NeoHookean>& body) {
   return ratios;
 }
 
-/// The largest |J - 1|.
+/// Largest |J - 1| of all tets.
 inline double worst_volume_error(const SmallBody<NeoHookean>& body) {
   double worst = 0;
   for (const double ratio : volume_ratios(body)) {

@@ -12,10 +12,10 @@ namespace {
 
 enum class Diagonals { one, alternating, irregular };
 
-/// Two triangles (a, b, c) and (b, a, d) of a mesh.
+/// Two triangles (a, b, c) and (b, a, d) of a mesh, as a, b, c, d.
 using Hinge = std::array<std::uint32_t, 4>;
 
-/// A square sheet of n x n cells in the plane, its vertices and interior hinges.
+/// A plane square sheet of n x n cells: vertices and interior hinges.
 struct Sheet {
   double cell;
   std::vector<Vec3d> points;
@@ -26,7 +26,7 @@ Vec3d at(const Sheet& sheet, std::uint32_t i) {
   return sheet.points[i];
 }
 
-/// Irregular: vertices moved by up to 0.3 of a cell, each cell cut along its shorter diagonal.
+/// Irregular: vertices are moved by up to 0.3 of a cell, and each cell is divided along its shorter diagonal.
 Sheet make_sheet(std::uint32_t n, Diagonals diagonals) {
   Sheet sheet{1.0 / n, {}, {}};
   Random random(11);
@@ -36,7 +36,7 @@ Sheet make_sheet(std::uint32_t n, Diagonals diagonals) {
       const double x = random() * move, y = random() * move;
       sheet.points.push_back({i * sheet.cell - 0.5 + x, j * sheet.cell - 0.5 + y, 0});
     }
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> apex;  // of the directed edge's triangle
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> apex;  // per directed edge of a triangle
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     apex[{a, b}] = c, apex[{b, c}] = a, apex[{c, a}] = b;
   };
@@ -59,7 +59,7 @@ Sheet make_sheet(std::uint32_t n, Diagonals diagonals) {
   return sheet;
 }
 
-/// The sheet rolled about the axis at `angle` + 90 degrees, without stretch.
+/// Position of x when the sheet is rolled about the axis at `angle` + 90 degrees, without stretch.
 Vec3d rolled(const Vec3d& x, double curvature, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   const double along = c * x.x + s * x.y, across = -s * x.x + c * x.y;
@@ -67,8 +67,8 @@ Vec3d rolled(const Vec3d& x, double curvature, double angle) {
   return {c * bent - s * across, s * bent + c * across, (1 - std::cos(curvature * along)) / curvature};
 }
 
-/// Energy over D/2 kappa^2 per area, of the sheet's inside: a third of its triangles' area goes to each
-/// hinge.
+/// Bending energy of the sheet's interior per area, divided by D/2 kappa^2. The area of a hinge is a third of
+/// its two triangles' area.
 template <class Kind>
 double energy_ratio(Diagonals diagonals, double degrees) {
   const std::uint32_t n = 64;
@@ -78,14 +78,14 @@ double energy_ratio(Diagonals diagonals, double degrees) {
   for (const Hinge& hinge : sheet.hinges) {
     const Vec3d rest[4] = {at(sheet, hinge[0]), at(sheet, hinge[1]), at(sheet, hinge[2]),
                            at(sheet, hinge[3])};
-    // A window of whole cells, so that no sort of edge is counted once more than another.
+    // A window of whole cells, so that all types of edges are counted equally often.
     const Vec3d middle = (rest[0] + rest[1]) * 0.5 + Vec3d{0.25, 0.25, 0} * sheet.cell;
     if (middle.x < -0.25 || middle.x >= 0.25 || middle.y < -0.25 || middle.y >= 0.25) continue;
     Vec3d x[4];
     for (int i = 0; i < 4; ++i) x[i] = rolled(rest[i], curvature, degrees * pi / 180);
     Vec3d gradient[4];
     const double C = Kind::evaluate(x, converted<Kind, double>(Kind::from_rest(rest)), gradient);
-    energy += 0.5 * C * C;  // of D = 1
+    energy += 0.5 * C * C;  // D = 1
     const Vec3d e = rest[1] - rest[0];
     area += (length(cross(e, rest[2] - rest[0])) + length(cross(e, rest[3] - rest[0]))) / 6;
   }
@@ -97,8 +97,8 @@ struct Expected {
   double degrees, ratio, tolerance;
 };
 
-// How much stiffer than D a sheet is when it is rolled to a cylinder. Along the axes of a grid it is exact;
-// elsewhere the hinge models know no better, and docs say by how much.
+// Effective bending stiffness over D of a sheet that is rolled to a cylinder. Along the axes of a grid it is
+// exact; elsewhere the hinge models are too stiff, by the ratios that the manual states.
 constexpr Expected calibration[] = {
     {Diagonals::one, 0, 1, 0.001},         {Diagonals::one, 90, 1, 0.001},
     {Diagonals::one, 45, 3, 0.003},   // along the diagonals
@@ -121,7 +121,7 @@ TEST(Bending, IsometricCylinderEnergy) {
   check_calibration<IsometricBending>();
 }
 
-/// Two triangles, the second turned up about their edge by `angle`.
+/// Two triangles, the second rotated upward about their common edge by `angle`.
 std::array<Vec3d, 4> hinge(double angle) {
   return {{{0, 0, 0}, {1, 0, 0}, {0.4, 0.8, 0}, {0.6, -0.9 * std::cos(angle), 0.9 * std::sin(angle)}}};
 }
@@ -133,7 +133,8 @@ double dihedral_C(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& res
                                    gradient);
 }
 
-// C is an angle times |e|/sqrt(A2 + A3), not an energy; it is odd, and knows its rest angle, flat and folded.
+// C is the signed difference to the rest angle times |e|/sqrt(A2 + A3), not an energy, both when the rest
+// shape is flat and when it is folded.
 TEST(Bending, DihedralIsTheSignedAngle) {
   const double scale = 1 / std::sqrt(0.4 + 0.45);
   for (const double rest : {0.0, 0.7, -1.5, 3.1, -3.1})
@@ -152,7 +153,7 @@ TEST(Bending, IsometricIsTheChordOfTheAngle) {
   }
 }
 
-// Projected in float, both open a fold of any angle to flat.
+// Projected in float, both kinds open a fold of any angle until it is flat.
 template <class Kind>
 void check_unfolds() {
   for (const double angle : {1e-3, 0.5, 2.0, 3.0, -3.0}) {
@@ -172,10 +173,11 @@ TEST(Bending, FoldsOpen) {
   check_unfolds<IsometricBending>();
 }
 
-// A flap of one particle on a fixed triangle swings as a spring of D |e|^2/(A2 + A3) N m/rad about the edge.
+// A flap of one particle on a fixed triangle oscillates with the period of a torsion spring of
+// D |e|^2/(A2 + A3) N m/rad about the edge.
 TEST(Bending, FlapSwingsWithThePeriodOfItsStiffness) {
   const double stiffness = 0.02, mass = 0.1, height = 0.9;
-  const double start = 0.005;  // small: nothing holds the flap's length
+  const double start = 0.005;  // small: no constraint keeps the flap's length
   const double spring = stiffness / (0.4 + 0.45);
   const double period = 2 * pi * std::sqrt(mass * height * height / spring);
   SmallBody<DihedralBending> body;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-// What must hold for every kind that Souple ships.
+// Properties of all constraint kinds that Souple ships.
 
 namespace souple {
 namespace {
@@ -27,7 +27,7 @@ Evaluation<Kind, T> evaluate(const std::array<Vec3<T>, Kind::arity>& x, const Pa
   return result;
 }
 
-/// The example's shape, each point moved by up to `amount`.
+/// Shape of the example with points moved by up to `amount` along each axis.
 template <class Kind>
 Points<Kind> perturbed(double amount, std::uint64_t seed) {
   Random random(seed);
@@ -36,7 +36,7 @@ Points<Kind> perturbed(double amount, std::uint64_t seed) {
   return x;
 }
 
-/// One projection in float of points x with these masses, as the projector does it: relative to a corner.
+/// Correction of one projection in float, computed as SetProjector does, relative to the first point.
 template <class Kind>
 Points<Kind> correction(const Points<Kind>& x, const ParamsOf<Kind>& params,
                         const std::vector<double>& masses) {
@@ -59,7 +59,7 @@ std::vector<double> uneven_masses(std::size_t count) {
   return masses;
 }
 
-/// The largest |C|; of an inequality only what is violated.
+/// Largest |C|; for an inequality, the largest violation.
 template <class Kind>
 double violation(const Points<Kind>& x, const ParamsOf<Kind>& params) {
   double worst = 0;
@@ -75,7 +75,7 @@ bool all_finite(const Points<Kind>& x) {
   return true;
 }
 
-/// The example scaled to a size in meters, with the parameters of that size.
+/// The example scaled to a size in meters, with the parameters for that size.
 template <class Kind>
 struct Sized {
   Points<Kind> rest = Example<Kind>::points();
@@ -138,7 +138,7 @@ TYPED_TEST(EveryConstraintTest, DoesNotDependOnWhereAndHowItLies) {
     const Points<Kind> x = perturbed<Kind>(0.4, seed);
     Random random(seed + 1000);
     const Quatd turn = Quatd::from_euler_xyz(random.vector() * pi);
-    // Positions that are measured from a target may only turn about it.
+    // Positions relative to a target may only rotate about it.
     const Vec3d shift = has_origin<Kind> ? Vec3d{} : random.vector() * 5;
     Points<Kind> moved;
     for (std::size_t i = 0; i < Kind::arity; ++i) moved[i] = rotate(turn, x[i]) + shift;
@@ -171,7 +171,7 @@ TYPED_TEST(EveryConstraintTest, ProjectionKeepsMomentum) {
         scale += masses[i] * length(dx[i]);
         farthest = std::fmax(farthest, length(arm));
       }
-      // A target outside takes up momentum, but not about itself.
+      // A target takes up linear momentum, but no angular momentum about itself.
       if (!has_origin<Kind>) {
         EXPECT_LE(length(linear), 2e-6 * scale) << "size " << size << " seed " << seed;
       }
@@ -180,7 +180,7 @@ TYPED_TEST(EveryConstraintTest, ProjectionKeepsMomentum) {
   }
 }
 
-// No absolute threshold: a millimeter behaves as a meter and as a hundred of them.
+// No absolute threshold: shapes of a millimeter, a meter and a hundred meters behave alike.
 TYPED_TEST(EveryConstraintTest, ActsAlikeAtEverySize) {
   using Kind = TypeParam;
   const std::vector<double> masses = uneven_masses(Kind::arity);
@@ -193,7 +193,8 @@ TYPED_TEST(EveryConstraintTest, ActsAlikeAtEverySize) {
         const Points<Kind> x = perturbed<Kind>(amount, seed);
         Points<Kind> scaled = x;
         for (Vec3d& point : scaled) point *= size;
-        // The least gradient decides how exact float can be: a relative bound on the largest correction.
+        // The smallest gradient limits the accuracy in float, hence a bound relative to the largest
+        // correction.
         const Points<Kind> expected = correction<Kind>(x, meter.params, masses);
         const Points<Kind> actual = correction<Kind>(scaled, example.params, masses);
         double largest = 0;
@@ -226,8 +227,8 @@ TYPED_TEST(EveryConstraintTest, RepeatedProjectionSatisfiesIt) {
   }
 }
 
-// Coincident points, points on a line and in a plane, folded shut, far apart: never a NaN, and never thrown
-// farther than the shape and the constraint are large.
+// Coincident, collinear and coplanar points, shapes that are folded shut or far apart: no result is NaN, and
+// no correction is longer than ten times the extent of the shape and of the constraint.
 TYPED_TEST(EveryConstraintTest, DegenerateShapesStayFinite) {
   using Kind = TypeParam;
   const std::vector<double> masses = uneven_masses(Kind::arity);

@@ -16,7 +16,7 @@ std::string describe(Mode mode, double young_modulus, int iterations, int subste
          std::to_string(iterations) + " iterations, " + std::to_string(substeps) + " substeps";
 }
 
-/// Runs `check(mode, E, iterations, substeps)` over the settings that the issue names.
+/// Runs `check(mode, E, iterations, substeps)` for all combinations of these settings.
 template <class Check>
 void for_every_setting(Check check) {
   for (const Mode mode : modes)
@@ -28,7 +28,7 @@ void for_every_setting(Check check) {
         }
 }
 
-/// The energy density that the two rows stand for, at a deformation F. [Pa]
+/// Energy density of the two rows at a deformation gradient F. [Pa]
 double energy_density(const Mat3d& F, double young_modulus, double poisson_ratio) {
   const Vec3d x[4] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const auto alpha = NeoHookean::compliance(young_modulus, poisson_ratio, 1);
@@ -39,8 +39,8 @@ double energy_density(const Mat3d& F, double young_modulus, double poisson_ratio
   return 0.5 * (C[0] * C[0] / static_cast<double>(alpha[0]) + C[1] * C[1] / static_cast<double>(alpha[2]));
 }
 
-// The energy of Macklin and Müller 2021, mu/2 (I - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2, at any
-// deformation that is not crushed.
+// The rows give the energy of Macklin and Müller 2021, mu/2 (I - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2,
+// for any deformation that is not crushed.
 TEST(NeoHookean, IsTheStableNeoHookeanEnergy) {
   const double E = 2e5, nu = 0.4, mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
   Random random(3);
@@ -58,14 +58,14 @@ TEST(NeoHookean, IsTheStableNeoHookeanEnergy) {
   EXPECT_GT(checked, 1500);
 }
 
-// Pulled along x with free sides: sigma = E strain and the sides contract by nu strain, also for nu = 0.
+// Stretched along x with free sides: sigma = E strain, and the sides contract by nu strain, also for nu = 0.
 TEST(NeoHookean, SmallStretchHasYoungsModulusAndPoissonsRatio) {
   const double E = 1e6, strain = 1e-3;
   for (const double nu : {0.0, 0.17, 0.3, 0.45, 0.49}) {
     const auto energy = [&](double along, double across) {
       return energy_density(Mat3d::diagonal({1 + along, 1 + across, 1 + across}), E, nu);
     };
-    // The across strain of least energy, by golden section.
+    // Transverse strain of minimum energy, by golden section search.
     const auto relaxed = [&](double along) {
       double low = -along, high = along;
       const double golden = (std::sqrt(5.0) - 1) / 2;
@@ -85,7 +85,7 @@ TEST(NeoHookean, SmallStretchHasYoungsModulusAndPoissonsRatio) {
   }
 }
 
-// Solved by the projection itself: a bar of cubes hung up by one end face, pulled at the other.
+// A bar of cubes, solved by projection, is stretched between its end faces.
 TEST(NeoHookean, BarInTension) {
   const SoftMaterial material{.young_modulus = 1e5, .poisson_ratio = 0.3, .density = 1000};
   const std::uint32_t nx = 6, ny = 2, nz = 2;
@@ -94,8 +94,8 @@ TEST(NeoHookean, BarInTension) {
   const auto corner = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
     return (i * (ny + 1) + j) * (nz + 1) + k;
   };
-  // Roller: uniform stretch applied as far as E says, then the free inside and sides find their place. The
-  // end faces move with the contraction that nu says, so the answer is uniform and exact for linear tets.
+  // The end faces are pinned at the given strain and contract transversely according to nu. The interior and
+  // the sides are free and relax. So the solution is uniform, and exact for linear tets.
   const double strain = 0.005, across = -material.poisson_ratio * strain;
   for (std::uint32_t j = 0; j <= ny; ++j)
     for (std::uint32_t k = 0; k <= nz; ++k)
@@ -112,7 +112,7 @@ TEST(NeoHookean, BarInTension) {
   EXPECT_NEAR((height / (2 * cell) - 1) / strain, -material.poisson_ratio, 0.02 * material.poisson_ratio);
   EXPECT_NEAR(body.at(corner(3, 1, 1)).x, 3 * cell * (1 + strain), 1e-4 * cell);
 
-  // The stress that carries it: the energy of the bar is E/2 strain^2 per volume.
+  // The stress, by the energy of the bar: E/2 strain^2 per volume.
   double energy = 0;
   const auto& set = body.projector.set();
   for (std::size_t n = 0; n < set.size(); ++n) {
@@ -129,7 +129,7 @@ TEST(NeoHookean, BarInTension) {
               0.02 * 0.5 * material.young_modulus * strain * strain);
 }
 
-// Rows that are not zero at rest settle at J from 0.97 to 1.24; wrong multipliers explode.
+// Rows that are not zero at rest would converge to J from 0.97 to 1.24; wrong multipliers would explode.
 TEST(NeoHookean, FreeTetLeftAloneKeepsItsVolume) {
   for (const double size : {0.01, 1.0}) {
     for_every_setting([size](Mode mode, double young_modulus, int iterations, int substeps) {
@@ -143,7 +143,8 @@ TEST(NeoHookean, FreeTetLeftAloneKeepsItsVolume) {
   }
 }
 
-// Started a hundredth out of shape, it rings and never more than it did at first.
+// A bar whose particles start displaced by up to 1 % of a cell along each axis oscillates. Its kinetic energy
+// never exceeds that of the first 20 frames.
 TEST(NeoHookean, FreeBarSlightlyOutOfShapeCalms) {
   for_every_setting([](Mode mode, double young_modulus, int iterations, int substeps) {
     const double size = 0.1;
@@ -163,7 +164,8 @@ TEST(NeoHookean, FreeBarSlightlyOutOfShapeCalms) {
   });
 }
 
-// A shelf under its weight: however it is solved, it swings with no more energy than its fall can give.
+// A cantilever under its weight: with all settings, its kinetic energy stays below the potential energy of
+// its fall.
 TEST(NeoHookean, LoadedBarIsCalmInEverySetting) {
   for_every_setting([](Mode mode, double young_modulus, int iterations, int substeps) {
     const double size = 0.05, length = 3 * size;
@@ -175,12 +177,12 @@ TEST(NeoHookean, LoadedBarIsCalmInEverySetting) {
     for (int frame = 0; frame < 120; ++frame) {
       body.step(1 / 60.0f, substeps, iterations, mode);
       ASSERT_LT(body.kinetic_energy(), mass * 9.81 * length);
-      ASSERT_LT(worst_volume_error(body), 1.5);  // one sweep of 1/60 s is far from solved
+      ASSERT_LT(worst_volume_error(body), 1.5);  // one iteration per 1/60 s is far from converged
     }
   });
 }
 
-// A rigidly turning body neither swells nor speeds up.
+// A rotating body neither swells nor accelerates.
 TEST(NeoHookean, SpinningTetKeepsItsVolume) {
   SmallBody<NeoHookean> body = single_tet(0.1, {.young_modulus = 1e6});
   for (std::size_t i = 0; i < body.size(); ++i)
@@ -208,7 +210,7 @@ constexpr Crushed crushed_shapes[] = {
      [](const Vec3d& x) {
        return Vec3d{x.x, x.y, 0};
      }},
-    {"flat, turned inside out",
+    {"flat and inverted",
      [](const Vec3d& x) {
        return Vec3d{x.x, x.y, -0.001 * x.z};
      }},
@@ -238,7 +240,7 @@ TEST(NeoHookean, CrushedBodiesRecover) {
         }
 }
 
-// A centimeter works like a meter: the same relative sag of a shelf whose E grows with its size.
+// The relative sag of a cantilever whose E is proportional to its size does not depend on the size.
 TEST(NeoHookean, SagDoesNotDependOnSize) {
   double expected = 0;
   for (const double size : {1.0, 1e-3, 1e-2, 100.0}) {

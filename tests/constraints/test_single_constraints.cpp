@@ -6,7 +6,7 @@
 namespace souple {
 namespace {
 
-/// Projects without inertia until nothing moves much.
+/// Projects `count` times without inertia.
 template <class Kind>
 void relax(SmallBody<Kind>& body, int count) {
   for (int k = 0; k < count; ++k) {
@@ -15,7 +15,7 @@ void relax(SmallBody<Kind>& body, int count) {
   }
 }
 
-// Without the 1/6 in its gradient a hard projection leaves 5/6 of the error.
+// Without the factor 1/6 in the gradient, a rigid projection would leave 5/6 of the error.
 TEST(TetVolume, OneProjectionRemovesTheError) {
   const auto rest = TetExample::points();
   const auto params = TetVolume::from_rest(raw<TetVolume>(rest));
@@ -38,7 +38,7 @@ TEST(TetVolume, OpensAFlatTet) {
               tet_volume(rest[0], rest[1], rest[2], rest[3]), 1e-5);
 }
 
-/// Energy of a membrane per area, stretched in its plane by the engineering strains along and across `warp`.
+/// Energy per area of a membrane with engineering strains along and across `warp` and in shear. [N/m]
 double membrane_energy(const Vec3d& warp, double along, double across, double shear) {
   const Vec3d rest[3] = {{0.1, 0, 0}, {1, 0.2, 0}, {0.3, 0.8, 0}};
   const double area = 0.5 * length(cross(rest[1] - rest[0], rest[2] - rest[0]));
@@ -62,7 +62,8 @@ double membrane_energy(const Vec3d& warp, double along, double across, double sh
   return 0.5 * energy / area;
 }
 
-// Warp 2000 N/m, weft 500 N/m, Poisson 0.4 from warp to weft, shear 100 N/m, whatever way the warp runs.
+// Warp 2000 N/m, weft 500 N/m, Poisson's ratio 0.4 from warp to weft, shear 100 N/m, for all directions of
+// the warp.
 TEST(TriangleMembrane, HasTheStiffnessOfItsThreads) {
   const double s = 1e-4;
   for (const Vec3d& warp : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{1, 2, 0}}) {
@@ -80,7 +81,7 @@ TEST(TriangleMembrane, RefusesImpossibleMaterials) {
   EXPECT_THROW(TriangleMembrane::from_rest(line, {1, 0, 0}), Error);
 }
 
-// The three rows solved together, any modulus, iterations and substeps: a swinging triangle stays calm.
+// The three rows are solved together. A swinging triangle is stable for any modulus, iterations and substeps.
 TEST(TriangleMembrane, CalmInEveryMode) {
   for (const Mode mode : {Mode::small_steps, Mode::xpbd, Mode::pbd})
     for (const double stiffness : {1e1, 1e3, 1e5})
@@ -95,7 +96,7 @@ TEST(TriangleMembrane, CalmInEveryMode) {
           for (int frame = 0; frame < 300; ++frame) body.step(1 / 60.0f, substeps, iterations, mode);
           EXPECT_LT(body.kinetic_energy(), 0.002 * 9.81 * 0.5)
               << stiffness << " " << iterations << " " << substeps;
-          // Its weight stretches it by some (m g / 0.1 m) / stiffness.
+          // The weight causes a strain of about (m g / 0.1 m) / stiffness.
           const double edge = length(body.at(2) - body.at(1)) / (0.1 * std::sqrt(2.0));
           EXPECT_NEAR(edge, 1, 0.02 + 3 / stiffness) << stiffness << " " << iterations << " " << substeps;
         }
@@ -112,7 +113,7 @@ TEST(ParticleContact, PartsOverlappingAndCoincidentGrains) {
   }
 }
 
-// A kilometer from the origin a millimeter spring still sags as much as it must.
+// Two kilometers from the origin, a spring that sags by a millimeter has the exact extension.
 TEST(Attachment, SpringFarFromTheOriginSags) {
   SmallBody<Attachment> body;
   const Vec3d target{1000, 2000, -500};
@@ -138,7 +139,7 @@ TEST(BallJoint, HoldsTwoRodsTogether) {
   EXPECT_LT(length(on_first - body.at(2)), 1e-6);
 }
 
-// A point of a triangle on a point of a tet: the general form.
+// The general form: connects a point of a triangle to a point of a tet.
 TEST(BallJoint, HoldsATriangleToATet) {
   using Joint = BallJointBetween<3, 4>;
   SmallBody<Joint> body;
@@ -164,7 +165,7 @@ TEST(ConeLimit, BringsTheSegmentIntoTheCone) {
     body.projector.add({0, 1, 2}, {0.6f});
     relax(body, 200);
     const double angle = angle_between(body.at(1) - body.at(0), body.at(2) - body.at(1));
-    // A long way round is overshot by some: the angle is far from linear in the positions.
+    // Large angles are overcorrected slightly, because the angle is far from linear in the positions.
     EXPECT_LE(angle, std::fmin(turn, 0.6) + 1e-3) << "turned by " << turn;
     EXPECT_GE(angle, std::fmin(turn, 0.45)) << "turned by " << turn;
   }

@@ -9,7 +9,7 @@
 
 namespace souple::test {
 
-/// Free particles with what a projector sees of them, in either form.
+/// Particles without constraints, with the arrays of a ParticleView, in either form.
 struct Body {
   Form form;
   std::vector<Vec4f> position, offset, start;
@@ -35,7 +35,7 @@ struct Body {
   double mass(std::size_t i) const { return 1 / static_cast<double>(position[i].w); }
 };
 
-/// What a projection moved: sums of m dx and m x cross dx, and of m |dx| and m |x| |dx| to compare them with.
+/// Momenta of a correction: sums of m dx and of m x cross dx; as scales, sums of m |dx| and of m |x| |dx|.
 struct Momentum {
   Vec3d linear{}, angular{};
   double linear_scale = 0, angular_scale = 0;
@@ -59,7 +59,7 @@ inline std::vector<std::uint32_t> first(std::size_t n) {
   return result;
 }
 
-/// A number in [-1, 1], the same everywhere.
+/// Pseudo-random number in [-1, 1]; depends on i alone.
 inline double scatter(std::size_t i) {
   const double x = std::sin(12.9898 * static_cast<double>(i + 1)) * 43758.5453;
   return 2 * (x - std::floor(x)) - 1;
@@ -68,7 +68,7 @@ inline Vec3d scatter3(std::size_t i) {
   return {scatter(3 * i), scatter(3 * i + 1), scatter(3 * i + 2)};
 }
 
-/// All iterations of one substep.
+/// Runs all iterations of one substep.
 inline void solve(Projector& projector, Body& body, const Substep& substep) {
   const ParticleView view = body.view();
   projector.begin_substep(view, substep);

@@ -11,13 +11,13 @@
 
 namespace souple::test {
 
-/// Constraints to color.
+/// Constraints to color, by their particles.
 struct ColorCase {
   std::string name;
   std::vector<std::uint32_t> indices;
   int arity = 2;
   std::size_t particles = 0;
-  std::size_t max_colors = 0;  ///< a color or two above what it takes
+  std::size_t max_colors = 0;  ///< one or two above the needed number
 
   std::size_t count() const { return indices.size() / static_cast<std::size_t>(arity); }
   std::span<const std::uint32_t> constraint(std::size_t i) const {
@@ -42,7 +42,7 @@ inline std::vector<Edge> springs(const TriangleMesh& mesh) {
   return all;
 }
 
-/// Cloths of n x n vertices, balls, and a bar of 5 n tets and more.
+/// Cloths of n x n vertices, balls, and a bar of about 180 n tets.
 inline std::vector<ColorCase> meshes_to_color(int n) {
   const TriangleMesh cloth = grid(n, n, 2), slanted = grid(n, n, 2, Diagonals::one_way);
   const TriangleMesh ball = sphere(5, 1);
@@ -64,7 +64,7 @@ inline std::vector<ColorCase> meshes_to_color(int n) {
           color_case("ball triangles", ball.triangles, b, 10)};
 }
 
-/// Particle 0 is in all of them.
+/// Star of edges that all share particle 0.
 inline ColorCase star(std::uint32_t rays) {
   std::vector<Edge> edges;
   for (std::uint32_t i = 1; i <= rays; ++i) edges.push_back({0, i});

@@ -17,8 +17,8 @@ inline SolverSettings kind_of(SolverKind kind) {
   return settings;
 }
 
-/// Particles that a solver moves, substep by substep, in the displacement form: small enough that a test sees
-/// everything, and independent of the world.
+/// Particles that a solver moves, substep by substep, in the displacement form: a simulation loop without a
+/// World, all of whose data a test can read.
 struct SolverScene {
   Body body;
   std::vector<Vec3f> velocity;
@@ -26,7 +26,7 @@ struct SolverScene {
   std::unique_ptr<Solver> solver;
   std::unique_ptr<Threads> threads = make_threads(Threading::serial, 1);
   Vec3f gravity{};
-  float damping = 1;  ///< velocity left by a substep
+  float damping = 1;  ///< factor of the velocity per substep
   Substep substep{.h = 0.01f};
 
   void add(const Vec3d& x, double mass) {
@@ -49,7 +49,7 @@ struct SolverScene {
     substep.relaxation = settings.relaxation;
     solver->prepare(order(), body.view());
   }
-  /// The constraints of one substep, from where the particles are.
+  /// Solves the constraints of one substep that starts at the current positions.
   void solve() {
     body.start = body.moving();
     solve_from_start();
@@ -75,8 +75,8 @@ struct SolverScene {
   }
 };
 
-/// A flat sheet of n x n particles in the XZ plane, `spacing` apart, the first row pinned or not, with
-/// springs along rows, columns and both diagonals.
+/// A flat sheet of n x n particles in the XZ plane, at distances of `spacing`, with springs along rows,
+/// columns and both diagonals. `pinned`: pins the first row.
 inline SolverScene sheet(std::size_t n, double spacing, double mass, float compliance, bool pinned) {
   SolverScene scene;
   for (std::size_t row = 0; row < n; ++row)

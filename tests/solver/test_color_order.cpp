@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-// The order of Gauss-Seidel decides stability: the same rigid cloth explodes within frames when its
-// constraints are solved by vertex. Colors of the mesh's own order must hang still.
+// The order of Gauss-Seidel determines stability: a rigid cloth whose constraints are solved vertex by vertex
+// explodes within frames. With the colors of color_constraints it must come to rest.
 
 namespace souple {
 namespace {
@@ -18,8 +18,8 @@ struct Strain {
   double end = 0, ever = 0;
 };
 
-// n x n vertices, 2 m wide, rigid edges and rigid distances across them, one row pinned: from horizontal it
-// swings down and hangs. 10 s, drag 0.1/s, ten substeps of one iteration.
+// A cloth of n x n vertices, 2 m wide, with rigid edges and rigid distances across them, one row pinned. It
+// starts horizontal, swings down and hangs. 10 s, drag 0.1/s, ten substeps of one iteration.
 Strain hang(int n) {
   World world({.substeps = 10, .drag = 0.1f});
   const ObjectId cloth =

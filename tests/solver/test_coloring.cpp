@@ -22,7 +22,7 @@ std::span<const std::uint32_t> color(const Coloring& coloring, std::size_t c) {
       .subspan(coloring.color_begin[c], coloring.color_begin[c + 1] - coloring.color_begin[c]);
 }
 
-// Every constraint once, no color empty, no particle twice in a color.
+// Each constraint occurs once, no color is empty, and no particle occurs twice in a color.
 void expect_valid(const ColorCase& of, const Coloring& coloring) {
   SCOPED_TRACE(of.name);
   ASSERT_EQ(coloring.order.size(), of.count());
@@ -98,7 +98,7 @@ TEST(Coloring, StarsTakeAColorForEachRay) {
   }
 }
 
-// A hub tied to many vertices of a cloth leaves the cloth's own colors as large as they were.
+// A hub connected to many vertices of a cloth does not make the cloth's colors smaller.
 TEST(Coloring, HubInACloth) {
   const TriangleMesh cloth = grid(100, 100, 2);
   ColorCase of = color_case("hub", test::springs(cloth), cloth.positions.size(), 1020);

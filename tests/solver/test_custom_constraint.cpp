@@ -33,7 +33,7 @@ Body pair() {
   return body;
 }
 
-// The built-in distance constraint written by hand does what the built-in one does, in every mode.
+// A custom distance constraint gives the result of the built-in distance constraint, in every mode.
 TEST(CustomConstraint, FollowsTheFormulasOfTheStaticKinds) {
   for (const Mode mode : {Mode::small_steps, Mode::xpbd, Mode::pbd}) {
     Body a = pair(), b = pair();

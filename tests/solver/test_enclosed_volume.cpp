@@ -17,7 +17,7 @@ struct Surface {
   std::vector<Triangle> triangles;
 };
 
-// A ball of radius 1 from an octahedron, each triangle cut in four `cuts` times.
+// A ball of radius 1: an octahedron whose triangles are divided into four `cuts` times.
 Surface ball(int cuts) {
   Surface s{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
             {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
@@ -100,7 +100,7 @@ TEST(EnclosedVolume, KeepsMomentaFarFromTheOrigin) {
   }
 }
 
-// The gradient is dV/dx: a small projection changes the volume by grad V . dx.
+// The gradient is dV/dx: a small correction dx changes the volume by grad V . dx.
 TEST(EnclosedVolume, GradientIsThatOfTheVolume) {
   const Surface s = ball(1);
   Body body = body_of(s, 1);
@@ -112,7 +112,7 @@ TEST(EnclosedVolume, GradientIsThatOfTheVolume) {
   EXPECT_NEAR(volume_of(body.all(), s.triangles) - before, 1e-4, 1e-7);
 }
 
-// The force on half a ball is P pi r^2; iterations, mode and winding do not change it.
+// The force on half a ball is P pi r^2, whatever the iterations, mode and winding.
 TEST(EnclosedVolume, PressureIsAForce) {
   Surface s = ball(4);
   const double P = 200, h = 0.01;
@@ -131,7 +131,7 @@ TEST(EnclosedVolume, PressureIsAForce) {
       double force = 0;
       for (std::size_t i = 0; i < before.size(); ++i)
         force += body.mass(i) * (body.at(i) - before[i]).z / (h * h) * (before[i].z > 1e-9 ? 1.0 : 0.0);
-      // The equator's ring, half of whose load is the upper half's, pushes outward only.
+      // The ring at the equator, whose load belongs half to the upper half, is pushed outward only.
       EXPECT_NEAR(force, P * pi, 0.02 * P * pi);
       if (inside_out)
         for (Triangle& t : s.triangles) std::swap(t[0], t[1]);
@@ -173,7 +173,7 @@ TEST(EnclosedVolume, PinnedParticlesStayAndCollapsedSurfacesStayCalm) {
   for (Vec4f& x : body.offset) x.set_xyz({});
   solve(projector, body, {.h = 0.01f});
   for (std::size_t i = 0; i < before.size(); ++i)
-    EXPECT_EQ(body.at(i), Vec3d{});  // no gradient: not moved, no NaN
+    EXPECT_EQ(body.at(i), Vec3d{});  // no gradient: no motion, no NaN
 }
 
 TEST(EnclosedVolume, ErasingAnotherObjectRenumbers) {

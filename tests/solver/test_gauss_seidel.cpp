@@ -10,8 +10,8 @@ namespace {
 
 using test::SolverScene;
 
-// How far the last row of a stretched rigid sheet still is from where it belongs. [m]
-double left_after(const SolverSettings& settings, int iterations) {
+// Mean distance of the last row of a stretched rigid sheet from its rest position after the iterations. [m]
+double error_after(const SolverSettings& settings, int iterations) {
   SolverScene scene = test::sheet(16, 0.1, 0.001, 0, true);
   const double rest = scene.body.at(255).z;
   for (Vec4f& x : scene.body.position) x.z *= 1.1f;
@@ -23,29 +23,29 @@ double left_after(const SolverSettings& settings, int iterations) {
   return sum;
 }
 
-// What the settings are for: a stretched rigid sheet comes to its length in less work.
+// Purpose of the settings: a stretched rigid sheet returns to its length with less work.
 TEST(GaussSeidel, ChebyshevConvergesFaster) {
   SolverSettings plain, chebyshev;
   chebyshev.chebyshev = 0.98f;
-  EXPECT_LT(left_after(chebyshev, 64), 0.5 * left_after(plain, 64));
+  EXPECT_LT(error_after(chebyshev, 64), 0.5 * error_after(plain, 64));
 }
 TEST(GaussSeidel, ChebyshevOfSymmetricSweepsTakesALargeRadius) {
   SolverSettings symmetric, both;
   symmetric.sweep = both.sweep = Sweep::symmetric;
   both.chebyshev = 0.99f;
-  EXPECT_LT(left_after(symmetric, 64), left_after({}, 64));
-  EXPECT_LT(left_after(both, 64), 0.3 * left_after({}, 128));
+  EXPECT_LT(error_after(symmetric, 64), error_after({}, 64));
+  EXPECT_LT(error_after(both, 64), 0.3 * error_after({}, 128));
 }
 TEST(Jacobi, RelaxationAndChebyshevConvergeFaster) {
   SolverSettings plain = test::kind_of(SolverKind::jacobi), relaxed = plain, chebyshev = plain;
   relaxed.relaxation = 1.8f;
   chebyshev.chebyshev = 0.99f;
-  const double before = left_after(plain, 200);
-  EXPECT_LT(left_after(relaxed, 200), 0.9 * before);
-  EXPECT_LT(left_after(chebyshev, 200), 0.7 * before);
+  const double before = error_after(plain, 200);
+  EXPECT_LT(error_after(relaxed, 200), 0.9 * before);
+  EXPECT_LT(error_after(chebyshev, 200), 0.7 * before);
 }
 
-// Neither changes what a material is: multipliers are relaxed and extrapolated with the positions.
+// Relaxation and Chebyshev do not change the material: they act on multipliers and positions alike.
 TEST(GaussSeidel, AccelerationKeepsCompliance) {
   for (const SolverKind kind : {SolverKind::gauss_seidel, SolverKind::jacobi})
     for (const float relaxation : {0.8f, 1.5f})
@@ -69,7 +69,7 @@ TEST(GaussSeidel, AccelerationKeepsCompliance) {
       }
 }
 
-// Over-relaxation by omega leaves (1 - omega) of what one constraint violates.
+// With relaxation omega, one projection leaves (1 - omega) of the constraint's violation.
 TEST(GaussSeidel, RelaxationScalesCorrections) {
   for (const float omega : {0.5f, 1.0f, 1.5f}) {
     SolverScene scene;
@@ -84,12 +84,13 @@ TEST(GaussSeidel, RelaxationScalesCorrections) {
   }
 }
 
-// A forward sweep passes a disturbance down a chain in its order, and not up; a symmetric one does both.
+// A forward sweep propagates a disturbance in the order of the links only; a symmetric sweep in both
+// directions.
 TEST(GaussSeidel, SymmetricSweepGoesBothWays) {
   const auto moved_at_the_top = [](Sweep sweep) {
     SolverScene scene;
     for (int i = 0; i < 5; ++i) scene.add({0.1 * i, 0, 0}, 1);
-    // A projector for each link fixes the order.
+    // One projector per link fixes the order.
     for (std::uint32_t i = 0; i < 4; ++i) scene.add<Distance>().add({i, i + 1}, {0.1f});
     scene.body.position[4].x += 0.05f;
     SolverSettings settings;
@@ -102,8 +103,7 @@ TEST(GaussSeidel, SymmetricSweepGoesBothWays) {
   EXPECT_GT(moved_at_the_top(Sweep::symmetric), 1e-3f);
 }
 
-// Where something acts that has no linear form (here a floor written as a custom constraint), Chebyshev is
-// off.
+// Chebyshev is off if a constraint without a linear form acts (here a floor made of custom constraints).
 TEST(GaussSeidel, ChebyshevIsOffBesideContacts) {
   const auto solve = [](float chebyshev) {
     SolverScene scene = test::sheet(10, 0.1, 0.01, 0, true);

@@ -14,8 +14,8 @@
 namespace souple {
 namespace {
 
-/// A square cloth, 2 m wide, 0.2 kg/m^2, in the plane of x and `down`: edges of its triangles and, unless
-/// told, distances across interior edges.
+/// A square cloth, 2 m wide, 0.2 kg/m^2, in the XY plane if `hangs`, else in the XZ plane. It has distances
+/// along the edges of its triangles and, if `across`, across interior edges.
 struct Sheet {
   int side;
   test::Body body;
@@ -66,7 +66,7 @@ struct Sheet {
     return result;
   }
 
-  /// Velocities and predicted positions, the solver, velocities again.
+  /// Predicts positions, solves, and updates velocities.
   void substep(Solver& solver, const Substep& of, float gravity, Threads& threads) {
     std::vector<Vec4f>& p = body.moving();
     for (std::size_t i = 0; i < p.size(); ++i) {
@@ -91,7 +91,7 @@ struct Sheet {
     Substep of{.h = 1.0f / 60 / static_cast<float>(substeps), .form = body.form, .count = substeps};
     for (int i = 0; i < substeps; ++i) substep(solver, of, gravity, threads);
   }
-  /// Kinetic and potential. [J]
+  /// Kinetic and potential energy. [J]
   double energy() const {
     double sum = 0;
     for (std::size_t i = 0; i < velocity.size(); ++i)
@@ -118,7 +118,7 @@ std::unique_ptr<Hierarchical> prepared(Sheet& sheet) {
   return solver;
 }
 
-/// Sweeps over the finest constraints that would project as much as one iteration.
+/// Number of sweeps over the finest constraints that project as many constraints as one iteration.
 double cost(const Hierarchical& solver, const Sheet& sheet) {
   return 1 + static_cast<double>(solver.coarse_projections()) / static_cast<double>(sheet.distances.size());
 }
@@ -165,14 +165,14 @@ TEST(HierarchicalLevels, EveryParticleFollowsCoarseOnesByWeightsOfSumOne) {
         EXPECT_NEAR(child_weight, 1, 1e-5);
         EXPECT_EQ(level.mass[j] > 0, masses[level.finer[j]] > 0);
       }
-      EXPECT_NEAR(mass, followed, 1e-5 * mass) << "mass is handed down, none is lost";
+      EXPECT_NEAR(mass, followed, 1e-5 * mass) << "the mass of the followers is not conserved";
       masses = level.mass;
     }
   }
 }
 
 TEST(HierarchicalLevels, RestLengthsAreThoseOfTheFlatSheetHoweverItIsCut) {
-  // Rest lengths of coarse links are found from finer ones alone, across the sheet's triangles.
+  // Rest lengths of coarse links follow from finer links alone, across the sheet's triangles.
   const Sheet sheet(60, true, 0, false);
   const std::vector<float> masses(sheet.body.position.size(), 1.0f);
   const std::vector<CoarseLevel> levels = build_levels(links_of(sheet), masses, 24);
@@ -203,11 +203,11 @@ TEST(HierarchicalLevels, AUniformStretchIsHandedDownInside) {
       position += sheet.body.at(level.finer[level.parent[k]]) * static_cast<double>(level.weight[k]);
     error += length(position - sheet.body.at(i)) / static_cast<double>(masses.size());
   }
-  EXPECT_LT(error, 0.1 * 2 / 59) << "mean, a tenth of a cell";
+  EXPECT_LT(error, 0.1 * 2 / 59) << "the mean error exceeds a tenth of a cell";
 }
 
 TEST(Hierarchical, StretchedClothConvergesFiveTimesFaster) {
-  // 10 % along the cloth, its first row pinned, no gravity: what Gauss-Seidel is slowest at.
+  // A stretch of 10 % along the cloth, first row pinned, no gravity: the slowest case of Gauss-Seidel.
   Sheet stretched(100, false);
   stretched.pin_first_row();
   stretched.scale(1, 1, 1.1f);
@@ -243,10 +243,10 @@ TEST(Hierarchical, HangingClothIsStiffAtFourSubsteps) {
     slow.frame(gauss_seidel, static_cast<int>(std::ceil(4 * cost(*solver, fast))), 9.81f, *threads);
   }
   EXPECT_LT(fast.strain().largest, 0.02);
-  EXPECT_GT(slow.strain().largest, 0.1) << "the same projections, spent on substeps of Gauss-Seidel";
+  EXPECT_GT(slow.strain().largest, 0.1) << "Gauss-Seidel with as many projections, in more substeps";
 }
 
-/// Swings for `seconds` from lying flat; energy may only fall.
+/// A cloth swings down from horizontal for `seconds`; its energy must not increase.
 void expect_no_explosion(int side, int substeps, bool across, double seconds,
                          Form form = Form::displacement) {
   const auto threads = serial();
@@ -260,9 +260,9 @@ void expect_no_explosion(int side, int substeps, bool across, double seconds,
     highest = std::max(highest, sheet.energy());
     stretch = std::max(stretch, sheet.strain().mean);
   }
-  EXPECT_LT(highest, 0.01 * 0.8 * 9.81) << "J above what it began with: a hundredth of m g times a meter";
+  EXPECT_LT(highest, 0.01 * 0.8 * 9.81) << "J above the initial energy, 1 % of m g times a meter";
   EXPECT_LT(stretch, 0.03);
-  EXPECT_LT(sheet.lowest(), -1) << "it fell";
+  EXPECT_LT(sheet.lowest(), -1) << "the cloth did not fall";
   EXPECT_GT(sheet.lowest(), -2.1);
 }
 
@@ -280,7 +280,8 @@ TEST(Hierarchical, SwingingClothOf200DoesNotExplodeSlow) {
 }
 
 TEST(Hierarchical, ASoftClothKeepsItsCompliance) {
-  // Mean length over a second while it oscillates: that of Gauss-Seidel at 200 substeps, which is converged.
+  // Mean length over one second of oscillation, compared with Gauss-Seidel at 200 substeps, which is
+  // converged.
   const auto mean_drop = [](Solver& solver, Sheet& sheet, int substeps) {
     const auto threads = serial();
     double sum = 0;
@@ -306,7 +307,8 @@ TEST(Hierarchical, ASoftClothKeepsItsCompliance) {
 }
 
 TEST(Hierarchical, AFoldedClothIsLeftAlone) {
-  // Folded in three along rows: every edge holds, so nothing may move, although coarse particles are near.
+  // Folded in three along rows: all edges have their rest length, so no particle may move, although coarse
+  // particles are near each other.
   Sheet sheet(60, false, 0, false);
   for (Vec4f& p : sheet.body.position) {
     const float l = 2.0f / 59, z = p.z, third = 20 * l;

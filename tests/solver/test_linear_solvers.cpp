@@ -42,7 +42,8 @@ INSTANTIATE_TEST_SUITE_P(Solvers, GlobalSolver,
                                          SolverKind::dense),
                          name_of);
 
-// Five particles of 0.1 kg hang from a pin on springs of 1000 N/m: each extends by the weight below it / k.
+// Five particles of 0.1 kg hang from a pin on springs of 1000 N/m: each spring extends by the weight below it
+// over k.
 TEST_P(EverySolver, ChainExtendsByItsWeight) {
   SolverScene scene;
   for (int i = 0; i < 6; ++i) scene.add({0, -0.1 * i, 0}, i == 0 ? 0 : 0.1);
@@ -60,7 +61,7 @@ TEST_P(EverySolver, ChainExtendsByItsWeight) {
   }
 }
 
-// A hanging elastic sheet comes to rest in the same shape whoever solves it; dense is the oracle.
+// A hanging elastic sheet comes to rest in one shape with all solvers; dense is the reference.
 TEST_P(EverySolver, SheetHangsAsTheOracleSays) {
   const auto hang = [](SolverKind kind) {
     SolverScene scene = test::sheet(5, 0.1, 0.01, 1e-3f, true);
@@ -77,8 +78,8 @@ TEST_P(EverySolver, SheetHangsAsTheOracleSays) {
   for (std::size_t i = 0; i < mine.size(); ++i) EXPECT_LT(length(mine[i] - oracle[i]), 2e-3 * sag) << i;
 }
 
-// Three particles of different mass, three rigid distances, a little off: each solver, iterated until it
-// stands, finds the nearest triangle, as the seed's classical method does.
+// Three particles of different mass with three slightly violated rigid distances: each solver converges to
+// the nearest triangle, as the seed's classical method does.
 TEST_P(EverySolver, AgreesWithTheOracleOnATriangle) {
   const auto solve = [](SolverKind kind) {
     SolverScene scene;
@@ -104,9 +105,9 @@ TEST_P(EverySolver, AgreesWithTheOracleOnATriangle) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(length(mine[i] - oracle[i]), 0.02 * longest) << i;
 }
 
-// A free sheet of rigid and elastic constraints, crumpled: what a solver moves has neither momentum nor
-// angular momentum. Gauss-Seidel moves one constraint after another, each about where it then is, so its
-// angular momentum is not zero about where it began.
+// A free, crumpled sheet of rigid and elastic constraints: the corrections of a solver have neither momentum
+// nor angular momentum. Exception: Gauss-Seidel corrects each constraint about its current positions, so the
+// angular momentum about the initial positions is not zero.
 TEST_P(EverySolver, KeepsMomentum) {
   SolverScene scene = test::sheet(6, 0.1, 0.02, 0, false);
   for (std::size_t i = 0; i < scene.body.position.size(); ++i) {
@@ -131,7 +132,7 @@ TEST_P(EverySolver, KeepsMomentum) {
   EXPECT_LT(length(momentum.angular), 3e-6 * momentum.angular_scale);
 }
 
-// A tether acts while it is too long and not at all while it is not.
+// A tether acts only while its particles are too far apart.
 TEST_P(EverySolver, TetherOnlyPullsIn) {
   SolverScene scene;
   scene.add({0, 0, 0}, 0);
@@ -147,8 +148,8 @@ TEST_P(EverySolver, TetherOnlyPullsIn) {
   EXPECT_EQ(length(scene.body.at(2) - Vec3d{0.5, 0.25, 0}), 0);
 }
 
-// A rod of 1.2 m pulls a particle to 0.8 m of the pin, well inside its tether of 1 m. At first both are
-// violated; the tether must not hold back.
+// A rod of 1.2 m pulls a particle to a distance of 0.8 m from the pin, well inside its tether of 1 m. At
+// first both constraints are violated; the tether must not oppose the rod.
 TEST_P(EverySolver, TetherNeverPullsOut) {
   SolverScene scene;
   scene.add({0, 0, 0}, 0);
@@ -162,7 +163,7 @@ TEST_P(EverySolver, TetherNeverPullsOut) {
   EXPECT_NEAR(scene.body.at(2).x, 0.8, 2e-5);
 }
 
-// Classical PBD: after n iterations the stiffness k has taken the share k of the violation out, whatever n.
+// Classical PBD: n iterations with stiffness k remove the fraction k of the violation, whatever n.
 TEST_P(EverySolver, StiffnessOfPbdDoesNotDependOnIterations) {
   for (const int iterations : {1, 4}) {
     SolverScene scene;
@@ -177,7 +178,7 @@ TEST_P(EverySolver, StiffnessOfPbdDoesNotDependOnIterations) {
   }
 }
 
-// One linearization takes a rigid sheet that is stretched by a tenth to its length, which no sweep does.
+// One linearization restores the length of a rigid sheet that is stretched by a tenth; one sweep cannot.
 TEST_P(GlobalSolver, OneIterationMendsAStretchedSheet) {
   SolverScene scene = test::sheet(8, 0.1, 0.01, 0, true);
   for (Vec4f& x : scene.body.position) x.z *= 1.1f;
@@ -187,7 +188,7 @@ TEST_P(GlobalSolver, OneIterationMendsAStretchedSheet) {
   EXPECT_LT(left.largest_strain, 0.005);
 }
 
-// Swings down from the horizontal, rigid, held by a row; and by two corners, when it folds.
+// A rigid sheet swings down from horizontal. It is pinned by a row, or by two corners and then folds.
 double largest_strain_of_hanging(SolverKind kind, std::size_t n, int frames, bool by_corners) {
   SolverScene scene = test::sheet(n, 2.0 / static_cast<double>(n), 1.0 / static_cast<double>(n * n), 0, true);
   if (by_corners)
@@ -204,8 +205,8 @@ double largest_strain_of_hanging(SolverKind kind, std::size_t n, int frames, boo
       if (!is_finite(v) || length(v) > 30) return 1e30;
     largest = std::max(largest, residual.largest_strain);
   }
-  // A quarter of free fall, or as far down as half of the sheet is long.
-  EXPECT_LT(lowest, -std::min(9.81 / 8 * std::pow(frames / 60.0, 2), 1.0)) << "it falls";
+  // A quarter of free fall, or half of the sheet's length.
+  EXPECT_LT(lowest, -std::min(9.81 / 8 * std::pow(frames / 60.0, 2), 1.0)) << "the sheet did not fall";
   return largest;
 }
 
@@ -231,9 +232,9 @@ TEST(LinearSolvers, RigidClothHangsDenseSlow) {
   EXPECT_LT(largest_strain_of_hanging(SolverKind::dense, 8, 60, false), 0.002);
 }
 
-// Rigid constraints of a sheet outnumber its unknowns: the floor that stands in for infinite stiffness is
-// told, and is as stiff as it says: a rigid link that carries the whole weight.
-TEST(LinearSolvers, FloorIsToldAndStiff) {
+// Rigid constraints that outnumber the unknowns: the diagnostic reports the floor that replaces infinite
+// stiffness. The floor has the promised stiffness, tested by a rigid link that carries the whole weight.
+TEST(LinearSolvers, FloorIsReportedAndStiff) {
   SolverScene scene;
   scene.add({0, 0, 0}, 0);
   scene.add({0, -0.1, 0}, 1);
@@ -243,12 +244,12 @@ TEST(LinearSolvers, FloorIsToldAndStiff) {
   scene.damping = 0.5f;
   scene.use(test::kind_of(SolverKind::direct));
   for (int k = 0; k < 50; ++k) scene.step();
-  EXPECT_NE(scene.solver->diagnostic().find("4 rigid rows are held by springs"), std::string::npos)
+  EXPECT_NE(scene.solver->diagnostic().find("springs approximate 4 rigid rows"), std::string::npos)
       << scene.solver->diagnostic();
   EXPECT_NEAR(length(scene.body.at(1)), 0.1, 1e-5 * 0.1 + 2e-8);
 }
 
-// A chain of rigid links is solved without a floor, redundant links or not.
+// A chain of rigid links is solved without a floor, even with redundant links.
 TEST(LinearSolvers, ChainNeedsNoFloor) {
   SolverScene scene;
   for (int i = 0; i < 10; ++i) scene.add({0.1 * i, 0, 0}, i == 0 ? 0 : 0.1);
@@ -267,7 +268,7 @@ TEST(LinearSolvers, DenseRefusesWhatIsTooLarge) {
   expect_error([&] { scene.use(test::kind_of(SolverKind::dense)); }, {"conjugate_gradient"});
 }
 
-// A block of 24 x 24 x 24 particles, each tied to all around it: its factorization fills up.
+// A block of 24 x 24 x 24 particles with links to their neighbors: its factor has too much fill-in.
 TEST(LinearSolvers, DirectRefusesWhatIsTooLarge) {
   constexpr std::uint32_t n = 24;
   SolverScene scene;
@@ -285,7 +286,7 @@ TEST(LinearSolvers, DirectRefusesWhatIsTooLarge) {
   expect_error([&] { scene.use(test::kind_of(SolverKind::direct)); }, {"conjugate_gradient"});
 }
 
-// Sums are made in chunks of fixed size.
+// Partial sums have chunks of fixed size.
 TEST(LinearSolvers, ResultsDoNotDependOnThreads) {
   const auto solve = [](SolverKind kind, int threads) {
     SolverScene scene = test::sheet(40, 0.05, 0.001, 0, true);
@@ -306,7 +307,7 @@ TEST(LinearSolvers, ResultsDoNotDependOnThreads) {
   }
 }
 
-// Pins come and go without the solver being prepared anew.
+// Particles are pinned and released without another `prepare`.
 TEST_P(EverySolver, FollowsPins) {
   SolverScene scene;
   for (int i = 0; i < 3; ++i) scene.add({1.5 * i, 0, 0}, 1);
@@ -326,7 +327,7 @@ TEST_P(EverySolver, FollowsPins) {
   EXPECT_NEAR(scene.body.at(0).x, 0.1, 1e-4);
 }
 
-// Nothing to solve is no error.
+// A scene without constraints is not an error.
 TEST_P(EverySolver, TakesAnEmptyScene) {
   SolverScene scene;
   scene.add({0, 0, 0}, 1);
@@ -336,7 +337,7 @@ TEST_P(EverySolver, TakesAnEmptyScene) {
   EXPECT_EQ(length(scene.body.at(0)), 0);
 }
 
-// Constraints between pinned particles, and coincident ones that have no direction, change nothing.
+// Constraints between pinned particles, and between coincident particles without a direction, have no effect.
 TEST_P(EverySolver, LeavesAloneWhatItCannotMove) {
   SolverScene scene;
   scene.add({0, 0, 0}, 0);

@@ -10,9 +10,9 @@
 namespace souple {
 namespace {
 
-// What a report says of constraints: against sums made one by one, in double, on any number of threads.
+// Residuals as in reports, compared with sums over single constraints in double, on any number of threads.
 TEST(Measure, IsTheSumOverConstraintsOnAnyNumberOfThreads) {
-  constexpr std::uint32_t links = 5003;  // whole chunks and a rest
+  constexpr std::uint32_t links = 5003;  // whole chunks and a remainder
   std::vector<Vec4f> position(links + 1);
   for (std::uint32_t i = 0; i <= links; ++i)
     position[i] = {0.01f * static_cast<float>(i) + 0.004f * std::sin(0.7f * static_cast<float>(i)), 0, 0, 1};

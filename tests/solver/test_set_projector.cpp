@@ -17,8 +17,8 @@ struct Pair {
   }
 };
 
-// Two unequal masses 2 m apart, rest length 1 m: one rigid projection closes the gap and leaves the center of
-// mass.
+// Two unequal masses at a distance of 2 m, rest length 1 m: one rigid projection restores the rest length and
+// keeps the center of mass.
 TEST(SetProjector, RigidDistanceKeepsTheCenterOfMass) {
   for (const Form form : {Form::plain, Form::displacement}) {
     Pair pair{{{0, 0, 0, 1.0f}, {2, 0, 0, 0.25f}}, {{}, {}}, {}};
@@ -33,7 +33,7 @@ TEST(SetProjector, RigidDistanceKeepsTheCenterOfMass) {
   }
 }
 
-// XPBD converges to the force balance alpha lambda = -C whatever the number of iterations.
+// XPBD converges to the force balance alpha lambda = -C, whatever the number of iterations.
 TEST(SetProjector, ComplianceDoesNotDependOnIterations) {
   Pair pair{{{0, 0, 0, 0.0f}, {2, 0, 0, 1.0f}}, {{}, {}}, {}};
   SetProjector<Distance> projector;
@@ -43,7 +43,7 @@ TEST(SetProjector, ComplianceDoesNotDependOnIterations) {
   const Substep substep{.h = 0.01f, .iterations = 7, .mode = Mode::xpbd};
   projector.begin_substep(view, substep);
   for (int i = 0; i < substep.iterations; ++i) projector.project(0, view, substep);
-  // alpha~ = 1, w = 1: the gap of 1 m is shared equally between spring and inertia.
+  // alpha~ = 1, w = 1: spring and inertia each take half of the violation of 1 m.
   EXPECT_NEAR(view.relative(1, {}).x, 1.5f, 1e-6f);
 }
 

@@ -13,7 +13,7 @@ using namespace test;
 const Mat3d turn = rotation_matrix(Quatd::from_axis_angle(normalized(Vec3d{1, -2, 0.5}), 2.0));
 const Vec3d shift{0.3, -1, 2};
 
-// A box 1 x 1 x 1 of 3 x 3 x 3 particles, or its flat and straight parts.
+// Particles on a grid, 0.5 `size` apart: 3 x 3 x 3 form a box of edge `size`, fewer a flat or straight part.
 std::vector<Vec3d> lattice(int nx, int ny, int nz, double size) {
   std::vector<Vec3d> result;
   for (int x = 0; x < nx; ++x)
@@ -55,7 +55,7 @@ TEST(ShapeMatching, RestoresShapesOfEveryDimensionAndSize) {
           projector.add(first(rest.size()), rest, {.linear = linear});
           projector.prepare(rest.size());
           for (int i = 0; i < 60; ++i) solve(projector, body, {.h = 0.01f, .form = form});
-          // The linear part keeps a strain that shrinks by half a projection.
+          // The linear part leaves a strain that each projection halves.
           EXPECT_LT(largest_edge_error(body, rest), 3e-6 * size)
               << e.x << e.y << e.z << " " << linear << " " << size;
         }
@@ -93,8 +93,8 @@ TEST(ShapeMatching, KeepsMomenta) {
     }
 }
 
-// Linear regions stretch freely: a box three times as long keeps its proportions with beta = 1, at the rest
-// volume.
+// Linear regions stretch freely: with beta = 1, a box stretched to three times its length keeps its
+// proportions and returns to the rest volume.
 TEST(ShapeMatching, LinearKeepsVolumeAndAllowsStretch) {
   const auto rest = lattice(3, 3, 3, 1);
   Body body;
@@ -108,7 +108,7 @@ TEST(ShapeMatching, LinearKeepsVolumeAndAllowsStretch) {
   EXPECT_NEAR(dot(a, cross(b, c)), 0.125, 1e-6);
 }
 
-// The same of a flat region, out of its plane's axes: proportions and area.
+// A flat region in a rotated plane keeps its proportions and returns to the rest area.
 TEST(ShapeMatching, FlatLinearKeepsAreaAndAllowsStretch) {
   const auto rest = lattice(3, 3, 1, 1);
   Body body;
@@ -157,7 +157,7 @@ TEST(ShapeMatching, FollowsItsPins) {
     }
 }
 
-// alpha lambda = -C: a region with compliance a, pulled apart by C0, answers C = C0 a~ / (a~ + 1/M).
+// alpha lambda = -C: a region of compliance a, stretched by C0, converges to C = C0 a~ / (a~ + 1/M).
 TEST(ShapeMatching, ComplianceIsThatOfTheWholeRegionAtAnyIterations) {
   const std::vector<Vec3d> rest = {{0, 0, 0}, {1, 0, 0}};
   for (const int iterations : {1, 5, 20}) {
@@ -187,8 +187,8 @@ TEST(ShapeMatching, StiffnessDoesNotDependOnIterationsInPbd) {
   }
 }
 
-// Damping works against change of shape and leaves a rigid motion alone. A rigid region at distance C_start,
-// damped with gamma = tau / h, keeps gamma / (1 + gamma) of it, whatever the prediction did to its size.
+// Damping opposes changes of shape and has no effect on rigid motion. A rigid region at distance C_start,
+// damped with gamma = tau / h, keeps gamma / (1 + gamma) of C_start, whatever size the prediction gave it.
 TEST(ShapeMatching, DampingLeavesRigidMotion) {
   const auto rest = lattice(3, 3, 3, 1);
   for (const bool rigid : {true, false}) {
@@ -229,7 +229,7 @@ TEST(ShapeMatching, OverlappingRegionsGetDifferentColors) {
   for (int i = 0; i < 100; ++i) solve(projector, body, {.h = 0.01f});
   EXPECT_LT(projector.residual(body.view()).largest, 1e-5);
 
-  projector.erase_particles(4, 5);  // drops the second, renumbers the last two
+  projector.erase_particles(4, 5);  // removes the second region, renumbers the last two
   projector.prepare(26);
   EXPECT_EQ(projector.size(), 3u);
   EXPECT_EQ(projector.color_count(), 1);

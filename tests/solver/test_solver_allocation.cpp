@@ -6,7 +6,7 @@
 namespace souple {
 namespace {
 
-// The solvers that promise it (docs/solvers.md); those that use Eigen do not.
+// All solvers that promise allocation-free steps (docs/solvers.md); solvers that use Eigen do not.
 TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
   for (SolverSettings settings :
        {test::kind_of(SolverKind::gauss_seidel), SolverSettings{.colors = 3},

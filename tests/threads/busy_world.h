@@ -9,7 +9,7 @@
 
 namespace souple::test {
 
-/// Custom constraints that may run at the same time: each keeps one vertex of an object above a height.
+/// Custom constraints that may run concurrently: each keeps one vertex of an object above a height.
 inline std::unique_ptr<Projector> floor_of(const World& world, ObjectId object, float height) {
   auto projector = std::make_unique<CustomProjector>();
   for (std::uint32_t vertex = 0; vertex < world.positions(object).size(); ++vertex) {
@@ -26,8 +26,8 @@ inline std::unique_ptr<Projector> floor_of(const World& world, ObjectId object, 
   return projector;
 }
 
-/// A cloth falls on a turning ball, grains and a stiff box on the cloth; beside them a soft body, a balloon
-/// and a second box on the floor. Every kind of projector has enough to do for several threads.
+/// A cloth falls on a rotating ball, and grains and a stiff box fall on the cloth; beside them a soft body, a
+/// balloon and a second box fall on the floor. Every projector kind has enough work for several threads.
 inline World busy_world(Settings settings = {}) {
   settings.substeps = 5;
   settings.wind.velocity = {1, 0, 0};

@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(All, WarmStep,
                                          Settings{.integrator = Integrator::implicit_euler, .threads = 2}),
                          name_of);
 
-// What leads an obstacle: keyframes, and a sequence on top of them.
+// An obstacle driven by keyframes and, relative to them, by a sequence.
 TEST(WarmStepOfAnObstacle, AllocatesNothing) {
   World world({.threads = 2});
   const TriangleMesh mesh = grid(80, 80, 1.0);
@@ -50,7 +50,8 @@ TEST(WarmStepOfAnObstacle, AllocatesNothing) {
   EXPECT_GT(length(world.velocities(plate)[0]), 1.0f);
 }
 
-// A plate that swings between two sleepers: it is compared with them in every step, and wakes neither.
+// A plate moves between two groups of sleeping grains, within their bounding box. Each step tests the plate
+// against the grains and wakes none.
 TEST(WarmStepBesideSleepers, AllocatesNothing) {
   World world({.sleeping = {.enabled = true}, .threads = 2});
   std::vector<Vec3d> centers;
@@ -65,7 +66,7 @@ TEST(WarmStepBesideSleepers, AllocatesNothing) {
   EXPECT_TRUE(world.is_asleep(grains));
 }
 
-// A step that warns says so in a report of its own, in memory of the last one.
+// A step with a warning writes its report into the memory of the last report.
 TEST(WarmStepThatWarns, AllocatesNothing) {
   World world({.substeps = 1, .threads = 2});
   const ObjectId cloth = world.add_cloth(grid(30, 30, 1.0), {.membrane_stiffness = 20});

@@ -10,7 +10,7 @@
 namespace souple {
 namespace {
 
-// A chain of 200 links stretched to twice its length, pulled together by 50 colored sweeps.
+// Contracts a chain of 200 links, stretched to twice its length, by 50 colored sweeps.
 std::vector<Vec4f> contract_chain() {
   constexpr std::uint32_t particles = 201;
   std::vector<Vec4f> position(particles);
@@ -28,8 +28,8 @@ std::vector<Vec4f> contract_chain() {
   return position;
 }
 
-// There is no global state: solvers on different threads do not see each other (the thread sanitizer watches)
-// and each gives the bits it gives alone.
+// There is no global state: solvers on different threads share no data (checked by the thread sanitizer), and
+// each gives the bits of a solver that runs alone.
 TEST(Threads, SolversAreIndependent) {
   const std::vector<Vec4f> alone = contract_chain();
   ASSERT_LT(alone.back().x, 3.99f);

@@ -24,7 +24,7 @@ namespace {
 constexpr Threading kinds[] = {Threading::automatic, Threading::serial, Threading::pool, Threading::tbb};
 constexpr std::size_t whole = std::numeric_limits<std::size_t>::max();
 
-// How often each of n indices is met, as tallied by its own counter: two threads on one index would race.
+// Number of visits of each of n indices. Each index has a plain counter: two threads on one index would race.
 std::vector<int> visits(Threads& threads, std::size_t n, std::size_t grain) {
   std::vector<int> count(n);
   threads.for_each(n, grain, [&](std::size_t begin, std::size_t end) {
@@ -75,8 +75,8 @@ TEST(Threads, MeetEveryIndexOnce) {
     }
 }
 
-// What one for_each wrote the next one reads, whichever thread either was on; short jobs follow each other
-// closely and have more parts now and fewer then. The thread sanitizer watches.
+// A for_each reads the results of the previous for_each, whatever threads both ran on. Short jobs follow each
+// other closely, with varying numbers of parts. The thread sanitizer checks for races.
 TEST(Threads, SeeWhatTheLastJobWrote) {
   for (const Threading kind : kinds) {
     const auto threads = make_threads(kind, 4);
@@ -110,7 +110,7 @@ TEST(Threads, SmallWorkStaysOnTheCallersThread) {
 TEST(Threads, WorkAtTheSameTime) {
   const auto threads = make_threads(Threading::pool, 3);
   std::atomic<int> inside{0};
-  // Each part waits for the others: this ends only if all three run at once.
+  // Each part waits for both other parts: for_each returns only if all three run concurrently.
   threads->for_each(3, 1, [&](std::size_t, std::size_t) {
     ++inside;
     while (inside < 3) std::this_thread::yield();
@@ -138,18 +138,18 @@ TEST(Threads, SleepBetweenSteps) {
   EXPECT_LT(test::idle_seconds(), 0.01) << "after a job outside wake and rest";
   threads->wake();
   visits(*threads, 100, 1);
-  double awake = 0;  // a machine that is busy gives the workers little at a time
+  double awake = 0;  // a busy machine gives the workers little time
   for (int i = 0; i < 50 && awake < 0.02; ++i) awake += test::idle_seconds();
-  EXPECT_GE(awake, 0.02) << "awake: this test sees spinning where there is some";
+  EXPECT_GE(awake, 0.02) << "while awake: the test does not detect spinning";
   threads->rest();
   EXPECT_LT(test::idle_seconds(), 0.01) << "after rest";
   threads->wake();
   visits(*threads, 1, 1);
-  EXPECT_LT(test::idle_seconds(), 0.01) << "awake, but nothing was worth cutting";
+  EXPECT_LT(test::idle_seconds(), 0.01) << "awake, but the job had a single part";
 }
 
-#ifndef SOUPLE_SANITIZED  // their shadow memory is beyond any limit
-// In a child process: leaves room for a few stacks of 8 MB, then asks for 64 threads.
+#ifndef SOUPLE_SANITIZED  // shadow memory of sanitizers exceeds any limit
+// For a child process: limits memory to a few stacks of 8 MB, then requests 64 threads.
 [[noreturn]] void work_where_threads_are_refused() {
   rlimit limit{};
   getrlimit(RLIMIT_AS, &limit);
@@ -168,11 +168,11 @@ TEST(ThreadsDeathTest, GoOnWithFewerWhereTheSystemRefusesThem) {
 #endif
 #endif  // __linux__
 
-/// SOUPLE_THREADS while it lives.
-class Variable {
+/// Sets SOUPLE_THREADS while it exists.
+class ScopedVariable {
  public:
-  explicit Variable(const char* value) { setenv("SOUPLE_THREADS", value, 1); }
-  ~Variable() { unsetenv("SOUPLE_THREADS"); }
+  explicit ScopedVariable(const char* value) { setenv("SOUPLE_THREADS", value, 1); }
+  ~ScopedVariable() { unsetenv("SOUPLE_THREADS"); }
 };
 
 TEST(ThreadCount, IsWhatWasAskedForOrTheEnvironmentsOrTheProcessors) {
@@ -181,18 +181,18 @@ TEST(ThreadCount, IsWhatWasAskedForOrTheEnvironmentsOrTheProcessors) {
   EXPECT_GE(thread_count(0), 1);
   const int processors = thread_count(0);
   {
-    const Variable variable("3");
+    const ScopedVariable variable("3");
     EXPECT_EQ(thread_count(0), 3);
     EXPECT_EQ(thread_count(5), 5);
     EXPECT_EQ(make_threads(Threading::automatic, 0)->count(), 3);
   }
-  const Variable empty("");
+  const ScopedVariable empty("");
   EXPECT_EQ(thread_count(0), processors);
 }
 
 TEST(ThreadCount, RefusesAnEnvironmentThatSaysNoNumber) {
   for (const char* bad : {"0", "-2", "1025", "two", "2 ", "1.5", "99999999999999999999"}) {
-    const Variable variable(bad);
+    const ScopedVariable variable(bad);
     expect_error([] { thread_count(0); }, {"SOUPLE_THREADS", bad, "1 to 1024"});
     EXPECT_EQ(thread_count(2), 2);
   }

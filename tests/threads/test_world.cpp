@@ -47,7 +47,7 @@ TEST(WorldThreads, ResultsOfManyIterationsDoNotDependOnThem) {
   }
 }
 
-// What a run leaves behind: a checkpoint, reports, events.
+// All results of a run: checkpoint, reports, contacts.
 TEST(WorldThreads, CheckpointsReportsAndContactsDoNotDependOnThem) {
   World one = test::busy_world({.threads = 1}), three = test::busy_world({.threads = 3});
   for (int frame = 0; frame < frames; ++frame) one.step(1.0 / 60), three.step(1.0 / 60);
@@ -83,7 +83,7 @@ TEST(WorldThreads, ARunGoesOnTheSameWithOtherThreads) {
   EXPECT_EQ(straight.hash(), resumed.hash());
 }
 
-// Of several that go bad at once the same is named, whichever thread meets it first.
+// If several particles become non-finite at once, runs with any number of threads report the same particle.
 TEST(WorldThreads, TheSameParticleIsBlamed) {
   std::vector<Vec3d> line(20000);
   for (std::size_t i = 0; i < line.size(); ++i) line[i].x = 0.1 * static_cast<double>(i);
@@ -112,7 +112,7 @@ TEST(WorldThreads, WorldsOnDifferentThreadsDoNotDisturbEachOther) {
   for (const std::uint64_t hash : together) EXPECT_EQ(hash, alone);
 }
 
-// A world may be made on one thread, stepped on a second and destroyed on a third.
+// A world may be created on one thread, stepped on a second and destroyed on a third.
 TEST(WorldThreads, AWorldMayWanderBetweenUsersThreads) {
   auto world = std::make_unique<World>(test::busy_world({.threads = 2}));
   std::thread([&] { world->step(1.0 / 60); }).join();
@@ -125,7 +125,7 @@ TEST(WorldThreads, AWorldMayWanderBetweenUsersThreads) {
   std::thread([&] { world.reset(); }).join();
 }
 
-// Whatever users' callbacks throw, and where, no thread of the world goes on spinning after the step.
+// If callbacks of users throw, in whatever stage, no thread of the world spins after the step.
 TEST(WorldThreads, SleepAfterAStepWhoseCallbacksThrow) {
   World world = test::busy_world({.threads = 3, .threading = Threading::pool});
   for (const Stage stage : {Stage::broad_phase, Stage::integrate, Stage::solve, Stage::velocity})

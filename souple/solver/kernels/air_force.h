@@ -17,8 +17,8 @@ struct Air {
 /// normal and A its area
 ///   drag = -rho/2 c_d A |v.n| v
 ///   lift = -rho/2 c_l A (v.n) |v| (n - (n.v) v / |v|^2)
-/// The impulse is limited to the one that stops the triangle in the air: light cloth stays stable in any
-/// wind.
+/// The impulse is limited to that which stops the triangle relative to the air: light cloth stays stable in
+/// any wind.
 template <class T>
 inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, const Air& air) {
   const T speed = length(v);

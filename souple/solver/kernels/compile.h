@@ -6,8 +6,9 @@
 
 #include <utility>
 
-// The projection of many constraints, one register of constraints at a time. Included only by the translation
-// units that are compiled for one instruction set; every template here has the set's tag as parameter.
+// The projection of many constraints, one register of constraints at a time. Included only by translation
+// units that are compiled for one instruction set; every template here has the tag of that instruction set as
+// parameter.
 
 // Functions that are not inlined pass registers through memory, at half the speed. g++'s flatten does not
 // inline lambdas.
@@ -71,7 +72,7 @@ struct Block {
   using T = simd::Pack<Isa>;
 
   const std::uint32_t* records[Kind::arity];
-  /// What corrections are added to: components of positions (plain form), or records of displacements.
+  /// Corrections are added here: to components of positions (plain form), or to records of displacements.
   typename Isa::Vector moving[Kind::arity][4];
   typename Kind::template Params<T> params;
   ProjectionInput<Kind, T> in;

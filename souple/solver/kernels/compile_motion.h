@@ -3,8 +3,9 @@
 #include "souple/math/simd/instruction_sets.h"
 #include "souple/solver/kernels/motion.h"
 
-// Included only by the translation units that are compiled for one instruction set; every template here has
-// the set's tag as parameter. A record's fourth float is never changed: it may hold the inverse mass.
+// Included only by translation units that are compiled for one instruction set; every template here has the
+// tag of that instruction set as parameter. A record's fourth float is never changed: it may hold the inverse
+// mass.
 
 namespace souple::kernels {
 
@@ -30,8 +31,8 @@ class FiniteCheck {
  public:
   void add(typename Isa::Vector a) {
     const typename Isa::Vector large = a * 8.0f;
-    sum_ = sum_ + (large - large);  // NOLINT(misc-redundant-expression): infinity less infinity is no number,
-                                    // nor is any sum with it
+    sum_ = sum_ + (large - large);  // NOLINT(misc-redundant-expression): infinity minus infinity is NaN, and
+                                    // so is any sum with it
   }
   bool all_finite() const {
     for (int lane = 0; lane < Isa::lanes; ++lane)

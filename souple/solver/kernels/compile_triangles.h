@@ -3,8 +3,8 @@
 #include "souple/math/simd/pack.h"
 #include "souple/solver/kernels/triangles.h"
 
-// Included only by the translation units that are compiled for one instruction set; every template here has
-// the set's tag as parameter.
+// Included only by translation units that are compiled for one instruction set; every template here has the
+// tag of that instruction set as parameter.
 
 namespace souple::kernels {
 

@@ -64,13 +64,13 @@ void solve_symmetric(T (&A)[n * (n + 1) / 2], T (&b)[n]) {
 /// projection. One factor for all particles keeps momentum. A correction too large for a float becomes zero:
 /// its gradient vanished.
 template <class Kind, class T>
-void limit_to_reach(const typename Kind::template Params<T>& params, Vec3<T> (&dx)[Kind::arity],
-                    T (&dlambda)[rows_of<Kind>]) {
-  const T reach = Kind::template reach<T>(params);
+void limit_correction(const typename Kind::template Params<T>& params, Vec3<T> (&dx)[Kind::arity],
+                      T (&dlambda)[rows_of<Kind>]) {
+  const T limit = Kind::template max_correction<T>(params);
   T farthest{0};
   for (int i = 0; i < Kind::arity; ++i) farthest = max(farthest, dot(dx[i], dx[i]));
-  const auto too_far = farthest > reach * reach;
-  const T factor = select(too_far, reach / sqrt(select(too_far, farthest, T(1))), T(1));
+  const auto too_far = farthest > limit * limit;
+  const T factor = select(too_far, limit / sqrt(select(too_far, farthest, T(1))), T(1));
   const auto bounded = farthest < T(1e38f);
   for (int i = 0; i < Kind::arity; ++i)
     for (int axis = 0; axis < 3; ++axis) dx[i][axis] = select(bounded, dx[i][axis] * factor, T(0));
@@ -129,7 +129,10 @@ inline void project_constraint(const ProjectionInput<Kind, T>& in,
     for (int r = 1; r < rows; ++r) sum += gradient[r][i] * dlambda[r];
     dx[i] = sum * in.inverse_mass[i];
   }
-  if constexpr (requires { Kind::template reach<T>(params); }) limit_to_reach<Kind, T>(params, dx, dlambda);
+  static_assert(
+      !requires { Kind::template reach<T>(params); }, "rename the constraint's reach: max_correction");
+  if constexpr (requires { Kind::template max_correction<T>(params); })
+    limit_correction<Kind, T>(params, dx, dlambda);
 }
 
 }  // namespace souple

@@ -20,7 +20,7 @@ struct TriangleArrays {
   float* result = nullptr;
 };
 
-/// Compute whole registers of triangles of [begin, end); return the first triangle left over.
+/// Process triangles of [begin, end) in whole registers; return the first triangle that remains.
 using AirForces = std::size_t (*)(const TriangleArrays&, const Air&, std::size_t begin, std::size_t end);
 using AreaNormals = std::size_t (*)(const TriangleArrays&, std::size_t begin, std::size_t end);
 
