@@ -117,7 +117,8 @@ host::Handle PhysicsSystem::add(const Index& render_object, host::Kind kind, hos
   options.transform = transform.data();
   std::vector<float> positions = mesh.positions();
   const std::vector<std::uint32_t> triangles = mesh.triangles();
-  const host::Soup soup{positions.data(), mesh.vertex_count(), triangles.data(), triangles.size() / 3};
+  const host::TriangleSoup soup{positions.data(), mesh.vertex_count(), triangles.data(),
+                                triangles.size() / 3};
   host::Handle object = 0;
   switch (kind) {
     case host::Kind::cloth:

@@ -43,19 +43,19 @@ void Session::clear() {
   impl_->begin_again();
 }
 
-Handle Session::Impl::add(Kind kind, const Soup& soup, const MeshOptions& options) {
+Handle Session::Impl::add(Kind kind, const TriangleSoup& soup, const MeshOptions& options) {
   const Handle added = contents.add(kind, soup, options);
   take_statistics();
   return added;
 }
 
-Handle Session::add_cloth(const Soup& soup, const MeshOptions& options) {
+Handle Session::add_cloth(const TriangleSoup& soup, const MeshOptions& options) {
   return impl_->add(Kind::cloth, soup, options);
 }
-Handle Session::add_soft_body(const Soup& soup, const MeshOptions& options) {
+Handle Session::add_soft_body(const TriangleSoup& soup, const MeshOptions& options) {
   return impl_->add(Kind::soft_body, soup, options);
 }
-Handle Session::add_obstacle(const Soup& soup, const MeshOptions& options) {
+Handle Session::add_obstacle(const TriangleSoup& soup, const MeshOptions& options) {
   return impl_->add(Kind::obstacle, soup, options);
 }
 

@@ -2,7 +2,7 @@
 
 #include "souple/host/clock.h"
 #include "souple/host/drag_plane.h"
-#include "souple/host/soup.h"
+#include "souple/host/vertex_welder.h"
 
 #include <array>
 #include <cstddef>
@@ -47,7 +47,7 @@ struct ColliderShape {
 struct MeshOptions {
   std::string name;                  ///< unique; empty: the kind, then kind2, ...
   const float* transform = nullptr;  ///< 4 x 4, column-major, mesh to world; copied. nullptr: none
-  double weld_tolerance = 0;         ///< see SoupWeld
+  double weld_tolerance = 0;         ///< see VertexWelder
   std::string preset;                ///< "cotton", "jelly", ...; empty: the kind's default material
   bool self_collision = false;       ///< of cloth
   std::size_t lattice_tets = 2000;   ///< of soft bodies: about as many tets carry the surface
@@ -98,11 +98,11 @@ class Session {
   /// Removes everything; the settings become the defaults.
   void clear();
   /// Adds at the present moment of the world. After a reset it is there from the start.
-  Handle add_cloth(const Soup& soup, const MeshOptions& options = {});
+  Handle add_cloth(const TriangleSoup& soup, const MeshOptions& options = {});
   /// Of a closed surface, carried by a lattice of tets.
-  Handle add_soft_body(const Soup& soup, const MeshOptions& options = {});
+  Handle add_soft_body(const TriangleSoup& soup, const MeshOptions& options = {});
   /// What others touch and nothing moves. Its preset is none.
-  Handle add_obstacle(const Soup& soup, const MeshOptions& options = {});
+  Handle add_obstacle(const TriangleSoup& soup, const MeshOptions& options = {});
   /// Takes an object out, at any time; what holds it lets go. A reset does not bring it back.
   void remove(Handle object);
   bool contains(Handle object) const;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/host/session.h"
-#include "tests/host/soups.h"
+#include "tests/host/triangle_soups.h"
 #include "tests/paths.h"
 
 #include <cstring>

@@ -1,7 +1,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/host/drawable.h"
 #include "tests/expect_error.h"
-#include "tests/host/soups.h"
+#include "tests/host/triangle_soups.h"
 #include "tests/paths.h"
 
 #include <algorithm>

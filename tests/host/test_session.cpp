@@ -42,22 +42,22 @@ TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   host.play(40);
 
   World world;
-  TriangleMesh placed = SoupWeld(sheet.soup()).mesh();
+  TriangleMesh placed = VertexWelder(sheet.soup()).mesh();
   for (Vec3d& x : placed.positions) x += Vec3d(0.125, 1, 0);
   const ObjectId pure = world.add_cloth(placed, material::silk, {.self_collision = true});
-  const ObjectId pure_body = world.add_soft_body(SoupWeld(ball.soup()).mesh(), {}, {.cells = 300});
-  world.add_obstacle(SoupWeld(post.soup()).mesh());
+  const ObjectId pure_body = world.add_soft_body(VertexWelder(ball.soup()).mesh(), {}, {.cells = 300});
+  world.add_obstacle(VertexWelder(post.soup()).mesh());
   for (int i = 0; i < 40; ++i) ASSERT_TRUE(world.step(dt).ok());
   EXPECT_EQ(host.session.hash(), world.hash());
 
   // What is drawn: each corner where its particle is, in the mesh's own coordinates.
-  const SoupWeld weld(sheet.soup());
+  const VertexWelder weld(sheet.soup());
   const std::vector<float> x = drawn(host.session, cloth);
   for (std::size_t v = 0; v < sheet.count(); ++v) {
     const Vec3f& p = world.positions(pure)[weld.particle_of()[v]];
     EXPECT_EQ(vertex(x, v), Vec3f(Vec3d(p) - Vec3d(0.125, 1, 0)));
   }
-  const SoupWeld ball_weld(ball.soup());
+  const VertexWelder ball_weld(ball.soup());
   const std::vector<float> y = drawn(host.session, body);
   for (std::size_t v = 0; v < ball.count(); ++v)
     EXPECT_EQ(y[3 * v + 1], world.positions(pure_body)[ball_weld.particle_of()[v]].y);

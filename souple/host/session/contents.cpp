@@ -158,7 +158,7 @@ void Contents::replace(SceneDescription scene, bool has_scene) {
   for (std::string& sentence : sentences) tell_(std::move(sentence));
 }
 
-Handle Contents::add(Kind kind, const Soup& soup, const MeshOptions& options) {
+Handle Contents::add(Kind kind, const TriangleSoup& soup, const MeshOptions& options) {
   const std::string name = options.name.empty() ? kind_name(kind) : options.name;
   if (kind == Kind::soft_body && options.lattice_tets == 0) throw Error(name + ": lattice_tets is 0");
   const Placement placement = Placement::of(options.transform, (name + ": transform").c_str());
@@ -166,7 +166,7 @@ Handle Contents::add(Kind kind, const Soup& soup, const MeshOptions& options) {
   item->name = options.name;
   item->kind = kind;
   item->material = make_material(kind, options.preset);
-  item->mesh = HostMesh{SoupWeld(soup, options.weld_tolerance, name), placement, placement};
+  item->mesh = HostMesh{VertexWelder(soup, options.weld_tolerance, name), placement, placement};
   item->mesh->self_collision = kind == Kind::cloth && options.self_collision;
   item->mesh->lattice_tets = options.lattice_tets;
   if (kind == Kind::obstacle)

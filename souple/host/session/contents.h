@@ -11,7 +11,7 @@ namespace souple::host {
 
 /// A mesh of the host as an object.
 struct HostMesh {
-  SoupWeld weld;
+  VertexWelder weld;
   Placement placement;        ///< where the host has it now
   Placement added;            ///< where it was when it came into this world
   std::vector<Vec3f> rest{};  ///< per particle, in the mesh's coordinates; obstacles stay as they are
@@ -60,7 +60,7 @@ class Contents {
 
   void open(const std::string& file);
   void clear();
-  Handle add(Kind kind, const Soup& soup, const MeshOptions& options);
+  Handle add(Kind kind, const TriangleSoup& soup, const MeshOptions& options);
   void remove(Handle handle);
   /// Makes the world anew.
   void rebuild();

@@ -16,7 +16,7 @@ Statistics statistics_of(const World& world, std::uint64_t steps);
 struct Session::Impl {
   explicit Impl(const ClockOptions& options) : clock(options) {}
 
-  Handle add(Kind kind, const Soup& soup, const MeshOptions& options);
+  Handle add(Kind kind, const TriangleSoup& soup, const MeshOptions& options);
   /// False when the world could not do it: then it has said why, and is paused.
   bool step(double dt);
   /// The world was made anew: what held on to the old one lets go.

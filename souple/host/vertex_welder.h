@@ -11,7 +11,7 @@
 namespace souple::host {
 
 /// A renderer's triangles, in its own memory: looked at during a call, never kept.
-struct Soup {
+struct TriangleSoup {
   const float* positions = nullptr;  ///< x, y, z of each vertex, in the mesh's own coordinates
   std::size_t vertex_count = 0;
   const std::uint32_t* indices = nullptr;  ///< three a triangle, counter-clockwise from outside
@@ -35,13 +35,13 @@ struct VertexBuffers {
 /// A renderer doubles vertices where normals or UVs differ, an importer one for each corner of each triangle;
 /// what moves is one particle for each place. This joins them, and gives each render vertex its particle's
 /// position. Render vertices, their order and triangles stay as they are.
-class SoupWeld {
+class VertexWelder {
  public:
   /// Vertices of equal coordinates become one particle, or those within `tolerance` (in the mesh's own
   /// coordinates) as weld_vertices in geometry/weld.h joins them. Particles are numbered by their lowest
   /// render vertex. Throws Error, beginning with `name`, when there are no triangles, a position is not
   /// finite, an index is out of range, or the tolerance is not a number >= 0.
-  explicit SoupWeld(const Soup& soup, double tolerance = 0, const std::string& name = "mesh");
+  explicit VertexWelder(const TriangleSoup& soup, double tolerance = 0, const std::string& name = "mesh");
 
   std::size_t vertex_count() const { return particle_of_.size(); }  ///< of the renderer
   std::size_t particle_count() const { return positions_.size(); }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/geometry/triangle_mesh.h"
-#include "souple/host/soup.h"
+#include "souple/host/vertex_welder.h"
 
 namespace souple::host {
 
@@ -19,7 +19,7 @@ struct Corners {
     normals.resize(positions.size());
   }
   std::size_t count() const { return positions.size() / 3; }
-  Soup soup() const { return {positions.data(), count(), indices.data(), indices.size() / 3}; }
+  TriangleSoup soup() const { return {positions.data(), count(), indices.data(), indices.size() / 3}; }
   Vec3f at(std::size_t v) const { return {positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]}; }
   Vec3f normal(std::size_t v) const { return {normals[3 * v], normals[3 * v + 1], normals[3 * v + 2]}; }
 };

@@ -1,9 +1,9 @@
 #include "souple/geometry/builders.h"
-#include "souple/host/soup.h"
+#include "souple/host/vertex_welder.h"
 #include "souple/world/world.h"
 #include "tests/count_allocations.h"
 #include "tests/expect_error.h"
-#include "tests/host/soups.h"
+#include "tests/host/triangle_soups.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +28,9 @@ std::vector<Vec3f> floats(const std::vector<Vec3d>& positions) {
 constexpr float turned[16] = {0, 0, -2, 0, 0, 1, 0, 0, 1, 0, 0, 0, 5, 6, 7, 1};
 constexpr float mirrored[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-TEST(SoupWeld, CornersOfOnePlaceAreOneParticle) {
+TEST(VertexWelder, CornersOfOnePlaceAreOneParticle) {
   const Corners corners(strip);
-  const SoupWeld weld(corners.soup());
+  const VertexWelder weld(corners.soup());
   EXPECT_EQ(weld.vertex_count(), 12u);
   EXPECT_EQ(weld.particle_count(), 6u);
   const TriangleMesh mesh = weld.mesh();
@@ -38,17 +38,17 @@ TEST(SoupWeld, CornersOfOnePlaceAreOneParticle) {
   for (std::size_t v = 0; v < 12; ++v) EXPECT_EQ(Vec3f(mesh.positions[weld.particle_of()[v]]), corners.at(v));
 }
 
-TEST(SoupWeld, WithATolerance) {
+TEST(VertexWelder, WithATolerance) {
   Corners corners(strip);
   corners.positions[0] += 1e-4f;
-  EXPECT_GT(SoupWeld(corners.soup()).particle_count(), 6u);
-  EXPECT_EQ(SoupWeld(corners.soup(), 1e-3).particle_count(), 6u);
+  EXPECT_GT(VertexWelder(corners.soup()).particle_count(), 6u);
+  EXPECT_EQ(VertexWelder(corners.soup(), 1e-3).particle_count(), 6u);
 }
 
-TEST(SoupWeld, PositionsComeBackToEachRenderVertex) {
+TEST(VertexWelder, PositionsComeBackToEachRenderVertex) {
   Corners corners(strip);
   const std::vector<float> before = corners.positions;
-  SoupWeld weld(corners.soup());
+  VertexWelder weld(corners.soup());
   std::vector<Vec3f> particles = floats(weld.mesh().positions);
   weld.write(particles.data(), {}, {corners.positions.data(), nullptr});
   EXPECT_EQ(corners.positions, before);
@@ -58,12 +58,12 @@ TEST(SoupWeld, PositionsComeBackToEachRenderVertex) {
     EXPECT_EQ(corners.positions[i], before[i] + (i % 3 == 1 ? 1.0f : 0.0f));
 }
 
-TEST(SoupWeld, AMatrixIsRespectedBothWays) {
+TEST(VertexWelder, AMatrixIsRespectedBothWays) {
   Corners corners(sphere(2, 1));
   const std::vector<float> before = corners.positions;
   for (const float* matrix : {turned, mirrored}) {
     const Placement placement = Placement::of(matrix);
-    SoupWeld weld(corners.soup());
+    VertexWelder weld(corners.soup());
     const TriangleMesh mesh = weld.mesh(placement);
     // Wound outward in the world as in the mesh, also when it is mirrored.
     const Triangle& t = mesh.triangles[0];
@@ -82,9 +82,9 @@ TEST(SoupWeld, AMatrixIsRespectedBothWays) {
 }
 
 /// A box: smooth over its edges, or flat as the corners that the renderer doubled.
-TEST(SoupWeld, NormalsAreOfTheSurfaceOrOfTheRenderVertices) {
+TEST(VertexWelder, NormalsAreOfTheSurfaceOrOfTheRenderVertices) {
   Corners corners(box({1, 1, 1}, {1, 1, 1}));
-  SoupWeld weld(corners.soup());
+  VertexWelder weld(corners.soup());
   ASSERT_EQ(weld.particle_count(), 8u);
   const std::vector<Vec3f> particles = floats(weld.mesh().positions);
   weld.write(particles.data(), {}, {nullptr, corners.normals.data()}, Normals::per_vertex);
@@ -104,16 +104,16 @@ TEST(SoupWeld, NormalsAreOfTheSurfaceOrOfTheRenderVertices) {
   }
 }
 
-TEST(SoupWeld, BuffersMayBeInterleaved) {
+TEST(VertexWelder, BuffersMayBeInterleaved) {
   const Corners corners(strip);
   std::vector<float> interleaved(96, -7);
   for (std::size_t v = 0; v < 12; ++v)
     for (std::size_t k = 0; k < 3; ++k) interleaved[8 * v + k] = corners.positions[3 * v + k];
   const std::vector<float> before = interleaved;
-  Soup soup = corners.soup();
+  TriangleSoup soup = corners.soup();
   soup.positions = interleaved.data();
   soup.stride = 8;
-  SoupWeld weld(soup);
+  VertexWelder weld(soup);
   EXPECT_EQ(weld.particle_count(), 6u);
   const std::vector<Vec3f> particles = floats(weld.mesh().positions);
   weld.write(particles.data(), {}, {interleaved.data(), interleaved.data() + 3, 8});
@@ -123,9 +123,9 @@ TEST(SoupWeld, BuffersMayBeInterleaved) {
   }
 }
 
-TEST(SoupWeld, WritingAgainAllocatesNothing) {
+TEST(VertexWelder, WritingAgainAllocatesNothing) {
   Corners corners(sphere(3, 1));
-  SoupWeld weld(corners.soup());
+  VertexWelder weld(corners.soup());
   const std::vector<Vec3f> particles = floats(weld.mesh().positions);
   const VertexBuffers buffers{corners.positions.data(), corners.normals.data()};
   for (const Normals normals : {Normals::per_vertex, Normals::welded})
@@ -137,23 +137,23 @@ TEST(SoupWeld, WritingAgainAllocatesNothing) {
 }
 
 /// Three triangles on one edge, a copy of a triangle, one without area: a World takes them.
-TEST(SoupWeld, WhatIsNotManifoldIsLeftToTheWorld) {
+TEST(VertexWelder, WhatIsNotManifoldIsLeftToTheWorld) {
   const float x[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 5, 5, 5};
   const std::uint32_t t[] = {0, 1, 2, 1, 0, 3, 0, 1, 4, 0, 1, 2, 0, 0, 1};
-  const SoupWeld weld({x, 6, t, 5});
+  const VertexWelder weld({x, 6, t, 5});
   World world;
   const ObjectId cloth = world.add_cloth(weld.mesh());
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(world.step(1.0 / 60).ok());
   EXPECT_EQ(world.positions(cloth).size(), 6u);
 }
 
-TEST(SoupWeld, BadInputIsOneSentence) {
+TEST(VertexWelder, BadInputIsOneSentence) {
   Corners corners(strip);
-  const Soup good = corners.soup();
-  const auto refused = [](const Soup& soup, std::initializer_list<std::string> words) {
-    expect_error([&] { SoupWeld(soup, 0, "flag"); }, words);
+  const TriangleSoup good = corners.soup();
+  const auto refused = [](const TriangleSoup& soup, std::initializer_list<std::string> words) {
+    expect_error([&] { VertexWelder(soup, 0, "flag"); }, words);
   };
-  Soup soup = good;
+  TriangleSoup soup = good;
   soup.triangle_count = 0;
   refused(soup, {"flag", "no triangles"});
   soup = good, soup.indices = nullptr;
@@ -169,7 +169,7 @@ TEST(SoupWeld, BadInputIsOneSentence) {
   corners.indices[4] = 4;
   corners.positions[5] = std::numeric_limits<float>::quiet_NaN();
   refused(corners.soup(), {"flag", "vertex 1", "not finite"});
-  expect_error([] { SoupWeld(Corners(strip).soup(), -1); }, {"tolerance"});
+  expect_error([] { VertexWelder(Corners(strip).soup(), -1); }, {"tolerance"});
 }
 
 TEST(Placement, RefusesMatricesThatAreNone) {

@@ -1,4 +1,4 @@
-#include "souple/host/soup.h"
+#include "souple/host/vertex_welder.h"
 
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
@@ -19,7 +19,7 @@ void require_stride(std::size_t stride, const std::string& name) {
   if (stride < 3) throw Error(fmt::format("{}: the stride is {} floats, expected 3 or more", name, stride));
 }
 
-std::vector<Vec3d> read_positions(const Soup& soup, const std::string& name) {
+std::vector<Vec3d> read_positions(const TriangleSoup& soup, const std::string& name) {
   require_stride(soup.stride, name);
   if (soup.vertex_count > std::numeric_limits<std::uint32_t>::max())
     throw Error(name + ": more than 4294967295 vertices");
@@ -34,7 +34,7 @@ std::vector<Vec3d> read_positions(const Soup& soup, const std::string& name) {
   return positions;
 }
 
-std::vector<Triangle> read_triangles(const Soup& soup, const std::string& name) {
+std::vector<Triangle> read_triangles(const TriangleSoup& soup, const std::string& name) {
   if (soup.triangle_count == 0 || soup.indices == nullptr)
     throw Error(name + ": there are no triangles, expected at least one");
   std::vector<Triangle> triangles(soup.triangle_count);
@@ -50,7 +50,7 @@ void put(const Vec3f& value, float* out) {
 
 }  // namespace
 
-SoupWeld::SoupWeld(const Soup& soup, double tolerance, const std::string& name) {
+VertexWelder::VertexWelder(const TriangleSoup& soup, double tolerance, const std::string& name) {
   TriangleMesh mesh;
   mesh.triangles = read_triangles(soup, name);
   mesh.positions = read_positions(soup, name);
@@ -66,7 +66,7 @@ SoupWeld::SoupWeld(const Soup& soup, double tolerance, const std::string& name) 
     for (std::uint32_t& corner : triangle) corner = particle_of_[corner];
 }
 
-TriangleMesh SoupWeld::mesh(const Placement& placement) const {
+TriangleMesh VertexWelder::mesh(const Placement& placement) const {
   TriangleMesh mesh;
   mesh.positions.reserve(positions_.size());
   for (const Vec3d& x : positions_) mesh.positions.push_back(placement.to_world(x));
@@ -76,8 +76,8 @@ TriangleMesh SoupWeld::mesh(const Placement& placement) const {
   return mesh;
 }
 
-void SoupWeld::write(const Vec3f* particles, const Placement& placement, const VertexBuffers& buffers,
-                     Normals normals) {
+void VertexWelder::write(const Vec3f* particles, const Placement& placement, const VertexBuffers& buffers,
+                         Normals normals) {
   require_stride(buffers.stride, "vertex buffers");
   placed_.resize(particle_count());
   for (std::size_t i = 0; i < placed_.size(); ++i) placed_[i] = Vec3f(placement.to_mesh(Vec3d(particles[i])));
@@ -88,7 +88,7 @@ void SoupWeld::write(const Vec3f* particles, const Placement& placement, const V
   if (buffers.normals != nullptr) write_normals(buffers, normals);
 }
 
-void SoupWeld::write_normals(const VertexBuffers& buffers, Normals normals) {
+void VertexWelder::write_normals(const VertexBuffers& buffers, Normals normals) {
   const bool welded = normals == Normals::welded;
   normals_.assign(welded ? particle_count() : vertex_count(), {});
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
