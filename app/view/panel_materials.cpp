@@ -1,6 +1,6 @@
 #include "app/view/panels.h"
 #include "app/view/widgets.h"
-#include "souple/host/material_knobs.h"
+#include "souple/host/material_tunables.h"
 
 #include <imgui.h>
 #include <string>
@@ -78,10 +78,11 @@ void rows(Simulation& simulation, std::size_t object) {
   bool changed = preset_row(material);
   changed |= model_rows(material);
   const bool pbd = simulation.scene().settings.mode == Mode::pbd;
-  for (const auto& knob : host::knobs(material)) {
-    if (!host::is_used(knob, material, pbd)) continue;
-    const SliderRange range{knob.range.least, knob.range.most, knob.range.logarithmic};
-    changed |= slider_row(knob.label, std::string("##") + knob.name, material.*knob.field, range, knob.unit);
+  for (const auto& tunable : host::tunables(material)) {
+    if (!host::is_used(tunable, material, pbd)) continue;
+    const SliderRange range{tunable.range.least, tunable.range.most, tunable.range.logarithmic};
+    changed |= slider_row(tunable.label, std::string("##") + tunable.name, material.*tunable.field, range,
+                          tunable.unit);
   }
   if (changed) simulation.set_material(object, material);
 }

@@ -165,7 +165,7 @@ class Session {
   Vec3f grabbed_point() const;  ///< where it is now [m]; (0, 0, 0) when nothing is held
   Vec3f drag_target() const;    ///< and where the mouse wants it [m]
 
-  // --- knobs
+  // --- tunables
   int substeps() const;
   int iterations() const;
   std::string mode() const;  ///< one of `modes`

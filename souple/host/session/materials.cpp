@@ -1,6 +1,6 @@
 #include "souple/host/session/materials.h"
 
-#include "souple/host/material_knobs.h"
+#include "souple/host/material_tunables.h"
 #include "souple/scene/nearest.h"
 
 #include <cmath>
@@ -91,13 +91,13 @@ std::vector<std::string> preset_names(Kind kind) {
 std::vector<Parameter> parameters_of(const AnyMaterial& material, Mode mode) {
   std::vector<Parameter> parameters;
   const auto add = [&](const auto& m) {
-    for (const auto& knob : knobs(m)) {
-      if (!is_used(knob, m, mode == Mode::pbd)) continue;
-      const std::string label = knob.label;
-      const double value = static_cast<double>(m.*knob.field);
-      parameters.push_back({knob.name, label.substr(label.find_first_not_of(' ')), knob.unit, value,
-                            static_cast<double>(knob.range.least), static_cast<double>(knob.range.most),
-                            knob.range.logarithmic});
+    for (const auto& tunable : tunables(m)) {
+      if (!is_used(tunable, m, mode == Mode::pbd)) continue;
+      const std::string label = tunable.label;
+      const double value = static_cast<double>(m.*tunable.field);
+      parameters.push_back({tunable.name, label.substr(label.find_first_not_of(' ')), tunable.unit, value,
+                            static_cast<double>(tunable.range.least), static_cast<double>(tunable.range.most),
+                            tunable.range.logarithmic});
     }
   };
   std::visit(add, material);
@@ -107,10 +107,10 @@ std::vector<Parameter> parameters_of(const AnyMaterial& material, Mode mode) {
 AnyMaterial with_parameter(const AnyMaterial& material, const std::string& name, double value) {
   const auto change = [&](auto m) -> AnyMaterial {
     std::vector<std::string> known;
-    for (const auto& knob : knobs(m)) {
-      known.emplace_back(knob.name);
-      if (knob.name != name) continue;
-      m.*knob.field = static_cast<float>(value);
+    for (const auto& tunable : tunables(m)) {
+      known.emplace_back(tunable.name);
+      if (tunable.name != name) continue;
+      m.*tunable.field = static_cast<float>(value);
       return m;
     }
     throw Error("there is no parameter \"" + name + "\"" + scene_format::suggestion(name, known));

@@ -17,9 +17,9 @@ AnyMaterial make_material(Kind kind, const std::string& preset);
 /// Presets that fit the kind.
 std::vector<std::string> preset_names(Kind kind);
 
-/// What the knobs stand at; only those that turn something.
+/// What the tunables stand at; only those that turn something.
 std::vector<Parameter> parameters_of(const AnyMaterial& material, Mode mode);
-/// The same material with one number changed. Error with the nearest name when there is no such knob.
+/// The same material with one number changed. Error with the nearest name when there is no such tunable.
 AnyMaterial with_parameter(const AnyMaterial& material, const std::string& name, double value);
 
 }  // namespace souple::host

@@ -1,4 +1,4 @@
-#include "souple/host/material_knobs.h"
+#include "souple/host/material_tunables.h"
 #include "souple/scene/scene.h"
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace souple::host {
 namespace {
 
 template <class Description>
-class MaterialKnobs : public testing::Test {};
+class MaterialTunables : public testing::Test {};
 
 struct Cloth {
   using Description = ClothDescription;
@@ -36,45 +36,45 @@ struct Obstacle {
   static constexpr const char* object = R"("kind": "obstacle", "mesh": {"sphere": {"radius": 1}})";
 };
 using Kinds = testing::Types<Cloth, SoftBody, Rope, Grains, Obstacle>;
-TYPED_TEST_SUITE(MaterialKnobs, Kinds, );
+TYPED_TEST_SUITE(MaterialTunables, Kinds, );
 
 /// Each turns the number that scene files call by its name.
-TYPED_TEST(MaterialKnobs, AreNamedAsInSceneFiles) {
+TYPED_TEST(MaterialTunables, AreNamedAsInSceneFiles) {
   using Description = typename TypeParam::Description;
   std::set<std::string> names;
-  for (const auto& knob : knobs(Description{}.material)) {
-    SCOPED_TRACE(knob.name);
-    EXPECT_TRUE(names.insert(knob.name).second);
-    const float value = 0.7f * knob.range.most;
+  for (const auto& tunable : tunables(Description{}.material)) {
+    SCOPED_TRACE(tunable.name);
+    EXPECT_TRUE(names.insert(tunable.name).second);
+    const float value = 0.7f * tunable.range.most;
     const std::string text = std::string(R"({"souple": 1, "objects": [{)") + TypeParam::object +
-                             R"(, "material": {")" + knob.name + "\": " + std::to_string(value) + "}}]}";
-    const SceneDescription scene = parse_scene(text, ".", "knobs");
+                             R"(, "material": {")" + tunable.name + "\": " + std::to_string(value) + "}}]}";
+    const SceneDescription scene = parse_scene(text, ".", "tunables");
     const auto& material = std::get<Description>(scene.objects[0]).material;
-    EXPECT_NEAR(material.*knob.field, value, 1e-6f * value);
+    EXPECT_NEAR(material.*tunable.field, value, 1e-6f * value);
   }
 }
 
-TYPED_TEST(MaterialKnobs, SpanWhatIsUsual) {
+TYPED_TEST(MaterialTunables, SpanWhatIsUsual) {
   const typename TypeParam::Description description{};
-  for (const auto& knob : knobs(description.material)) {
-    SCOPED_TRACE(knob.name);
-    EXPECT_LT(knob.range.least, knob.range.most);
-    EXPECT_TRUE(!knob.range.logarithmic || knob.range.least > 0);
-    const float value = description.material.*knob.field;
-    EXPECT_TRUE(value == 0 || (value >= knob.range.least && value <= knob.range.most)) << value;
+  for (const auto& tunable : tunables(description.material)) {
+    SCOPED_TRACE(tunable.name);
+    EXPECT_LT(tunable.range.least, tunable.range.most);
+    EXPECT_TRUE(!tunable.range.logarithmic || tunable.range.least > 0);
+    const float value = description.material.*tunable.field;
+    EXPECT_TRUE(value == 0 || (value >= tunable.range.least && value <= tunable.range.most)) << value;
   }
 }
 
-TEST(MaterialKnobsOfCloth, AreShownWhenTheyTurnSomething) {
+TEST(MaterialTunablesOfCloth, AreShownWhenTheyTurnSomething) {
   ClothMaterial plain, membrane;
   membrane.stretch = StretchModel::membrane;
-  for (const Knob<ClothMaterial>& knob : knobs(plain)) {
-    const std::string name = knob.name;
+  for (const Tunable<ClothMaterial>& tunable : tunables(plain)) {
+    const std::string name = tunable.name;
     const bool of_pbd = name.rfind("pbd_", 0) == 0;
     const bool of_membrane = name == "weft_stiffness" || name == "shear_stiffness" || name == "poisson_ratio";
     for (const bool pbd : {false, true}) {
-      EXPECT_EQ(is_used(knob, plain, pbd), !of_membrane && (pbd || !of_pbd)) << name;
-      EXPECT_EQ(is_used(knob, membrane, pbd), pbd || !of_pbd) << name;
+      EXPECT_EQ(is_used(tunable, plain, pbd), !of_membrane && (pbd || !of_pbd)) << name;
+      EXPECT_EQ(is_used(tunable, membrane, pbd), pbd || !of_pbd) << name;
     }
   }
 }

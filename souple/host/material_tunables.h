@@ -9,31 +9,31 @@
 
 namespace souple::host {
 
-/// When a knob turns anything.
-enum class KnobUse { always, membrane, pbd };
+/// When a tunable turns anything.
+enum class TunableUse { always, membrane, pbd };
 
-struct KnobRange {
+struct TunableRange {
   float least = 0, most = 1;
   bool logarithmic = false;  ///< then least > 0; a value of 0 stands at the left end
 };
 
 /// One number of a material. The range is what is useful, not all that is allowed.
 template <class Material>
-struct Knob {
+struct Tunable {
   const char* label;  ///< for people; begins with spaces where it belongs to the one above
   const char* name;   ///< as in scene files
   const char* unit;   ///< UTF-8; empty: a plain number
   float Material::*field;
-  KnobRange range;
-  KnobUse use = KnobUse::always;
+  TunableRange range;
+  TunableUse use = TunableUse::always;
 };
 
-const std::vector<Knob<ClothMaterial>>& knobs(const ClothMaterial&);
-const std::vector<Knob<SoftBodyMaterial>>& knobs(const SoftBodyMaterial&);
-const std::vector<Knob<RopeMaterial>>& knobs(const RopeMaterial&);
-const std::vector<Knob<GrainsMaterial>>& knobs(const GrainsMaterial&);
-const std::vector<Knob<ObstacleMaterial>>& knobs(const ObstacleMaterial&);
-const std::vector<Knob<FluidMaterial>>& knobs(const FluidMaterial&);
+const std::vector<Tunable<ClothMaterial>>& tunables(const ClothMaterial&);
+const std::vector<Tunable<SoftBodyMaterial>>& tunables(const SoftBodyMaterial&);
+const std::vector<Tunable<RopeMaterial>>& tunables(const RopeMaterial&);
+const std::vector<Tunable<GrainsMaterial>>& tunables(const GrainsMaterial&);
+const std::vector<Tunable<ObstacleMaterial>>& tunables(const ObstacleMaterial&);
+const std::vector<Tunable<FluidMaterial>>& tunables(const FluidMaterial&);
 
 bool uses_membrane(const ClothMaterial& material);
 template <class Material>
@@ -41,11 +41,11 @@ bool uses_membrane(const Material&) {
   return false;
 }
 
-/// Whether the knob turns anything of this material; `pbd`: in Mode::pbd.
+/// Whether the tunable turns anything of this material; `pbd`: in Mode::pbd.
 template <class Of, class Material>
-bool is_used(const Knob<Of>& knob, const Material& material, bool pbd) {
+bool is_used(const Tunable<Of>& tunable, const Material& material, bool pbd) {
   const Of& plain = material;
-  return knob.use == KnobUse::always || (knob.use == KnobUse::pbd ? pbd : uses_membrane(plain));
+  return tunable.use == TunableUse::always || (tunable.use == TunableUse::pbd ? pbd : uses_membrane(plain));
 }
 
 }  // namespace souple::host

@@ -1,21 +1,21 @@
-#include "souple/host/material_knobs.h"
+#include "souple/host/material_tunables.h"
 
 namespace souple::host {
 
 namespace {
 
-constexpr KnobRange logarithmic(float lo, float hi) {
+constexpr TunableRange logarithmic(float lo, float hi) {
   return {lo, hi, true};
 }
-constexpr KnobRange fraction{0, 1, false};
+constexpr TunableRange fraction{0, 1, false};
 
 using C = ClothMaterial;
-const std::vector<Knob<C>> cloth_knobs{
+const std::vector<Tunable<C>> cloth_tunables{
     {"Density", "areal_density", "kg/m\xc2\xb2", &C::areal_density, logarithmic(0.01f, 10)},
     {"Stretching", "membrane_stiffness", "N/m", &C::membrane_stiffness, logarithmic(1, 1e6f)},
-    {"  weft", "weft_stiffness", "N/m", &C::weft_stiffness, logarithmic(1, 1e6f), KnobUse::membrane},
-    {"  shear", "shear_stiffness", "N/m", &C::shear_stiffness, logarithmic(1, 1e6f), KnobUse::membrane},
-    {"  Poisson's ratio", "poisson_ratio", "", &C::poisson_ratio, {0, 0.95f}, KnobUse::membrane},
+    {"  weft", "weft_stiffness", "N/m", &C::weft_stiffness, logarithmic(1, 1e6f), TunableUse::membrane},
+    {"  shear", "shear_stiffness", "N/m", &C::shear_stiffness, logarithmic(1, 1e6f), TunableUse::membrane},
+    {"  Poisson's ratio", "poisson_ratio", "", &C::poisson_ratio, {0, 0.95f}, TunableUse::membrane},
     {"Bending", "bending_stiffness", "N m", &C::bending_stiffness, logarithmic(1e-8f, 1)},
     {"Thickness", "thickness", "m", &C::thickness, logarithmic(1e-4f, 0.2f)},
     {"Friction", "friction", "", &C::friction, {0, 2}},
@@ -24,12 +24,12 @@ const std::vector<Knob<C>> cloth_knobs{
     {"Damping time", "damping_time", "s", &C::damping_time, logarithmic(1e-6f, 1)},
     {"Air drag", "air_drag", "", &C::air_drag, {0, 3}},
     {"Air lift", "air_lift", "", &C::air_lift, {0, 3}},
-    {"PBD stretching", "pbd_stretch", "", &C::pbd_stretch, fraction, KnobUse::pbd},
-    {"PBD bending", "pbd_bending", "", &C::pbd_bending, fraction, KnobUse::pbd},
+    {"PBD stretching", "pbd_stretch", "", &C::pbd_stretch, fraction, TunableUse::pbd},
+    {"PBD bending", "pbd_bending", "", &C::pbd_bending, fraction, TunableUse::pbd},
 };
 
 using B = SoftBodyMaterial;
-const std::vector<Knob<B>> soft_body_knobs{
+const std::vector<Tunable<B>> soft_body_tunables{
     {"Young's modulus", "young_modulus", "Pa", &B::young_modulus, logarithmic(100, 1e9f)},
     {"Poisson's ratio", "poisson_ratio", "", &B::poisson_ratio, {0, 0.49f}},
     {"Density", "density", "kg/m\xc2\xb3", &B::density, logarithmic(10, 2e4f)},
@@ -38,11 +38,11 @@ const std::vector<Knob<B>> soft_body_knobs{
     {"Restitution", "restitution", "", &B::restitution, fraction},
     {"Damping", "damping", "1/s", &B::damping, logarithmic(1e-3f, 100)},
     {"Damping time", "damping_time", "s", &B::damping_time, logarithmic(1e-6f, 1)},
-    {"PBD stiffness", "pbd_stiffness", "", &B::pbd_stiffness, fraction, KnobUse::pbd},
+    {"PBD stiffness", "pbd_stiffness", "", &B::pbd_stiffness, fraction, TunableUse::pbd},
 };
 
 using R = RopeMaterial;
-const std::vector<Knob<R>> rope_knobs{
+const std::vector<Tunable<R>> rope_tunables{
     {"Radius", "radius", "m", &R::radius, logarithmic(1e-4f, 0.2f)},
     {"Young's modulus", "young_modulus", "Pa", &R::young_modulus, logarithmic(1e4f, 1e12f)},
     {"Density", "density", "kg/m\xc2\xb3", &R::density, logarithmic(10, 2e4f)},
@@ -51,12 +51,12 @@ const std::vector<Knob<R>> rope_knobs{
     {"Restitution", "restitution", "", &R::restitution, fraction},
     {"Damping", "damping", "1/s", &R::damping, logarithmic(1e-3f, 100)},
     {"Damping time", "damping_time", "s", &R::damping_time, logarithmic(1e-6f, 1)},
-    {"PBD stretching", "pbd_stretch", "", &R::pbd_stretch, fraction, KnobUse::pbd},
-    {"PBD bending", "pbd_bending", "", &R::pbd_bending, fraction, KnobUse::pbd},
+    {"PBD stretching", "pbd_stretch", "", &R::pbd_stretch, fraction, TunableUse::pbd},
+    {"PBD bending", "pbd_bending", "", &R::pbd_bending, fraction, TunableUse::pbd},
 };
 
 using G = GrainsMaterial;
-const std::vector<Knob<G>> grains_knobs{
+const std::vector<Tunable<G>> grains_tunables{
     {"Radius", "radius", "m", &G::radius, logarithmic(1e-3f, 0.5f)},
     {"Density", "density", "kg/m\xc2\xb3", &G::density, logarithmic(10, 2e4f)},
     {"Friction", "friction", "", &G::friction, {0, 2}},
@@ -66,7 +66,7 @@ const std::vector<Knob<G>> grains_knobs{
 
 // The spacing stays what it is: another one is another fluid.
 using F = FluidMaterial;
-const std::vector<Knob<F>> fluid_knobs{
+const std::vector<Tunable<F>> fluid_tunables{
     {"Density", "density", "kg/m\xc2\xb3", &F::density, logarithmic(100, 2e4f)},
     {"Viscosity", "viscosity", "Pa s", &F::viscosity, logarithmic(1e-4f, 1000)},
     {"Smoothing", "xsph", "1/s", &F::xsph, logarithmic(0.1f, 1000)},
@@ -80,7 +80,7 @@ const std::vector<Knob<F>> fluid_knobs{
 };
 
 using O = ObstacleMaterial;
-const std::vector<Knob<O>> obstacle_knobs{
+const std::vector<Tunable<O>> obstacle_tunables{
     {"Thickness", "thickness", "m", &O::thickness, logarithmic(1e-4f, 0.2f)},
     {"Friction", "friction", "", &O::friction, {0, 2}},
     {"Restitution", "restitution", "", &O::restitution, fraction},
@@ -88,24 +88,24 @@ const std::vector<Knob<O>> obstacle_knobs{
 
 }  // namespace
 
-const std::vector<Knob<ClothMaterial>>& knobs(const ClothMaterial&) {
-  return cloth_knobs;
+const std::vector<Tunable<ClothMaterial>>& tunables(const ClothMaterial&) {
+  return cloth_tunables;
 }
-const std::vector<Knob<SoftBodyMaterial>>& knobs(const SoftBodyMaterial&) {
-  return soft_body_knobs;
+const std::vector<Tunable<SoftBodyMaterial>>& tunables(const SoftBodyMaterial&) {
+  return soft_body_tunables;
 }
-const std::vector<Knob<RopeMaterial>>& knobs(const RopeMaterial&) {
-  return rope_knobs;
+const std::vector<Tunable<RopeMaterial>>& tunables(const RopeMaterial&) {
+  return rope_tunables;
 }
-const std::vector<Knob<GrainsMaterial>>& knobs(const GrainsMaterial&) {
-  return grains_knobs;
+const std::vector<Tunable<GrainsMaterial>>& tunables(const GrainsMaterial&) {
+  return grains_tunables;
 }
-const std::vector<Knob<ObstacleMaterial>>& knobs(const ObstacleMaterial&) {
-  return obstacle_knobs;
+const std::vector<Tunable<ObstacleMaterial>>& tunables(const ObstacleMaterial&) {
+  return obstacle_tunables;
 }
 
-const std::vector<Knob<FluidMaterial>>& knobs(const FluidMaterial&) {
-  return fluid_knobs;
+const std::vector<Tunable<FluidMaterial>>& tunables(const FluidMaterial&) {
+  return fluid_tunables;
 }
 
 bool uses_membrane(const ClothMaterial& material) {
