@@ -93,7 +93,7 @@ void build_membrane(World& world, int size) {
   hang(world, size, material);
 }
 
-/// Where the i-th of `count` things stands, `spacing` apart in rows and columns.
+/// Position of the i-th of `count` objects in rows and columns, `spacing` apart.
 Vec3d place_of(int i, int count, double spacing) {
   const int columns = static_cast<int>(std::ceil(std::sqrt(count))), row = i / columns;
   return {spacing * (i % columns), 0, spacing * row};

@@ -6,7 +6,7 @@ namespace souple::app {
 
 namespace {
 
-// The only thing a signal handler may touch.
+// The only type that a signal handler may access.
 volatile std::sig_atomic_t came = 0;
 
 extern "C" void remember(int) {

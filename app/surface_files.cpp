@@ -85,7 +85,7 @@ void SurfaceFiles::resume(const RunManifest& before, std::uint64_t done) {
   // That run.json may tell of later frames too.
   if (before.frames < done || there > written || written - there > before.frames - done)
     throw Error(
-        fmt::format("{}: lacks meshes of \"{}\": {} of the first {} frames are there; start the run anew, or "
+        fmt::format("{}: lacks meshes of \"{}\": {} of the first {} frames are there; start the run again, or "
                     "make them of its folder with `souple surface`",
                     folder_.string(), object_, there, done));
   meshes_.go_on_after(done);

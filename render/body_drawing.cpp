@@ -106,7 +106,7 @@ void BodyDrawing::draw(const Body& body, std::uint32_t pick, std::span<const flo
   }
 }
 
-/// Makes anew what depends on the frame or on what is shown, and nothing when both are as before.
+/// Rebuilds the parts that depend on the frame or on the display options; nothing if neither has changed.
 void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, const Drawing& drawing) {
   const DisplayOptions& options = drawing.options;
   Shown now{drawing.frame, body.positions.data(), options.display};

@@ -98,7 +98,7 @@ Value value_of(const std::array<std::string_view, n>& names, std::string_view na
   throw Error(missing + (" '" + std::string(name)) + "', expected one of: " + known);
 }
 
-/// Half a meter for things of a few meters, and so on up and down in steps of two.
+/// Half a meter for scenes of a few meters; larger and smaller scenes in steps of two.
 float tile_for(float radius) {
   return 0.5f * std::exp2(std::round(std::log2(std::clamp(radius, 1e-3f, 1e4f) / 2)));
 }

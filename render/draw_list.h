@@ -83,7 +83,7 @@ struct Liquid {
   std::uint32_t pick = 0;
 };
 
-/// Foam, spray and bubbles: small white things, too many to be told apart.
+/// Foam, spray and bubbles: small white particles, too many to be distinguished.
 struct Foam {
   std::uint64_t key = 0, version = 0;  ///< unique among foams; as of a Surface
   std::span<const Vec3f> centers;      ///< m

@@ -22,7 +22,7 @@ class Film {
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// Throws Error when the size is not that of the first, or ffmpeg failed: with the last thing it said.
+  /// Throws Error when the size is not that of the first, or ffmpeg failed: with its last message.
   void add(const Image& image);
   /// The film is at its path from here on (before, it is NAME.part.mp4). Throws Error when it has no picture.
   void finish();

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-// What things are made of, to the eye.
+// Appearance of objects.
 
 namespace souple::render {
 
@@ -34,7 +34,7 @@ std::vector<PackedColor> grain_colors(std::size_t count, std::uint32_t index,
 /// (1 - t) a + t b, in linear light.
 Color mix(const Color& a, const Color& b, float t);
 
-/// Colors for any number of things, well apart for neighboring numbers; for lines.
+/// Colors for any number of lines; neighboring numbers get clearly different colors.
 PackedColor distinct_color(std::uint32_t index);
 
 }  // namespace souple::render

@@ -62,8 +62,8 @@ struct PickImage {
 struct LiquidImage {
   int width = 0, height = 0;
   std::vector<float> depth;      ///< along the view direction [m]; 0 where nothing is; width * height, rows
-                                 ///< from the top; opaque things before it are not looked at
-  std::vector<float> thickness;  ///< along the ray through each pixel, opaque things not looked at [m]
+                                 ///< from the top; opaque objects before it are ignored
+  std::vector<float> thickness;  ///< along the ray through each pixel; opaque objects are ignored [m]
 };
 
 /// Draws lists with the OpenGL context that was current when it was made, which has to be current whenever it

@@ -45,7 +45,7 @@ class Mouse {
   /// One picture's worth of the mouse, read from ImGui. `simulation` is nullptr when a recording is shown.
   /// Throws Error when what was asked for cannot be done.
   void update(render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick);
-  /// Lets go of everything: the scene is another one, or its world is.
+  /// Releases everything: the scene, or its world, was replaced.
   void forget();
 
   bool grabbing() const { return grab_ != nullptr; }

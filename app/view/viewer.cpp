@@ -37,7 +37,7 @@ Viewer::Viewer(SceneList scenes, std::unique_ptr<Session> session, ViewerOptions
 }
 
 Viewer::~Viewer() {
-  mouse_.forget();  // a grab lets go of a world that still exists
+  mouse_.forget();  // a grab is released while its world still exists
 }
 
 Simulation* Viewer::simulation() {

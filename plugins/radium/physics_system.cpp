@@ -270,7 +270,7 @@ void PhysicsSystem::generateTasks(Ra::Core::TaskQueue* tasks, const Ra::Engine::
     messages_.emplace_back(error.what());
   }
   const double time = frame.m_animationTime, dt = frame.m_dt;
-  // The first frame of a Radium goes on in time though nobody pressed play.
+  // Radium advances time in its first frame, even without a press of play.
   if (std::exchange(first_frame_, false)) session_.start_at(time);
   tasks->registerTask(
       std::make_unique<Ra::Core::FunctionTask>([this, time, dt] { run(time, dt); }, system_name));

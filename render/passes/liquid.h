@@ -13,7 +13,7 @@
 
 namespace souple::render {
 
-/// What the opaque things have left.
+/// The image of the opaque objects.
 struct LitScene {
   const gl::Texture& normal;
   const gl::Texture& depth;

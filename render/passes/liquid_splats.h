@@ -10,7 +10,7 @@ namespace souple::render {
 /// What the particles of liquids and foams are drawn into.
 enum class SplatTarget {
   depth,      ///< depth along the view, and the liquid's look
-  thickness,  ///< added: optical depth and thickness before the opaque things; and its part by scattering
+  thickness,  ///< added: optical depth and thickness before the opaque objects; and its part by scattering
   sunlight,   ///< added: optical depth as the sun sees it; and the least depth
   foam,       ///< added: what foam hides
   pick        ///< as of Target::pick

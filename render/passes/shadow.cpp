@@ -11,7 +11,7 @@ namespace {
 constexpr int map_side = 2048;   // pixels
 constexpr int light_side = 256;  // of what liquids leave: it is soft
 
-// The next of 4 steps per doubling: so that the texels keep their size while things move a little.
+// The next of 4 steps per doubling: the texels keep their size during small motions.
 float stepped(float size) {
   return std::exp2(std::ceil(4 * std::log2(size)) / 4);
 }

@@ -37,7 +37,7 @@ float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, flo
     float distance2 = dot(delta, delta);
     float shorten = inversesqrt(max(distance2, 1e-20));
     float cosine = dot(delta, to_eye) * shorten;
-    // Things farther than the radius count less and less. So does what hardly rises above the surface: the
+    // Objects farther than the radius count less with distance. So does what hardly rises above the surface: the
     // middles of pixels lie beside the direction, which lets a floor seen at a flat angle hide itself.
     float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0) *
                    smoothstep(0.02, 0.15, dot(delta, normal) * shorten);

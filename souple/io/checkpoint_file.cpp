@@ -69,7 +69,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Takes one thing after another; a size that is larger than what is left is an Error, never an allocation.
+/// Reads one value after another. A size larger than the rest of the file is an Error, never an allocation.
 class Reader {
  public:
   Reader(std::span<const std::byte> bytes, const std::string& name) : left_(bytes), name_(name) {}
@@ -164,7 +164,7 @@ std::span<const std::byte> check_container(std::span<const std::byte> bytes, con
                             size > payload.size() ? "is cut short" : "is damaged", size, payload.size()));
   if (load<order, std::uint64_t>(&bytes[40]) != fnv1a64(payload))
     throw Error(name +
-                ": is damaged: its checksum is wrong; use an earlier checkpoint or start the run anew");
+                ": is damaged: its checksum is wrong; use an earlier checkpoint or start the run again");
   return payload;
 }
 

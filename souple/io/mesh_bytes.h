@@ -67,7 +67,7 @@ class ByteScanner {
     at_ += bytes;
   }
 
-  /// Throws Error unless the rest of the file can hold `count` things of at least `bytes_each` bytes.
+  /// Throws Error unless the rest of the file can hold `count` items of at least `bytes_each` bytes.
   void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const;
 
   /// Throws Error "NAME: byte N: found FOUND, expected EXPECTED"; N is where the last number ended.

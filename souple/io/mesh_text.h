@@ -53,7 +53,7 @@ class TextScanner {
   /// The next word, anywhere, as a number; `what` says what it stands for in the Error.
   double real(const char* what) { return real_from(word_on_any_line(), what); }
   std::int64_t integer(const char* what) { return integer_from(word_on_any_line(), what); }
-  /// An integer >= 0 that may count things of at least `bytes_each` bytes in the rest of the text.
+  /// An integer >= 0 that may count items of at least `bytes_each` bytes in the rest of the text.
   std::size_t count(const char* what, std::size_t bytes_each);
   /// A real within largest_coordinate.
   double coordinate(const char* what) { return coordinate_from(word_on_any_line(), what); }

@@ -24,7 +24,7 @@ class Pc2Writer {
     float sample_rate = 1;  ///< frames from one sample to the next
   };
 
-  /// `points` is at least 1. Creates NAME.part, anew if it is there.
+  /// `points` is at least 1. Creates NAME.part; replaces an existing one.
   Pc2Writer(std::filesystem::path path, std::uint64_t points, const Options& options);
   Pc2Writer(std::filesystem::path path, std::uint64_t points)
       : Pc2Writer(std::move(path), points, Options()) {}

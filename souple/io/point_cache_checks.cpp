@@ -41,7 +41,7 @@ void check_resume(const std::string& name, const Extent& held, std::uint64_t poi
     throw Error(fmt::format("{}: holds {} points, the object has {}; resume with the scene that wrote it",
                             name, held.points, points));
   if (held.frames < keep_frames)
-    throw Error(fmt::format("{}: holds {} frames, the checkpoint needs {}; start the run anew", name,
+    throw Error(fmt::format("{}: holds {} frames, the checkpoint needs {}; start the run again", name,
                             held.frames, keep_frames));
 }
 

@@ -124,7 +124,7 @@ SequenceWriter::SequenceWriter(std::filesystem::path folder, std::string name, s
   for (std::uint64_t frame = 1; frame <= keep_frames; ++frame) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file(frame), ignored))
-      throw Error(fmt::format("{}: is missing, and the checkpoint needs {} frames; start the run anew",
+      throw Error(fmt::format("{}: is missing, and the checkpoint needs {} frames; start the run again",
                               file(frame).string(), keep_frames));
   }
 }

@@ -140,7 +140,7 @@ class OffscreenViewer {
   }
 
   /// The middle of a control of one of ImGui's windows, found as a user does: by pointing at it. Kept until
-  /// the panel is laid out anew (`look_again`).
+  /// the panel is laid out again (`look_again`).
   ImVec2 control(const char* id, const char* window = "##panel", float x = -1) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);
     if (found == nullptr) return {-1, -1};

@@ -631,7 +631,7 @@ TEST_F(ViewRecording, CannotBeGrabbedButCanBeTurned) {
   for (const char* key : {"1", "4", "5", "7", "9", "c", "c", "w"}) view.type(key);
 }
 
-// --- the manual's picture; SOUPLE_VIEWER_PICTURE=docs/pictures/viewer.png makes it anew
+// --- the manual's picture; SOUPLE_VIEWER_PICTURE=docs/pictures/viewer.png replaces it
 
 TEST(ViewPicture, OfTheManual) {
   const TestFolder folder;

@@ -84,17 +84,17 @@ class Energies {
 
   /// After each frame of dt seconds.
   void watch(double dt) {
-    const std::vector<Vec3d> before = led_;
+    const std::vector<Vec3d> before = driven_;
     remember();
-    for (std::size_t i = 0; i < std::min(led_.size(), before.size()); ++i)
-      led_speed_ = std::max(led_speed_, length(led_[i] - before[i]) / dt);
+    for (std::size_t i = 0; i < std::min(driven_.size(), before.size()); ++i)
+      driven_speed_ = std::max(driven_speed_, length(driven_[i] - before[i]) / dt);
     emitted_ += static_cast<double>(world_.report().fluid.emitted);
   }
 
   double kinetic() const { return sum().kinetic; }
 
   /// No motion can hold more kinetic energy [J] than what was there at the start (kinetic and elastic), what
-  /// the fallen weight has given, pressure times the largest volume it can have made, and what moving things
+  /// the fallen weight has given, pressure times the largest volume it can have made, and what moving objects
   /// can lend a mass: twice their speed (an elastic bounce) from pins and colliders, the wind's own from
   /// wind. Emitters bring what they bring.
   double bound() const {
@@ -102,7 +102,7 @@ class Energies {
     const double gust = length(Vec3d(wind_.velocity)) * (1 + static_cast<double>(wind_.gust));
     return start_.kinetic + start_.elastic + emitted_ * kinetic_share_ +
            std::max(0.0, start_.potential + emitted_ * potential_share_ - now.potential) + pressure_work() +
-           0.5 * now.mass * (4 * led_speed_ * led_speed_ + gust * gust);
+           0.5 * now.mass * (4 * driven_speed_ * driven_speed_ + gust * gust);
   }
 
  private:
@@ -127,8 +127,8 @@ class Energies {
     for (const EmitterDescription& emitter : fluid.emitters) {
       kinetic_share_ = std::max(kinetic_share_, 0.5 * mass * double{emitter.speed} * double{emitter.speed});
       const Vec3d g(world_.settings().gravity);
-      const double mouth = 2 * double{fluid.material.spacing};  // in which nothing falls
-      const double fallen = -dot(g, Vec3d(emitter.position)) + length(g) * mouth;
+      const double inflow = 2 * double{fluid.material.spacing};  // in which nothing falls
+      const double fallen = -dot(g, Vec3d(emitter.position)) + length(g) * inflow;
       potential_share_ = std::max(potential_share_, mass * fallen);
     }
   }
@@ -150,15 +150,15 @@ class Energies {
 
   /// Where pins and colliders are; of a turning collider also a point a meter off its center.
   void remember() {
-    led_.clear();
+    driven_.clear();
     for (const ObjectId object : world_.objects()) {
       const auto positions = world_.positions(object);
-      for (const std::uint32_t vertex : world_.pinned(object)) led_.push_back(Vec3d(positions[vertex]));
+      for (const std::uint32_t vertex : world_.pinned(object)) driven_.push_back(Vec3d(positions[vertex]));
     }
     for (const ColliderId collider : world_.colliders()) {
       const Transform pose = world_.collider_pose(collider);
       for (const Vec3d& point : {Vec3d{}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
-        led_.push_back(pose.point(point));
+        driven_.push_back(pose.point(point));
     }
   }
 
@@ -166,8 +166,8 @@ class Energies {
   Wind wind_;
   Sum start_;
   std::map<std::string, double> pressures_;
-  std::vector<Vec3d> led_;
-  double led_speed_ = 0;                            ///< the largest so far [m/s]
+  std::vector<Vec3d> driven_;
+  double driven_speed_ = 0;                            ///< the largest so far [m/s]
   double emitted_ = 0;                              ///< particles so far
   double kinetic_share_ = 0, potential_share_ = 0;  ///< of each [J]
 };

@@ -107,7 +107,7 @@ TEST_F(DrawableOfAScene, BothSidesHaveTheTrianglesEachSeenFromItsOwn) {
   }
 }
 
-/// Each place on an edge of a triangle is met by another, the other way round: nobody looks into the cloth.
+/// Each edge of a triangle has a twin in the opposite direction: the surface is closed.
 TEST_F(DrawableOfAScene, ARimClosesTheSides) {
   const Drawable cloth = drawn("flag", Sides::two);
   using Place = std::array<float, 3>;

@@ -43,7 +43,7 @@ class FolderTest : public testing::Test {
   std::filesystem::path folder;
 };
 
-/// While it lives, no file may grow beyond `bytes`: the nearest thing to a full disk that a test can have.
+/// While it lives, no file may grow beyond `bytes`: a test's closest equivalent of a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(std::uint64_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

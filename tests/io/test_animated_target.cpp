@@ -16,7 +16,7 @@ namespace {
 constexpr double rate = 30;
 constexpr int last = 30;
 
-/// A cloth whose rim is led by an animation that was written to a file: swinging, rising, each vertex its own
+/// A cloth whose rim is driven by an animation that was written to a file: swinging, rising, each vertex its own
 /// way.
 class AnimatedTargetTest : public FolderTest {
  protected:
@@ -29,17 +29,17 @@ class AnimatedTargetTest : public FolderTest {
       positions.push_back(Vec3f(x + Vec3d{0.2 * std::sin(3 * t) * (1 + x.x), 0.3 * t, 0.1 * x.z * t}));
     return positions;
   }
-  /// Every captured frame finds the led vertices where the file says, whatever the formats' rounding.
+  /// Every captured frame finds the driven vertices at the file's positions, whatever the formats' rounding.
   void expect_followed(AnimatedPoints points) const {
-    const std::vector<std::uint32_t> led{0, 4, 7, 19};
+    const std::vector<std::uint32_t> driven{0, 4, 7, 19};
     World world;
     const ObjectId cloth = world.add_cloth(mesh);
-    world.pin(cloth, vertices(led), animated_target(std::make_shared<AnimatedPoints>(std::move(points))));
+    world.pin(cloth, vertices(driven), animated_target(std::make_shared<AnimatedPoints>(std::move(points))));
     for (int frame = 1; frame <= last; ++frame) {
       const StepReport& report = world.step(1 / rate);
       EXPECT_FALSE(report.has(Flag::callback_failed)) << report.message;
       const auto expected = moved(frame);
-      for (const std::uint32_t v : led)
+      for (const std::uint32_t v : driven)
         EXPECT_LT(length(world.positions(cloth)[v] - expected[v]), 2e-6f)
             << "vertex " << v << ", frame " << frame;
     }

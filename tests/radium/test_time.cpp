@@ -21,7 +21,7 @@ class Time : public Radium {
 };
 
 TEST_F(Time, NothingMovesUntilSomebodyPlays) {
-  frames(5);  // the first one goes on in time though nobody asked for it
+  frames(5);  // the first one advances time without a request
   EXPECT_GT(engine->getTime(), 0);
   EXPECT_EQ(steps(), 0u);
   EXPECT_EQ(mesh(sheet_index).positions(), vertices_at_first);

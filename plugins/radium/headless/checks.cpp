@@ -30,7 +30,7 @@ void check_buttons(Show& show, Checks& checks) {
     checks.equal(std::string("steps after ") + after, show.steps(), expected);
   };
   show.run(3);
-  steps_are("3 frames nobody asked for", 0);
+  steps_are("3 frames without a request", 0);
   show.system.step();
   show.run(3);
   steps_are("step and 3 frames", 1);

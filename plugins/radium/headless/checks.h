@@ -7,7 +7,7 @@
 
 namespace souple::radium {
 
-/// Says of each thing that was looked at whether it is as it should be.
+/// Reports for each check whether it passed.
 class Checks {
  public:
   template <class Value>

@@ -68,7 +68,7 @@ void Playback::check() {
 
 bool Playback::radium_plays() const {
   using namespace std::chrono_literals;
-  // One frame in motion may be a step; and when nobody asks for frames, none says that time stands.
+  // One frame in motion may be a step; and without requests for frames, no frame shows that time stands still.
   return !playing_ && watch_->frames_in_motion > 1 &&
          std::chrono::steady_clock::now() - watch_->last_motion < 500ms;
 }
