@@ -18,13 +18,13 @@ struct GrabOptions {
   float stiffness = 0;  ///< N/m; 0: max_force at 20 cm
 };
 
-/// A hand on an object: a damped spring from the picked point to where the mouse is, as strong as max_force
-/// and no stronger, so nothing explodes however far and fast the mouse moves. It takes hold of the picked
-/// vertex and of those around it, for a pull at one vertex alone would stretch a thin cloth out of shape.
+/// A damped spring from the picked point of an object to the mouse. Its force is limited to max_force, so
+/// fast and far mouse motions cannot make the object explode. It acts on the picked vertex and on its
+/// neighborhood, because a force on a single vertex would stretch a thin cloth out of shape.
 ///
-/// Let go of when it is destroyed. It may outlive the object, which it then holds no longer, and the world,
-/// or another world may take the world's place by assignment; but while it holds, the world must not be moved
-/// elsewhere. When a snapshot is restored it goes on holding.
+/// The destructor releases the object. A grab may outlive its object (which ends the grab) and its world, and
+/// another world may be assigned to its world. During the grab the world must not be moved to another address.
+/// A restored snapshot does not end the grab.
 class Grab {
  public:
   /// `vertex` in user order, `point` where it was picked [m], as a Hit tells them. A pinned vertex cannot be

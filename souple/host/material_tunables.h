@@ -4,23 +4,23 @@
 
 #include <vector>
 
-// The numbers of materials that a panel shows, with the range that a slider spans: the one list of them, for
-// our own viewer and for those of others.
+// The numbers of materials that a panel shows, with the ranges of their sliders: one list for Souple's viewer
+// and for hosts.
 
 namespace souple::host {
 
-/// When a tunable turns anything.
+/// Condition under which a tunable has an effect.
 enum class TunableUse { always, membrane, pbd };
 
 struct TunableRange {
   float least = 0, most = 1;
-  bool logarithmic = false;  ///< then least > 0; a value of 0 stands at the left end
+  bool logarithmic = false;  ///< true: least > 0, and the left end stands for the value 0 too
 };
 
-/// One number of a material. The range is what is useful, not all that is allowed.
+/// One number of a material. The range holds the useful values, not all permitted ones.
 template <class Material>
 struct Tunable {
-  const char* label;  ///< for people; begins with spaces where it belongs to the one above
+  const char* label;  ///< for the user interface; begins with spaces if it belongs to the preceding tunable
   const char* name;   ///< as in scene files
   const char* unit;   ///< UTF-8; empty: a plain number
   float Material::*field;
@@ -41,7 +41,7 @@ bool uses_membrane(const Material&) {
   return false;
 }
 
-/// Whether the tunable turns anything of this material; `pbd`: in Mode::pbd.
+/// Whether the tunable has an effect with this material; `pbd`: in Mode::pbd.
 template <class Of, class Material>
 bool is_used(const Tunable<Of>& tunable, const Material& material, bool pbd) {
   const Of& plain = material;

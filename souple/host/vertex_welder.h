@@ -10,54 +10,54 @@
 
 namespace souple::host {
 
-/// A renderer's triangles, in its own memory: looked at during a call, never kept.
+/// A renderer's triangles, in its own memory: read during a call, never stored.
 struct TriangleSoup {
-  const float* positions = nullptr;  ///< x, y, z of each vertex, in the mesh's own coordinates
+  const float* positions = nullptr;  ///< x, y, z of each vertex, in mesh coordinates
   std::size_t vertex_count = 0;
   const std::uint32_t* indices = nullptr;  ///< three a triangle, counter-clockwise from outside
   std::size_t triangle_count = 0;
   std::size_t stride = 3;  ///< floats from one vertex to the next, >= 3
 };
 
-/// Which normals a renderer is given.
+/// Kinds of normals for a renderer.
 enum class Normals {
-  welded,     ///< of the surface: equal at all vertices of one place, so edges look smooth
-  per_vertex  ///< of the triangles that name the render vertex itself: hard where the renderer doubled it
+  welded,     ///< equal at all vertices of one position: smooth edges
+  per_vertex  ///< from the triangles of the render vertex alone: hard edges where vertices are duplicated
 };
 
-/// Where a renderer wants its vertices; either may be nullptr.
+/// Destination buffers of a renderer; either pointer may be nullptr.
 struct VertexBuffers {
   float* positions = nullptr;  ///< x, y, z
-  float* normals = nullptr;    ///< unit; zero where all triangles around are without area
-  std::size_t stride = 3;      ///< floats from one vertex to the next, of both, >= 3
+  float* normals = nullptr;    ///< unit length; zero if all adjacent triangles have no area
+  std::size_t stride = 3;      ///< floats from one vertex to the next in both buffers, >= 3
 };
 
-/// A renderer doubles vertices where normals or UVs differ, an importer one for each corner of each triangle;
-/// what moves is one particle for each place. This joins them, and gives each render vertex its particle's
-/// position. Render vertices, their order and triangles stay as they are.
+/// Maps render vertices to particles. A renderer duplicates vertices where normals or UVs differ, an importer
+/// at each corner of each triangle; a simulation needs one particle per position. Render vertices, their
+/// order and their triangles are unchanged.
 class VertexWelder {
  public:
-  /// Vertices of equal coordinates become one particle, or those within `tolerance` (in the mesh's own
-  /// coordinates) as weld_vertices in geometry/weld.h joins them. Particles are numbered by their lowest
-  /// render vertex. Throws Error, beginning with `name`, when there are no triangles, a position is not
+  /// Vertices of equal coordinates become one particle. With a `tolerance` (in mesh coordinates), so do
+  /// vertices within it, joined as by weld_vertices in geometry/weld.h. Particles are in the order of their
+  /// first render vertex. Throws Error, beginning with `name`, if there are no triangles, a position is not
   /// finite, an index is out of range, or the tolerance is not a number >= 0.
   explicit VertexWelder(const TriangleSoup& soup, double tolerance = 0, const std::string& name = "mesh");
 
-  std::size_t vertex_count() const { return particle_of_.size(); }  ///< of the renderer
+  std::size_t vertex_count() const { return particle_of_.size(); }  ///< render vertices
   std::size_t particle_count() const { return positions_.size(); }
   std::size_t triangle_count() const { return render_triangles_.size(); }
-  /// Per render vertex.
+  /// Per render vertex: its particle.
   const std::vector<std::uint32_t>& particle_of() const { return particle_of_; }
   const std::vector<Triangle>& render_triangles() const { return render_triangles_; }
 
-  /// What a World takes: one vertex per particle, where the placement puts it; triangles in their order,
-  /// wound the other way when the placement mirrors. Triangles that lost a corner are still among them: a
-  /// World leaves them out, and takes what is not manifold as it does from a file.
+  /// The mesh for a World: one vertex per particle, transformed by the placement. Triangles keep their order;
+  /// a mirroring placement reverses their winding. Triangles with two equal corners are included; a World
+  /// omits them. It treats non-manifold parts as those of a mesh file.
   TriangleMesh mesh(const Placement& placement = {}) const;
 
-  /// Writes every render vertex, in the mesh's own coordinates, from positions in the world [m], one per
-  /// particle. Normals are those of the positions written, by the renderer's triangles. Allocates nothing
-  /// after the first time. Throws Error when a stride is too small.
+  /// Writes all render vertices in mesh coordinates, from the particles' world positions [m]. Normals are
+  /// computed from the written positions and the renderer's triangles. Allocates only in the first call.
+  /// Throws Error if a stride is too small.
   void write(const Vec3f* particles, const Placement& placement, const VertexBuffers& buffers,
              Normals normals = Normals::welded);
 
@@ -65,7 +65,7 @@ class VertexWelder {
   void write_normals(const VertexBuffers& buffers, Normals normals);
 
   std::vector<std::uint32_t> particle_of_;
-  std::vector<Vec3d> positions_;  // of particles, in the mesh's coordinates
+  std::vector<Vec3d> positions_;  // of particles, in mesh coordinates
   std::vector<Triangle> render_triangles_, triangles_;
   std::vector<Vec3f> placed_, normals_;  // scratch: of particles; of particles or render vertices
 };
