@@ -9,21 +9,21 @@
 
 namespace souple::host {
 
-/// What a user asked for while a frame was computed: one thread posts, another applies at the next frame's
-/// begin, in the order of posting. All functions may be called by any thread at any time.
+/// Actions requested while a frame is computed: one thread posts them, another applies them at the start of
+/// the next frame, in the order of posting. Any thread may call any function at any time.
 template <class Target>
 class ActionQueue {
  public:
   using Action = std::function<void(Target&)>;
 
-  /// `name` begins the message when the action fails.
+  /// `name` begins the error message of a failed action.
   void post(std::string name, Action action) {
     const std::lock_guard<std::mutex> lock(mutex_);
     actions_.emplace_back(std::move(name), std::move(action));
   }
 
-  /// Runs all that was posted before; what an action posts itself waits for the next time. An action that
-  /// throws is reported, one sentence each, and the others run all the same.
+  /// Runs the posted actions. Actions that these post wait for the next call. Returns a sentence for each
+  /// action that threw; the others still run.
   std::vector<std::string> apply(Target& target) {
     std::vector<std::pair<std::string, Action>> actions;
     {
@@ -37,7 +37,7 @@ class ActionQueue {
       } catch (const std::exception& error) {
         failures.push_back(name + ": " + error.what());
       } catch (...) {
-        failures.push_back(name + ": failed for a reason that has no words");
+        failures.push_back(name + ": failed with an unknown exception");
       }
     }
     return failures;

@@ -24,7 +24,7 @@ const Vec3f& DragPlane::drag(const Ray& ray) {
 }
 
 bool DragPlane::meet(const Ray& ray, Vec3d& at) const {
-  // Of rays that graze the plane the point would be at the horizon: beyond about 89 degrees it stays.
+  // Rays almost parallel to the plane would send the point to the horizon: beyond about 89 degrees it stays.
   constexpr double grazing = 0.02;
   const Vec3d origin(ray.origin), direction(ray.direction);
   const double slope = dot(direction, normal_), distance = dot(through_ - origin, normal_) / slope;

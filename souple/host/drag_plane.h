@@ -4,22 +4,22 @@
 
 namespace souple::host {
 
-/// From the eye through the mouse, as a host's camera gives it. The direction may have any length but 0.
+/// Ray from the eye through the mouse. The direction may have any length but 0.
 struct Ray {
   Vec3f origin, direction;  ///< m
 };
 
-/// A point that the mouse drags: it stays in the plane through where it was taken, across the view, so it
-/// keeps under the mouse and at its depth.
+/// A point that the mouse drags. It moves in the plane through its initial position that faces the viewer, so
+/// it stays under the mouse and at its depth.
 class DragPlane {
  public:
-  /// `point` was picked by `pick` [m]; the ray may pass beside it, and the point then stays beside the mouse.
-  /// `facing` is where the camera looks; left out, the plane is across the ray. Throws Error when a number is
-  /// not finite or the direction is zero.
+  /// `point` was picked by the ray `pick` [m]. If the ray misses the point, the offset persists while
+  /// dragging. `facing` is the camera's view direction; by default the plane is perpendicular to the ray.
+  /// Throws Error if a number is not finite or the direction is zero.
   DragPlane(const Vec3f& point, const Ray& pick, const Vec3f& facing = {});
 
-  /// Where the point has to go [m]; where it was last when the ray does not meet the plane before the eye, or
-  /// is not finite.
+  /// New position of the point [m]; its last position if the ray is not finite or does not intersect the
+  /// plane in front of the eye.
   const Vec3f& drag(const Ray& ray);
   const Vec3f& point() const { return point_; }  ///< m
 
@@ -27,7 +27,7 @@ class DragPlane {
   bool meet(const Ray& ray, Vec3d& at) const;
 
   Vec3d through_, normal_;
-  Vec3d offset_{};  // from where the picking ray met the plane to the point
+  Vec3d offset_{};  // from the picking ray's intersection with the plane to the point
   Vec3f point_;
 };
 

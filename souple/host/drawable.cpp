@@ -10,9 +10,9 @@ namespace souple::host {
 
 namespace {
 
-// Of an edge of the rim: a and b of either side, with its own normal.
+// Vertices of a rim edge: a and b on each side, with a normal of their own.
 constexpr std::size_t border_vertices = 4;
-// From the middle of a cloth to a side, at least: closer ones show through each other in a large scene. [m]
+// Minimum distance from a cloth's middle to a side: closer sides show through each other in large scenes. [m]
 constexpr float least_distance = 0.001f;
 
 Vec3f at(const std::vector<float>& values, std::size_t v) {
@@ -72,7 +72,7 @@ void Drawable::place_balls(Session& session) {
   for (std::uint32_t i = 0; i < object_vertices_; ++i) balls_.push_back({i, i, 0});
   const std::vector<std::uint32_t> segments = session.segments(object_);
   if (segments.empty() || !(radius_ > 0)) return;
-  // Of the length they have now. Balls one radius apart overlap by so much that they look like one tube.
+  // From the current length. Balls one radius apart overlap enough to look like a tube.
   constexpr float most = 64;
   session.write(object_, {positions_.data()}, object_vertices_);
   for (std::size_t s = 0; s < segments.size(); s += 2) {

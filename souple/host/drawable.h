@@ -8,31 +8,30 @@
 
 namespace souple::host {
 
-/// An object of a session as a simple renderer draws it: triangles with a normal per vertex, or balls. For
-/// renderers that show triangles from one side only, a cloth can have two sides, each half its thickness and
-/// at least 1 mm from the middle, with a rim that closes it; the balls of a rope are close enough to look
-/// like one.
+/// An object of a session for a simple renderer: triangles with a normal per vertex, or balls. For renderers
+/// that show only the front of triangles, a cloth can have two sides and a rim that closes it. Each side is
+/// half the thickness, and at least 1 mm, from the middle. The balls of a rope overlap to look like a tube.
 class Drawable {
  public:
   enum class Sides {
     one,  ///< the object's own vertices and triangles
-    two   ///< of a scene's cloth: those, the other side's, the rim's; the others stay as they are
+    two   ///< a scene's cloth: also the back side and the rim; other objects: as `one`
   };
-  /// Throws Error when the session has no such object.
+  /// Throws Error if the session has no such object.
   Drawable(Session& session, Handle object, Sides sides = Sides::one);
 
   Handle object() const { return object_; }
-  /// Balls instead of triangles: of ropes and grains.
+  /// Whether the object is drawn as balls: ropes and grains.
   bool balls() const { return triangles_.empty(); }
   float radius() const { return radius_; }  ///< of a ball [m]
 
-  /// Takes the vertices from the session as they are now. Throws Error when the object is gone.
+  /// Reads the current vertices from the session. Throws Error if the object was removed.
   void update(Session& session);
   const std::vector<float>& positions() const { return drawn_positions_; }  ///< x, y, z
-  const std::vector<float>& normals() const { return drawn_normals_; }      ///< x, y, z; none of balls
+  const std::vector<float>& normals() const { return drawn_normals_; }      ///< x, y, z; empty for balls
   const std::vector<std::uint32_t>& triangles() const { return triangles_; }
   std::size_t vertex_count() const { return drawn_positions_.size() / 3; }
-  /// The object's vertex that is drawn as vertex `drawn`; of a rope the nearer of two.
+  /// The object's vertex for the drawn vertex `drawn`; for a rope, the nearer end of its segment.
   std::uint32_t vertex_of(std::uint32_t drawn) const;
 
  private:
@@ -40,7 +39,7 @@ class Drawable {
     std::uint32_t a, b;
     float t;
   };
-  struct Border {  // an edge of the rim; seen from the first side, the cloth lies to the left of a to b
+  struct Border {  // an edge of the rim; seen from the front, the cloth is to the left of a -> b
     std::uint32_t a, b;
   };
   void add_other_side();

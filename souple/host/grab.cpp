@@ -13,14 +13,14 @@
 
 namespace souple {
 
-/// What a Grab and its projector share; either may go first.
+/// State shared by a Grab and its projector; either may be destroyed first.
 struct GrabState {
   World* world = nullptr;
   ProjectorId id{};
-  bool in_world = false;    ///< the projector lives
-  bool holds = false;       ///< and has particles to pull at
-  Vec3d target{};           ///< of the mean of the particles [m]
-  Vec3d mean{};             ///< as of the last substep [m]
+  bool in_world = false;    ///< the projector exists
+  bool holds = false;       ///< the projector has particles to move
+  Vec3d target{};           ///< target of the particles' mean [m]
+  Vec3d mean{};             ///< mean of the particles after the last substep [m]
   Vec3d offset{};           ///< from the mean to the picked point [m]
   double max_force = 0;     ///< N
   double stiffness = 0;     ///< N/m
@@ -29,34 +29,34 @@ struct GrabState {
 
 namespace {
 
-constexpr double g = 9.81;       // m/s^2, whatever the scene's gravity is
+constexpr double g = 9.81;       // m/s^2, independent of the scene's gravity
 constexpr double strength = 20;  // max_force, in weights of the object
-constexpr double stretch = 0.2;  // of the spring that pulls with max_force [m]: 5 Hz
-// Strains beyond that which was there, up to which the hand pulls with all its force, and from which on it
-// does not pull. With these no shipped cloth stretched by more than 21 % however the mouse was thrown about;
-// without, 20 weights at one hand stretched some to three times their length.
+constexpr double stretch = 0.2;  // elongation of the spring at max_force [m]: 5 Hz
+// Additional strains up to which the grab acts with full force, and from which on it does not act. With these
+// limits no shipped cloth stretched by more than 21 % under violent mouse motions. Without them, 20 weights
+// at one grab stretched some cloths to three times their length.
 constexpr double thin_slack = 0.03, thin_limit = 0.1, soft_slack = 0.1, soft_limit = 0.4;
-constexpr double neighborhood = 0.04;  // radius of the hand, in diagonals of the object
+constexpr double neighborhood = 0.04;  // radius of the grab, in diagonals of the object
 
-/// The object around the hand: vertices as blends of particles, and edges with their lengths at rest.
+/// The object around the grab: vertices as blends of particles, and edges with their rest lengths.
 struct Patch {
   struct Edge {
-    std::uint32_t a = 0, b = 0;  // of `blends`
+    std::uint32_t a = 0, b = 0;  // indices in `blends`
     double rest = 0;             // m
   };
   std::vector<std::vector<Carrier>> blends;
   std::vector<Edge> edges;
-  double slack = 0;  // strain up to which the hand pulls with all its force
-  double limit = 0;  // and from which on it does not pull
+  double slack = 0;  // strain up to which the grab acts with full force
+  double limit = 0;  // strain from which on the grab does not act
 };
 
 /// A damped spring on the weighted mean x = sum b_i x_i of some particles, by the formulas of projection.h:
 ///   C = x - t  [m, a vector],   grad_i C = b_i,
 ///   dlambda = (-C - alpha~ lambda - gamma (x - x_start)) / ((1 + gamma) sum_i w_i b_i^2 + alpha~)
-/// The target t is kept within F alpha of x, and |lambda| within F h^2: neither spring nor damper pulls
-/// harder than F, and a target that is far away is approached at the speed at which the damper holds back the
-/// spring. F is max_force, less where the object around the hand is stretched: it yields before the cloth
-/// does. Critically damped for the object's mass. The same in all modes.
+/// The target t is kept within F alpha of x, and |lambda| within F h^2. Neither spring nor damper thus
+/// exceeds the force F, and the speed toward a distant target is limited by the damper. F is max_force,
+/// reduced where the object around the grab is stretched, so that the grab yields before the cloth does.
+/// Critically damped for the object's mass. Independent of the mode.
 class GrabProjector final : public Projector {
  public:
   GrabProjector(std::shared_ptr<GrabState> state, std::vector<Carrier> hand, Patch patch)
@@ -75,7 +75,7 @@ class GrabProjector final : public Projector {
   std::size_t color_size(int) const override { return 1; }
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView&) const override { return {}; }  // a spring that is pulled is no error
+  Residual residual(const ParticleView&) const override { return {}; }  // the spring's elongation is no error
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
@@ -85,7 +85,7 @@ class GrabProjector final : public Projector {
   std::shared_ptr<GrabState> state_;
   std::vector<Carrier> hand_;
   Patch patch_;
-  std::vector<Vec3d> vertices_;  // scratch, of the patch
+  std::vector<Vec3d> vertices_;  // scratch: positions of the patch
   double force_ = 0;             // F [N]
   Vec3d target_{}, lambda_{};
 };
@@ -156,7 +156,7 @@ void GrabProjector::visit(const ParticleView& particles, const ConstraintVisitor
   visitor({indices, 0, 0, static_cast<float>(length(blend(particles, hand_) - state_->target))});
 }
 
-/// With one of the particles their object is gone, and so are all. False then.
+/// Returns false if a particle was erased: the whole object was removed then.
 bool renumber(std::vector<Carrier>& carriers, std::uint32_t begin, std::uint32_t end) {
   for (Carrier& c : carriers) {
     if (c.particle >= begin && c.particle < end) return false;
@@ -173,12 +173,12 @@ void GrabProjector::erase_particles(std::uint32_t begin, std::uint32_t end) {
 
 struct Neighbor {
   std::uint32_t vertex;
-  double distance;  // from the picked vertex, in radii of the hand
+  double distance;  // from the picked vertex, in radii of the grab
 };
 
-constexpr double patch_size = 2;  // in radii of the hand
+constexpr double patch_size = 2;  // in radii of the grab
 
-/// The hand's radius: it reaches the vertices next to the picked one on coarse meshes too.
+/// The grab's radius: at least up to the neighbors of the picked vertex, for coarse meshes.
 double reach_of(double size, double longest_edge) {
   return std::max(neighborhood * size, 1.5 * longest_edge);
 }
@@ -198,7 +198,7 @@ std::vector<Neighbor> around_on_mesh(const TriangleMesh& mesh, std::uint32_t ver
   return result;
 }
 
-/// Along the rope as it is now: it keeps its length.
+/// Distances along the current rope; the rope keeps its length.
 std::vector<Neighbor> around_on_rope(std::span<const Vec3f> x, std::uint32_t vertex) {
   std::vector<double> along{0};
   double longest = 0;
@@ -235,9 +235,9 @@ bool is_pinned(const Carrier& carrier) {
   return carrier.inverse_mass == 0;
 }
 
-/// The particles to hold, with weights that fall off from the vertex and sum up to 1.
+/// The grabbed particles, with weights that decrease with distance from the vertex and sum to 1.
 std::vector<Carrier> hand_of(const World& world, ObjectId object, const std::vector<Neighbor>& neighbors) {
-  std::map<std::uint32_t, Carrier> hand;  // by particle: several vertices may share one
+  std::map<std::uint32_t, Carrier> hand;  // by particle: several vertices may share a particle
   double sum = 0;
   for (const Neighbor& n : neighbors) {
     if (n.distance >= 1) continue;
@@ -262,7 +262,8 @@ Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbor>&
   Patch patch;
   std::vector<Vec3d> now;
   constexpr auto outside = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> local(world.positions(object).size(), outside);  // of a vertex
+  std::vector<std::uint32_t> local(world.positions(object).size(),
+                                   outside);  // per vertex: index in the patch
   for (const Neighbor& n : neighbors) {
     local[n.vertex] = static_cast<std::uint32_t>(patch.blends.size());
     patch.blends.push_back(world.carriers(object, n.vertex));
@@ -287,7 +288,7 @@ Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbor>&
   return patch;
 }
 
-/// What hangs on the hand. [kg]
+/// Mass that the grab moves. [kg]
 double mass_of(const World& world, ObjectId object, const std::vector<Carrier>& hand) {
   const ObjectKind kind = world.kind(object);
   if (kind == ObjectKind::grains || kind == ObjectKind::fluid)
@@ -357,7 +358,7 @@ void Grab::release() noexcept {
   try {
     state_->world->remove(state_->id);
   } catch (const Error&) {
-    // A step runs: the projector has let go, and stays in the world doing nothing.
+    // During a step: the projector stays in the world, inactive.
   }
 }
 

@@ -23,27 +23,27 @@ struct GrabOptions {
 /// neighborhood, because a force on a single vertex would stretch a thin cloth out of shape.
 ///
 /// The destructor releases the object. A grab may outlive its object (which ends the grab) and its world, and
-/// another world may be assigned to its world. During the grab the world must not be moved to another address.
-/// A restored snapshot does not end the grab.
+/// another world may be assigned to its world. During the grab the world must not be moved to another
+/// address. A restored snapshot does not end the grab.
 class Grab {
  public:
-  /// `vertex` in user order, `point` where it was picked [m], as a Hit tells them. A pinned vertex cannot be
-  /// grabbed: the grab then holds nothing. Throws Error when there is no such vertex, a number is not finite
-  /// or negative, or a step runs.
+  /// `vertex`: in user order; `point`: the picked position [m]; both as in a Hit. A pinned vertex cannot be
+  /// grabbed: the grab is then inactive. Throws Error if there is no such vertex, a number is not finite or
+  /// negative, or during a step.
   Grab(World& world, const ObjectId& object, std::uint32_t vertex, const Vec3f& point,
        const GrabOptions& options = {});
   ~Grab();
   Grab(Grab&&) noexcept;
   Grab& operator=(Grab&&) noexcept;
 
-  /// Where the picked point has to go [m]; acts from the next substep on. Throws Error when it is not finite.
+  /// Sets the target of the picked point [m], from the next substep on. Throws Error if it is not finite.
   void move_to(const Vec3f& point);
-  /// Also lets go when a callback of a step calls it.
+  /// Ends the grab; also valid in a callback during a step.
   void release() noexcept;
   bool holds() const;
 
   Vec3f target() const;  ///< m
-  /// Where the picked point is, as of the last substep. [m]
+  /// Position of the picked point after the last substep. [m]
   Vec3f point() const;
   float max_force() const;  ///< N
 

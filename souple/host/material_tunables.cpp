@@ -64,7 +64,7 @@ const std::vector<Tunable<G>> grains_tunables{
     {"Damping", "damping", "1/s", &G::damping, logarithmic(1e-3f, 100)},
 };
 
-// The spacing stays what it is: another one is another fluid.
+// The spacing is not tunable: it defines the discretization.
 using F = FluidMaterial;
 const std::vector<Tunable<F>> fluid_tunables{
     {"Density", "density", "kg/m\xc2\xb3", &F::density, logarithmic(100, 2e4f)},

@@ -12,7 +12,7 @@ namespace souple::host {
 namespace {
 
 constexpr double flat = 1e-9;      // volume of the columns over the product of their lengths
-constexpr double rounding = 1e-5;  // of floats that were multiplied a few times
+constexpr double rounding = 1e-5;  // error of floats after a few multiplications
 
 Vec3d column_of(const float* matrix, std::size_t column) {
   const float* c = matrix + 4 * column;

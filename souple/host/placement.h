@@ -4,19 +4,19 @@
 
 namespace souple::host {
 
-/// Between a host's mesh and the world: x -> linear x + translation. Any invertible one: turned, scaled, also
-/// unevenly, sheared, mirrored.
+/// Affine transform from a host's mesh to the world: x -> linear x + translation. Any invertible one is
+/// valid, also with non-uniform scale, shear or reflection.
 class Placement {
  public:
   Placement() = default;
-  /// From a 4 x 4 matrix, column-major, as OpenGL and Eigen hold it: columns of the linear part, then the
-  /// translation [m] in 12 to 14. nullptr: nothing is moved. Throws Error, beginning with `name`, when it is
-  /// not finite, its last row is not (0, 0, 0, 1), or it cannot be inverted.
+  /// From a column-major 4 x 4 matrix, as OpenGL and Eigen store it: columns of the linear part, then the
+  /// translation [m] at indices 12 to 14. nullptr: the identity. Throws Error, beginning with `name`, if the
+  /// matrix is not finite, its last row is not (0, 0, 0, 1), or it is singular.
   static Placement of(const float* matrix, const char* name = "transform");
 
   Vec3d to_world(const Vec3d& x) const { return linear_ * x + translation_; }
   Vec3d to_mesh(const Vec3d& x) const { return inverse_ * (x - translation_); }
-  bool mirrors() const { return mirrors_; }  ///< turns surfaces inside out
+  bool mirrors() const { return mirrors_; }  ///< negative determinant: reverses the winding of triangles
 
   const Mat3<double>& linear() const { return linear_; }
   const Vec3d& translation() const { return translation_; }

@@ -27,7 +27,7 @@ const char* kind_name(Kind kind) {
 Session::Session(const ClockOptions& clock) : impl_(std::make_unique<Impl>(clock)) {}
 Session::~Session() = default;
 
-// --- what is in it -------------------------------------------------------------------------------
+// --- objects -------------------------------------------------------------------------------------
 
 void Session::open_scene(const std::string& file) {
   const std::uint64_t version_now = version();

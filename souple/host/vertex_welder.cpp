@@ -94,7 +94,7 @@ void VertexWelder::write_normals(const VertexBuffers& buffers, Normals normals) 
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Vec3f &a = placed_[triangles_[t][0]], &b = placed_[triangles_[t][1]],
                 &c = placed_[triangles_[t][2]];
-    const Vec3f n = cross(b - a, c - a);  // twice the area long
+    const Vec3f n = cross(b - a, c - a);  // length: twice the area
     for (const std::uint32_t v : welded ? triangles_[t] : render_triangles_[t]) normals_[v] += n;
   }
   for (Vec3f& n : normals_) n = unit_normal(n);

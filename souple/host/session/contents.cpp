@@ -55,7 +55,7 @@ void pin_in(World& world, ObjectId id, const Pin& pin) {
     world.unpin(id, vertices({pin.vertex}));
 }
 
-/// The scene's own object of that name takes the material from now on.
+/// Changes the material of the scene's object of that name.
 void keep_in(SceneDescription& scene, const std::string& name, const AnyMaterial& material) {
   for (AnyObjectDescription& any : scene.objects) {
     if (common(any).name != name) continue;
@@ -93,14 +93,14 @@ std::array<float, 3> channels_of(const std::optional<std::uint32_t>& color) {
   return {channel(16), channel(8), channel(0)};
 }
 
-Contents::Contents(Tell tell) : tell_(std::move(tell)) {
+Contents::Contents(Report report) : report_(std::move(report)) {
   listen();
 }
 
 void Contents::listen() {
-  // What a step complains of is in its report, and would come in each step.
+  // Warnings of steps are in the step's report; as messages they would repeat in each step.
   world_.set_log([this](LogLevel level, std::string_view text) {
-    if (level == LogLevel::info) tell_(std::string(text));
+    if (level == LogLevel::info) report_(std::string(text));
   });
 }
 
@@ -129,7 +129,7 @@ Item& Contents::item(Handle handle) const {
   throw Error(fmt::format("\"{}\" (object {}) is no longer there", gone->second, handle));
 }
 
-// --- what is in it -------------------------------------------------------------------------------
+// --- objects -------------------------------------------------------------------------------------
 
 void Contents::open(const std::string& file) {
   replace(load_scene(file), true);
@@ -140,7 +140,7 @@ void Contents::clear() {
 }
 
 void Contents::replace(SceneDescription scene, bool has_scene) {
-  std::vector<std::string> sentences;  // of a scene that fails, none is told
+  std::vector<std::string> sentences;  // reported only if the scene opens
   const SceneLog log = [&](LogLevel, std::string_view text) { sentences.emplace_back(text); };
   World world = has_scene ? build_world(scene, log) : World();
   std::vector<std::unique_ptr<Item>> items;
@@ -155,7 +155,7 @@ void Contents::replace(SceneDescription scene, bool has_scene) {
   removed_.clear();
   world_ = std::move(world);
   listen();
-  for (std::string& sentence : sentences) tell_(std::move(sentence));
+  for (std::string& sentence : sentences) report_(std::move(sentence));
 }
 
 Handle Contents::add(Kind kind, const TriangleSoup& soup, const MeshOptions& options) {
@@ -206,7 +206,7 @@ void Contents::rebuild() {
   listen();
 }
 
-// --- what is changed in it -----------------------------------------------------------------------
+// --- changes -------------------------------------------------------------------------------------
 
 void Contents::set_settings(const Settings& settings) {
   world_.set_settings(settings);

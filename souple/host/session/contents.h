@@ -9,67 +9,67 @@
 
 namespace souple::host {
 
-/// A mesh of the host as an object.
+/// A mesh of the host that became an object.
 struct HostMesh {
   VertexWelder weld;
-  Placement placement;        ///< where the host has it now
-  Placement added;            ///< where it was when it came into this world
-  std::vector<Vec3f> rest{};  ///< per particle, in the mesh's coordinates; obstacles stay as they are
+  Placement placement;        ///< current placement in the host
+  Placement added;            ///< placement when the mesh was added to the current world
+  std::vector<Vec3f> rest{};  ///< per particle: rest position in mesh coordinates; unused for obstacles
   bool self_collision = false;
   std::size_t lattice_tets = 0;
-  std::shared_ptr<Drive> drive{};  ///< of an obstacle that was moved
+  std::shared_ptr<Drive> drive{};  ///< motion of an obstacle that the host moved
 };
 
-/// What the user said last of a vertex of the world's object.
+/// The last pin request for a vertex of the world's object.
 struct Pin {
   std::uint32_t vertex = 0;
   bool pinned = true;
 };
 
-/// An object of a session, and how to make it again.
+/// An object of a session, and the data to rebuild it.
 struct Item {
   Handle handle = 0;
   std::string name;
   Kind kind = Kind::cloth;
   AnyMaterial material{};
-  std::vector<Pin> pins{};  ///< in the order the user said them, each vertex once: some share particles
-  std::optional<HostMesh> mesh{};        ///< without it the object is one of the scene's
-  std::optional<std::uint32_t> color{};  ///< 0xRRGGBB (sRGB), of the scene
-  ObjectId id{};                         ///< in the world of now
+  std::vector<Pin> pins{};               ///< in request order, each vertex once; vertices may share particles
+  std::optional<HostMesh> mesh{};        ///< empty: the object belongs to the scene
+  std::optional<std::uint32_t> color{};  ///< 0xRRGGBB (sRGB), from the scene
+  ObjectId id{};                         ///< in the current world
 };
 
-/// 0xRRGGBB as numbers in [0, 1], in the same encoding; zeros for none.
+/// R, G, B of 0xRRGGBB as numbers in [0, 1], sRGB; zeros without a color.
 std::array<float, 3> channels_of(const std::optional<std::uint32_t>& color);
 
-/// The world of a session, and what it is made from, so that it can be made again from the start.
+/// The world of a session, and the data to rebuild it from the start.
 class Contents {
  public:
-  using Tell = std::function<void(std::string)>;
-  /// `tell` hears what is worth knowing about meshes.
-  explicit Contents(Tell tell);
+  using Report = std::function<void(std::string)>;
+  /// `report` receives notes about meshes.
+  explicit Contents(Report report);
 
   World& world() { return world_; }
   const World& world() const { return world_; }
   const std::vector<std::unique_ptr<Item>>& items() const { return items_; }
-  /// Throws Error in words about the object that is gone.
+  /// Throws Error if the object does not exist; the message names a removed object.
   Item& item(Handle handle) const;
   bool contains(Handle handle) const { return find(handle) != nullptr; }
   Item* find(ObjectId id) const;
-  /// 0xRRGGBB (sRGB) as the scene file gives it, or nothing.
+  /// 0xRRGGBB (sRGB) from the scene file, or nullopt.
   std::optional<std::uint32_t> collider_color(const std::string& name) const;
 
   void open(const std::string& file);
   void clear();
   Handle add(Kind kind, const TriangleSoup& soup, const MeshOptions& options);
   void remove(Handle handle);
-  /// Makes the world anew.
+  /// Rebuilds the world.
   void rebuild();
 
   void set_settings(const Settings& settings);
   void set_material(Handle handle, const AnyMaterial& material);
   void set_pinned(Handle handle, std::uint32_t vertex, bool pinned);
   void set_transform(Handle handle, const float* transform);
-  /// Obstacles that the host moved go there during the step between.
+  /// Between these two calls, the step moves obstacles to the transforms that the host set.
   void begin_step(double dt);
   void end_step(bool made);
 
@@ -78,10 +78,10 @@ class Contents {
   void replace(SceneDescription scene, bool has_scene);
   void listen();
 
-  Tell tell_;
+  Report report_;
   SceneDescription scene_;
   bool has_scene_ = false;
-  std::vector<std::string> removed_;  // of the scene's objects
+  std::vector<std::string> removed_;  // names of removed scene objects
   std::vector<std::unique_ptr<Item>> items_;
   std::map<Handle, std::string> gone_;
   Handle last_ = 0;

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-// What a session's objects look like to the host.
+// Output of a session's objects for the host.
 
 namespace souple::host {
 
@@ -19,7 +19,7 @@ void copy(std::span<const Vec3f> values, float* out, std::size_t stride) {
     for (std::size_t k = 0; k < 3; ++k) out[v * stride + k] = values[v][static_cast<int>(k)];
 }
 
-/// An object of the scene: its own vertices, as the world has them.
+/// Writes an object of the scene: the world's vertices.
 void write_plain(const World& world, const Item& item, const VertexBuffers& buffers, std::size_t count) {
   if (buffers.stride < 3) throw Error(item.name + ": the stride of the buffers is below 3 floats");
   const std::span<const Vec3f> positions = world.positions(item.id);

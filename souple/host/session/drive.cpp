@@ -10,8 +10,8 @@ namespace souple::host {
 
 namespace {
 
-/// Of a rotation matrix. From the largest of its four components, so that none is divided by nearly zero
-/// (Shepperd 1978).
+/// Quaternion of a rotation matrix, from its largest component to avoid division by almost zero (Shepperd
+/// 1978).
 Quatd quaternion_of(const Mat3d& m) {
   const double x = m(0, 0), y = m(1, 1), z = m(2, 2), w = x + y + z;
   const double a = m(2, 1) - m(1, 2), b = m(0, 2) - m(2, 0), c = m(1, 0) - m(0, 1);
@@ -23,14 +23,14 @@ Quatd quaternion_of(const Mat3d& m) {
   return normalized(Quatd{xz, yz, 1 + z - x - y, c});
 }
 
-/// The chord between two rotations, normalized: in the few degrees of a step as good as the arc.
+/// Normalized linear interpolation of two rotations: accurate enough for the few degrees of a step.
 Quatd between(const Quatd& a, const Quatd& b, double s) {
   const double t = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w < 0 ? -s : s, r = 1 - s;
   return normalized(Quatd{r * a.x + t * b.x, r * a.y + t * b.y, r * a.z + t * b.z, r * a.w + t * b.w});
 }
 
 bool is_rotation(const Mat3d& m) {
-  constexpr double rounding = 1e-4;  // of a host's floats
+  constexpr double rounding = 1e-4;  // error of a host's floats
   const Mat3d square = transpose(m) * m + Mat3d::identity() * -1.0;
   return frobenius_squared(square) < rounding * rounding && determinant(m) > 0;
 }

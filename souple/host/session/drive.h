@@ -7,20 +7,21 @@
 
 namespace souple::host {
 
-/// Leads an obstacle after the host's mesh: in the course of the step that follows a move, so that it sweeps
-/// and pushes what is in its way instead of appearing elsewhere.
+/// Moves an obstacle to its mesh's transform in the host, continuously during the next step. It thereby
+/// sweeps its path and pushes the objects there, instead of jumping.
 struct Drive {
-  Transform from{}, to{};      ///< reached, and wanted: of the mesh as it was added, about the world's origin
-  double begin = 0, span = 0;  ///< of the step that runs [s]; span 0: it stands at `from`
+  /// Reached and requested motion relative to the mesh at its addition, about the world's origin.
+  Transform from{}, to{};
+  double begin = 0, span = 0;  ///< start and length of the current step [s]; span 0: no motion
 
   Transform at(double time) const;
   void begin_step(double time, double dt);
-  /// A step that was not made leaves it at `from`.
+  /// A failed step (`made` false) leaves the obstacle at `from`.
   void end_step(bool made);
 };
 
-/// What leads a mesh from one placement to another. Throws Error, beginning with `name`, unless that is a
-/// rotation and a translation.
+/// The motion from one placement to another. Throws Error, beginning with `name`, unless it is a rotation and
+/// a translation.
 Transform rigid_motion(const Placement& from, const Placement& to, const std::string& name);
 
 }  // namespace souple::host

@@ -10,36 +10,36 @@
 
 namespace souple::host {
 
-/// Of the last step, and what there is now.
+/// Statistics of the last step and of the current world.
 Statistics statistics_of(const World& world, std::uint64_t steps);
 
 struct Session::Impl {
   explicit Impl(const ClockOptions& options) : clock(options) {}
 
   Handle add(Kind kind, const TriangleSoup& soup, const MeshOptions& options);
-  /// False when the world could not do it: then it has said why, and is paused.
+  /// Returns false if the step failed: the reason is reported, and the session is paused.
   bool step(double dt);
-  /// The world was made anew: what held on to the old one lets go.
+  /// Releases references to the previous world after a rebuild.
   void begin_again();
-  void tell(std::string message);
-  void tell_lines(const std::string& lines);  ///< each as a message of its own
+  void report(std::string message);
+  void report_lines(const std::string& lines);  ///< one message per line
   void take_statistics();
   bool take_hold(const Item& item, std::uint32_t vertex, const Vec3f& point, const Ray& ray,
                  const Vec3f& facing);
-  /// The vertex of the world's object that a render vertex shows. Throws Error when there is none.
+  /// The world object's vertex for a render vertex. Throws Error if there is none.
   static std::uint32_t world_vertex(const Item& item, const World& world, std::uint32_t vertex);
 
-  Contents contents{[this](std::string message) { tell(std::move(message)); }};
+  Contents contents{[this](std::string message) { report(std::move(message)); }};
   Clock clock;
   ActionQueue<Session> actions;
   std::optional<Grab> hand;
   std::optional<DragPlane> plane;
   bool playing = true, step_requested = false;
   std::uint64_t steps = 0;
-  std::uint32_t flags_before = 0;    // of the last step: a warning is told once, not in each step that has it
-  std::uint64_t version_before = 0;  // of the worlds that are gone
+  std::uint32_t flags_before = 0;    // flags of the last step: a persisting warning is reported once
+  std::uint64_t version_before = 0;  // sum over previous worlds
 
-  mutable std::mutex mutex;  // of the two below
+  mutable std::mutex mutex;  // guards the two members below
   std::deque<std::string> messages;
   Statistics statistics;
 };

@@ -10,7 +10,7 @@ namespace souple::host {
 
 namespace {
 
-/// The preset of a kind, or nothing.
+/// The preset of a kind, or nullopt.
 std::optional<AnyMaterial> find_preset(Kind kind, const std::string& name) {
   const auto copied = [](const auto* found) {
     return found == nullptr ? std::nullopt : std::optional<AnyMaterial>(*found);

@@ -12,14 +12,16 @@ using AnyMaterial = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, 
 
 AnyMaterial material_of(const World& world, ObjectId object);
 void set_material(World& world, ObjectId object, const AnyMaterial& material);
-/// The default of a kind, or its preset of that name; Error with the nearest name when there is none.
+/// The default material of a kind, or its preset of that name. Throws Error with the nearest name if there is
+/// none.
 AnyMaterial make_material(Kind kind, const std::string& preset);
-/// Presets that fit the kind.
+/// Names of the kind's presets.
 std::vector<std::string> preset_names(Kind kind);
 
-/// What the tunables stand at; only those that turn something.
+/// Values of the tunables that have an effect.
 std::vector<Parameter> parameters_of(const AnyMaterial& material, Mode mode);
-/// The same material with one number changed. Error with the nearest name when there is no such tunable.
+/// A copy of the material with one number changed. Throws Error with the nearest name if there is no such
+/// tunable.
 AnyMaterial with_parameter(const AnyMaterial& material, const std::string& name, double value);
 
 }  // namespace souple::host

@@ -5,18 +5,18 @@
 
 #include <fmt/core.h>
 
-// The session's mouse: what it picks, holds and drags.
+// Picking, grabbing and dragging with the mouse.
 
 namespace souple::host {
 
 namespace {
 
-/// Where a ray meets the plane of a triangle; the corner `otherwise` where it does not.
+/// Intersection of a ray with the plane of a triangle; the corner `otherwise` if there is none.
 Vec3f on_triangle(const Ray& ray, const Vec3f (&x)[3], const Vec3f& otherwise) {
   const Vec3d a(x[0]), origin(ray.origin), direction(ray.direction);
   const Vec3d normal = cross(Vec3d(x[1]) - a, Vec3d(x[2]) - a);
   const Vec3d at = origin + direction * (dot(a - origin, normal) / dot(direction, normal));
-  // Far from the corner it is the plane of a triangle that is seen edge-on.
+  // A distant intersection means that the triangle is seen edge-on.
   const double size = std::max(length(Vec3d(x[1]) - a), length(Vec3d(x[2]) - a));
   return is_finite(at) && length(at - Vec3d(otherwise)) < 2 * size ? Vec3f(at) : otherwise;
 }

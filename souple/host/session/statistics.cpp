@@ -10,7 +10,7 @@ Statistics statistics_of(const World& world, std::uint64_t steps) {
   s.steps = steps;
   s.time = world.time();
   s.objects = world.objects().size();
-  if (steps == 0) return s;  // the report is of no step of this world
+  if (steps == 0) return s;  // this world has no step to report
   s.milliseconds = report.total_milliseconds();
   for (std::size_t i = 0; i < stage_count; ++i)
     s.stages.push_back({std::string(stage_name(static_cast<Stage>(i))), report.milliseconds[i]});

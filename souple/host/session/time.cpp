@@ -3,20 +3,20 @@
 #include <sstream>
 #include <utility>
 
-// The session's time: frames of the host, steps, resets.
+// Time of the session: host frames, steps, resets.
 
 namespace souple::host {
 
-void Session::Impl::tell(std::string message) {
+void Session::Impl::report(std::string message) {
   constexpr std::size_t most = 100;
   const std::lock_guard<std::mutex> lock(mutex);
   messages.push_back(std::move(message));
   if (messages.size() > most) messages.pop_front();
 }
 
-void Session::Impl::tell_lines(const std::string& lines) {
+void Session::Impl::report_lines(const std::string& lines) {
   std::istringstream rest(lines);
-  for (std::string line; std::getline(rest, line);) tell(line);
+  for (std::string line; std::getline(rest, line);) report(line);
 }
 
 void Session::Impl::take_statistics() {
@@ -37,12 +37,13 @@ void Session::Impl::begin_again() {
 bool Session::Impl::step(double dt) {
   contents.begin_step(dt);
   const StepReport& report = contents.world().step(dt);
-  // Else the world is as it was before: a bad step is taken back, one that could not begin has no substeps.
+  // Otherwise the world is unchanged: an invalid step is undone, and a step that failed to begin has no
+  // substeps.
   const bool made = report.ok() && report.substeps > 0;
   contents.end_step(made);
   if (made) ++steps;
   playing = playing && made;
-  if (!made || (report.flags & ~flags_before) != 0) tell_lines(report.message);
+  if (!made || (report.flags & ~flags_before) != 0) report_lines(report.message);
   flags_before = report.flags;
   take_statistics();
   return made;
@@ -51,7 +52,7 @@ bool Session::Impl::step(double dt) {
 Tick Session::advance(double host_time, double frame_dt) {
   Impl& s = *impl_;
   try {
-    for (std::string& failure : s.actions.apply(*this)) s.tell(std::move(failure));
+    for (std::string& failure : s.actions.apply(*this)) s.report(std::move(failure));
     const Tick tick = s.clock.frame(host_time, frame_dt);
     if (tick == Tick::reset) {
       reset();
@@ -63,7 +64,7 @@ Tick Session::advance(double host_time, double frame_dt) {
     return s.step(s.clock.dt()) ? Tick::step : Tick::nothing;
   } catch (const std::exception& error) {
     s.playing = false;
-    s.tell(error.what());
+    s.report(error.what());
     return Tick::nothing;
   }
 }

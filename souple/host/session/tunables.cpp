@@ -2,7 +2,7 @@
 #include "souple/scene/nearest.h"
 #include "souple/solver/solver_names.h"
 
-// What a panel turns: settings and materials.
+// Settings and materials that a panel edits.
 
 namespace souple::host {
 
