@@ -13,7 +13,7 @@
 
 namespace souple {
 
-/// Points whose positions are known frame by frame; what AnimatedPoints reads.
+/// Positions of points, frame by frame: the input of AnimatedPoints.
 class PointFrames {
  public:
   virtual ~PointFrames() = default;
@@ -23,22 +23,22 @@ class PointFrames {
   virtual void read(std::uint64_t frame, std::span<Vec3f> positions) = 0;
 };
 
-/// The positions of an animated mesh at any time: between frames linear, before the first and after the last
-/// they stand still. Drives pinned vertices. Keeps two frames in memory.
+/// The positions of an animated mesh at any time: linear between frames, constant before the first and after
+/// the last. Drives pinned vertices. Keeps two frames in memory.
 class AnimatedPoints {
  public:
   /// Reads the vertices of a mesh file in the file's order, e.g. by read_triangle_mesh.
   using ReadMesh = std::function<std::vector<Vec3f>(const std::filesystem::path&)>;
 
   struct Options {
-    /// Frames a second of a .pc2 or a sequence of meshes; a .mdd holds its own times.
+    /// Frames per second of a .pc2 or a sequence of meshes; a .mdd stores its own times.
     double frame_rate = 60;
-    double start_time = 0;  ///< when the first frame plays [s]
+    double start_time = 0;  ///< time of the first frame [s]
   };
 
-  /// `path` is a .pc2, a .mdd, or a sequence of meshes, which `read_mesh` reads: one file of it
-  /// (NAME_0001.obj) or the folder that holds it.
-  /// Throws Error for a bad file, no frames, times that go back, or a mesh whose number of vertices changes.
+  /// `path` is a .pc2, a .mdd, or a sequence of meshes for `read_mesh`: one of its files (NAME_0001.obj) or
+  /// its folder. Throws Error for an invalid file, no frames, decreasing times, or a changing number of
+  /// vertices.
   AnimatedPoints(const std::filesystem::path& path, const Options& options, const ReadMesh& read_mesh = {});
   AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time);
   AnimatedPoints(AnimatedPoints&&) noexcept;
@@ -46,12 +46,12 @@ class AnimatedPoints {
   ~AnimatedPoints();
 
   std::uint64_t points() const;
-  double start_time() const;  ///< of the first frame [s]
-  double end_time() const;    ///< of the last frame [s]
-  /// Of each frame, since the first. [s]
+  double start_time() const;  ///< time of the first frame [s]
+  double end_time() const;    ///< time of the last frame [s]
+  /// Per frame: time since the first frame. [s]
   std::span<const double> times() const { return times_; }
-  /// The positions at `time` [s]; `positions` has points() entries. Throws Error when the file gives a number
-  /// that is not finite, or can no longer be read.
+  /// Writes the positions at `time` [s]; `positions` has points() entries. Throws Error if a number of the
+  /// file is not finite or the file can no longer be read.
   void evaluate(double time, std::span<Vec3f> positions);
 
  private:
@@ -64,8 +64,8 @@ class AnimatedPoints {
   std::unique_ptr<PointFrames> frames_;
   std::string name_;
   double start_time_;
-  std::vector<double> times_;     ///< of each frame, since the first [s]
-  std::array<Loaded, 2> loaded_;  ///< frame f lies in loaded_[f % 2]: neighbors are there together
+  std::vector<double> times_;     ///< per frame: time since the first frame [s]
+  std::array<Loaded, 2> loaded_;  ///< frame f is in loaded_[f % 2], so successive frames coexist
 };
 
 }  // namespace souple

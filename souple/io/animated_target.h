@@ -7,9 +7,9 @@
 
 namespace souple {
 
-/// Where a pinned or attached vertex has to be, from an animation with a point for each vertex of the object,
-/// in user order: `world.pin(cloth, group("hem"), animated_target(points))`. The positions are evaluated once
-/// for each moment asked. Throws Error when called for a vertex that the animation does not have.
+/// Target of a pinned or attached vertex, from an animation with a point for each vertex of the object in
+/// user order: `world.pin(cloth, group("hem"), animated_target(points))`. The positions are evaluated once
+/// per requested time. The target throws Error for a vertex without a point in the animation.
 Target animated_target(std::shared_ptr<AnimatedPoints> points);
 
 }  // namespace souple

@@ -7,13 +7,13 @@
 
 namespace souple::mesh_detail {
 
-/// Whether assimp is there and reads files of this extension (".fbx").
+/// Whether Souple was built with assimp and assimp reads files of this extension (".fbx").
 bool assimp_knows(const std::string& extension);
 
-/// Reads through assimp, with no post-processing that would move a vertex: the vertices of each mesh in its
-/// order, mesh by mesh in the order of the scene's nodes, moved by the node's transform. Many formats have a
-/// vertex per face corner. Groups: nodes by their names, materials as "material:NAME". Throws Error where
-/// assimp fails or is not there.
+/// Reads a file with assimp, without post-processing that moves vertices. Vertices keep each mesh's order;
+/// meshes follow the order of the scene's nodes and are transformed by them. Many formats have a vertex per
+/// face corner. Groups: nodes by their names, materials as "material:NAME". Throws Error if assimp fails or
+/// is missing.
 TriangleMesh read_with_assimp(const std::filesystem::path& path);
 
 }  // namespace souple::mesh_detail

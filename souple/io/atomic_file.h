@@ -8,17 +8,18 @@
 
 namespace souple {
 
-/// NAME.part, the name that a file has while it is being written.
+/// NAME.part: the name of a file while it is written.
 std::filesystem::path part_path(const std::filesystem::path& path);
 
-/// Renames, replacing what has the new name: the one moment at which a file changes. Throws Error.
+/// Renames a file and replaces an existing one atomically. Throws Error.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Waits for the disk, so that a power cut loses nothing; costs milliseconds.
+/// Whether to wait for the disk, so that a power failure loses nothing; this costs milliseconds.
 enum class Sync { no, yes };
 
-/// A file that appears whole or not at all: written as NAME.part, renamed by commit(), and removed when it is
-/// destroyed before (an exception, say). An older file of the same name stays until then.
+/// A file that appears completely or not at all. It is written as NAME.part; commit() renames it. The
+/// destructor removes an uncommitted NAME.part, for example after an exception. An older file of the final
+/// name remains until commit().
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -37,7 +38,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// AtomicFile in one call.
+/// Writes an AtomicFile in one call.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes, Sync sync = Sync::no);
 
 }  // namespace souple

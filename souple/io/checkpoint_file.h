@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-/// Checkpoints: what a stopped run needs to go on.
+/// Checkpoints: the data with which a stopped run resumes.
 namespace souple {
 
-/// A cache file and how much of it belongs to the run so far.
+/// A cache file and the number of its frames that belong to the run.
 struct CheckpointCache {
   std::string path;  ///< relative to the output folder
   std::uint64_t frames = 0;
@@ -18,11 +18,11 @@ struct CheckpointCache {
 };
 
 struct Checkpoint {
-  std::string version;      ///< of the library that wrote it: "0.1.0", at most 15 characters
+  std::string version;  ///< version of the library that wrote the checkpoint: "0.1.0", at most 15 characters
   std::uint64_t frame = 0;  ///< frames simulated
-  std::string scene;        ///< JSON text, as it was run
+  std::string scene;        ///< JSON text of the simulated scene
   std::vector<CheckpointCache> caches;
-  std::vector<std::byte> state;  ///< of the world; opaque here
+  std::vector<std::byte> state;  ///< state of the world; opaque here
   bool operator==(const Checkpoint&) const = default;
 };
 
@@ -31,11 +31,12 @@ struct Checkpoint {
 /// FNV-1a 64.
 std::string checkpoint_bytes(const Checkpoint& checkpoint);
 
-/// Checks all of it. Throws Error: not a checkpoint, cut short, damaged, or written by a version newer than
-/// `this_version` ("was written by Souple 0.2.0, this is 0.1.0").
+/// Reads and validates a checkpoint. Throws Error if the bytes are not a checkpoint, are truncated or
+/// damaged, or were written by a version newer than `this_version` ("was written by Souple 0.2.0, this is
+/// 0.1.0").
 Checkpoint parse_checkpoint(std::string_view bytes, const std::string& name, const std::string& this_version);
 
-/// Writes it whole or not at all, and waits for the disk.
+/// Writes the file completely or not at all, and waits for the disk.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 Checkpoint read_checkpoint(const std::filesystem::path& path, const std::string& this_version);
 

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <span>
 
-/// Numbers as bytes of a stated order, whatever the machine's own. Compilers turn these loops into single
-/// moves.
+/// Numbers as bytes of a given order, independent of the machine's order. Compilers turn these loops into
+/// single moves.
 namespace souple {
 
 enum class ByteOrder { little, big };
 
-/// Writes the N = sizeof(Unsigned) bytes of `value` at `out`.
+/// Writes the N = sizeof(Unsigned) bytes of `value` to `out`.
 template <ByteOrder order, class Unsigned>
 void store(std::byte* out, Unsigned value) {
   constexpr std::size_t n = sizeof(Unsigned);
@@ -44,7 +44,7 @@ float load_float(const std::byte* in) {
   return std::bit_cast<float>(load<order, std::uint32_t>(in));
 }
 
-/// Three floats a point; `out` has 12 bytes for each.
+/// Writes three floats per point; `out` has 12 bytes per point.
 template <ByteOrder order>
 void store_points(std::byte* out, std::span<const Vec3f> points) {
   for (const Vec3f& p : points) {

@@ -10,13 +10,13 @@
 
 namespace souple {
 
-/// An open binary file whose failures are Errors that name the path and give the system's reason (disk full,
-/// permission, missing folder). Closed on destruction.
+/// An open binary file. Failures throw Error with the path and the system's reason (disk full, permission,
+/// missing folder). The destructor closes the file.
 class File {
  public:
   enum class Mode {
     read,    ///< must exist
-    create,  ///< emptied if it exists; may be read back
+    create,  ///< truncated if it exists; readable too
     update,  ///< must exist; read and written in place
   };
 
@@ -24,18 +24,18 @@ class File {
 
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t size();
-  /// Fills all of `bytes` from `offset` on; a file that ends before is an Error.
+  /// Fills `bytes` from `offset` on; throws Error if the file is too short.
   void read(std::uint64_t offset, std::span<std::byte> bytes);
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
-  /// Cuts the file to `size` bytes.
+  /// Truncates the file to `size` bytes.
   void truncate(std::uint64_t size);
-  /// Hands what is buffered to the system: other processes see it, a killed process does not lose it.
+  /// Passes buffered data to the system: other processes see it, and a killed process does not lose it.
   void flush();
-  /// flush, and waits until the disk has it: a power cut does not lose it.
+  /// Flushes and waits for the disk: a power failure does not lose the data.
   void sync();
-  /// Closes and reports what closing found; the destructor is silent.
+  /// Closes the file and throws on failure; the destructor ignores failures.
   void close();
-  /// Closes, whatever becomes of the content.
+  /// Closes the file without regard to its content.
   void abandon() { file_.reset(); }
 
  private:
@@ -49,16 +49,16 @@ class File {
   std::unique_ptr<std::FILE, Closer> file_;
 };
 
-/// Bytes read at random: a file, or memory (what fuzzing feeds the readers).
+/// Random access to bytes: of a file, or of memory (for fuzzing).
 class ByteSource {
  public:
   explicit ByteSource(const std::filesystem::path& path);
   ByteSource(std::string bytes, std::string name);
 
-  /// What errors call it.
+  /// The name in error messages.
   const std::string& name() const { return name_; }
   std::uint64_t size() const { return size_; }
-  /// Fills all of `bytes`; beyond the end is an Error.
+  /// Fills `bytes`; throws Error beyond the end.
   void read(std::uint64_t offset, std::span<std::byte> bytes);
 
  private:
@@ -68,10 +68,10 @@ class ByteSource {
   std::uint64_t size_;
 };
 
-/// The whole of a file. Throws Error.
+/// Reads a whole file. Throws Error.
 std::string read_whole_file(const std::filesystem::path& path);
 
-/// Makes an output folder, and those it lies in. Throws Error when it cannot be one.
+/// Creates an output folder and its parents. Throws Error on failure.
 void create_folder(const std::filesystem::path& folder);
 
 }  // namespace souple

@@ -14,24 +14,24 @@
 /// then x, y, z as floats for each point of each frame. Blender refuses a file of no frames.
 namespace souple {
 
-/// Writes a .mdd that grows as NAME.part. The table of times stands before the frames, so room for
-/// `planned_frames` is reserved; a run of just that length is finished by a rename, any other by one copy
-/// that closes the gap. A NAME.part left by a killed program is not a .mdd yet: `resume` takes it up again,
-/// and resume followed by finish makes it one.
+/// Writes a .mdd that grows as NAME.part. The table of times precedes the frames, so space for
+/// `planned_frames` is reserved. A run of exactly that length is finished by a rename, another length by one
+/// copy that closes the gap. A NAME.part of a killed program is not a .mdd yet: `resume` continues it, and
+/// `finish` then makes it one.
 class MddWriter {
  public:
-  /// `points` is at least 1; `planned_frames` may be 0 (not known) and may be exceeded.
+  /// `points` >= 1; `planned_frames` may be 0 (unknown) and may be exceeded.
   MddWriter(std::filesystem::path path, std::uint64_t points, std::uint64_t planned_frames);
 
-  /// As Pc2Writer::resume.
+  /// Continues a file; see Pc2Writer::resume.
   static MddWriter resume(const std::filesystem::path& path, std::uint64_t points, std::uint64_t keep_frames,
                           std::uint64_t planned_frames);
 
   /// Appends a frame at `time` [s].
   void append(double time, std::span<const Vec3f> positions);
-  /// Renames NAME.part to NAME; nothing can be appended after. Until then the destructor leaves NAME.part.
+  /// Renames NAME.part to NAME and ends appending. Without this call the destructor leaves NAME.part.
   void finish();
-  /// Removes NAME.part instead.
+  /// Removes NAME.part.
   void discard();
 
   std::uint64_t points() const { return points_; }
@@ -46,7 +46,7 @@ class MddWriter {
   std::uint64_t points_;
   std::filesystem::path path_;
   File file_;
-  std::uint64_t capacity_;  ///< frames that the table of times has room for
+  std::uint64_t capacity_;  ///< frames that fit into the table of times
   std::vector<float> times_;
   bool open_ = true;
   std::string buffer_;
@@ -57,12 +57,12 @@ class MddReader {
  public:
   explicit MddReader(ByteSource source);
   explicit MddReader(const std::filesystem::path& path) : MddReader(ByteSource(path)) {}
-  /// A file that still grows, or did when its program was killed: the frames that are whole.
+  /// Reads the complete frames of a file that still grows, or whose program was killed.
   static MddReader of_part(ByteSource source);
 
   std::uint64_t points() const { return points_; }
   std::uint64_t frames() const { return times_.size(); }
-  /// Seconds, one for each frame, as the file has them.
+  /// Per frame: the time stored in the file [s].
   const std::vector<float>& times() const { return times_; }
   /// `positions` has points() entries.
   void read(std::uint64_t frame, std::span<Vec3f> positions);
@@ -72,7 +72,7 @@ class MddReader {
 
   ByteSource source_;
   std::uint64_t points_ = 0;
-  std::uint64_t first_frame_ = 0;  ///< byte
+  std::uint64_t first_frame_ = 0;  ///< byte offset of the first frame
   std::vector<float> times_;
   std::string buffer_;
 };

@@ -12,7 +12,7 @@ namespace souple::mesh_detail {
 
 static_assert(sizeof(float) == 4 && sizeof(double) == 8);
 
-/// True where this machine stores the low byte first.
+/// Whether this machine stores the low byte first.
 inline bool is_little_endian() {
   const std::uint16_t one = 1;
   unsigned char first = 0;
@@ -20,7 +20,7 @@ inline bool is_little_endian() {
   return first == 1;
 }
 
-/// The number whose bytes begin at `bytes`, in the given order.
+/// Reads a number from `bytes` in the given byte order.
 template <class T>
 T number_from_bytes(const char* bytes, bool big_endian) {
   static_assert(std::is_arithmetic_v<T>);
@@ -42,16 +42,16 @@ void append_little_endian(std::string& out, T value) {
   out.append(bytes, sizeof(T));
 }
 
-/// Reads numbers from bytes in memory, one behind the other.
+/// Reads consecutive numbers from bytes in memory.
 class ByteScanner {
  public:
-  /// `first` is where `bytes` begin in the file, for errors.
+  /// `first`: offset of `bytes` in the file, for error messages.
   ByteScanner(std::string_view bytes, const std::string& name, bool big_endian, std::size_t first = 0)
       : bytes_(bytes), name_(name), big_endian_(big_endian), first_(first) {}
 
   std::size_t remaining() const { return bytes_.size() - at_; }
 
-  /// Throws Error where the file ends first; `what` says what the number stands for.
+  /// Throws Error at the end of the file; `what` names the number in the message.
   template <class T>
   T read(const char* what) {
     require(sizeof(T), what);
@@ -60,7 +60,7 @@ class ByteScanner {
     return value;
   }
   float real32(const char* what);   ///< a finite float within largest_coordinate
-  double real64(const char* what);  ///< the same for a double
+  double real64(const char* what);  ///< a finite double within largest_coordinate
 
   void skip(std::size_t bytes, const char* what) {
     require(bytes, what);
@@ -70,7 +70,7 @@ class ByteScanner {
   /// Throws Error unless the rest of the file can hold `count` items of at least `bytes_each` bytes.
   void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const;
 
-  /// Throws Error "NAME: byte N: found FOUND, expected EXPECTED"; N is where the last number ended.
+  /// Throws Error "NAME: byte N: found FOUND, expected EXPECTED"; N is the end of the last number.
   [[noreturn]] void fail(std::string_view found, std::string_view expected) const;
 
  private:

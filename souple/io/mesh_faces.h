@@ -8,18 +8,18 @@
 
 namespace souple::mesh_detail {
 
-/// Polygons one behind the other in two flat arrays, as a reader meets them.
+/// Polygons in flat arrays, in the order of the file.
 struct FaceList {
   static constexpr std::uint32_t no_uv = ~std::uint32_t(0);
 
   std::vector<std::uint32_t> corners;     ///< vertex indices
-  std::vector<std::uint32_t> corner_uvs;  ///< like corners, no_uv where a corner has none; or empty
-  std::vector<std::size_t> ends;          ///< where each face ends in corners
+  std::vector<std::uint32_t> corner_uvs;  ///< per corner: index of its UV, or no_uv; empty: no UVs at all
+  std::vector<std::size_t> ends;          ///< per face: its end in `corners`
 
-  /// Closes the face whose corners were appended since the last.
+  /// Ends a face: the corners appended since the previous call.
   void end_face() { ends.push_back(corners.size()); }
 
-  /// Fills triangles (fans), faces (unless all are triangles) and face_uvs (where there are any) of `mesh`.
+  /// Fills triangles (fans), faces (unless all are triangles) and face_uvs (if there are any) of `mesh`.
   void store(TriangleMesh& mesh) const;
 };
 

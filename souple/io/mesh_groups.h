@@ -9,17 +9,17 @@
 
 namespace souple::mesh_detail {
 
-/// A `g` line of OBJ may name many groups at once, and every face below goes into each: without a limit, a
-/// short file could ask for any amount of memory.
+/// Limit of the groups in a `g` line of OBJ. All following faces belong to each of them: without a limit, a
+/// short file could demand any amount of memory.
 constexpr std::size_t most_groups_at_once = 16;
 
-/// Gathers the vertices of named groups, in any order and any number of times each.
+/// Collects the vertices of named groups, in any order and with repetitions.
 class GroupBuilder {
  public:
-  /// The list to append a group's vertices to; stays where it is when others are added.
+  /// The list for a group's vertices; its address is stable when groups are added.
   std::vector<std::uint32_t>& operator[](const std::string& name) { return groups_[name]; }
 
-  /// Each group ascending, each vertex once; groups without vertices are left out.
+  /// The groups in ascending order without repetitions; empty groups are omitted.
   std::map<std::string, std::vector<std::uint32_t>> finish() {
     for (auto group = groups_.begin(); group != groups_.end();) {
       sort_unique(group->second);

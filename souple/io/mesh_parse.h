@@ -6,31 +6,31 @@
 #include <string>
 #include <string_view>
 
-/// The readers behind mesh_file.h, on a file's bytes in memory. Each takes what the file holds and the name
-/// that errors give it; each returns a whole mesh in the file's own units, or throws Error. Whatever the
-/// bytes are, they never read outside them and never take memory or time out of proportion to their number.
+/// The parsers behind mesh_file.h, for bytes in memory. Each takes the content of a file and its name for
+/// error messages, and returns a mesh in the file's units or throws Error. For any input they never read
+/// outside the bytes, and memory and time stay proportional to the number of bytes.
 namespace souple {
 
 /// Wavefront OBJ. `v` with optional colors, `vt`, `f` with every index form, `o`, `g` and `usemtl` (as
-/// vertex groups; a material's is named "material:NAME"), `p` and `l` (for their groups only). Normals,
-/// curves and display attributes are skipped; a word that OBJ does not know is an error.
+/// vertex groups; a material's group is "material:NAME"), `p` and `l` (for their groups only). Normals,
+/// curves and display attributes are skipped; an unknown word is an error.
 TriangleMesh parse_obj(std::string_view text, const std::string& name);
 
 /// PLY 1.0: ascii, binary_little_endian, binary_big_endian; any property type and any extra element.
 TriangleMesh parse_ply(std::string_view bytes, const std::string& name);
 
-/// STL, ASCII or binary (known by its length, since a binary file may begin with "solid" too). Named ASCII
-/// solids become groups.
+/// STL, ASCII or binary (recognized by its length, because a binary file may also begin with "solid"). Named
+/// ASCII solids become groups.
 TriangleMesh parse_stl(std::string_view bytes, const std::string& name);
 
 /// Gmsh MSH 2.2 or 4.1, ASCII.
 TetMesh parse_msh(std::string_view text, const std::string& name);
 
-/// TetGen's pair of files; indices start at 0 or 1, as the first node says.
+/// TetGen's pair of files; the first node's index, 0 or 1, is the base of all indices.
 TetMesh parse_tetgen(std::string_view node_text, const std::string& node_name, std::string_view ele_text,
                      const std::string& ele_name);
 
-/// Legacy VTK, unstructured grid, ASCII or binary, with CELLS as before or since version 5.1.
+/// Legacy VTK, unstructured grid, ASCII or binary, with the CELLS layout before or since version 5.1.
 TetMesh parse_vtk(std::string_view bytes, const std::string& name);
 
 }  // namespace souple

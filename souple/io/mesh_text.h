@@ -7,27 +7,28 @@
 
 namespace souple::mesh_detail {
 
-/// The largest coordinate a file may hold, so that no product of two leaves the floats.
+/// The largest valid coordinate in a file: a product of two fits into a float.
 constexpr double largest_coordinate = 1e18;
 
-/// `text` in double quotes, cut to a readable length, what cannot be printed as '?'.
+/// `text` in double quotes, truncated to a readable length, with '?' for unprintable characters.
 std::string quoted(std::string_view text);
 
-/// `text` in small letters (ASCII only, whatever the locale).
+/// `text` in lower case (ASCII only, independent of the locale).
 std::string lower_case(std::string_view text);
 
-/// The number that `word` is, all of it. False where it is none, or has no place in a double. NaN and
-/// infinity are none. What is too small for a double is 0.
+/// Parses the whole `word` as a number. Returns false if it is none, is NaN or infinite, or exceeds the range
+/// of a double. A number too small for a double becomes 0.
 bool parse_real(std::string_view word, double& value);
 bool parse_integer(std::string_view word, std::int64_t& value);
 
-/// Walks over the words of a text in memory. A line ends with LF, CR LF or CR.
+/// Reads the words of a text in memory. A line ends with LF, CR LF or CR.
 class TextScanner {
  public:
   struct Rules {
-    bool comments = false;         ///< a word that begins with '#' hides the rest of its line
-    bool continuations = false;    ///< a '\' before the end of a line joins the next to it
-    bool bytes_in_errors = false;  ///< errors name a byte: the text stands between binary numbers
+    bool comments = false;       ///< a word that begins with '#' starts a comment up to the end of the line
+    bool continuations = false;  ///< a '\' at the end of a line joins it with the next line
+    bool bytes_in_errors =
+        false;  ///< errors give a byte offset instead of a line: text between binary numbers
   };
 
   TextScanner(std::string_view text, const std::string& name, Rules rules, std::size_t first_line = 1,
@@ -37,20 +38,20 @@ class TextScanner {
   std::string_view word();
   /// The next word of this line or of a later one; empty at the end of the text.
   std::string_view word_on_any_line();
-  /// What is left of this line, without the blanks around it.
+  /// The rest of this line, without surrounding blanks.
   std::string_view rest_of_line();
   /// Moves to the start of the next line; false at the end of the text.
   bool next_line();
 
   bool at_end() const { return at_ == end_; }
-  /// Bytes not read yet.
+  /// Number of unread bytes.
   std::size_t remaining() const { return std::size_t(end_ - at_); }
-  /// Where the next byte stands in the file, whose first `first_offset` bytes stand before the text.
+  /// Offset of the next byte in the file; the text begins at `first_offset`.
   std::size_t offset() const { return first_offset_ + std::size_t(at_ - begin_); }
   /// The line of the last word, from 1.
   std::size_t line() const { return line_; }
 
-  /// The next word, anywhere, as a number; `what` says what it stands for in the Error.
+  /// The next word of any line as a number; `what` names it in the Error.
   double real(const char* what) { return real_from(word_on_any_line(), what); }
   std::int64_t integer(const char* what) { return integer_from(word_on_any_line(), what); }
   /// An integer >= 0 that may count items of at least `bytes_each` bytes in the rest of the text.
@@ -62,7 +63,7 @@ class TextScanner {
   double coordinate_from(std::string_view word, const char* what) const;
   std::int64_t integer_from(std::string_view word, const char* what) const;
 
-  /// `word` for an error; where it is empty, "the end of the line" or "the end of the file".
+  /// `word` for an error message; if it is empty, "the end of the line" or "the end of the file".
   std::string found(std::string_view word) const;
   /// Throws Error "NAME:LINE: found FOUND, expected EXPECTED" (or "NAME: byte N: ...").
   [[noreturn]] void fail(std::string_view found, std::string_view expected) const;

@@ -15,30 +15,30 @@
 /// (John Burnett, PointCache2 for 3ds Max, README.) Blender refuses a file of no samples.
 namespace souple {
 
-/// Writes a .pc2 that grows as NAME.part. The header is kept true after each frame, so that a .part left by a
-/// killed program is whole up to its last frame, and `resume` takes it up again.
+/// Writes a .pc2 that grows as NAME.part. Each frame updates the header, so that the .part of a killed
+/// program is complete up to its last frame, and `resume` continues it.
 class Pc2Writer {
  public:
   struct Options {
-    float start_frame = 0;  ///< the frame that the first sample stands for
+    float start_frame = 0;  ///< frame number of the first sample
     float sample_rate = 1;  ///< frames from one sample to the next
   };
 
-  /// `points` is at least 1. Creates NAME.part; replaces an existing one.
+  /// `points` >= 1. Creates NAME.part; replaces an existing one.
   Pc2Writer(std::filesystem::path path, std::uint64_t points, const Options& options);
   Pc2Writer(std::filesystem::path path, std::uint64_t points)
       : Pc2Writer(std::move(path), points, Options()) {}
 
-  /// Continues NAME.part, or else the finished NAME, after its first `keep_frames`; later frames are cut off.
-  /// Throws Error when there are fewer frames or another number of points. The bytes that result are those of
-  /// a run that never stopped.
+  /// Continues NAME.part, or else the finished NAME, after its first `keep_frames`; later frames are removed.
+  /// Throws Error if there are fewer frames or another number of points. The resulting bytes equal those of
+  /// an uninterrupted run.
   static Pc2Writer resume(const std::filesystem::path& path, std::uint64_t points, std::uint64_t keep_frames);
 
-  /// Appends a frame; throws Error when the number of positions is not that of the file.
+  /// Appends a frame; throws Error if the number of positions differs from the file's.
   void append(std::span<const Vec3f> positions);
-  /// Renames NAME.part to NAME; nothing can be appended after. Until then the destructor leaves NAME.part.
+  /// Renames NAME.part to NAME and ends appending. Without this call the destructor leaves NAME.part.
   void finish();
-  /// Removes NAME.part instead.
+  /// Removes NAME.part.
   void discard();
 
   std::uint64_t points() const { return points_; }
@@ -61,14 +61,14 @@ class Pc2Reader {
  public:
   explicit Pc2Reader(ByteSource source);
   explicit Pc2Reader(const std::filesystem::path& path) : Pc2Reader(ByteSource(path)) {}
-  /// A file that still grows, or did when its program was killed: the frames that are whole.
+  /// Reads the complete frames of a file that still grows, or whose program was killed.
   static Pc2Reader of_part(ByteSource source);
 
   std::uint64_t points() const { return points_; }
   std::uint64_t frames() const { return frames_; }
   float start_frame() const { return start_frame_; }
   float sample_rate() const { return sample_rate_; }
-  /// Frame 0 is the file's first. `positions` has points() entries.
+  /// Frame 0 is the first of the file. `positions` has points() entries.
   void read(std::uint64_t frame, std::span<Vec3f> positions);
 
  private:

@@ -12,37 +12,37 @@
 
 namespace souple {
 
-/// A finished or stopped run's folder, frame by frame in any order: what a Recorder wrote. Only the frame
-/// that was read last is in memory. Of a run that was killed, or still goes on, the frames that are whole
-/// when it is opened. PC2 is preferred, then MDD, PLY, OBJ.
+/// Reads the output folder of a Recorder, frame by frame in any order. Only the last frame read is in memory.
+/// For a killed or running simulation it offers the frames that are complete when it opens the folder. It
+/// prefers PC2, then MDD, PLY, OBJ.
 class Playback {
  public:
   struct Object {
-    std::string name, kind;  ///< as in run.json; "foam" is what all fluids have made
-    /// Of the mesh at rest, empty for ropes and grains. In frames where an object of the same name has
-    /// another topology, those of that frame, and `rest` is its positions.
+    std::string name, kind;  ///< as in run.json; "foam": the foam of all fluids
+    /// Triangles of the rest mesh; empty for ropes and grains. In frames where an object of this name has
+    /// another topology: triangles of that frame, and `rest` holds its positions.
     std::vector<Triangle> triangles;
-    std::vector<Vec3d> rest;  ///< m; user order. Without a rest mesh (sequences only): its first frame
-    /// Of the frame that was read last. Empty where the object is not there; normals also without triangles.
+    std::vector<Vec3d> rest;  ///< m; user order. Without a rest mesh (sequences only): the first frame
+    /// Vertices of the last frame read. Empty if the object is absent; normals also without triangles.
     std::vector<Vec3f> positions, normals;
-    /// Of particles whose files tell them, else empty. [m/s]
+    /// Velocities of particles if their files hold them, else empty. [m/s]
     std::vector<Vec3f> velocities;
   };
 
-  /// `path` is the folder or its run.json. Throws Error when the manifest or a file it names is missing or
-  /// damaged, naming it.
+  /// `path` is the folder or its run.json. Throws Error if the manifest or one of its files is missing or
+  /// damaged; the message names the file.
   explicit Playback(const std::filesystem::path& path);
   ~Playback();
   Playback(Playback&&) noexcept;
   Playback& operator=(Playback&&) noexcept;
 
   const RunManifest& manifest() const;
-  std::uint64_t frames() const;            ///< that can be read; 0 is none
-  double time(std::uint64_t frame) const;  ///< s; of the world when it was captured
-  /// Reads the frame, in [1, frames()], into `objects`. Throws Error when a file cannot be read any more, or
-  /// holds what is no number; no object has positions then, and frame() is 0.
+  std::uint64_t frames() const;            ///< number of readable frames
+  double time(std::uint64_t frame) const;  ///< time of the world at the capture [s]
+  /// Reads the frame, in [1, frames()], into `objects`. Throws Error if a file can no longer be read or holds
+  /// numbers that are not finite; then no object has positions, and frame() is 0.
   void read(std::uint64_t frame);
-  std::uint64_t frame() const;  ///< the one read last; 0 before the first
+  std::uint64_t frame() const;  ///< the last frame read; 0 before the first
   std::span<const Object> objects() const;
 
  private:

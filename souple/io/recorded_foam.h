@@ -10,20 +10,20 @@
 
 namespace souple {
 
-/// The kind that run.json gives a world's foam, which is listed after the objects; also its name there.
+/// Kind and name of a world's foam in run.json, where it follows the objects.
 inline constexpr const char* foam_kind_name = "foam";
 
-/// Whether some fluid of a world foams, or has done so.
+/// Whether a fluid of the world produces foam, or did so earlier.
 bool foams(const World& world);
 
-/// Spray, foam and bubbles of a run, all of them together: a PLY a frame, with velocities.
+/// The spray, foam and bubbles of all fluids of a run: a PLY per frame, with velocities.
 class RecordedFoam {
  public:
-  /// To begin after `before` frames, of which `kept` are those of an earlier run: 0, or all.
+  /// Begins after `before` frames; `kept` of them, 0 or all, belong to an earlier run.
   RecordedFoam(const RecordingPlan& plan, std::string file_name, std::uint64_t before, std::uint64_t kept);
 
   void append(const World& world);
-  /// Makes good an append that failed: as after `frames` frames.
+  /// Undoes a failed append: restores the state after `frames` frames.
   void drop_after(std::uint64_t frames);
   void finish() { writer_.finish(); }
   bool has_files() const { return writer_.frames() >= first_; }
@@ -31,7 +31,7 @@ class RecordedFoam {
 
  private:
   std::string file_name_;
-  std::uint64_t first_;  // frame that has a file
+  std::uint64_t first_;  // first frame with a file
   SequenceWriter writer_;
 };
 

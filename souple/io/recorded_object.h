@@ -16,7 +16,7 @@
 
 namespace souple {
 
-/// Where and how all objects of a run are recorded.
+/// Folder and formats of a run's recording.
 struct RecordingPlan {
   std::filesystem::path folder;
   std::vector<CacheFormat> formats;
@@ -24,29 +24,29 @@ struct RecordingPlan {
   std::uint64_t frames = 0;  ///< planned, 0 when unknown
 };
 
-/// What of an object decides how its files look; positions aside.
+/// The properties of an object that determine its files, apart from positions.
 struct RecordedShape {
   ObjectKind kind = ObjectKind::cloth;
   std::uint64_t points = 0;
-  TriangleMesh mesh;     ///< no faces for ropes and grains
-  std::string topology;  ///< the end of its OBJ files: faces, or the rope's line
+  TriangleMesh mesh;     ///< without faces for ropes and grains
+  std::string topology;  ///< the end of its OBJ files: faces, or the line of a rope
 };
 
-/// The files of one object (one name) of a run.
+/// The files of one object, identified by its name, in a run.
 class RecordedObject {
  public:
-  /// Starts the files that `plan` asks for, to hold all frames of the run.
+  /// Starts the files of `plan` for all frames of the run.
   RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object, std::string file_name);
 
-  /// Takes up the files of an earlier run after `frames` frames.
+  /// Continues the files of an earlier run after `frames` frames.
   struct Resume {
     std::uint64_t frames;
-    std::uint64_t points;  ///< that it began with: of a fluid their number changes
+    std::uint64_t points;  ///< number of points at its start; it varies for fluids
   };
   RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object, std::string file_name,
                  const Resume& resume);
 
-  /// For an object that joins after `frames` frames: sequences only.
+  /// For an object added after `frames` frames: sequences only.
   struct Late {
     std::uint64_t frames;
   };
@@ -59,28 +59,28 @@ class RecordedObject {
   const std::string& name() const { return name_; }
   ObjectId object() const { return object_; }
   bool present() const { return present_; }
-  /// Another object of this name, with this shape, takes over after `frames` frames. Returns false when the
-  /// caches could not go on and a sequence was begun instead.
+  /// Continues with another object of this name after `frames` frames. Returns false if its topology differs,
+  /// so that a sequence replaces the caches.
   bool take_over(const World& world, ObjectId object, std::uint64_t frames);
 
-  /// Frame number `frame`, 1 the first.
+  /// Writes frame number `frame`; the first is 1.
   void append(const World& world, std::uint64_t frame);
-  /// Makes good an append that failed: as after `frames` frames.
+  /// Undoes a failed append: restores the state after `frames` frames.
   void drop_after(std::uint64_t frames);
-  /// The object is gone: its caches are complete.
+  /// The object was removed: completes its caches.
   void leave();
-  /// Renames what is .part; what holds no frame is removed.
+  /// Renames .part files; removes files without frames.
   void finish();
 
-  /// Of its sequences.
+  /// Name of the next file of its sequences.
   std::string next_file() const;
   ManifestObject manifest() const;
 
  private:
-  /// One file a frame; `skipped` numbers have none.
+  /// One file per frame; `skipped` numbers have none.
   struct Sequence {
     std::string extension;
-    std::uint64_t first;  ///< number, 0 when there is none yet
+    std::uint64_t first;  ///< number of the first file; 0: none yet
     std::uint64_t skipped;
     SequenceWriter writer;
   };
@@ -99,15 +99,15 @@ class RecordedObject {
   ObjectId object_;
   bool present_ = true;
   bool has_rest_mesh_ = false;
-  bool caches_open_ = true;               ///< the PC2 and MDD, which end where the object does
-  std::shared_ptr<RecordedShape> shape_;  ///< shared with what writes the sequences
+  bool caches_open_ = true;               ///< PC2 and MDD, which end with the object
+  std::shared_ptr<RecordedShape> shape_;  ///< shared with the sequence writers
   std::optional<Pc2Writer> pc2_;
   std::optional<MddWriter> mdd_;
   std::vector<Sequence> sequences_;
-  ManifestObject first_shape_;  ///< points and triangles of the object that the caches hold
+  ManifestObject first_shape_;  ///< points and triangles of the object in the caches
 };
 
-/// `name` has the topology that `known` tells of.
+/// Whether the object has the topology described by `known`.
 bool same_topology(const World& world, ObjectId object, const ManifestObject& known);
 
 }  // namespace souple

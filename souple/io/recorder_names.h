@@ -6,12 +6,12 @@
 
 namespace souple {
 
-/// What an object called `name` is called in a folder. UTF-8 letters stay; separators, control characters and
-/// what Windows forbids become `_`; so does a dot in front (hidden files, `..`). `ball_0007` becomes
-/// `ball_0007_`, lest it look like a frame of a sequence `ball`. At most 100 bytes.
+/// File name for an object called `name`. UTF-8 letters stay. Separators, control characters, characters that
+/// Windows forbids, and a leading dot (hidden files, `..`) become `_`. `ball_0007` becomes `ball_0007_`,
+/// because it would look like a frame of a sequence `ball`. At most 100 bytes.
 std::string safe_file_name(std::string_view name);
 
-/// Gives out safe file names that differ even where a file system ignores case: ball, ball-2, ball-3, ...
+/// Generates safe file names that differ even on a case-insensitive file system: ball, ball-2, ball-3, ...
 class FileNames {
  public:
   std::string add(std::string_view name);

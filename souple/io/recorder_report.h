@@ -8,10 +8,10 @@
 
 namespace souple {
 
-/// The settings of a world as the text of a JSON object, in the words of scene files.
+/// The settings of a world as the text of a JSON object, with the keys of scene files.
 std::string settings_text(const Settings& settings);
 
-/// What run.json keeps of a step. `step` is 0 when nothing was simulated yet: then there are no values.
+/// The step report for run.json. Before the first step (`step` = 0) it has no values.
 FrameReport frame_report(std::uint64_t frame, double time, const StepReport& report);
 
 }  // namespace souple

@@ -5,8 +5,8 @@
 
 namespace souple {
 
-/// True for a path that cannot lead out of the folder it is relative to: a damaged or foreign file must not
-/// make us touch others.
+/// Whether a relative path stays inside its folder: a damaged or foreign file must not cause access to files
+/// elsewhere.
 inline bool stays_inside_folder(const std::string& text) {
   const std::filesystem::path path(text);
   if (text.empty() || text.find('\0') != std::string::npos || path.has_root_path()) return false;

@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-/// One file a frame: NAME_0001.obj, NAME_0002.obj, ... For objects whose topology changes, and for particles.
+/// One file per frame: NAME_0001.obj, NAME_0002.obj, ... For objects with changing topology and for
+/// particles.
 namespace souple {
 
 /// NAME_0001.EXTENSION; at least four digits. `extension` without its dot.
@@ -21,36 +22,37 @@ struct SequenceFrame {
   std::filesystem::path path;
 };
 
-/// The files of the sequence that `any_frame` is one of (same folder, same name but for the digits at its
-/// end, same extension), by number. Throws Error when there are none, when the name does not end in a number,
-/// or when two files have the same number. A folder stands for the one sequence of .obj files in it, or of
-/// .ply or .stl files: throws Error when there is none, or several.
+/// The files of the sequence that contains `any_frame`, by number: equal folder, extension and name up to the
+/// digits at its end. Throws Error if there are none, the name does not end in a number, or two files have
+/// one number. For a folder: its only sequence of .obj, .ply or .stl files; throws Error if there is none, or
+/// several.
 std::vector<SequenceFrame> find_sequence(const std::filesystem::path& any_frame);
 
-/// Writes a sequence; each file appears whole or not at all. What a file holds comes from `bytes`, e.g.
-/// obj_text or ply_bytes bound to a mesh.
+/// Writes a sequence; each file appears completely or not at all. `bytes` computes the content of a file,
+/// e.g. obj_text or ply_bytes bound to a mesh.
 class SequenceWriter {
  public:
   using Bytes =
       std::function<std::string(std::span<const Vec3f> positions, std::span<const Vec3f> velocities)>;
 
-  /// Frames are numbered from 1; `keep_frames` of an earlier run are kept, and must be there (else Error).
+  /// Frames are numbered from 1; the first `keep_frames`, of an earlier run, are kept. Throws Error if one is
+  /// missing.
   SequenceWriter(std::filesystem::path folder, std::string name, std::string extension, Bytes bytes,
                  std::uint64_t keep_frames = 0);
 
   /// Writes the next frame; `velocities` [m/s] may be empty.
   void append(std::span<const Vec3f> positions, std::span<const Vec3f> velocities);
-  /// The next frame will be number `frame`: an object that was not there has no files. Files of these numbers
-  /// that an earlier run left are removed. A number that is behind us changes nothing.
+  /// Sets the number of the next frame to `frame`, for an object that was absent. Removes files of an earlier
+  /// run with skipped numbers. A number already passed has no effect.
   void skip_to(std::uint64_t frame);
-  /// The next frame follows number `frame`; files up to there stay, whichever there are. Call it first.
+  /// Sets the number of the next frame to `frame` + 1 and keeps all files up to `frame`. Call it first.
   void go_on_after(std::uint64_t frame) { frames_ = frame; }
   /// Removes the frames after number `frame`; the next one follows it.
   void drop_after(std::uint64_t frame);
-  /// Removes the frames of an earlier, longer run that would look like ours.
+  /// Removes later frames of an earlier, longer run.
   void finish();
 
-  std::uint64_t frames() const { return frames_; }  ///< the last number given, 0 before the first
+  std::uint64_t frames() const { return frames_; }  ///< number of the last frame; 0 before the first
 
  private:
   std::filesystem::path file(std::uint64_t frame) const;
