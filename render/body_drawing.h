@@ -25,39 +25,39 @@ struct ParticleCloud {
   }
 };
 
-/// What drawing one object needs to know of the whole picture.
+/// Properties of the whole picture for drawing one object.
 struct Drawing {
   const DisplayOptions& options;
   const HeatScale& heat;
-  std::uint64_t frame = 0;  ///< of the subject
+  std::uint64_t frame = 0;  ///< frame of the subject
   bool has_world = false;
   Threads& threads;
   DrawList& list;
 };
 
-/// Draws one object and keeps its buffers from picture to picture.
+/// Draws one object; its buffers persist from picture to picture.
 class BodyDrawing {
  public:
   /// `index` chooses its colors; `key` and `key` + 1 are those of its surface and its balls.
   BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t key);
 
-  /// Whether the body still has the mesh it had.
+  /// Whether the body's mesh is unchanged.
   bool fits(const Body& body) const;
-  /// Adds the object to the list. `particles()` has to be filled where they are shown; `rope_strain` per
-  /// point where it is known.
+  /// Adds the object to the list. Fill `particles()` first if particles are drawn. `rope_strain`: per point,
+  /// or empty.
   void draw(const Body& body, std::uint32_t pick, std::span<const float> rope_strain, const Drawing& drawing);
 
-  /// Which vertex of the body an element of what was drawn stands for.
+  /// The vertex of the body for an element of the drawn geometry.
   std::uint32_t vertex_of(const Body& body, std::uint32_t element) const;
 
   ParticleCloud& particles() { return particles_; }
   Bounds bounds(const Body& body) const;
-  float mean_edge() const { return mean_edge_; }       ///< of the mesh, 2 radii without one [m]
-  bool draws_particles(const Drawing& drawing) const;  ///< of the world, instead of its surface
-  bool draws_liquid(const Drawing& drawing) const;     ///< one surface instead of particles
+  float mean_edge() const { return mean_edge_; }       ///< mean edge of the mesh; 2 radii without a mesh [m]
+  bool draws_particles(const Drawing& drawing) const;  ///< the world's particles instead of the surface
+  bool draws_liquid(const Drawing& drawing) const;     ///< a liquid surface instead of particles
 
  private:
-  /// What the buffers on the GPU were made from.
+  /// Inputs of the current GPU buffers.
   struct Shown {
     std::uint64_t frame = 0;
     const Vec3f* positions = nullptr;
@@ -94,14 +94,14 @@ class BodyDrawing {
   bool as_particles_ = false;
   Checker checker_;
   Tube tube_;
-  CreasedSurface creased_;  ///< of soft bodies with sharp edges
+  CreasedSurface creased_;  ///< for soft bodies with sharp edges
   EdgeStrain strain_;
   bool has_strain_ = false;
   std::vector<float> values_;        ///< per vertex
   std::vector<PackedColor> colors_;  ///< per vertex or per vertex of the tube; or empty
   std::vector<PackedColor> grain_colors_;
   ParticleCloud particles_;
-  std::optional<SplatShapes> splats_;  ///< of a liquid drawn as ellipsoids
+  std::optional<SplatShapes> splats_;  ///< for a liquid drawn as ellipsoids
 };
 
 }  // namespace souple::render

@@ -15,7 +15,7 @@ struct Bounds {
   void add(const Vec3f& point, float radius = 0);
   void add(const Bounds& other);
   Vec3f center() const { return (lo + hi) * 0.5f; }
-  float radius() const { return empty() ? 0 : length(hi - lo) * 0.5f; }  ///< of the ball around it [m]
+  float radius() const { return empty() ? 0 : length(hi - lo) * 0.5f; }  ///< of the circumscribed ball [m]
 };
 
 struct Ray {
@@ -34,7 +34,8 @@ class Camera {
   Vec3f from{2, 1.5f, 3}, to{0, 0.5f, 0};  ///< m
   float fov = 40;                          ///< vertical [degrees], in (1, 170)
 
-  /// `aspect` is width / height. Near and far enclose `scene` tightly enough for a 24 bit depth buffer.
+  /// `aspect`: width / height. The near and far planes enclose `scene` tightly enough for a 24-bit depth
+  /// buffer.
   Mat4 view() const;
   Mat4 projection(float aspect, const Bounds& scene) const;
 
@@ -43,23 +44,22 @@ class Camera {
   Vec3f up() const;       ///< unit
   float distance() const { return length(to - from); }
 
-  /// Through a point of a picture of this size.
+  /// The ray through a point of a picture of this size.
   Ray ray(float x, float y, int width, int height) const;
-  /// Where a point is seen; nothing when it lies behind the eye.
+  /// Screen position of a point; nullopt behind the eye.
   std::optional<ScreenPoint> project(const Vec3f& point, int width, int height) const;
-  /// World length of one pixel at this depth. [m]
+  /// World length of a pixel at this depth. [m]
   float pixel_size(float depth, int height) const;
 
-  /// Turns about the target [rad]: yaw > 0 counterclockwise as seen from above, pitch > 0 upwards. Stops
-  /// short of the poles.
+  /// Rotates about the target [rad]: yaw > 0 counterclockwise seen from above, pitch > 0 upward. Stops before
+  /// the poles.
   void orbit(float yaw, float pitch);
-  /// Moves eye and target by pixels of a picture of this height, as the mouse moved (y down): what lies at
-  /// the target stays under the mouse.
+  /// Moves eye and target by pixels of a picture of this height, with the mouse motion (y down): points at
+  /// the target's depth stay under the mouse.
   void pan(float dx, float dy, int height);
-  /// Scales the distance to the target; > 1 moves away. Kept within [1e-3, 1e5] m.
+  /// Scales the distance to the target; > 1 moves away. The distance stays in [1e-3, 1e5] m.
   void zoom(float factor);
-  /// Keeps the direction of view and moves so that the box fills the picture, with some margin, in its
-  /// middle.
+  /// Moves without rotation so that the box fills the picture, centered and with a margin.
   void frame(const Bounds& box, float aspect);
 };
 

@@ -8,13 +8,13 @@
 
 namespace souple::render {
 
-/// A pattern of fields that is fixed to the material and moves with it.
+/// A checker pattern attached to the material.
 struct Checker {
-  std::vector<Vec3f> texture;  ///< per vertex, in fields: a solid checker of size 1 at these points
+  std::vector<Vec3f> texture;  ///< per vertex: coordinates in a solid checker of field size 1
 };
 
-/// For a cloth at rest: a flat one gets square fields along its sides, any other a checker in space. About
-/// eight fields along the shorter side. Field borders keep away from flat parts of the surface.
+/// A checker for a cloth at rest: square fields along the sides of a flat cloth, otherwise a solid checker.
+/// About eight fields along the shorter side. Field borders avoid coinciding with flat parts of the surface.
 Checker cloth_checker(std::span<const Vec3d> rest, std::span<const Triangle> triangles);
 
 }  // namespace souple::render

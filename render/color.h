@@ -4,24 +4,24 @@
 
 namespace souple::render {
 
-/// Linear light, Rec. 709 primaries; alpha is coverage. A shader never sees any other encoding.
+/// Linear light, Rec. 709 primaries; alpha is coverage. Shaders work only in this encoding.
 struct Color {
   float r = 0, g = 0, b = 0, a = 1;
   friend bool operator==(const Color&, const Color&) = default;
 };
 
-/// 0xRRGGBB as designers write it (sRGB) to linear light.
+/// Converts 0xRRGGBB (sRGB) to linear light.
 Color srgb(std::uint32_t hex, float alpha = 1);
 
-/// Four bytes, sRGB-encoded R, G, B and linear alpha, R in the lowest byte: colors per vertex, line, sphere.
+/// sRGB-encoded R, G, B and linear alpha in four bytes, R lowest: the color of a vertex, line or sphere.
 using PackedColor = std::uint32_t;
 PackedColor pack(const Color& color);
 
-/// The color of value t in [0, 1] on a scale that keeps its order in grayscale and for the color-blind
-/// (dark blue to yellow). Values outside are clamped; NaN is magenta.
+/// The color of value t in [0, 1] on a scale from dark blue to yellow, whose order survives grayscale and
+/// color blindness. Values outside are clamped; NaN is magenta.
 Color heat(float t);
 
-/// Well told apart colors for objects 0, 1, 2, ...; they repeat after 8.
+/// Clearly different colors for objects 0, 1, 2, ...; they repeat after 8.
 Color palette(std::uint32_t index);
 
 }  // namespace souple::render

@@ -8,12 +8,12 @@
 
 namespace souple::render {
 
-/// The color that constraints of a kind are drawn in.
+/// The color of constraints of a kind.
 PackedColor kind_color(std::string_view kind);
 
-/// Draws every constraint of a world as lines, and says in `legend` what their colors mean: two particles as
-/// a segment, three as a triangle, four as a hinge across its edge or as a tet, one as a cross, any other
-/// number as a star. `size` is that of the crosses [m].
+/// Draws every constraint of a world as lines and explains the colors in `legend`. Two particles are a
+/// segment, three a triangle, four a hinge across its edge or a tet, one a cross, any other number a star.
+/// `size`: size of the crosses [m].
 void draw_constraints(const World& world, const DisplayOptions& options, const HeatScale& heat, float size,
                       std::vector<Line>& lines, Legend& legend);
 

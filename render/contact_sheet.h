@@ -9,12 +9,12 @@
 
 namespace souple::render {
 
-/// Pictures of one size side by side on one page, row by row, thin gaps between them; cells left over stay
-/// white. Throws Error for no picture, too many, or different sizes.
+/// Arranges pictures of one size on a page, row by row, with thin gaps; unused cells stay white. Throws Error
+/// for no picture, too many pictures, or different sizes.
 Image contact_sheet(std::span<const Image> pictures, int columns, int rows);
 
-/// Which of the frames 1 to `frames` a sheet of `cells` shows: the first, the last, and evenly between.
-/// Ascending; every frame once where there are no more than cells, the last alone for one cell.
+/// The frames, of 1 to `frames`, that a sheet of `cells` shows: the first, the last, and evenly spaced ones
+/// between, ascending. Every frame once if there are no more than cells; only the last for one cell.
 std::vector<std::uint64_t> sheet_frames(std::uint64_t frames, std::size_t cells);
 
 }  // namespace souple::render

@@ -7,11 +7,11 @@ namespace souple::render {
 
 enum class Api { es3, gl33 };
 
-/// An OpenGL context without window, X server or screen, through EGL: a GPU where there is one, else Mesa's
-/// llvmpipe. Current in the thread that made it, until it is destroyed.
+/// An OpenGL context through EGL, without window, X server or screen: on a GPU if there is one, else Mesa's
+/// llvmpipe. It is current in the creating thread until its destruction.
 class OffscreenContext {
  public:
-  /// Throws Error that says what is missing and which package brings it.
+  /// Throws Error that names the missing library and its package.
   explicit OffscreenContext(Api api = Api::es3);
   ~OffscreenContext();
   OffscreenContext(const OffscreenContext&) = delete;
@@ -24,13 +24,13 @@ class OffscreenContext {
 
 /// "OpenGL ES 3.2, llvmpipe (LLVM 15.0.6, 256 bits)" of the current context.
 std::string context_description();
-/// Whether the processor draws for lack of a graphics card: every pixel is dear then.
+/// Whether the CPU renders because there is no GPU: pixels are expensive then.
 bool draws_in_software();
 
-/// From now on every OpenGL error and high-severity message of the current context is counted (and thrown by
-/// `throw_gl_errors`); for tests, and for the viewer's --debug.
+/// Starts to record OpenGL errors and high-severity messages of the current context for `throw_gl_errors`;
+/// for tests, and for the viewer's --debug.
 void watch_gl_errors();
-/// Throws Error with the first message since the last call, if there was one.
+/// Throws Error with the first message since the last call, if any.
 void throw_gl_errors();
 
 }  // namespace souple::render

@@ -8,14 +8,14 @@
 
 namespace souple::render {
 
-/// Says what the colors of a picture mean: lines of words in the top left corner.
+/// Explains the colors of a picture: lines of text in the top left corner.
 class Legend {
  public:
   void clear() { labels_.clear(); }
   void title(std::string text);
-  /// Words on this color.
+  /// Adds a text about this color.
   void entry(PackedColor color, std::string text);
-  /// What colors from 0 to `largest` mean, hottest first.
+  /// Adds the color scale from 0 to `largest`, hottest first.
   void scale(const HeatScale& heat, float largest, const std::string& unit);
 
   const std::vector<Label>& labels() const { return labels_; }
@@ -29,7 +29,7 @@ class Legend {
 /// Linear light of a packed color.
 Color unpack(PackedColor color);
 
-/// Three digits that matter: "0.0123", "12.3", "123000".
+/// Three significant digits: "0.0123", "12.3", "123000".
 std::string short_number(double value);
 
 }  // namespace souple::render

@@ -17,9 +17,9 @@ float noise(std::uint64_t index) {
 }
 
 struct LiquidKind {
-  Color left;        // of white light, on its way through a middling body of it
+  Color left;        // white light after its path through a medium-sized body of the liquid
   Color particles;   // drawn one by one
-  float cloudiness;  // the part of light scattered on that way, about
+  float cloudiness;  // approximate part of the light scattered along that path
   float refractive_index;
 };
 
@@ -68,12 +68,12 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>&
   return {.color = sand, .second = sand, .roughness = 0.9f};
 }
 
-LiquidLook liquid_look(float density, float way, const std::optional<Color>& chosen) {
+LiquidLook liquid_look(float density, float path, const std::optional<Color>& chosen) {
   const LiquidKind& kind = liquid_kind(density);
   const Color left = chosen.value_or(kind.left);
   LiquidLook look;
-  look.absorption = absorption_of(left, way);
-  look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness / way);
+  look.absorption = absorption_of(left, path);
+  look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness / path);
   look.refractive_index = kind.refractive_index;
   return look;
 }

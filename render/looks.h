@@ -12,22 +12,22 @@
 
 namespace souple::render {
 
-/// The look of the index-th object; `chosen` is what a user wants it to be.
+/// The look of the index-th object; `chosen`: the color set by a user.
 Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>& chosen = {});
-/// The same, pale: behind lines that are to be read.
+/// A pale version of the look, as background of lines.
 Look pale(const Look& look);
-/// Under colors of vertices: they alone have to be seen.
+/// A neutral look for vertex colors.
 Look measured_look();
 Look collider_look(const std::optional<Color>& chosen = {});
 Look pin_look();
 
-/// What a liquid looks like in which light goes about `way` meters: `chosen` is the color it leaves of white
-/// light; else it is that of water, or of oil or honey if it is as light or heavy as they are.
-LiquidLook liquid_look(float density, float way, const std::optional<Color>& chosen = {});
-/// The color of its particles.
+/// Appearance of a liquid in which light travels about `path` meters. `chosen`: color of white light after
+/// that path. By default the color is that of water, or of oil or honey for their densities.
+LiquidLook liquid_look(float density, float path, const std::optional<Color>& chosen = {});
+/// Color of the liquid's particles.
 Color liquid_color(float density, const std::optional<Color>& chosen = {});
 
-/// Grains differ a little, and each keeps its color.
+/// Colors of grains: slightly different, and constant for each grain.
 std::vector<PackedColor> grain_colors(std::size_t count, std::uint32_t index,
                                       const std::optional<Color>& chosen = {});
 

@@ -4,14 +4,14 @@
 
 namespace souple::render {
 
-/// A picture of few colors.
+/// A picture with a palette.
 struct PaletteImage {
   std::vector<std::uint8_t> indices;  ///< width * height, rows from the top
-  std::vector<std::uint8_t> colors;   ///< R, G, B of each
+  std::vector<std::uint8_t> colors;   ///< R, G, B of each palette entry
 };
 
-/// Chooses up to `count` (in [1, 256]) colors by median cut, betters them by Lloyd's method, and spreads
-/// what each pixel misses over its neighbors (Floyd and Steinberg 1976). Alpha is dropped. Deterministic.
+/// Chooses up to `count` (in [1, 256]) colors by median cut and improves them by Lloyd's method. Diffuses the
+/// error of each pixel to its neighbors (Floyd and Steinberg 1976). Drops alpha. Deterministic.
 PaletteImage reduce_colors(const Image& image, int count);
 
 }  // namespace souple::render

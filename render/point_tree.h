@@ -8,26 +8,26 @@
 
 namespace souple::render {
 
-/// Finds the nearest of many points (a k-d tree). Of points that are equally near, the first.
+/// Finds the nearest of many points with a k-d tree; of equally near points, the first.
 class PointTree {
  public:
   explicit PointTree(std::span<const Vec3f> points);
 
-  /// Its position in `points`; 0 when there is none.
+  /// Index of the nearest point in `points`; 0 without points.
   std::uint32_t nearest(const Vec3f& to) const;
 
  private:
   struct Node {
     Vec3f point;
     std::uint32_t index = 0;
-    int axis = 0;  ///< children before the node are smaller or equal along it, those behind larger or equal
+    int axis = 0;  ///< children before the node have coordinates <= the node's, children after it >=
   };
   struct Best;
 
   void build(std::size_t begin, std::size_t end);
   void search(std::size_t begin, std::size_t end, const Vec3f& to, Best& best) const;
 
-  std::vector<Node> nodes_;  ///< the node of a range is its middle one
+  std::vector<Node> nodes_;  ///< the root of a range is its middle node
 };
 
 }  // namespace souple::render

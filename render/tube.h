@@ -10,7 +10,7 @@
 
 namespace souple::render {
 
-/// The skin of a rope: a closed tube with round caps around a smooth curve through the rope's points.
+/// The surface of a rope: a closed tube with round caps around a smooth curve through the rope's points.
 ///
 /// Each row is a ring of `sides` + 1 vertices, the last on top of the first, so that a pattern can run around
 /// the tube; apart from that seam the surface is closed and wound outward.
@@ -18,10 +18,10 @@ class Tube {
  public:
   static constexpr std::uint32_t sides = 16;
 
-  /// A tube for this many points (a single one makes a ball). Sets triangles and texture; `radius` and
-  /// `length` [m] of the rope say how many fields of the pattern fit on it.
+  /// Sets triangles and texture for a tube with this many points; a single point gives a ball. `radius` and
+  /// `length` [m] of the rope determine the number of checker fields.
   void resize(std::size_t points, float radius, float length);
-  /// Positions and normals around these points, as many as `resize` was told. Points may coincide.
+  /// Computes positions and normals around the points, whose number is that of `resize`. Points may coincide.
   void update(std::span<const Vec3f> points, float radius);
 
   std::span<const Vec3f> positions() const { return positions_; }
@@ -30,13 +30,13 @@ class Tube {
   /// A checker of size 1 at these coordinates winds two strands around the rope.
   std::span<const Vec3f> texture() const { return texture_; }
 
-  /// Where along the rope a vertex lies: point index plus fraction.
+  /// Position of a vertex along the rope: point index plus fraction.
   float parameter(std::size_t vertex) const;
   /// The rope's point nearest to a vertex, along the rope.
   std::uint32_t point_of(std::size_t vertex) const;
 
  private:
-  /// A cross-section: its center, the directions that span it, and the way along the rope.
+  /// A cross-section: its center, the directions that span it, and the direction along the rope.
   struct Frame {
     Vec3f center, along, across, up;
   };

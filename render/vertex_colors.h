@@ -10,11 +10,11 @@
 
 namespace souple::render {
 
-/// `heat` by table: colors of many values.
+/// Table-based `heat` for many values.
 class HeatScale {
  public:
   HeatScale();
-  PackedColor operator()(float t) const;  ///< t in [0, 1], clamped; NaN stands out
+  PackedColor operator()(float t) const;  ///< t in [0, 1], clamped; NaN is magenta
   /// out[i] = color of values[i] / largest.
   void color(std::span<const float> values, float largest, std::vector<PackedColor>& out) const;
 
@@ -23,14 +23,14 @@ class HeatScale {
   PackedColor not_a_number_ = 0;
 };
 
-/// How much a surface or a line is stretched at its vertices.
+/// Strain of a surface or a line at its vertices.
 class EdgeStrain {
  public:
   EdgeStrain() = default;
-  /// Edges of triangles over these rest positions [m]; edges without length are left out.
+  /// Edges of triangles over these rest positions [m]; edges of zero length are omitted.
   EdgeStrain(std::span<const Vec3d> rest, std::span<const Triangle> triangles);
 
-  /// out[v] = the largest (l - l0) / l0 of the edges at v; 0 where all are compressed or there is none.
+  /// out[v] = the largest (l - l0) / l0 of the edges at v; 0 if all are compressed or there is none.
   void evaluate(std::span<const Vec3f> positions, std::vector<float>& out) const;
 
  private:

@@ -16,7 +16,7 @@ class Buffer {
  public:
   Buffer();
 
-  /// Replaces the content. The storage grows when it has to and is kept otherwise.
+  /// Replaces the content. The storage grows if necessary and is reused otherwise.
   template <class T>
   void upload(std::span<const T> values) {
     upload_bytes(std::as_bytes(values));

@@ -5,8 +5,8 @@
 
 namespace souple::render::gl {
 
-/// Owns one OpenGL object, which `Delete` releases. The context it was made in has to be current whenever it
-/// is used or destroyed; so for all of gl/.
+/// Owns an OpenGL object; `Delete` releases it. Its context must be current during use and destruction; this
+/// applies to all classes of gl/.
 template <void (*Delete)(GLuint)>
 class Handle {
  public:

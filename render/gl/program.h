@@ -15,20 +15,20 @@ inline void delete_program(GLuint id) {
   glDeleteProgram(id);
 }
 
-/// A vertex and a fragment shader. Their text, in the GLSL of OpenGL ES 3.00 without `#version`, lies in
-/// render/shaders and is built into the library; it may `#include "other.glsl"`, each once. The uniform
-/// block `Frame` is bound to `frame_binding`; each sampler NAME_map to its Unit in texture.h.
+/// A vertex and a fragment shader. Their source, in the GLSL of OpenGL ES 3.00 without `#version`, is in
+/// render/shaders and compiled into the library. It may `#include "other.glsl"`, each file once. The uniform
+/// block `Frame` is bound to `frame_binding`, each sampler NAME_map to its Unit in texture.h.
 class Program {
  public:
   static constexpr GLuint frame_binding = 0;
 
-  /// Names of files in render/shaders; the names in `defines` are #defined to 1. Throws Error with the
-  /// shader's name and what the compiler said.
+  /// `vertex`, `fragment`: names of files in render/shaders; the names in `defines` are #defined to 1. Throws
+  /// Error with the shader's name and the compiler's message.
   Program(std::string_view vertex, std::string_view fragment, const std::vector<std::string>& defines = {});
 
   void use() const { glUseProgram(handle_.id()); }
 
-  // Uniforms of this program, which has to be in use. A name the shaders do not use is ignored.
+  // Uniforms of this program, which must be in use. Names that the shaders do not use are ignored.
   void set(std::string_view name, int value) const;
   void set(std::string_view name, unsigned value) const;
   void set(std::string_view name, float value) const;
@@ -46,7 +46,7 @@ class Program {
   std::vector<std::pair<std::string, GLint>> uniforms_;
 };
 
-/// What the contexts we draw with have in common and where they differ.
+/// Whether the current context is OpenGL ES rather than desktop OpenGL.
 bool is_es();
 
 }  // namespace souple::render::gl

@@ -8,7 +8,7 @@ inline void delete_texture(GLuint id) {
   glDeleteTextures(1, &id);
 }
 
-/// Where shaders look for their textures: the sampler `shadow_map` reads unit `shadow`, and so on.
+/// Texture units of the shaders' samplers: `shadow_map` reads unit `shadow`, and so on.
 enum class Unit : GLuint {
   shadow,
   sum,
@@ -26,16 +26,15 @@ enum class Unit : GLuint {
   liquid_light
 };
 
-/// A picture on the GPU with one level; clamped to its edge, read without interpolation unless `filter` says
-/// otherwise.
+/// A GPU texture with one level, clamped to its edge; `filter` selects interpolation, by default none.
 class Texture {
  public:
   Texture() = default;
-  /// `internal_format` is a sized one: GL_RGBA8, GL_RGBA16F, GL_RGBA32F, GL_R8, GL_RG32UI,
+  /// `internal_format` is a sized format: GL_RGBA8, GL_RGBA16F, GL_RGBA32F, GL_R8, GL_RG32UI,
   /// GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT32F, ...
   Texture(GLenum internal_format, int width, int height, GLenum filter = GL_NEAREST);
 
-  /// Fills a GL_R8 texture of this size; rows follow each other without padding.
+  /// Fills a GL_R8 texture; rows are contiguous without padding.
   void upload_bytes(const unsigned char* values) const;
   void bind(Unit unit) const;
   GLuint id() const { return handle_.id(); }

@@ -8,24 +8,24 @@ inline void delete_vertex_array(GLuint id) {
   glDeleteVertexArrays(1, &id);
 }
 
-/// Where the attributes of a vertex lie in one element of a buffer.
+/// Layout of a vertex attribute in an element of a buffer.
 struct Attribute {
   GLuint location = 0;  ///< layout(location = ...) in the shader
   GLint components = 3;
-  GLenum type = GL_FLOAT;  ///< integers are read as such when `integer`, else scaled to [0, 1]
+  GLenum type = GL_FLOAT;  ///< integer types: read as integers if `integer`, else scaled to [0, 1]
   bool integer = false;
   GLsizei stride = 0;      ///< bytes; 0: packed
   std::size_t offset = 0;  ///< bytes
   GLuint divisor = 0;      ///< 1: one element per instance
 };
 
-/// Which buffers a draw call reads.
+/// The buffers that a draw call reads.
 class VertexArray {
  public:
   VertexArray();
 
   void attribute(const Buffer& buffer, const Attribute& attribute);
-  /// The shader reads zeros (or what glVertexAttrib set) instead.
+  /// Disables an attribute: the shader reads zeros, or the value of glVertexAttrib.
   void without_attribute(GLuint location);
   void elements(const Buffer& buffer);
   void bind() const { glBindVertexArray(id()); }

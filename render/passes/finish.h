@@ -9,21 +9,20 @@
 
 namespace souple::render {
 
-/// From the colors of one or many samples to the caller's framebuffer.
+/// Combines the colors of one or many samples in the caller's framebuffer.
 class FinishPass {
  public:
-  /// Whether sums are made by blending; where the context cannot, the sum goes to and fro between two
-  /// buffers.
+  /// Detects whether the context can sum by blending; otherwise the sum alternates between two buffers.
   FinishPass();
 
-  /// Adds a sample's colors to those before it.
+  /// Adds the colors of a sample.
   void add(const gl::Texture& color, bool first, const gl::VertexArray& nothing);
-  /// Writes the encoded mean of `samples` samples; of one, `color` itself with its edges smoothed.
+  /// Writes the encoded mean of `samples` samples; for one sample, `color` with smoothed edges.
   void draw(const gl::Texture& color, int samples, std::uint32_t framebuffer, const gl::VertexArray& nothing);
 
  private:
   struct Sum {
-    gl::Texture now, next;  // `next` is empty when sums are made by blending
+    gl::Texture now, next;  // `next` is empty if sums are made by blending
     gl::Framebuffer now_target, next_target;
     Sum(int width, int height, bool two);
   };

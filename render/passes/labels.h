@@ -8,11 +8,11 @@
 
 namespace souple::render {
 
-/// Text over the finished picture: writes sRGB-encoded colors into the framebuffer that is bound.
+/// Text over the finished picture: writes sRGB-encoded colors into the bound framebuffer.
 class LabelsPass {
  public:
   LabelsPass();
-  /// Without this font file (TrueType), with a plain font.
+  /// Uses the built-in font if the font file (TrueType) cannot be used.
   explicit LabelsPass(const std::filesystem::path& font);
   ~LabelsPass();
 

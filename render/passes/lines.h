@@ -7,8 +7,8 @@
 
 namespace souple::render {
 
-/// Lines of constant width, as quads with smooth edges, blended over linear color. Where the depth test is
-/// on the renderer has switched it on, without writing depth.
+/// Lines of constant width, as quads with smooth edges, blended over linear color. The renderer sets the
+/// depth test; the pass writes no depth.
 class LinesPass {
  public:
   LinesPass();

@@ -17,28 +17,28 @@ namespace souple::render {
 struct LitScene {
   const gl::Texture& normal;
   const gl::Texture& depth;
-  const gl::Framebuffer& color;  ///< with that depth
+  const gl::Framebuffer& color;  ///< color and depth of the scene
 };
 
-/// The surface of liquids on screen (van der Laan, Green, Sainz 2009): the depth of the balls is smoothed,
-/// and shaded over the lit scene with how thick the liquid is.
+/// The surface of liquids in screen space (van der Laan, Green, Sainz 2009): smooths the depth of the balls
+/// and shades it over the lit scene with the liquid's thickness.
 class LiquidPass {
  public:
-  /// Draws over `scene.color`. `bounds` is the box around all that splats draw. The camera's uniform block
-  /// is bound, the shadow map drawn.
+  /// Draws over `scene.color`. `bounds` encloses all splats. Requires the camera's bound uniform block and a
+  /// drawn shadow map.
   void draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
             const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
             const gl::VertexArray& nothing, PassClock& clock);
 
-  /// What the last `draw` made, as of LiquidImage.
+  /// Results of the last `draw`, see LiquidImage.
   std::vector<float> read_depth() const;
   std::vector<float> read_thickness() const;
 
  private:
   struct Targets {
-    gl::Texture surface, other_surface, look, nearest;  // of the picture's size
-    gl::Texture optics, glow;                           // of half of it
-    gl::Texture behind;                                 // what is seen through liquids
+    gl::Texture surface, other_surface, look, nearest;  // at the picture's size
+    gl::Texture optics, glow;                           // at half the picture's size
+    gl::Texture behind;                                 // the scene behind liquids
     gl::Framebuffer balls, other_balls, depth, other_depth, thickness, clear_thickness, copy;
     Targets(int width, int height);
     void swap();

@@ -7,13 +7,13 @@
 
 namespace souple::render {
 
-/// What the particles of liquids and foams are drawn into.
+/// Render targets of the particles of liquids and foams.
 enum class SplatTarget {
   depth,      ///< depth along the view, and the liquid's look
-  thickness,  ///< added: optical depth and thickness before the opaque objects; and its part by scattering
-  sunlight,   ///< added: optical depth as the sun sees it; and the least depth
-  foam,       ///< added: what foam hides
-  pick        ///< as of Target::pick
+  thickness,  ///< additive: optical depth and thickness in front of opaque objects, and the scattered part
+  sunlight,   ///< additive: optical depth seen from the sun; and the minimum depth
+  foam,       ///< additive: coverage by foam
+  pick        ///< see Target::pick
 };
 inline constexpr int splat_target_count = 5;
 
@@ -23,16 +23,16 @@ class LiquidSplats {
   LiquidSplats();
   ~LiquidSplats();
 
-  /// Uploads what has changed and drops the buffers of what is gone. Once per picture.
+  /// Uploads changed data and frees buffers of removed objects. Call once per picture.
   void update(std::span<const Liquid> liquids, std::span<const Foam> foams);
   /// Whether there is anything to draw.
   bool empty() const;
   bool casts_shadow() const;
   /// Whether there is foam, or a liquid that scatters light.
   bool is_cloudy() const;
-  /// Those that were given to `update`, without changing what is blended; of target sunlight those that cast
-  /// a shadow, of target pick those that can be picked. The uniform block is bound; for foam and thickness
-  /// the depth maps too.
+  /// Draws the splats given to `update`, without changing the blend state: for sunlight those that cast
+  /// shadows, for pick those that can be picked. Requires the bound uniform block; for foam and thickness
+  /// also the depth maps.
   void draw(SplatTarget target) const;
 
  private:

@@ -13,15 +13,15 @@ class OcclusionPass {
  public:
   OcclusionPass() = default;
 
-  /// Fills in what its shaders and occlusion.glsl read of the uniform block.
+  /// Fills the entries of the uniform block for its shaders and occlusion.glsl.
   static void aim(Frame& frame, const Bounds& bounds, bool on);
-  /// From the material pass's normals and depth; the camera's uniform block is bound.
+  /// Draws from the material pass's normals and depth. Requires the camera's bound uniform block.
   void draw(const gl::Texture& normals, const gl::Texture& depth, const gl::VertexArray& nothing);
-  /// Binds the result for occlusion.glsl; some texture even if nothing was drawn yet.
+  /// Binds the result for occlusion.glsl; `otherwise` if nothing was drawn yet.
   void bind(const gl::Texture& otherwise) const;
 
  private:
-  // Of half the picture's size.
+  // At half the picture's size.
   struct Targets {
     gl::Texture depth, rough, smooth;
     gl::Framebuffer depth_target, rough_target, smooth_target;

@@ -8,7 +8,7 @@
 
 namespace souple::render {
 
-/// Says how long each pass took. Off, it does nothing; on, OpenGL finishes all work at the end of each pass.
+/// Measures the duration of each pass. If enabled, OpenGL finishes all work at the end of each pass.
 class PassClock {
  public:
   void start(std::vector<PassTime>* times) {
@@ -16,7 +16,7 @@ class PassClock {
     if (times_ != nullptr) glFinish();
     last_ = Clock::now();
   }
-  /// What was drawn since the last call was pass `name`; of several with one name the sum is kept.
+  /// Assigns the time since the last call to pass `name`; times of equal names are added.
   void done(const char* name) {
     if (times_ == nullptr) return;
     glFinish();

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// How a picture is made, once per sample:
+// Passes of a picture, for each sample:
 //   shadow     casters from the sun                              -> depth           (target depth)
 //   material   surfaces, spheres, ground                         -> albedo, normal, depth  (target material)
 //   occlusion  how much sky each pixel sees, from normal, depth
@@ -24,7 +24,7 @@
 
 namespace souple::render {
 
-/// What is drawn into.
+/// Render target of a geometry pass.
 enum class Target {
   material,  ///< TARGET_MATERIAL: write_material() of material.glsl
   depth,     ///< TARGET_DEPTH: depth only, seen from the sun
@@ -33,8 +33,8 @@ enum class Target {
 inline constexpr int target_count = 3;
 std::string target_define(Target target);
 
-/// The uniform block of frame.glsl (std140), the same for all shaders of a pass: bound by the renderer before
-/// the pass is called. The eye may be the sun, and the projection orthographic: then projection.m[15] is 1.
+/// The uniform block of frame.glsl (std140), shared by all shaders of a pass; the renderer binds it before
+/// the pass. The eye may be the sun with an orthographic projection: then projection.m[15] is 1.
 struct Frame {
   Mat4 view, projection;           ///< world -> view -> clip
   Mat4 inverse_view;               ///< view -> world
@@ -43,18 +43,18 @@ struct Frame {
   Vec4 eye;                        ///< world; w: 1
   Vec4 size;                       ///< width, height, 1 / width, 1 / height [pixels]
   Vec4 to_sun;                     ///< unit; w: irradiance times exposure
-  Vec4 sky, horizon, floor_light;  ///< light from above, the sides, below, times exposure
+  Vec4 sky, horizon, floor_light;  ///< light from above, the sides and below, times exposure
   Vec4 shadow_size;  ///< edge of the cube that the map covers [m], 0, width of a texel [m], 1: on
-  Vec4 sun_size;     ///< tangent of the sun's apparent radius; how much of the softness is blurred
+  Vec4 sun_size;     ///< tangent of the sun's apparent radius; blurred part of the softness
   Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance where it becomes haze [m]
   Vec4 ground_color, ground_second;
   Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs from sample to sample, 1: occlusion on
   Vec4 occlusion;    ///< radius [m], strength
 };
 
-/// What passes are called with, beside the uniform block.
+/// Arguments of the passes beside the uniform block.
 struct PassContext {
-  int width = 0, height = 0;  ///< of what is drawn into
+  int width = 0, height = 0;  ///< size of the render target [pixels]
   Target target = Target::material;
   Mat4 view, projection;  ///< as in Frame
   Vec3f eye{};

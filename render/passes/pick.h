@@ -10,14 +10,15 @@
 
 namespace souple::render {
 
-/// What can be picked; all of it updated.
+/// The passes with pickable objects, all updated.
 struct Pickable {
   SurfacesPass& surfaces;
   SpheresPass& spheres;
   const LiquidSplats& liquids;
 };
 
-/// Draws who is where into integer buffers and reads them back. The uniform block is the camera's.
+/// Draws the identities of objects into integer buffers and reads them back. Requires the camera's uniform
+/// block.
 class PickPass {
  public:
   PickPass();

@@ -13,10 +13,10 @@ class SpheresPass {
   SpheresPass();
   ~SpheresPass();
 
-  /// Uploads what has changed and drops the buffers of what is gone. Once per picture.
+  /// Uploads changed data and frees buffers of removed objects. Call once per picture.
   void update(std::span<const Spheres> spheres);
-  /// Those that were given to `update`; of target depth those that cast a shadow, of target pick those that
-  /// can be picked.
+  /// Draws the spheres given to `update`: for target depth those that cast shadows, for pick those that can
+  /// be picked.
   void draw(const PassContext& context);
 
  private:

@@ -14,10 +14,10 @@ class SurfacesPass {
   SurfacesPass();
   ~SurfacesPass();
 
-  /// Uploads what has changed and drops the buffers of what is gone. Once per picture.
+  /// Uploads changed data and frees buffers of removed objects. Call once per picture.
   void update(std::span<const Surface> surfaces);
-  /// Those that were given to `update`; of target depth those that cast a shadow, of target pick those that
-  /// can be picked: their fragments write (pick, 0), the vertex is found on the CPU.
+  /// Draws the surfaces given to `update`: for target depth those that cast shadows, for pick those that can
+  /// be picked. Picked fragments write (pick, 0); the CPU finds the vertex.
   void draw(const PassContext& context);
 
  private:
