@@ -127,9 +127,9 @@ int bench(const BenchRequest& request) {
       print_bench(now, compares ? &before : nullptr);
     }
     return fine;
-  } catch (const GoneBad& bad) {
+  } catch (const NonFinite& bad) {
     std::fprintf(stderr, "souple: %s: %s\n", request.name.c_str(), bad.message.c_str());
-    return went_bad;
+    return non_finite;
   }
 }
 

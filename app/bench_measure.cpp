@@ -49,7 +49,7 @@ double largest_strain(const World& world, const std::vector<double>& rest) {
 /// A step, or what kept it from being done.
 const StepReport& step(World& world) {
   const StepReport& report = world.step(frame);
-  if (!report.ok()) throw GoneBad{report.message};
+  if (!report.ok()) throw NonFinite{report.message};
   if (report.has(Flag::callback_failed)) throw Error(report.message);
   return report;
 }

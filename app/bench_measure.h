@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-// What `souple bench` measures, as numbers; see bench_report.h for how they are shown.
+// Measurements of `souple bench`; bench_report.h prints them.
 
 namespace souple::app {
 
@@ -16,28 +16,28 @@ struct BenchOptions {
   std::string name;
   int size = 0;                    ///< 0: the scene's default
   Settings settings;               ///< substeps, solver, threads, ...
-  int warm_up = 5;                 ///< steps before the first that counts
-  int runs = 30;                   ///< steps that count
+  int warm_up = 5;                 ///< steps before the measurement
+  int runs = 30;                   ///< measured steps
   std::optional<double> residual;  ///< time to this mean strain, static
 };
 
-/// Rates by name, in the order in which they were met.
+/// Named rates, in order of first occurrence.
 using Named = std::vector<std::pair<std::string, double>>;
 
-/// How far a solver has come, and how long that took.
+/// Progress of a solver after a duration.
 struct CurvePoint {
   int iterations = 0;
   double milliseconds = 0;
   double mean_strain = 0, rms_strain = 0, largest_strain = 0;
 };
 
-/// Solving the stretched cloth to a mean strain, without forces or velocities.
+/// Time to solve the stretched cloth to a mean strain, without forces or velocities.
 struct ResidualResult {
   double target = 0;
-  double start = 0;                    ///< mean strain before
-  std::optional<double> milliseconds;  ///< to the target; nothing: it was not reached
-  int iterations = 0;                  ///< that it took
-  std::vector<CurvePoint> curve;       ///< from scratch each, by iterations
+  double start = 0;                    ///< initial mean strain
+  std::optional<double> milliseconds;  ///< time to the target; empty: not reached
+  int iterations = 0;                  ///< iterations to the target
+  std::vector<CurvePoint> curve;       ///< by iterations; each point is a run of its own
 };
 
 struct BenchResult {
@@ -50,24 +50,24 @@ struct BenchResult {
   int substeps = 0, iterations = 0, warm_up = 0, runs = 0;
   std::size_t particles = 0, constraints = 0;
   double ms_per_step = 0;             ///< median of the runs, wall clock
-  double ms_fastest = 0;              ///< of the runs
-  Named ms_per_stage;                 ///< median of each
-  double constraints_per_second = 0;  ///< of the whole step: constraints * substeps * iterations / time
-  Named projections_per_second;       ///< per kind, projection alone
-  double max_strain = 0;              ///< at the end: longest extension of a distance or of an edge of a tet
-  std::uint64_t hash = 0;             ///< of the world at the end
-  std::string diagnostic;             ///< of the solver
+  double ms_fastest = 0;              ///< fastest run
+  Named ms_per_stage;                 ///< median per stage
+  double constraints_per_second = 0;  ///< whole step: constraints * substeps * iterations / time
+  Named projections_per_second;       ///< per kind, without the rest of the step
+  double max_strain = 0;              ///< at the end: largest strain of a distance or of an edge of a tet
+  std::uint64_t hash = 0;             ///< hash of the final world
+  std::string diagnostic;             ///< diagnostic of the solver
   std::optional<ResidualResult> residual;
 };
 
-/// Throws Error for what cannot be measured, GoneBad when numbers stopped being finite.
+/// Throws Error for options that cannot be measured, NonFinite if the simulation diverged.
 BenchResult measure(const BenchOptions& options);
 
-/// Of one number or more.
+/// Median of one number or more.
 double median(std::vector<double> values);
 
 /// The simulation gave numbers that are not finite.
-struct GoneBad {
+struct NonFinite {
   std::string message;
 };
 

@@ -4,21 +4,22 @@
 
 #include <vector>
 
-// The scene of `souple bench triangles`, for that benchmark and for the peers.
+// The scene of `souple bench triangles`, for that benchmark and for the peers' benchmarks.
 
 namespace souple::app {
 
-/// Crumpled sheets in motion: folded in layers that nearly touch, each turning and moving its own way,
-/// rippled, packed as close as their size allows. Edges are 2 cm long, thickness is 4 mm.
+/// Crumpled sheets in motion: rippled, folded in layers that nearly touch, packed as close as their size
+/// allows, each with its own rotation and translation. Edges are 2 cm long, thickness is 4 mm.
 class Sheets {
  public:
   static constexpr double thickness = 0.004;  ///< m
-  static constexpr double dt = 1.0 / 60;      ///< s, of a step
+  static constexpr double dt = 1.0 / 60;      ///< step [s]
 
-  /// About so many triangles, in sheets of 4802 or less.
+  /// Approximately this number of triangles, in sheets of at most 4802.
   explicit Sheets(int triangles);
 
-  /// Where everything is after so many steps, and its boxes: swept over the next step and thickened.
+  /// Moves the sheets to their positions after `step` steps and computes their boxes, swept over the next
+  /// step and thickened.
   void move_to(int step);
 
   const SurfaceElements& elements() const { return elements_; }
@@ -37,7 +38,7 @@ class Sheets {
  private:
   Vec3d position(std::size_t sheet, const Vec3d& flat, double time) const;
 
-  std::vector<Vec3d> flat_;  // of each vertex of a sheet
+  std::vector<Vec3d> flat_;  // per vertex of a sheet: position before folding
   std::vector<Triangle> triangles_;
   SurfaceElements elements_;
   ObjectMatrix matrix_;

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-// What settings are called on the command line and in results.
+// Names of settings on the command line and in results.
 
 namespace souple::app {
 
@@ -28,7 +28,7 @@ std::string name_of(const std::pair<const char*, Value> (&names)[n], Value value
   return "?";
 }
 
-/// Throws Error, beginning with the option, when there is no such word.
+/// Throws Error, beginning with the option, if there is no such word.
 template <class Value, std::size_t n>
 Value value_of(const std::pair<const char*, Value> (&names)[n], const std::string& word, const char* option) {
   std::vector<std::string> known;

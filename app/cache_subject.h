@@ -10,20 +10,21 @@
 
 namespace souple::app {
 
-/// A run's folder as something to look at: objects from its caches; colliders, thicknesses and the camera
-/// from the scene that run.json embeds (none of these for the run of a program, which embeds no scene).
+/// A run's folder as a Subject: objects from its caches; colliders, thicknesses and the camera from the scene
+/// embedded in run.json. Runs of programs embed no scene and have none of these.
 class CacheSubject {
  public:
-  /// `path` is the folder or its run.json. Throws Error when it cannot be read.
+  /// `path` is the folder or its run.json. Throws Error if it cannot be read.
   explicit CacheSubject(const std::filesystem::path& path);
 
   const Playback& playback() const { return playback_; }
   std::uint64_t frames() const { return playback_.frames(); }
-  /// Nothing when no scene is embedded.
+  /// Empty if no scene is embedded.
   const std::optional<SceneDescription>& scene() const { return scene_; }
 
-  /// The frame, in [1, frames()]. With `velocities` the frame before is read as well: caches hold positions
-  /// only, so a velocity is the way of one frame over its time. Valid until the next call. Throws Error.
+  /// Reads a frame in [1, frames()]. With `velocities` it also reads the previous frame: caches hold only
+  /// positions, so a velocity is the displacement over a frame divided by its time. Valid until the next
+  /// call. Throws Error.
   const render::Subject& read(std::uint64_t frame, bool velocities = false);
 
  private:
@@ -32,9 +33,9 @@ class CacheSubject {
 
   Playback playback_;
   std::optional<SceneDescription> scene_;
-  World stage_;                                 ///< holds the colliders, and nothing else
-  std::vector<std::vector<Vec3f>> velocities_;  ///< by object [m/s]
-  std::vector<std::size_t> shape_;              ///< how many vertices and triangles each object has
+  World stage_;                                 ///< contains only the colliders
+  std::vector<std::vector<Vec3f>> velocities_;  ///< per object [m/s]
+  std::vector<std::size_t> shape_;              ///< per object: numbers of vertices and triangles
   render::Subject subject_;
 };
 

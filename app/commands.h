@@ -13,14 +13,14 @@ namespace souple::app {
 struct RunOptions {
   std::string scene;  ///< a file or a shipped scene's name; empty with `resume`
   std::optional<std::uint32_t> frames, substeps, iterations;
-  std::optional<int> threads;         ///< none: as Settings::threads = 0
+  std::optional<int> threads;         ///< empty: as Settings::threads = 0
   std::filesystem::path out;          ///< empty: out/NAME
   std::vector<std::string> formats;   ///< empty: pc2
   std::vector<std::string> settings;  ///< path=value
   std::filesystem::path resume;
   std::optional<std::uint32_t> checkpoint_every;
-  std::filesystem::path picture;  ///< of the last frame; empty: none
-  std::string surface;            ///< method by which fluids are meshed meanwhile; empty: they are not
+  std::filesystem::path picture;  ///< picture of the last frame; empty: none
+  std::string surface;            ///< method of meshing fluids during the run; empty: none
   bool quiet = false;
 };
 int run(const RunOptions& options);
@@ -36,7 +36,7 @@ struct RenderRequest {
   bool quiet = false;
 };
 int render_frames(const RenderRequest& request);
-/// Two lines for `souple info`: whether pictures and films can be made, and what is missing.
+/// Two lines for `souple info`: whether pictures and films can be made, and missing packages.
 std::string picture_support();
 
 struct ViewRequest {
@@ -46,18 +46,18 @@ struct ViewRequest {
   bool paused = false, debug = false;
 };
 int view(const ViewRequest& request);
-/// Whether the viewer was built in.
+/// Whether the program was built with the viewer.
 bool has_viewer();
 
 /// The words of the command line; empty: the default.
 struct SurfaceRequest {
   std::filesystem::path cache;  ///< a run's folder, or its run.json
-  std::filesystem::path out;    ///< empty: beside it, NAME_surface
+  std::filesystem::path out;    ///< empty: NAME_surface beside the cache
   std::string method = "anisotropic", format = "obj", particles = "none";
   std::vector<std::string> objects;        ///< empty: all fluids, else all grains
   std::optional<float> spacing, cell;      ///< m
   std::optional<std::uint32_t> smoothing;  ///< passes
-  std::optional<int> threads;              ///< none: as Settings::threads = 0
+  std::optional<int> threads;              ///< empty: as Settings::threads = 0
   bool quiet = false;
 };
 int surface(const SurfaceRequest& request);
@@ -80,7 +80,7 @@ int check(const std::string& scene, const std::vector<std::string>& settings);
 
 enum class InfoPart { all, schema, scene_format };
 int info(InfoPart part);
-/// What a running scene holds in memory, part by part.
+/// Prints the memory of a running scene by parts.
 int memory(const std::string& scene, const std::vector<std::string>& settings);
 
 }  // namespace souple::app

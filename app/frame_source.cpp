@@ -2,8 +2,8 @@
 
 #include "app/cache_subject.h"
 #include "app/find_scene.h"
+#include "app/non_finite.h"
 #include "app/scene_colors.h"
-#include "app/went_bad.h"
 #include "souple/error.h"
 
 #include <optional>
@@ -31,8 +31,8 @@ class SceneFrames : public FrameSource {
       if (frame_ > 0 && !go_on(frame_)) return Arrival::stopped;
       const StepReport& report = world_.step(1 / scene_.frame_rate);
       if (!report.ok()) {
-        trouble_ = went_bad_text(scene_.source, report, frame_ + 1);
-        return Arrival::went_bad;
+        trouble_ = non_finite_text(scene_.source, report, frame_ + 1);
+        return Arrival::non_finite;
       }
       ++frame_;
     }

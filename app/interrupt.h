@@ -2,9 +2,10 @@
 
 namespace souple::app {
 
-/// From now on the first SIGINT or SIGTERM is only remembered; a second one ends the program at once.
+/// Installs handlers: the first SIGINT or SIGTERM is only recorded, a second one ends the program
+/// immediately.
 void watch_interrupts();
-/// Whether one has come.
+/// Whether a signal was recorded.
 bool interrupt_came();
 
 }  // namespace souple::app

@@ -10,13 +10,13 @@ namespace souple::app {
 /// `souple run --picture FILE.png`.
 class LastPicture {
  public:
-  /// Throws Error, before anything is simulated, when no picture can be made or written there.
+  /// Throws Error, before any simulation, if no picture can be rendered or written to the file.
   explicit LastPicture(const std::filesystem::path& file);
   ~LastPicture();
   LastPicture(const LastPicture&) = delete;
   LastPicture& operator=(const LastPicture&) = delete;
 
-  /// The world as it is, seen by the scene's camera. Throws Error when it cannot be written.
+  /// Renders the current world with the scene's camera. Throws Error if the file cannot be written.
   void write(const World& world, const SceneDescription& scene);
 
  private:

@@ -38,7 +38,7 @@ constexpr const char* main_footer = R"(Examples:
   souple surface out/dam                       makes a mesh of a fluid's particles, frame by frame
   souple bench cloth                           measures how fast this machine simulates
 
-Exit codes: 0 fine, 1 writing failed, 2 bad input, 3 the simulation went bad, 130 interrupted.)";
+Exit codes: 0 fine, 1 writing failed, 2 bad input, 3 the simulation diverged, 130 interrupted.)";
 
 constexpr const char* run_footer = R"(Examples:
   souple run flag --set objects.flag.material.bending_stiffness=1e-5 --set substeps=20

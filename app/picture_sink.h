@@ -13,10 +13,10 @@ namespace souple::app {
 
 enum class OutputKind { picture, sheet, film, folder };
 
-/// What a path (and --sheet) ask for. Throws Error for endings that are none of ours.
+/// The output kind for a path and --sheet. Throws Error for unsupported endings.
 OutputKind output_kind(const std::filesystem::path& out, bool sheet);
 
-/// Where pictures go. Files appear whole: a film and a sheet when they are finished.
+/// Destination of pictures. Files appear completely: a film and a sheet when they are finished.
 class PictureSink {
  public:
   virtual ~PictureSink() = default;
@@ -27,12 +27,12 @@ class PictureSink {
 struct SinkWish {
   OutputKind kind = OutputKind::picture;
   std::filesystem::path out;
-  std::string name;       ///< of the pictures in a folder: NAME_0012.png
-  double film_rate = 60;  ///< pictures a second
+  std::string name;       ///< prefix of the pictures in a folder: NAME_0012.png
+  double film_rate = 60;  ///< pictures per second
   SheetShape sheet;
-  int colors = 0;  ///< of pictures, at most 256; 0: all
+  int colors = 0;  ///< colors of a picture's palette, at most 256; 0: full color
 };
-/// Throws Error, before there is any picture, when nothing can be written there or ffmpeg is missing.
+/// Throws Error, before any picture, if the destination cannot be written or ffmpeg is missing.
 std::unique_ptr<PictureSink> open_sink(const SinkWish& wish);
 
 }  // namespace souple::app

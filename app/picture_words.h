@@ -7,8 +7,7 @@
 #include <string_view>
 #include <vector>
 
-// How pictures are asked for on the command line. Every function throws Error that repeats the word and says
-// what was expected.
+// Command-line options of pictures. Every function throws Error with the invalid word and the expected one.
 
 namespace souple::app {
 
@@ -24,18 +23,18 @@ struct SheetShape {
 /// "4x3"; each side in [1, 64].
 SheetShape parse_sheet(std::string_view text);
 
-/// What is not given comes from the scene.
+/// Camera options; empty ones come from the scene.
 struct CameraWish {
   std::optional<Vec3f> from, to;  ///< m
   std::optional<float> fov;       ///< vertical [degrees]
-  bool automatic = false;         ///< all objects fill the picture
+  bool automatic = false;         ///< fit all objects into the picture
 };
-/// "from 1,2,3 to 0,1,0 fov 30", any part of it in any order, "auto", or nothing.
+/// "from 1,2,3 to 0,1,0 fov 30", any of its parts in any order, "auto", or an empty text.
 CameraWish parse_camera(std::string_view text);
 
-/// Which of the frames 1 to `frames` are meant, ascending: "120", "last", "10-50", "10-last/5", "all".
+/// The selected frames of 1 to `frames`, ascending: "120", "last", "10-50", "10-last/5", "all".
 std::vector<std::uint64_t> parse_frames(std::string_view text, std::uint64_t frames);
-/// The step of such a word: 5 of "10-last/5", 1 where none is given.
+/// The step of a frame selection: 5 for "10-last/5"; 1 by default.
 std::uint64_t step_of_frames(std::string_view text);
 
 }  // namespace souple::app

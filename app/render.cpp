@@ -214,8 +214,8 @@ class Rendering {
     Arrival arrival = Arrival::there;
     for (const std::uint64_t frame : order_.frames) {
       arrival = source_.go_to(frame, go_on);
-      // A scene that goes bad before any picture: at least its last good frame is shown.
-      const bool worth = arrival == Arrival::went_bad && pictures_ == 0 && source_.frame() > 0;
+      // A scene that diverges before any picture: at least its last valid frame is shown.
+      const bool worth = arrival == Arrival::non_finite && pictures_ == 0 && source_.frame() > 0;
       if (arrival == Arrival::there || worth) render_one();
       if (arrival != Arrival::there) break;
     }
@@ -245,15 +245,15 @@ class Rendering {
   double seconds_ = 0;
 };
 
-int say_bad(const Order& order, const FrameSource& source, std::uint64_t pictures) {
+int report_non_finite(const Order& order, const FrameSource& source, std::uint64_t pictures) {
   const std::string left =
       pictures == 0 ? "there is nothing to show"
       : order.kind == OutputKind::picture
-          ? fmt::format("{} shows the last good frame, {}", order.out.string(), source.frame())
+          ? fmt::format("{} shows the last valid frame, {}", order.out.string(), source.frame())
           : order.out.string() + " shows " + counted(pictures, "frame") + " before it";
   std::fprintf(stderr, "souple: %s; %s. %s\n", source.trouble().c_str(), left.c_str(),
                std::string(advice(Flag::non_finite)).c_str());
-  return went_bad;
+  return non_finite;
 }
 
 int say_interrupted(const Order& order, const FrameSource& source, std::uint64_t pictures) {
@@ -290,7 +290,7 @@ int render_frames(const RenderRequest& request) {
   try {
     Rendering rendering(order, *source, maker, *sink);
     const Arrival arrival = rendering.run();
-    if (arrival == Arrival::went_bad) return say_bad(order, *source, rendering.pictures());
+    if (arrival == Arrival::non_finite) return report_non_finite(order, *source, rendering.pictures());
     if (arrival == Arrival::stopped) return say_interrupted(order, *source, rendering.pictures());
     if (!order.quiet) print_summary(order, *source, rendering);
     return fine;

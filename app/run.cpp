@@ -3,9 +3,9 @@
 #include "app/find_scene.h"
 #include "app/interrupt.h"
 #include "app/last_picture.h"
+#include "app/non_finite.h"
 #include "app/progress.h"
 #include "app/run_surfaces.h"
-#include "app/went_bad.h"
 #include "souple/io/checkpoint_file.h"
 #include "souple/io/recorder.h"
 #include "souple/scene/nearest.h"
@@ -155,11 +155,11 @@ void print_summary(const Job& job, const Tally& tally, double seconds) {
               job.out.string().c_str());
 }
 
-int say_bad(const Job& job, const StepReport& report, std::uint64_t frame) {
+int report_non_finite(const Job& job, const StepReport& report, std::uint64_t frame) {
   std::fprintf(stderr, "souple: %s; the frames before are in %s. %s\n",
-               went_bad_text(job.record.source, report, frame).c_str(), job.out.string().c_str(),
+               non_finite_text(job.record.source, report, frame).c_str(), job.out.string().c_str(),
                std::string(advice(Flag::non_finite)).c_str());
-  return went_bad;
+  return non_finite;
 }
 
 int say_interrupted(const Job& job, std::uint64_t frame) {
@@ -203,7 +203,7 @@ int simulate(const Job& job, World& world, const Output& output) {
       if (!report.ok()) {
         output.finish();
         if (output.picture != nullptr && frame > 1) output.picture->write(world, job.scene);
-        return say_bad(job, report, frame);
+        return report_non_finite(job, report, frame);
       }
       output.capture(world, frame);
       progress.frame_done(frame);

@@ -11,35 +11,35 @@
 
 namespace souple::app {
 
-/// Meshes of a run's fluids, made while it runs: the files that `souple surface` makes of its folder
-/// afterwards, bit by bit.
+/// Meshes of a run's fluids, written during the run: bit for bit the files that `souple surface` writes from
+/// its folder afterwards.
 class RunSurfaces {
  public:
-  /// `method` as a run was told it, `run` its folder, `done` frames of it that were written before. Of all
-  /// fluids; else of all grains. Writes nothing. Throws Error where there is nothing to mesh, or, with `done`
-  /// above 0, where meshes of these frames are missing.
+  /// `method`: the value of the run's option; `run`: its folder; `done`: number of frames written earlier.
+  /// Meshes all fluids, or all grains if there are no fluids. Writes no file. Throws Error if there is no
+  /// object to mesh or a mesh of an earlier frame is missing.
   RunSurfaces(const std::string& method, const SceneDescription& scene, const World& world,
               const std::filesystem::path& run, std::uint64_t done);
 
-  /// Creates the folder, for a run that begins.
+  /// Creates the folder, for a new run.
   void start();
-  /// Of the world as it is.
+  /// Writes the meshes of the current world.
   void write(const World& world, std::uint64_t frame);
-  /// Writes run.json for the frames so far; that of the run has to be up to date.
+  /// Writes run.json for the frames so far; the run's own run.json must be up to date.
   void save() const;
-  /// Removes what a longer run left, and saves. As much of the run has to be finished.
+  /// Removes files of an earlier, longer run, and saves. The run itself must be finished first.
   void finish();
 
-  /// The folder, frames, triangles and what they took.
+  /// Folder, frames, triangles and time.
   std::string summary() const;
 
  private:
   SurfaceOrder order_;
   std::filesystem::path run_;
-  double rate_;  // frames a second
+  double rate_;  // frames per second
   std::unique_ptr<Threads> threads_;
   std::vector<ObjectId> fluids_;
-  ObjectFiles files_;  // of each
+  ObjectFiles files_;  // per object
   std::uint64_t frames_, begun_;
 };
 

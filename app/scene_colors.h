@@ -5,8 +5,8 @@
 
 namespace souple::app {
 
-/// Gives the bodies and colliders of `subject` the colors that the scene's entries of the same name ask for.
-/// Colliders that are not to be shown are left out.
+/// Applies the colors of the scene's entries to the bodies and colliders of `subject` with equal names. Omits
+/// hidden colliders.
 void add_colors(const SceneDescription& scene, render::Subject& subject);
 
 }  // namespace souple::app

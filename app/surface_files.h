@@ -17,12 +17,12 @@
 #include <utility>
 #include <vector>
 
-// Meshes of fluids in a folder that other commands read: of a finished run (`souple surface`), or while it
-// runs (`souple run --surface`).
+// Meshes of fluids in a folder for other commands: of a finished run (`souple surface`), or during a run
+// (`souple run --surface`).
 
 namespace souple::app {
 
-/// The words that an option knows, and what they mean.
+/// The words of an option and their values.
 template <class Value>
 using Words = std::vector<std::pair<std::string, Value>>;
 
@@ -40,10 +40,10 @@ Value value_of(const Words<Value>& words, const std::string& word, const char* o
               scene_format::suggestion(word, known));
 }
 
-/// Meshes, or volumes around them.
+/// Formats of meshes (OBJ, PLY) and of volumes around them (VDB).
 enum class SurfaceFormat { obj, ply, vdb };
 
-/// How surfaces are made and written.
+/// Options of meshing and writing surfaces.
 struct SurfaceOrder {
   SurfaceOptions surface;
   SurfaceFormat format = SurfaceFormat::obj;
@@ -51,13 +51,13 @@ struct SurfaceOrder {
   std::filesystem::path out;
 };
 
-/// Of "anisotropic" or "isotropic". Throws Error, naming the option.
+/// Parses "anisotropic" or "isotropic". Throws Error that names the option.
 SurfaceMethod surface_method_of(const std::string& word, const char* option);
 
-/// out/dam, or out/dam/run.json, to out/dam_surface.
+/// out/dam_surface for out/dam or out/dam/run.json.
 std::filesystem::path surface_folder(const std::filesystem::path& cache);
 
-/// How far particles lie apart [m]; 0 of what is not made of particles.
+/// Distance of particles [m]; 0 for objects without particles of their own.
 float particle_spacing(const AnyObjectDescription& description);
 
 /// The files of one object.
@@ -68,11 +68,11 @@ class SurfaceFiles {
   SurfaceFiles(const SurfaceFiles&) = delete;
   SurfaceFiles& operator=(const SurfaceFiles&) = delete;
 
-  /// Goes on after frame `done`, with the meshes of the frames before it that are there. `before` is the
-  /// run.json that was written with them, or after later ones. Throws Error where it does not fit.
+  /// Continues after frame `done` with the existing meshes of earlier frames. `before`: the run.json written
+  /// with them or later. Throws Error if it does not match.
   void resume(const RunManifest& before, std::uint64_t done);
-  /// `velocities` may be empty; `rate` of frames [1/s]. An object that is not there, or too thin for the
-  /// grid, has no file.
+  /// `velocities` may be empty; `rate`: frames per second. An absent object, or one too thin for the grid,
+  /// gets no file.
   void write(std::uint64_t frame, std::span<const Vec3f> positions, std::span<const Vec3f> velocities,
              double rate);
   void finish();

@@ -6,13 +6,13 @@
 
 namespace souple::app {
 
-/// Whether OpenVDB was built in.
+/// Whether the program was built with OpenVDB.
 bool has_vdb();
-/// Throws Error, saying what to install, when it was not.
+/// Throws Error that names the package, if the program was built without OpenVDB.
 void require_vdb();
 
-/// An OpenVDB file: a level set named "surface" (float, negative inside, meters), tiles inside filled.
-/// `object` becomes its metadata of that name. The same band gives the same bytes.
+/// An OpenVDB file: a level set named "surface" (float, negative inside, meters) with filled interior tiles.
+/// The metadata entry "object" holds `object`. Equal bands give equal bytes.
 std::string vdb_bytes(const NarrowBand& band, const std::string& object);
 
 }  // namespace souple::app

@@ -2,27 +2,28 @@
 
 namespace souple::viewer {
 
-/// Turns real time into steps of one length. Whatever cannot be kept up with is dropped: the simulation then
-/// runs slower than real time, and `speed` says how much, instead of falling ever further behind.
+/// Converts real time to steps of constant length. Time that the simulation cannot keep up with is dropped:
+/// the simulation then runs slower than real time by the factor `speed`, instead of lagging ever further
+/// behind.
 class Clock {
  public:
-  /// Real time has passed. [s]
+  /// Adds elapsed real time. [s]
   void tick(double seconds);
-  /// Whether a step of dt [s] is due; if so, it counts as made.
+  /// Whether a step of dt [s] is due; if so, counts it as done.
   bool take(double dt);
-  /// Gives up what is still due.
+  /// Drops the time that is still due.
   void drop();
-  /// Forgets everything, as after a pause.
+  /// Resets the clock, for example after a pause.
   void restart() { *this = Clock(); }
 
-  /// Simulated over real time, of the last half second or so; 1 is real time.
+  /// Ratio of simulated to real time over about the last half second; 1 is real time.
   double speed() const { return speed_; }
 
  private:
   void measure();
 
   double due_ = 0;
-  double real_ = 0, simulated_ = 0;  // since the last measure
+  double real_ = 0, simulated_ = 0;  // since the last measurement [s]
   double speed_ = 1;
 };
 

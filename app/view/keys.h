@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-// The one table of the viewer's keys: what is obeyed, listed on screen, printed by `souple view --help` and
-// written in docs/viewer.md.
+// The viewer's key bindings: this table defines the actions, the list on screen, the output of `souple view
+// --help` and the table in docs/viewer.md.
 
 namespace souple::viewer {
 
@@ -28,15 +28,16 @@ enum class Action {
 };
 
 struct Key {
-  std::string_view key;    ///< how it is called
-  std::string_view brief;  ///< in a word or two, for the list on screen
-  std::string_view does;   ///< in words
+  std::string_view key;    ///< name of the key
+  std::string_view brief;  ///< one or two words, for the list on screen
+  std::string_view does;   ///< description
   Action action;
-  char character = 0;    ///< what it types, lower case: letters stand where the keyboard's layout has them
-  bool repeats = false;  ///< while it is held down
+  char character = 0;    ///< its character, lower case, in the keyboard's layout
+  bool repeats = false;  ///< repeats while held down
 };
 
-/// ASCII's escape: how the window passes the key Esc on, so that a press shorter than a picture is not lost.
+/// ASCII escape: the window passes the key Esc as a character, so that a press shorter than a frame is not
+/// lost.
 inline constexpr char escape = 27;
 
 inline constexpr std::array<Key, 14> keys{{

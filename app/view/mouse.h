@@ -25,7 +25,7 @@ struct ViewArea {
   bool empty() const { return width < 1 || height < 1; }
 };
 
-/// What the mouse means in the scene: it grabs objects, pins particles, moves the camera.
+/// Mouse interaction with the scene: grabs objects, pins particles, moves the camera.
 class Mouse {
  public:
   /// A vertex of an object under the mouse.
@@ -34,7 +34,7 @@ class Mouse {
     std::uint32_t vertex = 0;
     Vec3f point{};  ///< m
   };
-  /// Looks under a pixel of the area; nothing where no object is.
+  /// Finds the object under a pixel of the area; empty if there is none.
   using Pick = std::function<std::optional<Found>(int x, int y)>;
 
   Mouse();
@@ -42,15 +42,15 @@ class Mouse {
   Mouse(const Mouse&) = delete;
   Mouse& operator=(const Mouse&) = delete;
 
-  /// One picture's worth of the mouse, read from ImGui. `simulation` is nullptr when a recording is shown.
-  /// Throws Error when what was asked for cannot be done.
+  /// Processes the mouse input of a frame from ImGui. `simulation` is nullptr if a recording is shown. Throws
+  /// Error if an action fails.
   void update(render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick);
   /// Releases everything: the scene, or its world, was replaced.
   void forget();
 
   bool grabbing() const { return grab_ != nullptr; }
-  Vec3f grabbed_at() const;  ///< where the grabbed point is now [m]
-  Vec3f pulled_to() const;   ///< where the mouse wants it [m]
+  Vec3f grabbed_at() const;  ///< current position of the grabbed point [m]
+  Vec3f pulled_to() const;   ///< its target [m]
 
  private:
   enum class Drag { none, grab, orbit, pan };

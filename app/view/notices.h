@@ -5,25 +5,25 @@
 
 namespace souple::viewer {
 
-/// What is said on screen for a while, and to the terminal for good.
+/// Messages that appear on screen for some seconds, and in the terminal.
 class Notices {
  public:
-  /// Good news, such as where a picture was written: also to standard output.
+  /// Information, such as the path of a written picture; also to standard output.
   void say(const std::string& text);
-  /// What went wrong: also to standard error. Stays longer.
+  /// An error; also to standard error. Stays longer.
   void complain(const std::string& text);
-  void pass(double seconds);  ///< real time has passed
-  /// Upwards from the lower left corner of the part of the window that shows the scene: legends stand above.
+  void pass(double seconds);  ///< adds elapsed real time
+  /// Draws upward from the lower left corner of the scene's part of the window; legends are at its top.
   void draw(float x, float bottom, float width);
 
-  /// What stands there now, the newest last.
+  /// The visible messages, newest last.
   std::vector<std::string> texts() const;
 
  private:
   struct Notice {
     std::string text;
     bool bad = false;
-    double left = 0;  ///< s
+    double left = 0;  ///< remaining time [s]
   };
   void add(const std::string& text, bool bad);
   std::vector<Notice> notices_;

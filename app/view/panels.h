@@ -7,14 +7,14 @@
 #include <cstddef>
 #include <deque>
 
-// What stands in the panel on the left, one file for each. A change of the user's acts at once; the functions
-// throw Error when the world refuses it, and have then changed nothing.
+// Sections of the panel on the left, one file each. User changes act immediately. The functions throw Error
+// if the world rejects a change, and then change nothing.
 
 namespace souple::viewer {
 
 void solver_panel(Simulation& simulation);
 void forces_panel(Simulation& simulation);
-/// Of the object that is chosen in it; `chosen` is its position in the scene.
+/// Material of the chosen object; `chosen` is its index in the scene.
 void material_panel(Simulation& simulation, std::size_t& chosen);
 void timing_panel(const Simulation& simulation);
 void numbers_panel(const Simulation& simulation);

@@ -11,10 +11,10 @@
 
 namespace souple::viewer {
 
-/// A finished run, played from its folder: at the rate it was made, or frame by frame.
+/// Playback of a finished run from its folder, at its frame rate or frame by frame.
 class Recording : public Session {
  public:
-  /// Throws Error when it is no run's folder, or holds no frame.
+  /// Throws Error if `path` is no run's folder or the run has no frame.
   explicit Recording(const std::filesystem::path& path);
 
   const std::string& name() const override { return name_; }
@@ -25,12 +25,12 @@ class Recording : public Session {
   render::Subject subject() const override { return subject_; }
   std::optional<render::Camera> camera() const override;
 
-  /// Stops at the last frame; throws Error when a file cannot be read any more.
+  /// Stops at the last frame; throws Error if a file can no longer be read.
   void advance(double seconds) override;
   void step_frame() override;
   void step_fine() override;
   void reset() override;
-  /// From the last frame, starts over.
+  /// Starts over if the last frame is shown.
   void set_playing(bool playing) override;
   bool playing() const override { return playing_; }
   double speed() const override { return clock_.speed(); }
@@ -47,7 +47,7 @@ class Recording : public Session {
   render::Subject subject_;
   Clock clock_;
   bool playing_ = true;
-  std::optional<Trouble> trouble_;  // a recording has none
+  std::optional<Trouble> trouble_;  // always empty
 };
 
 }  // namespace souple::viewer

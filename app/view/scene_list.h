@@ -11,19 +11,19 @@
 
 namespace souple::viewer {
 
-/// What can be looked at: the shipped scenes, and whatever was opened since.
+/// The scenes and runs offered by the viewer: the shipped scenes and those opened since its start.
 class SceneList {
  public:
   explicit SceneList(std::vector<app::ShippedScene> scenes) : entries_(std::move(scenes)) {}
 
   const std::vector<app::ShippedScene>& entries() const { return entries_; }
-  /// The one that was opened last, whether that went well or not; entries().size() before the first.
+  /// The entry opened last, even if that failed; entries().size() before the first.
   std::size_t current() const { return current_; }
 
-  /// A scene file, a finished run's folder, or its run.json. Joins the list. Throws Error.
+  /// Opens a scene file, a finished run's folder, or its run.json, and adds it to the list. Throws Error.
   std::unique_ptr<Session> open(const std::filesystem::path& path);
   std::unique_ptr<Session> open(std::size_t entry);
-  /// The entry `by` places on; comes round at the ends.
+  /// The entry `by` positions after the current one, cyclically.
   std::size_t neighbor(int by) const;
 
  private:

@@ -120,7 +120,7 @@ void Simulation::take_trouble() {
   trouble.object = report.bad_object;
   trouble.vertex = report.bad_vertex;
   const std::span<const Vec3f> positions = world_.positions(world_.find_object(report.bad_object));
-  if (report.bad_vertex < positions.size()) trouble.place = positions[report.bad_vertex];
+  if (report.bad_vertex < positions.size()) trouble.position = positions[report.bad_vertex];
   trouble.message = fmt::format("object \"{}\", particle {} is no longer finite: {}", report.bad_object,
                                 report.bad_vertex, advice(Flag::non_finite));
   trouble_ = std::move(trouble);

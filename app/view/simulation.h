@@ -15,14 +15,14 @@
 
 namespace souple::viewer {
 
-/// How long each stage of one frame took. [ms]
+/// Time of each stage in a frame. [ms]
 using StageTimes = std::array<double, stage_count>;
 
-/// A scene that runs, and may be changed while it does: every change acts at once and stands in
-/// `scene_text()`, so that what was found by playing can be kept.
+/// A running scene that may be changed meanwhile. Every change acts immediately and appears in
+/// `scene_text()`, so that a user can save the result of experiments.
 class Simulation : public Session {
  public:
-  /// Throws Error when the scene cannot be read or built.
+  /// Throws Error if the scene cannot be read or built.
   explicit Simulation(const std::filesystem::path& scene);
   Simulation(SceneDescription scene, std::string name);
 
@@ -45,13 +45,14 @@ class Simulation : public Session {
 
   const SceneDescription& scene() const { return scene_; }
   const World& world() const { return world_; }
-  /// For what holds on to the world from outside, such as a grab. Replaced by `reset`: see `generation`.
+  /// Access for objects that refer to the world, such as a grab. `reset` replaces the world: see
+  /// `generation`.
   World& world() { return world_; }
-  /// Another number: the world is another one.
+  /// A new number means: the world was replaced.
   std::uint64_t generation() const { return generation_; }
-  /// Of the last step; nothing before the first.
+  /// Report of the last step; empty before the first.
   const StepReport& report() const { return world_.report(); }
-  /// Of the last frames, the newest last; at most `history_length`.
+  /// Stage times of the last frames, newest last; at most `history_length`.
   const std::deque<StageTimes>& history() const { return history_; }
   static constexpr std::size_t history_length = 240;
 
@@ -63,16 +64,16 @@ class Simulation : public Session {
   void set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material);
   void set_material(std::size_t object, const MaterialDescription<FluidMaterial>& material);
   void set_material(std::size_t object, const ObstacleMaterial& material);
-  /// Position in scene().objects.
+  /// Index in scene().objects.
   std::size_t index_of(ObjectId object) const;
   bool is_pinned(ObjectId object, std::uint32_t vertex) const;
-  /// Pins the vertex where it is now, or frees it. Returns whether it is pinned now. In `scene_text()` it is
-  /// pinned where it starts.
+  /// Pins the vertex at its current position, or releases it. Returns whether it is now pinned.
+  /// `scene_text()` pins it at its initial position.
   bool toggle_pin(ObjectId object, std::uint32_t vertex);
-  /// Where the camera stands, for `scene_text()`.
+  /// Sets the camera for `scene_text()`.
   void set_camera(const render::Camera& camera);
 
-  /// The scene as it is now, as a scene file.
+  /// The current scene as the text of a scene file.
   std::string scene_text() const;
 
  private:
@@ -88,11 +89,11 @@ class Simulation : public Session {
   World world_;
   Clock clock_;
   std::uint64_t generation_ = 1;
-  std::uint64_t steps_ = 0;  // of any length, so that a picture knows when something has moved
+  std::uint64_t steps_ = 0;  // steps of any length: a change means that objects may have moved
   bool playing_ = true;
   std::optional<Trouble> trouble_;
   std::deque<StageTimes> history_;
-  // Per object and pin of the scene: the vertices it meant at the start.
+  // Per object and pin of the scene: its vertices at the start.
   std::vector<std::vector<std::vector<std::uint32_t>>> pinned_at_start_;
 };
 

@@ -6,7 +6,7 @@
 
 namespace souple::viewer {
 
-/// Where the scene is drawn before it is put beside the panel: the part of the window that is left for it.
+/// Render target of the scene's part of the window; it is then copied beside the panel.
 class ViewTarget {
  public:
   ViewTarget() = default;
@@ -14,12 +14,12 @@ class ViewTarget {
   ViewTarget(const ViewTarget&) = delete;
   ViewTarget& operator=(const ViewTarget&) = delete;
 
-  /// At least 1 x 1. Throws Error when the graphics card has no room for it.
+  /// Sets the size, at least 1 x 1. Throws Error if graphics memory is insufficient.
   void resize(int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
   std::uint32_t framebuffer() const { return framebuffer_; }
-  /// Into another framebuffer, its lower left corner at (x, y) from the lower left, stretched to this size.
+  /// Copies the target into another framebuffer: lower left corner at (x, y), scaled to this size.
   void copy_to(std::uint32_t framebuffer, int x, int y, int width, int height) const;
 
  private:
@@ -29,7 +29,7 @@ class ViewTarget {
   int width_ = 0, height_ = 0;
 };
 
-/// What a framebuffer of this size holds.
+/// Reads a framebuffer of this size.
 render::Image read_framebuffer(std::uint32_t framebuffer, int width, int height);
 
 }  // namespace souple::viewer

@@ -26,34 +26,34 @@ class Recording;
 class Simulation;
 
 struct ViewerOptions {
-  std::filesystem::path folder = ".";  ///< where screenshots and films are written
+  std::filesystem::path folder = ".";  ///< folder for screenshots and films
   bool paused = false;
-  bool half_resolution = false;  ///< of the scene on screen: a quarter of the pixels to draw
+  bool half_resolution = false;  ///< draws the scene with a quarter of the pixels
 };
 
-/// The viewer without its window: what is shown, how it answers to mouse and keys, its panels. Reads input
-/// from ImGui's IO only, and draws into any framebuffer, so tests drive it off-screen as a window would.
+/// The viewer without its window: content, response to mouse and keys, panels. It reads input only from
+/// ImGui's IO and draws into any framebuffer, so tests drive it off-screen like a window.
 class Viewer {
  public:
-  /// For the OpenGL context that is current; a Ui has to exist. Throws Error when it cannot be drawn with.
+  /// Uses the current OpenGL context; a Ui must exist. Throws Error if the context is insufficient.
   Viewer(SceneList scenes, std::unique_ptr<Session> session, ViewerOptions options = {});
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  /// One picture of the size ImGui's IO tells: obeys the input, goes on by `seconds` of real time, draws.
-  /// Of a window without area everything but the drawing is done. Throws Error when OpenGL fails.
+  /// Processes a frame of the size in ImGui's IO: handles input, advances by `seconds` of real time, draws. A
+  /// window without area is not drawn. Throws Error if OpenGL fails.
   void frame(double seconds, std::uint32_t framebuffer = 0);
   /// Esc was pressed.
   bool done() const { return done_; }
 
-  /// Shows another scene or run; if it cannot be opened, says so and leaves what is shown.
+  /// Shows another scene or run. If it cannot be opened, reports the error and keeps the current content.
   void open(const std::filesystem::path& path);
   void act(Action action);
 
   const Session& session() const { return *session_; }
-  Simulation* simulation();  ///< nullptr when a recording is shown
-  Recording* recording();    ///< nullptr when a simulation is shown
+  Simulation* simulation();  ///< nullptr if a recording is shown
+  Recording* recording();    ///< nullptr if a simulation is shown
   const SceneList& scenes() const { return scenes_; }
   const Mouse& mouse() const { return mouse_; }
   render::Camera& camera() { return camera_; }
@@ -116,9 +116,9 @@ class Viewer {
   Mouse mouse_;
   Notices notices_;
   ViewArea area_;
-  int width_ = 0, height_ = 0;  // of the window [pixels]
+  int width_ = 0, height_ = 0;  // size of the window [pixels]
   bool panels_shown_ = true, done_ = false, trouble_told_ = false;
-  unsigned held_ = 0;  // the character of a key that is still down
+  unsigned held_ = 0;  // character of a key that is still pressed
   std::size_t chosen_object_ = 0;
 
   std::unique_ptr<render::Film> film_;

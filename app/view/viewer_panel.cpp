@@ -169,7 +169,7 @@ void Viewer::draw_status() {
   }
 }
 
-/// A ring about the particle that went bad first, and its name; at the edge when it flew out of view.
+/// A ring about the first non-finite particle, and its name; at the edge if it is out of view.
 void Viewer::draw_trouble() {
   if (!session_->trouble() || area_.empty()) return;
   const Trouble& trouble = *session_->trouble();
@@ -177,7 +177,7 @@ void Viewer::draw_trouble() {
   const ImVec2 lo{static_cast<float>(area_.x) / scale + 2 * radius, 2 * radius};
   const ImVec2 hi{static_cast<float>(width_) / scale - 2 * radius,
                   static_cast<float>(area_.height) / scale - 2 * radius};
-  const auto seen = camera_.project(trouble.place, area_.width, area_.height);
+  const auto seen = camera_.project(trouble.position, area_.width, area_.height);
   ImVec2 at{(lo.x + hi.x) / 2, (lo.y + hi.y) / 2};
   if (seen)
     at = {(static_cast<float>(area_.x) + seen->x) / scale, (static_cast<float>(area_.y) + seen->y) / scale};

@@ -333,7 +333,7 @@ class Running(Case):
 
     def test_simulation_that_goes_bad(self):
         done = self.souple("run", self.scene(EXPLODING), "--out", "out", code=3)
-        self.assertRegex(done.stderr, r'went bad in frame \d+: object "\w+", particle \d+')
+        self.assertRegex(done.stderr, r'diverged in frame \d+: object "\w+", particle \d+')
         self.assert_one_line(done.stderr)
         self.assertFalse([n for n in self.names() if n.endswith(".part")])
 

@@ -427,10 +427,10 @@ class Trouble(RenderCase):
         self.needs_ffmpeg()
         scene = self.scene(EXPLODING)
         said = self.souple("run", scene, "--out", "run", code=3).stderr
-        bad = int(re.search(r"went bad in frame (\d+)", said).group(1))
+        bad = int(re.search(r"diverged in frame (\d+)", said).group(1))
         self.assertGreater(bad, 1)
         done = self.render(scene, "--out", "a.png", code=3)
-        self.assertRegex(done.stderr, rf"went bad in frame {bad}: object .*; a.png shows the last good frame, {bad - 1}\.")
+        self.assertRegex(done.stderr, rf"diverged in frame {bad}: object .*; a.png shows the last valid frame, {bad - 1}\.")
         self.assert_one_line(done.stderr)
         self.assertEqual(png_size(self.folder / "a.png"), (160, 90))
         done = self.render(scene, "--out", "a.mp4", code=3)

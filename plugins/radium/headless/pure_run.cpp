@@ -9,7 +9,7 @@ namespace souple::radium {
 PureRun run_scene(const std::string& file, int frames, double dt) {
   World world = build_world(load_scene(file));
   for (int frame = 1; frame <= frames; ++frame)
-    if (!world.step(dt).ok()) throw Error(file + ": step " + std::to_string(frame) + " went bad");
+    if (!world.step(dt).ok()) throw Error(file + ": step " + std::to_string(frame) + " diverged");
   PureRun run{world.hash(), {}};
   for (const ObjectId object : world.objects()) {
     std::vector<float>& positions = run.positions[std::string(world.name(object))];
