@@ -23,7 +23,7 @@ struct StageBench {
   scene_format::Json (*measure)(const BenchOptions& options);
 };
 
-/// All of them, in the order in which they are listed.
+/// All benchmarks, in the order of the list on screen.
 std::span<const StageBench> stage_benches();
 
 /// Null where there is no such benchmark.

@@ -27,29 +27,29 @@ using souple::app::ViewRequest;
 constexpr const char* scene_help = "a scene file, or the name of a shipped scene (see `souple list`)";
 
 constexpr const char* main_footer = R"(Examples:
-  souple list                                  the scenes that are shipped
-  souple run flag                              simulates one, writes out/flag
+  souple list                                  lists the shipped scenes
+  souple run flag                              simulates a scene, writes out/flag
   souple run my/scene.json --frames 100 --write pc2,obj --out renders/a
-  souple run --resume out/flag                 goes on with a run that was interrupted
-  souple render flag                           simulates one, writes a picture of its end, out/flag.png
-  souple render out/flag --out flag.mp4        makes a film of a run
-  souple view flag                             shows one in a window while it runs
-  souple check my/scene.json                   reads a scene and says what it holds
-  souple surface out/dam                       makes a mesh of a fluid's particles, frame by frame
+  souple run --resume out/flag                 resumes an interrupted run
+  souple render flag                           simulates a scene, renders its last frame, out/flag.png
+  souple render out/flag --out flag.mp4        renders a film of a run
+  souple view flag                             simulates a scene in an interactive window
+  souple check my/scene.json                   validates a scene and prints a summary
+  souple surface out/dam                       meshes the surface of a run's fluids, frame by frame
   souple bench cloth                           measures how fast this machine simulates
 
-Exit codes: 0 fine, 1 writing failed, 2 bad input, 3 the simulation diverged, 130 interrupted.)";
+Exit codes: 0 success, 1 writing failed, 2 invalid input, 3 the simulation diverged, 130 interrupted.)";
 
 constexpr const char* run_footer = R"(Examples:
   souple run flag --set objects.flag.material.bending_stiffness=1e-5 --set substeps=20
   souple run scene.json --frames 600 --checkpoint-every 100 --out renders/a
   souple run --resume renders/a
   souple run flag --picture flag.png
-  souple run dam_break --surface anisotropic   and meshes of the water, in out/dam_break_surface
+  souple run dam_break --surface anisotropic   also meshes the water, in out/dam_break_surface
 
-Writes DIR/run.json and, for each object, a mesh and its cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
-the frame, writes a checkpoint and says how to go on; a second Ctrl-C ends at once. --surface writes what `souple
-surface` would make of DIR afterwards; --resume goes on with it.)";
+Writes DIR/run.json and, for each object, a mesh with a cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
+the frame, writes a checkpoint and prints how to resume; a second Ctrl-C ends the program immediately. --surface
+writes the files that `souple surface` would write from DIR afterwards; --resume continues them.)";
 
 constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam
@@ -58,10 +58,10 @@ constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam --format vdb --out volumes          signed distances, for renderers
   souple render out/dam_surface --out dam.mp4                a film of the surface
 
-Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder. A frame in which a
-fluid has no particles has no file. --format vdb writes DIR/NAME_0001.vdb, ...: OpenVDB level sets, which other commands
-do not read. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (of a cache that holds none, the way
-since the frame before over its time). Ctrl-C finishes the frame.)";
+Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands can read the folder. A frame in
+which a fluid has no particles has no file. --format vdb writes OpenVDB level sets DIR/NAME_0001.vdb, ..., which other
+commands do not read. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities; if the cache has none, they
+are the displacements since the previous frame divided by its time. Ctrl-C finishes the frame.)";
 
 constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
@@ -71,11 +71,11 @@ constexpr const char* render_footer = R"(Examples:
   souple render tablecloth --sheet 4x3 --display strain
   souple render flag --camera "from 3,2,4 to 0,1.5,0 fov 30" --set substeps=40
 
-A scene is simulated meanwhile; the folder of a run (or its run.json) is read. --out decides what is written: a
-picture .png, a film .mp4 or .gif (made by the program ffmpeg), else a folder of pictures NAME_0001.png, numbered
-as their frames. Nothing but a picture of the last frame is written unless --frames, --sheet or --out ask for it.
-A .gif shows at most 50 pictures a second: of faster runs every second or third frame. No screen is needed, only
-EGL; the same frame is the same file each time. Ctrl-C finishes the picture and the film so far.
+SOURCE is a scene, which is simulated first, or the folder of a run (or its run.json). The ending of --out selects the
+output: a picture .png, a film .mp4 or .gif (encoded by the program ffmpeg), else a folder of pictures NAME_0001.png,
+numbered by frame. Without --frames, --sheet and --out the output is a picture of the last frame. A .gif shows at most
+50 pictures per second: of faster runs every second or third frame. Rendering needs EGL, but no screen. Equal frames
+give equal files. Ctrl-C finishes the current picture and the film so far.
 
 displays:     shaded, plain, wireframe, strain, speed, particles, lattice, normals, contacts
 constraints:  none, kind, color, strain, residual)";
@@ -90,7 +90,7 @@ const std::string view_footer = R"(Examples:
 constexpr const char* check_footer = R"(Example:
   souple check flag --set objects.flag.mesh.grid.columns=100
 
-Prints what the scene holds and what its meshes made necessary to mend; exit code 2 if it cannot be used.)";
+Prints a summary of the scene and the repairs of its meshes. Exit code 2: the scene is invalid.)";
 
 constexpr const char* list_footer = R"(Example:
   souple list --json)";
@@ -101,19 +101,19 @@ constexpr const char* bench_footer = R"(Examples:
   souple bench cloth --json > before.json      then, after a change:
   souple bench cloth --compare before.json
   souple bench cloth --solver hierarchical --iterations 2
-  souple bench cloth --residual 0.01 --json    and how long solving takes until strain is 1 %
+  souple bench cloth --residual 0.01 --json    also measures the time until the strain is 1 %
 
-Steps of 1/60 s are timed by the wall clock: medians of --runs steps after --warm-up others. Projections a second are
-those of one kind alone. Reports do not measure residuals meanwhile; the largest strain is that after the last step.
---residual takes gravity away, stretches the cloth by 10 % and solves once, without steps. Numbers are worth keeping
-from a machine that does nothing else.
+Steps of 1/60 s are timed by the wall clock: medians of --runs steps after --warm-up untimed ones. Projections per
+second are those of one kind alone. Reports do not measure residuals meanwhile; the largest strain is that after the
+last step. --residual removes gravity, stretches the cloth by 10 % and solves once, without steps. Measure on an idle
+machine.
 
 solvers: gauss_seidel, jacobi, direct, conjugate_gradient, dense, hierarchical)";
 
 constexpr const char* info_footer = R"(Examples:
   souple info
-  souple info --schema > scene.schema.json     for editors that check JSON while it is written
-  souple info --memory flag                    what a scene takes while it runs, bytes by part)";
+  souple info --schema > scene.schema.json     for editors that validate JSON
+  souple info --memory flag                    memory of a running scene, bytes by part)";
 
 void add_settings(CLI::App& command, std::vector<std::string>& settings) {
   command
@@ -128,24 +128,23 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   CLI::App& command = *app.add_subcommand("run", "simulate a scene and write its caches");
   command.footer(run_footer);
   command.add_option("SCENE", options->scene, scene_help);
-  command.add_option("--frames", options->frames, "how many frames to simulate, instead of the scene's")
+  command.add_option("--frames", options->frames, "number of frames to simulate, instead of the scene's")
       ->type_name("N");
-  command.add_option("--out", options->out, "the folder to write to [out/NAME]")->type_name("DIR");
+  command.add_option("--out", options->out, "output folder [out/NAME]")->type_name("DIR");
   command.add_option("--write", options->formats, "caches to write: pc2, mdd, obj, ply [pc2]")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}))
       ->type_name("FORMATS");
   command
-      .add_option(
-          "--threads", options->threads,
-          "how many threads compute; results do not depend on it [SOUPLE_THREADS, else all processors]")
+      .add_option("--threads", options->threads,
+                  "number of threads; results do not depend on it [SOUPLE_THREADS, else all processors]")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
-  command.add_option("--substeps", options->substeps, "the same as --set substeps=N")->type_name("N");
-  command.add_option("--iterations", options->iterations, "the same as --set iterations=N")->type_name("N");
+  command.add_option("--substeps", options->substeps, "short for --set substeps=N")->type_name("N");
+  command.add_option("--iterations", options->iterations, "short for --set iterations=N")->type_name("N");
   add_settings(command, options->settings);
-  command.add_option("--resume", options->resume, "go on with the interrupted run of this folder")
+  command.add_option("--resume", options->resume, "resume the interrupted run of this folder")
       ->type_name("DIR");
   command.add_option("--checkpoint-every", options->checkpoint_every, "write a checkpoint every N frames")
       ->type_name("N");
@@ -161,52 +160,52 @@ void add_run(CLI::App& app, std::function<int()>& action) {
 
 void add_render(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<RenderRequest>();
-  CLI::App& command = *app.add_subcommand("render", "make pictures and films of a scene or of a run");
+  CLI::App& command = *app.add_subcommand("render", "render pictures and films of a scene or of a run");
   command.footer(render_footer);
   command
       .add_option("SOURCE", request->source,
                   "a scene file, the name of a shipped scene, or the folder of a run or its run.json")
       ->required();
   command
-      .add_option(
-          "--out", request->out,
-          "a picture .png, a film .mp4 or .gif, or a folder [out/NAME.png; out/NAME.mp4 where --frames "
-          "means several]")
+      .add_option("--out", request->out,
+                  "a picture .png, a film .mp4 or .gif, or a folder [out/NAME.png; out/NAME.mp4 if --frames "
+                  "selects several]")
       ->type_name("PATH");
   command
       .add_option("--frames", request->frames,
-                  "which frames: N, A-B, A-B/STEP, last, all; B may be last [a picture: last; else all]")
+                  "frames to render: N, A-B, A-B/STEP, last, all; B may be last [a picture: last; else all]")
       ->type_name("FRAMES");
-  command.add_option("--sheet", request->sheet, "frames of the run on one page, so many across and down")
+  command.add_option("--sheet", request->sheet, "arrange frames of the run on one page of this size")
       ->type_name("COLUMNSxROWS");
   command
       .add_option("--size", request->size,
-                  "of a picture, in pixels [1280x720; .gif 640x360; each of a sheet 480x270]")
+                  "size of a picture in pixels [1280x720; .gif 640x360; each of a sheet 480x270]")
       ->type_name("WIDTHxHEIGHT");
-  command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
+  command
+      .add_option("--samples", request->samples,
+                  "number of pictures averaged into one [16; films and folders 4]")
       ->type_name("N");
   command
       .add_option("--colors", request->colors,
-                  "reduce pictures to so many colors, at most 256: a third of the size")
+                  "reduce pictures to N colors, at most 256: a third of the file size")
       ->type_name("N");
   command
       .add_option(
           "--camera", request->camera,
-          "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: all objects fill the picture "
+          "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: fit all objects into the picture "
           "[the scene's, else auto]")
       ->type_name("CAMERA");
-  command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
+  command.add_option("--display", request->display, "display of objects, see below [shaded]")
       ->type_name("DISPLAY");
-  command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")
+  command.add_option("--constraints", request->constraints, "coloring of constraints, see below [none]")
       ->type_name("CONSTRAINTS");
   command
       .add_option("--liquid-splats", request->liquid_splats,
-                  "what each particle of a fluid is drawn as: spheres, ellipsoids [ellipsoids]")
+                  "shape of a fluid's particles: spheres, ellipsoids [ellipsoids]")
       ->type_name("SPLATS");
   command
-      .add_option(
-          "--liquid-filter", request->liquid_filter,
-          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
+      .add_option("--liquid-filter", request->liquid_filter,
+                  "filter of fluid surfaces: narrow-range, curvature-flow or none [narrow-range]")
       ->type_name("FILTER");
   command
       .add_option("--liquid-steps", request->liquid_steps,
@@ -220,42 +219,39 @@ void add_render(CLI::App& app, std::function<int()>& action) {
 
 void add_view(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<ViewRequest>();
-  CLI::App& command =
-      *app.add_subcommand("view", "show a scene while it runs, or a finished run, in a window");
+  CLI::App& command = *app.add_subcommand("view", "simulate a scene, or play a finished run, in a window");
   command.footer(view_footer + souple::viewer::keys_text());
   command.add_option(
       "SOURCE", request->source,
       "a scene file, the name of a shipped scene, or the folder of a run or its run.json [curtain]");
   command.add_flag("--paused", request->paused, "do not start before Space is pressed");
-  command.add_option("--size", request->size, "of the window [1440x900]")->type_name("WIDTHxHEIGHT");
-  command.add_option("--frames", request->frames, "quit after so many pictures")->type_name("N");
-  command.add_flag("--debug", request->debug, "end with a message when OpenGL reports an error");
+  command.add_option("--size", request->size, "size of the window [1440x900]")->type_name("WIDTHxHEIGHT");
+  command.add_option("--frames", request->frames, "quit after N frames of the window")->type_name("N");
+  command.add_flag("--debug", request->debug, "quit with a message if OpenGL reports an error");
   command.callback([request, &action] { action = [request] { return souple::app::view(*request); }; });
 }
 
 void add_surface(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<SurfaceRequest>();
-  CLI::App& command = *app.add_subcommand("surface", "make meshes of a run's fluids");
+  CLI::App& command = *app.add_subcommand("surface", "mesh the surfaces of a run's fluids");
   command.footer(surface_footer);
   command.add_option("CACHE", request->cache, "the folder of a run, or its run.json")->required();
-  command.add_option("--out", request->out, "folder to write [CACHE_surface]")->type_name("DIR");
-  command.add_option("--method", request->method, "anisotropic, isotropic [anisotropic]")
+  command.add_option("--out", request->out, "output folder [CACHE_surface]")->type_name("DIR");
+  command.add_option("--method", request->method, "kernels: anisotropic, isotropic [anisotropic]")
       ->type_name("METHOD");
   command.add_option("--format", request->format, "meshes: obj, ply; volumes: vdb [obj]")
       ->type_name("FORMAT");
   command
-      .add_option("--particles", request->particles,
-                  "write the particles as well: none, ply, vtk, bgeo [none]")
+      .add_option("--particles", request->particles, "also write the particles: none, ply, vtk, bgeo [none]")
       ->type_name("FORMAT");
   command
       .add_option("--object", request->objects,
-                  "of this one only; may be repeated [all fluids, else all grains]")
+                  "mesh only this object; repeatable [all fluids, else all grains]")
       ->type_name("NAME");
-  command
-      .add_option("--cell", request->cell, "of the grid the mesh is cut out of, in meters [half a spacing]")
-      ->type_name("METerS");
-  command.add_option("--spacing", request->spacing, "of particles, in meters [the scene's]")
-      ->type_name("METerS");
+  command.add_option("--cell", request->cell, "cell size of the meshing grid [half a spacing]")
+      ->type_name("METERS");
+  command.add_option("--spacing", request->spacing, "spacing of the particles [the scene's]")
+      ->type_name("METERS");
   command.add_option("--smoothing", request->smoothing, "passes of Laplacian smoothing [0]")->type_name("N");
   command.add_option("--threads", request->threads, "threads; 0: one for each processor [0]")->type_name("N");
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
@@ -263,15 +259,15 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
 }
 
 void add_bench_solver(CLI::App& command, BenchRequest& request) {
-  command.add_option("--solver", request.solver, "how constraints are solved, see below [gauss_seidel]")
-      ->type_name("SOLVER");
+  command.add_option("--solver", request.solver, "solver, see below [gauss_seidel]")->type_name("SOLVER");
   command.add_option("--sweep", request.sweep, "order of the colors: forward, symmetric [forward]")
       ->type_name("SWEEP");
   command.add_option("--relaxation", request.relaxation, "factor on corrections, between 0 and 2 [1]")
       ->type_name("FACTOR");
   command.add_option("--chebyshev", request.chebyshev, "acceleration: spectral radius, below 1 [0: none]")
       ->type_name("RHO");
-  command.add_option("--colors", request.colors, "cut the constraint graph to so many [0: do not]")
+  command
+      .add_option("--colors", request.colors, "partition constraints into N colors [0: as many as necessary]")
       ->type_name("N");
 }
 
@@ -279,22 +275,26 @@ void add_bench(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<BenchRequest>();
   CLI::App& command = *app.add_subcommand("bench", "measure how fast this machine simulates");
   command.footer(bench_footer);
-  command.add_option("NAME", request->name, "which benchmark; all are listed without it");
-  command.add_option("--size", request->size, "how large: what it counts is listed")->type_name("N");
+  command.add_option("NAME", request->name, "name of the benchmark; without it, lists all benchmarks");
+  command.add_option("--size", request->size, "size of the benchmark; the list gives its meaning")
+      ->type_name("N");
   command.add_option("--threads", request->threads, "threads; 0: one for each processor [1]")->type_name("N");
   command.add_option("--threading", request->threading, "automatic, serial, pool, tbb [automatic]")
       ->type_name("KIND");
-  command.add_option("--substeps", request->substeps, "parts of a step [10]")->type_name("N");
-  command.add_option("--iterations", request->iterations, "of the solver in each substep [1]")
+  command.add_option("--substeps", request->substeps, "substeps of a step [10]")->type_name("N");
+  command.add_option("--iterations", request->iterations, "solver iterations in each substep [1]")
       ->type_name("N");
   add_bench_solver(command, *request);
   command.add_option("--mode", request->mode, "small_steps, xpbd, pbd [small_steps]")->type_name("MODE");
   command.add_option("--form", request->form, "displacement, plain [displacement]")->type_name("FORM");
-  command.add_option("--warm-up", request->warm_up, "steps that are not timed [5]")->type_name("N");
-  command.add_option("--runs", request->runs, "steps that are [30]")->type_name("N");
-  command.add_option("--residual", request->residual, "also: time to this mean strain, such as 0.01; cloths")
+  command.add_option("--warm-up", request->warm_up, "untimed steps before the measurement [5]")
+      ->type_name("N");
+  command.add_option("--runs", request->runs, "timed steps [30]")->type_name("N");
+  command
+      .add_option("--residual", request->residual,
+                  "also measure the time to this mean strain, such as 0.01; cloths only")
       ->type_name("STRAIN");
-  command.add_option("--compare", request->compare, "show ratios to the result in this file")
+  command.add_option("--compare", request->compare, "print ratios to the result in this file")
       ->type_name("FILE.json");
   command.add_flag("--json", request->json, "print JSON");
   command.callback([request, &action] { action = [request] { return souple::app::bench(*request); }; });
@@ -311,7 +311,7 @@ void add_list(CLI::App& app, std::function<int()>& action) {
 void add_check(CLI::App& app, std::function<int()>& action) {
   auto scene = std::make_shared<std::string>();
   auto settings = std::make_shared<std::vector<std::string>>();
-  CLI::App& command = *app.add_subcommand("check", "read a scene and its meshes and say what they hold");
+  CLI::App& command = *app.add_subcommand("check", "validate a scene and its meshes, print a summary");
   command.footer(check_footer);
   command.add_option("SCENE", *scene, scene_help)->required();
   add_settings(command, *settings);
@@ -325,7 +325,7 @@ void add_info(CLI::App& app, std::function<int()>& action) {
   auto scene = std::make_shared<std::string>();
   auto settings = std::make_shared<std::vector<std::string>>();
   CLI::App& command =
-      *app.add_subcommand("info", "version, compiler, optional parts, where scenes are found");
+      *app.add_subcommand("info", "print version, compiler, optional parts, folders of scenes");
   command.footer(info_footer);
   auto* schema = command.add_flag_callback(
       "--schema", [part] { *part = InfoPart::schema; }, "print the JSON schema of scene files");
@@ -334,7 +334,7 @@ void add_info(CLI::App& app, std::function<int()>& action) {
           "--scene-format", [part] { *part = InfoPart::scene_format; },
           "print the manual page of scene files")
       ->excludes(schema);
-  command.add_option("--memory", *scene, "print what this scene takes while it runs")
+  command.add_option("--memory", *scene, "print the memory of this scene while it runs")
       ->excludes(schema)
       ->type_name("SCENE");
   add_settings(command, *settings);
@@ -371,7 +371,7 @@ std::string command_names(const CLI::App& app) {
   return names;
 }
 
-/// What is wrong with the command line, on one line.
+/// Error message for the command line, on one line.
 std::string complaint(CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && app.get_subcommands().empty()) {
     const std::string commands = command_names(app);

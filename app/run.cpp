@@ -80,7 +80,7 @@ void refuse_changes(const RunOptions& options) {
                        !options.surface.empty();
   if (changes) {
     throw Error(
-        "--resume goes on with the scene, the settings and the folder of the stopped run; leave out SCENE, "
+        "--resume uses the scene, the settings and the folder of the stopped run; omit SCENE, "
         "--set, --substeps, --iterations, --write, --surface and --out (--frames may be larger)");
   }
 }
@@ -163,7 +163,7 @@ int report_non_finite(const Job& job, const StepReport& report, std::uint64_t fr
 }
 
 int say_interrupted(const Job& job, std::uint64_t frame) {
-  std::fprintf(stderr, "souple: interrupted after frame %llu of %u; go on with: souple run --resume %s\n",
+  std::fprintf(stderr, "souple: interrupted after frame %llu of %u; resume with: souple run --resume %s\n",
                static_cast<unsigned long long>(frame), job.scene.frames, job.out.string().c_str());
   return interrupted;
 }
@@ -223,7 +223,7 @@ int simulate(const Job& job, World& world, const Output& output) {
   }
   output.finish();
   std::error_code error;
-  fs::remove(job.out / checkpoint_name, error);  // there is nothing left to go on with
+  fs::remove(job.out / checkpoint_name, error);  // a finished run cannot resume
   if (output.picture != nullptr) output.picture->write(world, job.scene);
   if (!output.quiet) {
     print_remarks(tally, output.recorder);

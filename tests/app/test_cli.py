@@ -518,7 +518,7 @@ class Stopping(Case):
             folder = f"stopped{int(how)}"
             code, out, error = self.stopped(scene, folder, how, "--write", "pc2,mdd")
             self.assertEqual(code, 130, out + error)
-            self.assertRegex(error, rf"interrupted after frame \d+ of 3000; go on with: souple run --resume {folder}\n")
+            self.assertRegex(error, rf"interrupted after frame \d+ of 3000; resume with: souple run --resume {folder}\n")
             self.assertTrue((self.folder / folder / "checkpoint.souple").is_file())
             self.assertFalse([n for n in self.names() if n.endswith(".part")])
             self.souple("run", "--resume", folder)

@@ -234,7 +234,7 @@ TEST(ViewerSimulation, TroublePausesAndNamesTheParticle) {
   ASSERT_TRUE(simulation.trouble().has_value());
   EXPECT_EQ(simulation.trouble()->object, "sand");
   EXPECT_LT(simulation.trouble()->vertex, 2u);
-  EXPECT_TRUE(is_finite(simulation.trouble()->place));
+  EXPECT_TRUE(is_finite(simulation.trouble()->position));
   EXPECT_NE(simulation.trouble()->message.find("\"sand\", particle"), std::string::npos);
   simulation.reset();
   EXPECT_FALSE(simulation.trouble().has_value());
