@@ -49,7 +49,7 @@ TEST(ColliderContacts, InclinedPlaneSlidesWithGSinMinusMuCos) {
 
 TEST(ColliderContacts, KineticFrictionBelowStaticKeepsItSlidingOnceItSlides) {
   MiniWorld world = incline(Form::displacement, 0.35, 0.5f, {});
-  world.surfaces[0].second = {0.5f, 0.1f, 0};
+  world.materials[0].second = {0.5f, 0.1f, 0};
   world.colliders[0].material = {0.5f, 0.1f, 0};
   const Vec3d before = world.at(0);
   for (int frame = 0; frame < 60; ++frame) world.step(1.0 / 60, 20);
