@@ -37,7 +37,7 @@ int list_benchmarks() {
   return fine;
 }
 
-/// Scenes, stages and segments alike.
+/// Lists scenes, stages and segments.
 void require_known(const std::string& name) {
   std::vector<std::string> names;
   for (const BenchScene& scene : bench_scenes()) names.emplace_back(scene.name);
@@ -48,7 +48,7 @@ void require_known(const std::string& name) {
               "; `souple bench` lists them");
 }
 
-/// A number of the command line in a range that makes sense.
+/// Checks that a number of the command line is in its useful range.
 void take(const std::optional<std::uint32_t>& given, const char* option, std::uint32_t least,
           std::uint32_t most, int& value) {
   if (!given) return;
@@ -89,7 +89,7 @@ BenchOptions options_of(const BenchRequest& request) {
   return options;
 }
 
-/// Not a scene: of the options it takes --size, --runs and --json.
+/// Benchmark without a scene: it uses only the options --size, --runs and --json.
 int bench_segments(const BenchRequest& request) {
   if (!request.compare.empty()) throw Error("--compare: segments has no steps to compare");
   int size = default_segments_size, runs = 10;

@@ -13,8 +13,8 @@ using scene_format::Json;
 namespace {
 
 constexpr double spacing = 0.05;    // m
-constexpr double dt = 0.002;        // s: the step of SPH programs at this spacing
-constexpr int iterations = 5;       // of Jacobi, after the coarse level
+constexpr double dt = 0.002;        // usual step of SPH programs at this spacing [s]
+constexpr int iterations = 5;       // Jacobi iterations after the coarse level
 constexpr double collapsing = 0.2;  // s
 
 /// A block of water, about n x 2 n x n spacings, at one end of a tank 4 n long.
@@ -43,7 +43,7 @@ World dam(double particles, const Settings& settings) {
 
 Json measure_dam_break(const BenchOptions& options) {
   World world = dam(options.size, options.settings);
-  // What is timed begins with the front on its way.
+  // The measurement begins after the front started to move.
   for (int i = 0; i < options.warm_up + collapsing / dt; ++i) world.step(dt);
   std::vector<double> whole;
   std::array<std::vector<double>, stage_count> stages;

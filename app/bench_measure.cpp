@@ -18,12 +18,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double frame = 1.0 / 60;          // s, of every step
-constexpr double projection_budget = 0.25;  // s, for timing the projections of all kinds
-constexpr double residual_budget = 8;       // s, of solving to a residual in one go
-constexpr double repeated_below = 0.1;      // s: shorter times are the best of three
+constexpr double frame = 1.0 / 60;          // length of a step [s]
+constexpr double projection_budget = 0.25;  // time to measure the projections of all kinds [s]
+constexpr double residual_budget = 8;       // time limit of one solve to a residual [s]
+constexpr double repeated_below = 0.1;      // shorter times are the best of three [s]
 constexpr int most_iterations = 1 << 16;
-constexpr double stretched = 0.1;  // of the static case
+constexpr double stretched = 0.1;  // initial stretch of the static case
 
 /// Lengths of all edges of tets, in a fixed order.
 std::vector<double> tet_edge_lengths(const World& world) {
@@ -46,7 +46,7 @@ double largest_strain(const World& world, const std::vector<double>& rest) {
   return largest;
 }
 
-/// A step, or what kept it from being done.
+/// Makes a step; throws NonFinite if the simulation diverged.
 const StepReport& step(World& world) {
   const StepReport& report = world.step(frame);
   if (!report.ok()) throw NonFinite{report.message};
@@ -98,8 +98,8 @@ CurvePoint solve(World& world, int iterations) {
   return {iterations, best.seconds * 1e3, best.mean_strain, best.rms_strain, best.largest_strain};
 }
 
-/// The fewest iterations between a count that is too few and one that is enough: within 3 %, or between the
-/// two on a straight line of their logarithms where another try would take long.
+/// The minimum number of iterations, between an insufficient and a sufficient number: within 3 %, or, if
+/// another run would take long, by interpolation of their logarithms.
 CurvePoint fewest(World& world, double target, CurvePoint too_few, CurvePoint enough) {
   while (enough.iterations - too_few.iterations > std::max(1, enough.iterations / 32)) {
     if (enough.milliseconds > 1e3 * repeated_below) {
@@ -116,7 +116,7 @@ CurvePoint fewest(World& world, double target, CurvePoint too_few, CurvePoint en
   return enough;
 }
 
-/// Every count of iterations is solved from scratch: what accelerates over iterations shows as it is used.
+/// Each number of iterations is solved from the start, so that acceleration over iterations acts as in use.
 ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& options, int size) {
   Settings settings = options.settings;
   settings.gravity = {};
@@ -125,7 +125,7 @@ ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& opt
   stretch_cloths(world, stretched);
   ResidualResult result;
   result.target = *options.residual;
-  world.time_solve(frame, 1);  // what the first solve prepares is not solving
+  world.time_solve(frame, 1);  // the first solve also prepares data
   result.start = world.time_solve(frame, 0).mean_strain;
   CurvePoint before{0, 0, result.start, 0, 0}, point = before;
   double growth = std::sqrt(2.0);
@@ -180,7 +180,7 @@ BenchResult measure(const BenchOptions& options) {
                             scene.most, scene.size_means));
   describe(options, result);
   Settings settings = options.settings;
-  settings.measure_residuals = false;  // it costs about an iteration a step, and is measured by itself
+  settings.measure_residuals = false;  // costs about an iteration per step; measured separately
   World world(settings);
   scene.build(world, result.size);
   const std::vector<double> rest = tet_edge_lengths(world);

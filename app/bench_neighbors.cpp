@@ -16,12 +16,12 @@ namespace {
 
 constexpr float radius = 1;  // m
 
-/// Points of a fluid that stirs: in a cube, each with so many others within the radius, walls apart. From
-/// step to step they wander by a twentieth of the radius, and lie in memory as the last step sorted them.
+/// Points of a moving fluid in a cube, each with `neighbors` others within the radius, except at walls. From
+/// step to step they move by a twentieth of the radius; their memory order is the last step's sorted order.
 class Points {
  public:
   explicit Points(int count) : positions_(static_cast<std::size_t>(count)) {
-    constexpr double neighbors = 30.5;  // inside; 29 on average of 100 000, with those at the walls
+    constexpr double neighbors = 30.5;  // in the interior; 29 on average over 100 000 points with the walls
     const double volume = 4 * pi / 3 * std::pow(double{radius}, 3);
     const double side = std::cbrt(count * volume / neighbors);
     for (Vec4f& p : positions_) p = {uniform(side), uniform(side), uniform(side), 0};
@@ -42,7 +42,7 @@ class Points {
   std::span<const Vec4f> positions() const { return positions_; }
 
  private:
-  // Of our own: the standard's distributions differ from library to library.
+  // Not std::uniform_real_distribution: its results differ between standard libraries.
   float uniform(double below) {
     return static_cast<float>(below * static_cast<double>(random_()) / 4294967296.0);
   }

@@ -14,7 +14,7 @@ using scene_format::Member;
 
 namespace {
 
-/// Six digits: what is measured has no more.
+/// Rounds to six digits, the precision of measurements.
 Json rounded(double value) {
   if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? Json::of(0.0) : Json();
   const double unit = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 5);
@@ -54,7 +54,7 @@ Json residual_json(const ResidualResult& residual) {
   return object;
 }
 
-/// A number of an object, 0 where there is none.
+/// A number of an object; 0 if there is none.
 double number_at(const Json& object, const char* key) {
   const Json* value = object.find(key);
   return value != nullptr && value->is(Json::Kind::number) ? value->number : 0;
@@ -66,7 +66,7 @@ std::string text_at(const Json& object, const char* key) {
   return value->is(Json::Kind::text) ? value->text : dump_line(*value);
 }
 
-/// Ratios of the numbers that both objects have; `inverse` where less is faster.
+/// Ratios of the numbers present in both objects; `inverse`: smaller is faster.
 Json ratios(const Json* now, const Json* before, bool inverse) {
   Json result = Json::object();
   if (now == nullptr || before == nullptr) return result;
@@ -77,7 +77,7 @@ Json ratios(const Json* now, const Json* before, bool inverse) {
   return result;
 }
 
-/// "  1.23x", or nothing when the number has no counterpart.
+/// "  1.23x", or an empty text if the number has no counterpart.
 std::string ratio_text(const Json* ratios, const std::string& key) {
   const Json* ratio = ratios == nullptr ? nullptr : ratios->find(key);
   if (ratio == nullptr) return "";
@@ -121,7 +121,7 @@ void print_residual(const Json& residual) {
               text_at(residual, "iterations").c_str(), 100 * last);
 }
 
-/// Settings in which two results differ make their ratio something else than a speed-up of the code.
+/// Warns about different settings of two results: their ratio is then not a speed-up of the code.
 void print_differences(const Json& now, const Json& before) {
   for (const char* key : {"name", "size", "threads", "simd", "substeps", "iterations", "solver", "sweep",
                           "relaxation", "chebyshev", "colors", "form", "mode"}) {

@@ -14,14 +14,14 @@ namespace souple::app {
 
 namespace {
 
-constexpr double side = 2;          // m, of every cloth
-constexpr double cell = 0.02;       // m, of everything made of tets
-constexpr int small_side = 32;      // vertices of each of many cloths
-constexpr int cube_cells = 5;       // along each side of each of many cubes
-constexpr double push = 0.5;        // m/s across the sheet: what hangs shall not stay flat
-constexpr double taper_part = 0.2;  // of the height, in which stretch_cloths reaches its full width
+constexpr double side = 2;      // width of a cloth [m]
+constexpr double cell = 0.02;   // cell of tet meshes [m]
+constexpr int small_side = 32;  // vertices of each of many cloths
+constexpr int cube_cells = 5;   // along each side of each of many cubes
+constexpr double push = 0.5;    // initial speed normal to hanging sheets, so that they do not stay flat [m/s]
+constexpr double taper_part = 0.2;  // part of the height over which stretch_cloths reaches its full width
 
-/// Rigid along edges and across them: distances only.
+/// Rigid distances along and across edges.
 ClothMaterial rigid_material() {
   ClothMaterial material;
   material.membrane_stiffness = rigid;
@@ -50,8 +50,8 @@ ObjectId hang(World& world, int size, const ClothMaterial& material, const Vec3d
   return cloth;
 }
 
-/// The other diagonal of every cell, as engines have them that call it shear: the vertices across the mesh's
-/// own.
+/// The second diagonal of each cell (shear springs in other engines): the vertices opposite the mesh's own
+/// diagonal.
 void add_second_diagonals(World& world, ObjectId cloth, int size) {
   const auto n = static_cast<std::uint32_t>(size);
   std::vector<std::pair<VertexRef, VertexRef>> pairs;
@@ -66,7 +66,7 @@ void build_cloth(World& world, int size) {
   hang(world, size, rigid_material());
 }
 
-// The sheet comes down on its edge and folds over itself; what is measured begins when it lies in a heap.
+// The sheet falls on its edge and folds over itself; the measurement begins when it lies in a heap.
 void build_heap(World& world, int size) {
   ClothMaterial material;
   material.thickness = 0.35f * static_cast<float>(side) / static_cast<float>(size);
@@ -109,7 +109,7 @@ SoftBodyMaterial rubbery() {
   return material;
 }
 
-/// A bar of square section, five times as long as thick, held at one end.
+/// A bar of square section, five times as long as thick, fixed at one end.
 void build_tets(World& world, int count) {
   const double cells = count / 5.0;
   const int thick = std::max(1, static_cast<int>(std::lround(std::cbrt(cells / 5))));

@@ -17,9 +17,9 @@ using scene_format::Json;
 namespace {
 
 constexpr int segment_count = 64;
-constexpr double shortest_try = 0.01;  // s
+constexpr double shortest_try = 0.01;  // minimum duration of a run [s]
 
-/// Uniform in [lo, hi): the same numbers on every machine.
+/// Uniform in [lo, hi), equal on every machine.
 class Uniform {
  public:
   float operator()(float lo, float hi) {
@@ -57,7 +57,7 @@ double rate_of(SegmentTest test, const SegmentStack& stack, InstructionSet set, 
   return static_cast<double>(stack.columns().count * stack.segments.size()) * repeats / least;
 }
 
-/// A ball far from the origin, where corners are round numbers no more, in columns.
+/// A ball far from the origin, so that its corners are not round numbers, in columns.
 struct Ball {
   std::vector<Vec3f> corners;
   std::vector<Triangle> triangles;

@@ -11,20 +11,20 @@ namespace souple::app {
 namespace {
 
 constexpr double edge = 0.02;          // m
-constexpr int largest_side = 50;       // vertices of a sheet
-constexpr double fold = 0.25;          // m, from one fold to the next
+constexpr int largest_side = 50;       // maximum number of vertices along a side
+constexpr double fold = 0.25;          // distance of folds [m]
 constexpr double layers_apart = 0.02;  // m
-constexpr double ripple = 0.03;        // m, high
+constexpr double ripple = 0.03;        // height [m]
 constexpr double ripple_speed = 2;     // rad/s
-constexpr double drift = 0.05;         // m, of a sheet about its place
-constexpr double packing = 0.85;       // of a sheet's width, from place to place
+constexpr double drift = 0.05;         // amplitude of a sheet's motion about its center [m]
+constexpr double packing = 0.85;       // distance of sheets, in widths of a sheet
 
 int side_of(int triangles) {
   const int side = static_cast<int>(std::lround(std::sqrt(triangles / 2.0))) + 1;
   return std::clamp(side, 2, largest_side);
 }
 
-/// A number in [-1, 1) that belongs to a sheet.
+/// A pseudo-random number in [-1, 1) for a sheet.
 double own_number(std::size_t sheet, unsigned which) {
   std::uint32_t hash = static_cast<std::uint32_t>(sheet) * 2654435769u + which * 0x9e3779b9u;
   hash = (hash ^ hash >> 15) * 0x2c1b3c6du;
@@ -36,7 +36,7 @@ Vec3d own_vector(std::size_t sheet, unsigned which) {
   return {own_number(sheet, which), own_number(sheet, which + 1), own_number(sheet, which + 2)};
 }
 
-/// A sheet folded to and fro along x, its layers one above the other.
+/// A sheet folded back and forth along x in stacked layers.
 Vec3d folded(const Vec3d& flat) {
   const double along = flat.x / fold, layer = std::floor(along), part = along - layer;
   const bool back = std::fmod(layer, 2.0) != 0;

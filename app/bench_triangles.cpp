@@ -19,7 +19,7 @@ std::uint64_t hash_of(const NearPairs& pairs) {
   return hash;
 }
 
-/// What was measured in one step after the other.
+/// Measurements per step.
 struct Times {
   std::vector<double> whole, boxes, build, pairs;
 };

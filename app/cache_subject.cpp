@@ -17,14 +17,15 @@ std::optional<SceneDescription> embedded_scene(const RunManifest& manifest,
   return parse_recorded_scene(manifest.scene, path.string() + ": embedded scene");
 }
 
-/// Whether its mesh, if it has one, can still be read.
+/// Whether the object's mesh, if it has one, is still readable.
 bool can_be_shown(const ColliderDescription& collider) {
   const auto* field = std::get_if<SignedDistanceFieldDescription>(&collider.shape);
   const auto* mesh = field ? std::get_if<FileMesh>(&field->mesh.source) : nullptr;
   return !mesh || std::filesystem::exists(mesh->file);
 }
 
-/// The scene's colliders alone, to look at: of a field the mesh is seen, so the coarsest will do.
+/// A world with only the scene's colliders, for drawing. A field is drawn as its mesh, so the coarsest
+/// suffices.
 World stage_of(const std::optional<SceneDescription>& scene) {
   SceneDescription colliders;
   if (scene) {
@@ -90,7 +91,7 @@ void CacheSubject::find_velocities(std::uint64_t frame) {
   const auto rate = static_cast<float>(1 / (playback_.time(frame) - playback_.time(frame - 1)));
   for (std::size_t i = 0; i < velocities_.size(); ++i) {
     const std::vector<Vec3f>& now = playback_.objects()[i].positions;
-    if (now.size() != velocities_[i].size()) {  // it came or went between the two
+    if (now.size() != velocities_[i].size()) {  // the object appeared between the two frames
       velocities_[i].clear();
       continue;
     }
@@ -105,7 +106,7 @@ void CacheSubject::describe_bodies() {
     shape.push_back(object.positions.size());
     shape.push_back(object.triangles.size());
   }
-  if (shape != shape_) ++subject_.topology;  // an object came, went or was cut
+  if (shape != shape_) ++subject_.topology;  // an object appeared, disappeared or was cut
   shape_ = std::move(shape);
   subject_.bodies.clear();
   for (std::size_t i = 0; i < playback_.objects().size(); ++i) {

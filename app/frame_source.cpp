@@ -90,7 +90,7 @@ class CacheFrames : public FrameSource {
   const render::Subject* subject_ = nullptr;
 };
 
-/// The folder (or run.json) when it is one of a run, else nothing.
+/// The folder (or run.json) if it belongs to a run, else nullopt.
 bool is_run(const fs::path& path) {
   std::error_code error;
   if (path.filename() == "run.json") return fs::exists(path, error);

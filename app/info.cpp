@@ -74,7 +74,7 @@ int memory(const std::string& scene, const std::vector<std::string>& settings) {
   const SceneDescription description = load_scene(find_scene(scene), settings);
   World world = build_world(description);
   world.step(1 / description.frame_rate);
-  for (const ObjectId object : world.objects()) world.positions(object);  // as a run looks at them
+  for (const ObjectId object : world.objects()) world.positions(object);  // a run reads the mirrors too
   const MemoryReport report = world.memory();
   std::printf("%zu particles\n%-40s %12s %8s\n", report.particles, "", "bytes", "each");
   for (const auto& [title, parts] :

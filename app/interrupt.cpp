@@ -18,7 +18,7 @@ extern "C" void remember(int) {
 void watch_interrupts() {
   struct sigaction action = {};
   action.sa_handler = remember;
-  // The second one finds the default action again. Writing to a file goes on after the first.
+  // Restores the default action for a second signal. The first one does not interrupt writing.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);

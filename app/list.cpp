@@ -12,7 +12,7 @@ namespace souple::app {
 
 namespace {
 
-/// A scene that does not read says why in the place of its description.
+/// The description of an invalid scene is its error message.
 std::string describe(const std::filesystem::path& file) {
   try {
     return load_scene(file).description;

@@ -2,7 +2,7 @@
 #include "app/last_picture.h"
 #include "souple/error.h"
 
-// In the place of render.cpp and last_picture.cpp where the packages of render/ were missing.
+// Replaces render.cpp and last_picture.cpp if the packages of render/ are missing.
 
 namespace souple::app {
 

@@ -1,7 +1,7 @@
 #include "app/vdb.h"
 #include "souple/error.h"
 
-// In the place of vdb.cpp where OpenVDB was missing.
+// Replaces vdb.cpp if OpenVDB is missing.
 
 namespace souple::app {
 

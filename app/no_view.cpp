@@ -1,7 +1,7 @@
 #include "app/commands.h"
 #include "souple/error.h"
 
-// In the place of view.cpp where the viewer's packages were missing.
+// Replaces view.cpp if the viewer's packages are missing.
 
 namespace souple::app {
 

@@ -30,7 +30,7 @@ void make_folder(const fs::path& folder) {
   if (error) throw Error(folder.string() + ": the folder cannot be made: " + error.message());
 }
 
-/// A disk that is full or a folder that is someone else's is found now, not after minutes of work.
+/// Detects a full disk or a folder without permission before minutes of work.
 void require_writable(const fs::path& file) {
   make_folder(file.parent_path());
   if (std::error_code error; fs::is_directory(file, error))
@@ -84,7 +84,7 @@ class FilmFile : public PictureSink {
   bool empty_ = true;
 };
 
-/// Pictures carry the numbers of their frames: a frame rendered again replaces its picture.
+/// Pictures have the numbers of their frames: a frame rendered again replaces its picture.
 class Folder : public PictureSink {
  public:
   Folder(fs::path folder, std::string name, int colors)

@@ -17,7 +17,7 @@ namespace {
   throw Error(std::string(option) + " \"" + std::string(text) + "\": expected " + expected);
 }
 
-/// A whole number, all of the text, in [lowest, highest].
+/// Parses the whole text as an integer in [lowest, highest].
 std::optional<std::uint64_t> whole_number(std::string_view text, std::uint64_t lowest,
                                           std::uint64_t highest) {
   std::uint64_t value = 0;
@@ -27,7 +27,7 @@ std::optional<std::uint64_t> whole_number(std::string_view text, std::uint64_t l
   return value;
 }
 
-/// "AxB", both in [1, highest].
+/// Parses "AxB", both in [1, highest].
 std::optional<std::pair<int, int>> two_numbers(std::string_view text, std::uint64_t highest) {
   const std::size_t x = text.find('x');
   if (x == std::string_view::npos) return std::nullopt;
@@ -37,7 +37,7 @@ std::optional<std::pair<int, int>> two_numbers(std::string_view text, std::uint6
   return std::pair(static_cast<int>(*a), static_cast<int>(*b));
 }
 
-/// What stands between spaces and commas.
+/// The words between spaces and commas.
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char c : text) {
@@ -59,7 +59,7 @@ std::optional<float> number(const std::string& word) {
 constexpr const char* camera_words =
     "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it (meters; 1 < fov < 170), or \"auto\"";
 
-/// Takes the words of a camera one after the other.
+/// Parses the words of a camera in order.
 class CameraReader {
  public:
   explicit CameraReader(std::string_view text) : text_(text), words_(words_of(text)) {}

@@ -8,7 +8,7 @@ namespace souple::app {
 
 namespace {
 
-/// A scene without the key `camera` has these values.
+/// Default camera of a scene without the key `camera`.
 bool is_given(const CameraDescription& camera) {
   const CameraDescription standard;
   return !(camera.from == standard.from && camera.to == standard.to && camera.fov == standard.fov);

@@ -24,16 +24,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// All that the command line says, understood.
+/// The parsed command line.
 struct Order {
   OutputKind kind = OutputKind::picture;
   fs::path out;
   PictureStyle style;
   CameraWish camera;
   SheetShape sheet;
-  std::vector<std::uint64_t> frames;  ///< to show, ascending
-  double film_rate = 60;              ///< pictures a second
-  int colors = 0;                     ///< of pictures; 0: all
+  std::vector<std::uint64_t> frames;  ///< frames to render, ascending
+  double film_rate = 60;              ///< pictures per second
+  int colors = 0;                     ///< colors of a picture's palette; 0: full color
   bool quiet = false;
 };
 
@@ -87,7 +87,7 @@ PictureStyle style_of(const RenderRequest& request) {
   return style;
 }
 
-/// Without --out several frames make a film, one a picture.
+/// The default of --out: a film for several frames, a picture for one.
 fs::path default_out(const RenderRequest& request, const FrameSource& source) {
   const bool several = request.sheet.empty() && !request.frames.empty() &&
                        parse_frames(request.frames, source.frames()).size() > 1;
@@ -99,7 +99,7 @@ bool is_gif(const fs::path& out) {
   return extension == ".gif" || extension == ".GIF";
 }
 
-/// A .gif shows at most 50 pictures a second: no others are rendered for it.
+/// A .gif shows at most 50 pictures per second: omits the frames that it would drop.
 std::uint64_t gif_step(double frame_rate) {
   return static_cast<std::uint64_t>(std::max(1.0, std::ceil(frame_rate / 50 - 1e-9)));
 }
@@ -131,7 +131,7 @@ void choose_frames(const RenderRequest& request, const FrameSource& source, Orde
   }
 }
 
-/// What is drawn small or often is made small and quickly, unless the user wants otherwise.
+/// Defaults of size and samples: small and fast for sheets, GIFs and films.
 void choose_size(const RenderRequest& request, Order& order) {
   const bool still = order.kind == OutputKind::picture || order.kind == OutputKind::sheet;
   if (!request.samples) order.style.samples = still ? 16 : 4;
@@ -149,7 +149,7 @@ void choose_size(const RenderRequest& request, Order& order) {
     throw Error("--sheet: the page would be more than 16384 pixels wide or high; give a smaller --size");
 }
 
-/// Some displays show the inside of a world, which caches do not hold.
+/// Throws for displays that need a world when the source is a cache.
 void require_world(const Order& order, const RenderRequest& request, const FrameSource& source) {
   if (source.has_world()) return;
   const auto refuse = [&](const std::string& option) {
@@ -285,7 +285,7 @@ int render_frames(const RenderRequest& request) {
   PictureMaker maker;
   const std::unique_ptr<PictureSink> sink =
       open_sink({order.kind, order.out, source->name(), order.film_rate, order.sheet, order.colors});
-  // From here on files appear; an interrupt ends the work in good order.
+  // From here on files exist: an interrupt must leave them complete.
   watch_interrupts();
   try {
     Rendering rendering(order, *source, maker, *sink);

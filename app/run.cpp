@@ -29,13 +29,13 @@ namespace {
 
 constexpr const char* checkpoint_name = "checkpoint.souple";
 
-/// A run about to begin, or to go on.
+/// A run that is about to begin or to resume.
 struct Job {
   RunRecord record;
   SceneDescription scene;
   fs::path out;
-  std::uint64_t done = 0;        ///< frames simulated before
-  std::vector<std::byte> state;  ///< of the world after them
+  std::uint64_t done = 0;        ///< frames simulated earlier
+  std::vector<std::byte> state;  ///< state of the world after them
 };
 
 std::vector<CacheFormat> formats_of(const std::vector<std::string>& names) {
@@ -50,7 +50,7 @@ std::vector<CacheFormat> formats_of(const std::vector<std::string>& names) {
   return formats;
 }
 
-/// The command's own flags are settings like any other, and checked like them.
+/// Converts the command's own flags to settings, which are checked like all others.
 std::vector<std::string> settings_of(const RunOptions& options) {
   std::vector<std::string> settings = options.settings;
   if (options.frames) settings.push_back(fmt::format("frames={}", *options.frames));
@@ -121,7 +121,7 @@ void save_checkpoint(const Job& job, const World& world, std::uint64_t frame) {
   write_checkpoint(job.out / checkpoint_name, checkpoint);
 }
 
-/// What is worth saying of a run when it is over.
+/// Summary of a finished run.
 struct Tally {
   std::array<std::uint64_t, 5> flagged{};  ///< frames with each flag
   double largest_strain = 0;
@@ -168,7 +168,7 @@ int say_interrupted(const Job& job, std::uint64_t frame) {
   return interrupted;
 }
 
-/// What a run writes, and whether it speaks. Surfaces and picture may be null.
+/// Outputs of a run. Surfaces and picture may be null.
 struct Output {
   Recorder& recorder;
   RunSurfaces* surfaces;
@@ -179,7 +179,7 @@ struct Output {
     recorder.capture();
     if (surfaces != nullptr) surfaces->write(world, frame);
   }
-  /// Before a checkpoint, or a run killed later would be resumed without its reports.
+  /// Saves manifests before a checkpoint, so that a run killed later resumes with its reports.
   void save_manifests() const {
     recorder.save_manifest();
     if (surfaces != nullptr) surfaces->save();
@@ -190,7 +190,7 @@ struct Output {
   }
 };
 
-/// Simulates and records; every way out leaves whole files behind.
+/// Simulates and records; leaves complete files on every exit.
 int simulate(const Job& job, World& world, const Output& output) {
   const double dt = 1 / job.scene.frame_rate;
   Tally tally;
@@ -264,11 +264,11 @@ int run(const RunOptions& options) {
   if (!job.record.surface.empty())
     surfaces = std::make_unique<RunSurfaces>(job.record.surface, job.scene, world, job.out, job.done);
   const auto picture = options.picture.empty() ? nullptr : std::make_unique<LastPicture>(options.picture);
-  // From here on files appear; an interrupt ends the run in good order.
+  // From here on files exist: an interrupt must leave them complete.
   watch_interrupts();
   if (job.done == 0) {
     std::error_code error;
-    fs::remove(job.out / checkpoint_name, error);  // of an older run
+    fs::remove(job.out / checkpoint_name, error);  // left by an older run
     if (surfaces) surfaces->start();
   }
   Recorder recorder(world, job.out, recorder_options(job));

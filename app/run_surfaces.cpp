@@ -53,7 +53,7 @@ RunSurfaces::RunSurfaces(const std::string& method, const SceneDescription& scen
 void RunSurfaces::start() {
   create_folder(order_.out);
   std::error_code ignored;
-  fs::remove(order_.out / "run.json", ignored);  // of an older run
+  fs::remove(order_.out / "run.json", ignored);  // left by an older run
 }
 
 void RunSurfaces::write(const World& world, std::uint64_t frame) {

@@ -49,7 +49,7 @@ SurfaceOrder order_of(const SurfaceRequest& request) {
   return order;
 }
 
-/// Objects made of particles: those that were asked for; else all fluids; else all grains.
+/// The objects to mesh: the requested ones, else all fluids, else all grains.
 std::vector<std::size_t> chosen_objects(const SurfaceRequest& request, const Playback& playback) {
   const auto of_kind = [&](const char* kind) {
     std::vector<std::size_t> found;
@@ -81,7 +81,7 @@ std::vector<std::size_t> chosen_objects(const SurfaceRequest& request, const Pla
   return result;
 }
 
-/// As the scene that run.json embeds says.
+/// Spacing from the scene embedded in run.json.
 float spacing_of(const Playback& playback, const std::string& object, const fs::path& cache) {
   const std::string& text = playback.manifest().scene;
   if (!text.empty()) {
@@ -95,7 +95,7 @@ float spacing_of(const Playback& playback, const std::string& object, const fs::
               "\" lie apart [m]");
 }
 
-/// Frame by frame.
+/// Meshes frame by frame.
 class Work {
  public:
   Work(const SurfaceRequest& request, const SurfaceOrder& order, Playback& playback)
@@ -138,7 +138,7 @@ class Work {
   Playback& playback_;
   std::unique_ptr<Threads> threads_;
   ObjectFiles objects_;
-  std::vector<std::size_t> indices_;  // of each, in the playback
+  std::vector<std::size_t> indices_;  // per object: its index in the playback
   std::uint64_t frames_ = 0;
 };
 
@@ -156,7 +156,7 @@ int surface(const SurfaceRequest& request) {
   if (fs::equivalent(source.empty() ? "." : source, order.out, ignored))
     throw Error("--out " + order.out.string() + ": is the folder that is read; choose another");
   create_folder(order.out);
-  // From here on files appear; an interrupt ends the work in good order.
+  // From here on files exist: an interrupt must leave them complete.
   watch_interrupts();
   try {
     if (!work.run(request)) {

@@ -25,7 +25,7 @@ const char* extension_of(SurfaceFormat format) {
   return format == SurfaceFormat::vdb ? "vdb" : format == SurfaceFormat::ply ? "ply" : "obj";
 }
 
-/// Of the band around the surface that a volume holds, on each side. [cells]
+/// Half width of a volume's band around the surface. [cells]
 constexpr int band_cells = 3;
 
 struct Spacing {
@@ -82,12 +82,12 @@ void SurfaceFiles::resume(const RunManifest& before, std::uint64_t done) {
   }
   const bool has_any = known != before.objects.end() && !known->files.empty();
   const std::uint64_t written = has_any ? known->files.front().frames : 0;
-  // That run.json may tell of later frames too.
+  // That run.json may list later frames too.
   if (before.frames < done || there > written || written - there > before.frames - done)
-    throw Error(
-        fmt::format("{}: lacks meshes of \"{}\": {} of the first {} frames are there; start the run again, or "
-                    "make them of its folder with `souple surface`",
-                    folder_.string(), object_, there, done));
+    throw Error(fmt::format(
+        "{}: lacks meshes of \"{}\": {} of the first {} frames are there; start the run again, or "
+        "make them of its folder with `souple surface`",
+        folder_.string(), object_, there, done));
   meshes_.go_on_after(done);
   if (there == 0) return;
   listed_ = *known;
@@ -129,13 +129,13 @@ std::string SurfaceFiles::bytes() {
 
 void SurfaceFiles::list_first(std::uint64_t frame, const SurfaceMesh& mesh) {
   listed_ = {object_, "fluid", {{extension_, frame_file_name(file_name_, frame, extension_), 0}}, 0, 0};
-  if (format_ == SurfaceFormat::vdb) return;  // has neither
+  if (format_ == SurfaceFormat::vdb) return;  // a volume has neither
   listed_.points = mesh.positions.size();
   listed_.triangles = mesh.triangles.size();
 }
 
-/// Where the cache holds positions only: the way since the frame before, over its time. 0 where there was
-/// no such frame, or another number of particles.
+/// Velocities for a cache of positions: displacement since the previous frame over its time. 0 if there is
+/// no such frame, or it has another number of particles.
 std::span<const Vec3f> SurfaceFiles::differences(std::span<const Vec3f> positions, float rate) {
   velocities_.assign(positions.size(), {});
   if (before_.size() == positions.size())

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
-// The only file of the program that sees OpenVDB: it costs seconds.
+// The only source that includes OpenVDB, because its headers take seconds to compile.
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
@@ -17,7 +17,7 @@ namespace {
 using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
 static_assert(Leaf::SIZE == NarrowBand::brick_points && Leaf::DIM == NarrowBand::side);
 
-/// The library makes the grid: FloatGrid::create would compile all that a grid can do once more.
+/// Creates the grid inside the library: FloatGrid::create would instantiate all functions of a grid again.
 openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& object) {
   const openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(openvdb::FloatGrid::gridType());
   openvdb::FloatGrid::Ptr grid = openvdb::gridPtrCast<openvdb::FloatGrid>(made);
@@ -36,7 +36,7 @@ openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& objec
   return grid;
 }
 
-/// A file in memory, as openvdb::io::File writes it: with places of its parts, which io::Stream leaves out.
+/// A file in memory as openvdb::io::File writes it, with offsets of its parts, which io::Stream omits.
 class Archive : public openvdb::io::Archive {
  public:
   std::string bytes_of(const openvdb::GridBase::ConstPtr& grid) const {
@@ -46,14 +46,14 @@ class Archive : public openvdb::io::Archive {
   }
 };
 
-/// OpenVDB gives each file a random name (UUID); ours is made of what the file holds.
+/// Replaces OpenVDB's random file name (UUID) by one computed from the content.
 void name_by_content(std::string& bytes) {
   constexpr std::size_t at = 8 + 4 + 4 + 4 + 1;  // after magic number, three versions and a flag
   constexpr std::size_t size = 36;
   if (bytes.size() < at + size) return;
   std::string name(size, '0');
   for (const std::size_t dash : {8u, 13u, 18u, 23u}) {
-    if (bytes[at + dash] != '-') return;  // a format that we do not know
+    if (bytes[at + dash] != '-') return;  // unknown format
     name[dash] = '-';
   }
   bytes.replace(at, size, name);

@@ -15,7 +15,7 @@ namespace souple::app {
 
 namespace {
 
-/// A folder or a file as it stands, else the name of a shipped scene.
+/// An existing folder or file, else the name of a shipped scene.
 std::filesystem::path what_to_view(const std::string& what) {
   std::error_code error;
   if (!what.empty())
@@ -44,9 +44,9 @@ int view(const ViewRequest& request) {
   window.debug = request.debug;
   window.viewer.paused = request.paused;
   viewer::SceneList scenes(shipped_scenes());
-  // Before any window: what is wrong with a scene is said in the terminal it was named in.
+  // Before opening a window: errors of a scene go to the terminal.
   std::unique_ptr<viewer::Session> session = scenes.open(what_to_view(request.source));
-  // Ctrl-C in the terminal finishes a film that is being made.
+  // Ctrl-C in the terminal finishes a film in progress.
   watch_interrupts();
   window.interrupted = interrupt_came;
   viewer::run_window(std::move(scenes), std::move(session), window);

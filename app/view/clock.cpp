@@ -12,7 +12,7 @@ void Clock::tick(double seconds) {
 }
 
 bool Clock::take(double dt) {
-  // A step is made when most of it is due: a screen of 59.94 Hz would else skip one now and then.
+  // A step is due when most of its time has passed; otherwise a screen of 59.94 Hz would skip steps.
   if (due_ < 0.5 * dt) return false;
   due_ -= dt;
   simulated_ += dt;

@@ -13,7 +13,7 @@ namespace {
 constexpr float radians_per_unit = 0.008f;
 constexpr float zoom_per_notch = 0.88f;
 
-/// In pixels of the area.
+/// Position in pixels of the area.
 ImVec2 in_area(const ImVec2& at, const ViewArea& area) {
   return {at.x * area.scale - static_cast<float>(area.x), at.y * area.scale - static_cast<float>(area.y)};
 }
@@ -70,7 +70,7 @@ void Mouse::press(const render::Camera& camera, Simulation* simulation, const Vi
     return;
   }
   grab_ = std::make_unique<Grab>(simulation->world(), found->object, found->vertex, found->point);
-  if (!grab_->holds()) return grab_.reset();  // of what is pinned
+  if (!grab_->holds()) return grab_.reset();  // the vertex is pinned
   plane_.emplace(found->point, ray_under(camera, area, mouse), camera.forward());
   drag_ = Drag::grab;
 }

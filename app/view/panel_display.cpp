@@ -10,7 +10,7 @@ namespace souple::viewer {
 
 namespace {
 
-/// Names as the command line has them, shown with the key that chooses each.
+/// Names as on the command line, with their keys.
 template <class Value, class Name>
 std::vector<std::string> names_of(std::size_t count, Name name, bool numbered) {
   std::vector<std::string> names;

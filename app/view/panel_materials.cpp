@@ -10,7 +10,7 @@ namespace souple::viewer {
 
 namespace {
 
-/// The presets that are of this kind: `find` gives one, or nullptr.
+/// The presets of this kind; `find` returns one, or nullptr.
 template <class Material, class Find>
 bool preset_row(MaterialDescription<Material>& material, Find find) {
   static const std::vector<std::string> names = material::names();

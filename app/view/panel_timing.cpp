@@ -14,11 +14,11 @@ namespace souple::viewer {
 
 namespace {
 
-// Told apart by the color-blind too; in the order of Stage.
+// Distinguishable with color blindness; in the order of Stage.
 constexpr std::array<unsigned, stage_count> stage_colors{0x5b8def, 0x8d97a6, 0x3fb4e0, 0xf0a35e,
                                                          0x4fb6a8, 0xd7dbe2, 0xc983d6, 0xe0dc7a};
 
-/// "isometric_bending" as words.
+/// Converts "isometric_bending" to "isometric bending".
 std::string spaced(std::string_view name) {
   std::string words(name);
   std::replace(words.begin(), words.end(), '_', ' ');
@@ -31,7 +31,7 @@ double sum(const StageTimes& times) {
   return total;
 }
 
-/// Of the last half second or so.
+/// Mean over about the last half second.
 StageTimes recent_mean(const std::deque<StageTimes>& history) {
   StageTimes mean{};
   const std::size_t count = std::min<std::size_t>(history.size(), 30);
@@ -59,8 +59,8 @@ void stage_bar(const StageTimes& mean) {
   ImGui::Dummy({width, height});
 }
 
-/// What the chart's upper edge means [ms]: nearly all frames fit, and a single slow one does not flatten the
-/// rest. The line of real time is shown once it comes near.
+/// Value of the chart's upper edge [ms]: nearly all frames fit, and a single slow one does not flatten the
+/// rest. The line of real time appears when frames come near it.
 double top_of(const std::deque<StageTimes>& history, double budget) {
   std::vector<double> sums;
   sums.reserve(history.size());
@@ -72,7 +72,7 @@ double top_of(const std::deque<StageTimes>& history, double budget) {
   return top > 0.3 * budget ? std::max(top, 1.35 * budget) : top;
 }
 
-/// One column for each frame, the newest on the right; a line where real time ends.
+/// One column per frame, newest on the right; a line marks real time.
 void history_chart(const std::deque<StageTimes>& history, double budget) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 4;

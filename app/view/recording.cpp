@@ -11,7 +11,7 @@ namespace souple::viewer {
 
 namespace {
 
-// A picture that came late catches up by at most so many frames at once.
+// Maximum number of frames that a late picture catches up.
 constexpr int most_frames = 8;
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {

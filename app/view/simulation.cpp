@@ -15,8 +15,8 @@ namespace souple::viewer {
 
 namespace {
 
-// A picture waits for at most so many steps, and starts none when so much time is gone [s]. Where drawing is
-// what takes long, a picture has to bring many steps.
+// Maximum number of steps per picture, and the time after which a picture starts no step [s]. If drawing is
+// slow, a picture needs many steps.
 constexpr int most_steps = 20;
 constexpr double time_for_steps = 0.025;
 
@@ -149,7 +149,7 @@ void Simulation::change_material(std::size_t object, const Material& material) {
   auto& description = std::get<Description>(scene_.objects.at(object));
   world_.set_material(world_.find_object(description.name), material);
   description.material = material;
-  ++steps_;  // a radius shows
+  ++steps_;  // a radius is visible
 }
 
 void Simulation::set_material(std::size_t object, const MaterialDescription<ClothMaterial>& material) {
@@ -199,7 +199,7 @@ bool Simulation::toggle_pin(ObjectId object, std::uint32_t vertex) {
   return true;
 }
 
-/// A pin that meant other vertices too goes on to mean those, one by one.
+/// A pin that selected other vertices too is replaced by a list of them.
 void Simulation::forget_pin(std::size_t object, std::uint32_t vertex) {
   std::vector<PinDescription>& pins = common(scene_.objects[object]).pins;
   std::vector<std::vector<std::uint32_t>>& meant = pinned_at_start_[object];

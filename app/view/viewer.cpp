@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr float panel_width = 350;  // at most, in units of an ordinary screen
-constexpr int still_samples = 8;    // of screenshots and films
+constexpr float panel_width = 350;  // maximum, in pixels of an ordinary screen
+constexpr int still_samples = 8;    // samples of screenshots and films
 constexpr int largest_picture = 8192;
 
 }  // namespace
@@ -47,7 +47,7 @@ Recording* Viewer::recording() {
   return dynamic_cast<Recording*>(session_.get());
 }
 
-/// What the user asked for and cannot be done is said on screen; the viewer goes on.
+/// Shows errors of user actions on screen; the viewer continues.
 void Viewer::guarded(const std::function<void()>& what) {
   try {
     what();
@@ -56,7 +56,7 @@ void Viewer::guarded(const std::function<void()>& what) {
   }
 }
 
-// --- one picture ---------------------------------------------------------------------------------
+// --- frame ---------------------------------------------------------------------------------
 
 void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   Ui::begin();
@@ -86,10 +86,10 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
 
 void Viewer::go_on(double seconds) {
   try {
-    // A film has every frame, however long a picture takes.
+    // A film contains every frame, however long a picture takes.
     session_->advance(film_ ? 1 / session_->frame_rate() : seconds);
   } catch (const Error&) {
-    session_->set_playing(false);  // said once, not with every picture
+    session_->set_playing(false);  // report the error once, not with every picture
     throw;
   }
 }
@@ -109,7 +109,7 @@ void Viewer::lay_out() {
   area_.height -= static_cast<int>(std::min(bar, 0.4f * static_cast<float>(height_)));
 }
 
-/// Each session numbers its worlds from 1: told apart here, or one scene would be drawn with another's
+/// Each session numbers its worlds from 1: makes the numbers unique, or a scene would be drawn with another's
 /// triangles.
 void Viewer::look_at_session() {
   subject_ = session_->subject();
@@ -139,7 +139,7 @@ void Viewer::draw_scene(std::uint32_t framebuffer) {
   Ui::draw();
 }
 
-// --- what is shown -------------------------------------------------------------------------------
+// --- content -------------------------------------------------------------------------------
 
 void Viewer::show(std::unique_ptr<Session> session) {
   mouse_.forget();
@@ -188,8 +188,8 @@ void Viewer::obey_keys() {
   if (!any_down) held_ = 0;
 }
 
-/// Letters come as what they type, so they are where the keyboard's layout has them. A key that is held types
-/// again and again, which most keys do not want.
+/// Letters arrive as typed characters and thus follow the keyboard's layout. A pressed key repeats its
+/// character; most bindings ignore the repetitions.
 void Viewer::obey_character(unsigned character) {
   const bool again = character == held_;
   held_ = character;
@@ -228,7 +228,7 @@ void Viewer::act(Action action) {
       return;
     }
     case Action::display:
-      return;  // the digit says which
+      return;  // the digit selects the display
     case Action::screenshot:
       return take_screenshot();
     case Action::film:
@@ -237,7 +237,7 @@ void Viewer::act(Action action) {
       panels_shown_ = !panels_shown_;
       return;
     case Action::quit:
-      // First what lies on top.
+      // First the topmost element.
       if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return ImGui::ClosePopupToLevel(0, true);
       done_ = true;
       return;
@@ -263,7 +263,7 @@ std::optional<Mouse::Found> Viewer::pick(int x, int y) {
 
 // --- pictures ------------------------------------------------------------------------------------
 
-/// souple-NAME-0001.png, or the first number that is free: nothing is ever overwritten.
+/// souple-NAME-0001.png with the first free number: never overwrites a file.
 fs::path Viewer::new_file(const std::string& ending) const {
   for (int number = 1; number < 10000; ++number) {
     std::array<char, 16> digits{};
@@ -274,7 +274,7 @@ fs::path Viewer::new_file(const std::string& ending) const {
   throw Error(options_.folder.string() + ": holds 9999 pictures of " + session_->name() + "; move some away");
 }
 
-/// The scene alone, smoother than on screen: panels are no part of it.
+/// The scene without panels, smoother than on screen.
 void Viewer::take_screenshot() {
   if (area_.empty()) throw Error("the window is too small for a picture");
   const fs::path file = new_file(".png");
@@ -303,7 +303,7 @@ void Viewer::switch_film() {
   film_frames_ = 0;
 }
 
-/// Each frame of the simulation once.
+/// Adds each frame of the simulation once.
 void Viewer::add_to_film() {
   if (!film_ || session_->frame() == film_frame_) return;
   film_frame_ = session_->frame();
@@ -312,7 +312,7 @@ void Viewer::add_to_film() {
   try {
     film_->add(renderer_.picture(drawing_.list(), camera_, rendering, film_width_, film_height_));
   } catch (const Error&) {
-    film_.reset();  // said once, not with every picture
+    film_.reset();  // report the error once, not with every picture
     throw;
   }
   ++film_frames_;

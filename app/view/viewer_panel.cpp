@@ -15,7 +15,7 @@
 
 #include <fmt/core.h>
 
-// The panel on the left, and what is written over the scene.
+// The panel on the left, and text over the scene.
 
 namespace souple::viewer {
 
@@ -45,7 +45,7 @@ std::string formatted(const char* format, double value) {
   return text.data();
 }
 
-/// Words with a dark ground, from their upper right corner.
+/// Text on a dark background, aligned at its upper right corner.
 void text_from_right(float right, float y, unsigned color, const std::string& text) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -227,7 +227,7 @@ void Viewer::draw_time_slider() {
 
 namespace {
 
-/// A key, or what the mouse does, with a word beside it.
+/// A key or a mouse action, with a short description.
 struct Cap {
   std::string_view key, brief;
   float x = 0, y = 0, key_width = 0;  ///< from the bar's upper left corner
@@ -242,7 +242,7 @@ float width_of(std::string_view text, float font) {
   return ImGui::GetFont()->CalcTextSizeA(font, 1e9f, 0, text.data(), text.data() + text.size()).x;
 }
 
-/// In as many lines as it takes.
+/// Wraps into as many lines as necessary.
 CapLayout lay_out_caps(float width) {
   CapLayout layout;
   for (const Key& key : keys) layout.caps.push_back({key.key, key.brief});

@@ -27,7 +27,7 @@ void hint_for_last_item(const char* hint) {
   }
 }
 
-/// Literal text as a slider's format: what is shown does not depend on the number that it moves.
+/// Literal text as a slider's format: the text is independent of the slider's internal number.
 std::string literal(const std::string& text) {
   std::string format;
   for (const char c : text) {
@@ -37,7 +37,7 @@ std::string literal(const std::string& text) {
   return format;
 }
 
-/// A field to type the number in, opened by Ctrl + click on the slider before it.
+/// A text field for the number, opened by Ctrl + click on the slider.
 bool typed_value(const std::string& id, float& value, const char* unit) {
   const std::string popup = id + ".typed";
   if (ImGui::IsItemHovered() && ImGui::IsMouseClicked(0) && ImGui::GetIO().KeyCtrl)
@@ -57,7 +57,7 @@ bool typed_value(const std::string& id, float& value, const char* unit) {
   return changed;
 }
 
-/// Three digits, without the zeros and signs that C adds: 0.15, 4000, 1e9, 2.5e-6.
+/// Three significant digits without redundant zeros and signs: 0.15, 4000, 1e9, 2.5e-6.
 std::string number_text(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", value);
@@ -71,7 +71,7 @@ std::string number_text(double value) {
   return fmt::format("{}{}", result.substr(0, exponent + 1), power);
 }
 
-/// The slider that is drawn while it lives is a bar that is filled up to its value.
+/// During its lifetime, sliders are drawn as bars filled up to their values.
 class Filled {
  public:
   explicit Filled(float share) {
@@ -94,7 +94,7 @@ class Filled {
   Filled& operator=(const Filled&) = delete;
 };
 
-/// ImGui's own logarithmic slider takes everything below a thousandth for zero; a cloth bends with 1e-6 N m.
+/// ImGui's logarithmic slider treats values below a thousandth as zero; a cloth bends with 1e-6 N m.
 bool logarithmic_slider(const std::string& id, float& value, const SliderRange& range, const char* unit) {
   const float lo = std::log10(range.lo), hi = std::log10(range.hi);
   float at = value > 0 ? std::clamp(std::log10(value), lo, hi) : lo;
@@ -106,7 +106,7 @@ bool logarithmic_slider(const std::string& id, float& value, const SliderRange& 
   }
   float rounded = value;
   if (moved && !ImGui::GetIO().KeyCtrl) {
-    // Three digits: what is shown is what is set, and what stands in the copied scene.
+    // Rounds to the three digits shown, so that the display, the setting and the copied scene agree.
     rounded = std::strtof(number_text(std::pow(10.0, static_cast<double>(at))).c_str(), nullptr);
   }
   const bool changed = rounded != value;

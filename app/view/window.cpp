@@ -27,14 +27,14 @@ constexpr const char* elsewhere =
     "; `souple render` makes pictures and films without a screen, and `ssh -X` brings this one's windows to "
     "another";
 
-/// What GLFW said last, in words.
+/// GLFW's last error message.
 std::string complaint() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text != nullptr ? text : "no reason was given";
 }
 
-/// GLFW for as long as it lives.
+/// Initializes GLFW for its lifetime.
 class Glfw {
  public:
   Glfw() {
@@ -45,7 +45,7 @@ class Glfw {
   Glfw& operator=(const Glfw&) = delete;
 };
 
-/// What the callbacks of a window write to.
+/// Data written by the callbacks of a window.
 struct Inbox {
   std::vector<std::filesystem::path> dropped;
 };
@@ -90,7 +90,7 @@ class Window {
   }
   bool iconified() const { return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE; }
 
-  /// How much larger than on an ordinary screen letters have to be, in units of the mouse.
+  /// Scale of text relative to an ordinary screen, in units of the mouse.
   float scale() const {
     float x = 1, y = 1;
     glfwGetWindowContentScale(window_, &x, &y);
@@ -108,7 +108,7 @@ class Window {
   std::string title_;
 };
 
-/// ImGui's part that reads the window.
+/// ImGui's GLFW backend.
 class WindowInput {
  public:
   explicit WindowInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForOpenGL(window, true); }
@@ -117,7 +117,7 @@ class WindowInput {
   WindowInput& operator=(const WindowInput&) = delete;
 };
 
-/// Seconds since it was asked last.
+/// Seconds since the previous call.
 class FrameTimer {
  public:
   double lap() {
@@ -142,7 +142,7 @@ void loop(Window& window, Viewer& viewer, const WindowOptions& options) {
     if (options.interrupted && options.interrupted()) return;
     if (viewer.done() || glfwWindowShouldClose(window.get()) != 0) return;
     glfwSwapBuffers(window.get());
-    // Nothing is waited for while nothing is shown.
+    // Without a visible frame there is no vertical sync to wait for.
     if (window.iconified()) std::this_thread::sleep_for(std::chrono::milliseconds(15));
   }
 }
