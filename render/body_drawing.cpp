@@ -8,7 +8,7 @@
 namespace souple::render {
 namespace {
 
-/// Mean length of the first few hundred triangles' sides: enough to size marks by. [m]
+/// Mean side of the first few hundred triangles, to determine the size of marks. [m]
 float mean_edge_length(const Body& body) {
   double sum = 0;
   const std::size_t count = std::min<std::size_t>(body.triangles.size(), 300);
@@ -81,7 +81,7 @@ Look BodyDrawing::look(const Drawing& drawing) const {
 }
 
 Look BodyDrawing::own_look() const {
-  // A rope's particles are seen better in a color of the palette than in that of hemp.
+  // A rope's particles are more visible in a color of the palette than in the color of hemp.
   const bool as_balls = as_particles_ && kind_ == ObjectKind::rope;
   const std::optional<Color> chosen =
       kind_ == ObjectKind::fluid ? std::optional(liquid_color(density_, chosen_)) : chosen_;
@@ -123,7 +123,7 @@ void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, 
   if (now.splats == SplatShape::ellipsoids) shape_splats(body, drawing.threads);
   set_colors(body, rope_strain, drawing);
   if (!creased_.has_creases() || colors_.empty()) return;
-  colors_.reserve(creased_.source().size());  // the copies come after the vertices themselves
+  colors_.reserve(creased_.source().size());  // copies follow the original vertices
   for (const std::uint32_t v : creased_.source().subspan(colors_.size())) colors_.push_back(colors_[v]);
 }
 
@@ -133,7 +133,7 @@ void BodyDrawing::shape_splats(const Body& body, Threads& threads) {
   splats_->build(body.positions, threads);
 }
 
-/// What a measuring display shows per vertex; empty where it is not known.
+/// Value of a measuring display per vertex; empty if unknown.
 std::span<const float> BodyDrawing::values(const Body& body, std::span<const float> rope_strain,
                                            Display display) {
   if (display == Display::speed) {
@@ -143,7 +143,7 @@ std::span<const float> BodyDrawing::values(const Body& body, std::span<const flo
     return values_;
   }
   if (kind_ == ObjectKind::rope) return rope_strain;
-  if (kind_ == ObjectKind::obstacle) return {};  // nothing strains it
+  if (kind_ == ObjectKind::obstacle) return {};  // obstacles have no strain
   if (body.triangles.empty() || body.rest.size() != body.positions.size()) return {};
   if (!has_strain_) strain_ = EdgeStrain(body.rest, body.triangles);
   has_strain_ = true;
@@ -212,8 +212,8 @@ void BodyDrawing::draw_tube(std::uint32_t pick, const Drawing& drawing) {
 }
 
 void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawing& drawing) {
-  // Half the edge of a cube of all of it, so that its color does not depend on how large the scene is or how
-  // fine; of a little liquid that is still to come some spacings.
+  // Half the edge of a cube of the liquid's volume, so that its color is independent of the scene's size and
+  // resolution; at least some spacings, for the start of an emitter.
   const float spacing = 2 * body.radius;
   const float edge = std::max(std::cbrt(static_cast<float>(body.positions.size())), 16.0f) * spacing;
   Liquid liquid;
@@ -281,7 +281,7 @@ std::uint32_t BodyDrawing::vertex_of(const Body& body, std::uint32_t element) co
     return element < tube_.positions().size() ? tube_.point_of(element) : element;
   if (!as_particles_) return element < creased_.source().size() ? creased_.source()[element] : element;
   if (element >= particles_.centers.size()) return element;
-  // A particle has no place in the user's order: the vertex on it, or nearest to it, is meant.
+  // A particle has no index in user order: returns the vertex at it, or nearest to it.
   std::uint32_t best = 0;
   for (std::uint32_t v = 1; v < body.positions.size(); ++v)
     if (length_squared(body.positions[v] - particles_.centers[element]) <

@@ -30,7 +30,7 @@ struct Range {
   }
 };
 
-/// Where an eye has to be to see points at x (across) and f (along the view) within the slope s on both
+/// Position of an eye that sees points at x (across) and f (along the view) within the slope s on both
 /// sides: |x_i - center| <= s (distance + f_i) for all i, with the smallest such distance.
 struct Fit {
   float distance = 0, center = 0;
@@ -38,7 +38,7 @@ struct Fit {
 
 Fit fit(const std::array<Vec3f, 8>& points, const Vec3f& middle, const Vec3f& across, const Vec3f& along,
         float s) {
-  Range left, right;  // of x - s f and of x + s f
+  Range left, right;  // ranges of x - s f and of x + s f
   for (const Vec3f& point : points) {
     const float x = dot(point - middle, across), f = dot(point - middle, along);
     left.add(x - s * f);
@@ -67,7 +67,7 @@ Vec3f Camera::forward() const {
 
 Vec3f Camera::right() const {
   const Vec3f side = cross(forward(), Vec3f{0, 1, 0});
-  // Straight up or down, every side is as good as another.
+  // For a vertical view any direction serves.
   return length_squared(side) < 1e-12f ? Vec3f{1, 0, 0} : normalized(side);
 }
 
@@ -88,8 +88,8 @@ Mat4 Camera::projection(float aspect, const Bounds& scene) const {
   } else {
     for (const Vec3f& corner : corners(scene)) depth.add(dot(corner - from, forward()));
   }
-  // A depth buffer's error grows with far / near only through near: 1 / 2000 of the far end still tells 0.1 %
-  // of it apart, and lets an eye inside the scene see what lies before its nose.
+  // Only `near` determines a depth buffer's error: near = far / 2000 still resolves 0.1 %
+  // of `far`, and shows near objects to an eye inside the scene.
   const float far = 1.1f * std::max(depth.hi, reach);
   const float nearest = std::min(far / 2000, 0.1f * reach);
   const float near = std::clamp(0.9f * depth.lo, nearest, far / 2);
@@ -140,7 +140,7 @@ void Camera::zoom(float factor) {
 
 void Camera::frame(const Bounds& box, float aspect) {
   if (box.empty()) return;
-  const float filled = 0.88f;  // of the picture; the rest is margin
+  const float filled = 0.88f;  // filled part of the picture; the rest is margin
   const float s = filled * std::tan(half_fov(fov));
   const Vec3f along = forward(), middle = box.center();
   const std::array<Vec3f, 8> points = corners(box);

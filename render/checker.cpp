@@ -12,8 +12,8 @@ namespace souple::render {
 namespace {
 
 constexpr double pi = 3.14159265358979;
-constexpr double fields_across = 8;  ///< the shorter side
-constexpr double rim = 0.06;         ///< by how much a field at the rim is narrower
+constexpr double fields_across = 8;  ///< number of fields along the shorter side
+constexpr double rim = 0.06;         ///< part by which a field at the rim is narrower
 constexpr double flat = 1e-3;        ///< thinner than this fraction of its size: a flat cloth
 
 /// Twice the area of all triangles, as a vector: its direction is the normal of a flat mesh.
@@ -23,7 +23,7 @@ Vec3d area_vector(std::span<const Vec3d> x, std::span<const Triangle> triangles)
   return sum;
 }
 
-/// How far points reach along a direction.
+/// Extent of points along a direction.
 struct Reach {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   double size() const { return hi - lo; }
@@ -38,9 +38,9 @@ Reach reach(std::span<const Vec3d> points, const Vec3d& direction) {
   return result;
 }
 
-/// The direction in the plane of u and v along which the outline's smallest rectangle lies. A smallest
-/// rectangle has a side along the outline (Freeman and Shapira 1975): the outline's directions are tried, one
-/// in each half degree.
+/// Direction, in the plane of u and v, of the outline's smallest enclosing rectangle. A smallest
+/// rectangle has a side along the outline (Freeman and Shapira 1975): tries the outline's directions, one
+/// per half degree.
 Vec3d side_direction(std::span<const Vec3d> rest, std::span<const Triangle> triangles, const Vec3d& u,
                      const Vec3d& v) {
   std::vector<Vec3d> outline;
@@ -70,8 +70,8 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
   const Vec3d u = side_direction(rest, triangles, any, cross(normal, any)), v = cross(normal, u);
   const Reach along_u = reach(rest, u), along_v = reach(rest, v);
   const double size = std::min(along_u.size(), along_v.size()) / fields_across;
-  // Whole fields from side to side: they may be a little off square, and those at the rim end a little early,
-  // or a smooth border between fields would edge the cloth. Across, inside a field.
+  // A whole number of fields from side to side: fields may be slightly non-square, and narrower at the rim,
+  // or a smooth border between fields would line the cloth's edge. Across, inside a field.
   const auto scale = [size](const Reach& side) {
     return (std::max(1.0, std::round(side.size() / size)) - 2 * rim) / side.size();
   };
@@ -86,7 +86,7 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
 Checker solid_checker(std::span<const Vec3d> rest, const BoundingBox& box) {
   const Vec3d size = box.size(), center = box.center();
   const double field = std::max({size.x, size.y, size.z}) / fields_across;
-  // A side of the box in the border between two fields would flicker: such an axis is moved a quarter field.
+  // A side of the box on the border of two fields would flicker: shifts such an axis by a quarter field.
   Vec3d shift{};
   for (int k = 0; k < 3; ++k) {
     const double side = size[k] / 2 / field;
@@ -100,7 +100,7 @@ Checker solid_checker(std::span<const Vec3d> rest, const BoundingBox& box) {
 }  // namespace
 
 Checker cloth_checker(std::span<const Vec3d> exact_rest, std::span<const Triangle> triangles) {
-  // As a cache holds them: a run's picture is then its scene's.
+  // Rounded as in a cache, so that a run's picture equals its scene's.
   std::vector<Vec3d> rest;
   rest.reserve(exact_rest.size());
   for (const Vec3d& x : exact_rest) rest.emplace_back(Vec3f(x));

@@ -15,7 +15,7 @@ namespace souple::render {
 namespace {
 
 constexpr float width = 1.2f;    ///< pixels
-constexpr float shrunk = 0.85f;  ///< elements are drawn smaller, so that neighbors do not cover each other
+constexpr float shrunk = 0.85f;  ///< scale of elements, so that neighbors do not overlap
 
 struct KindStyle {
   std::string_view kind;
@@ -49,7 +49,7 @@ Vec3f centroid(std::span<const Vec3f> points) {
   return sum / static_cast<float>(points.size());
 }
 
-/// Tethers reach across everything: what lies behind them has to be seen.
+/// Tethers cross the whole object and are therefore transparent.
 PackedColor thinned(std::string_view kind, PackedColor color) {
   return kind == "tether" ? (color & 0x00ffffffu) | 0x50000000u : color;
 }
@@ -82,7 +82,7 @@ class Pen {
     for (const Vec3f& axis : {Vec3f{size_, 0, 0}, Vec3f{0, size_, 0}, Vec3f{0, 0, size_}})
       segment(x - axis, x + axis);
   }
-  /// From the middle of one triangle over the shared edge to that of the other.
+  /// From the center of a triangle over the shared edge to the center of its neighbor.
   void hinge(std::span<const Vec3f> x) {
     const Vec3f edge = (x[0] + x[1]) / 2.0f;
     segment((x[0] + x[1] + x[2]) / 3.0f, edge);
@@ -101,7 +101,7 @@ class Pen {
   PackedColor color_ = 0;
 };
 
-/// What the legend has to know of the constraints of one kind.
+/// Data of the legend for the constraints of a kind.
 struct KindSummary {
   std::size_t count = 0;
   float residual = 0, strain = 0;  ///< the largest
@@ -119,13 +119,13 @@ void note(Summary& summary, const DebugConstraint& c) {
   kind.colors = std::max(kind.colors, c.color + 1);
 }
 
-/// The largest values of each kind have to be known before the first line: units differ from kind to kind, so
+/// Largest values per kind, computed before the first line: units differ between kinds, so
 /// each has a scale of its own.
 bool takes_two_passes(ConstraintDisplay display) {
   return display == ConstraintDisplay::residual || display == ConstraintDisplay::strain;
 }
 
-/// Kinds without a strain would hide those that have one.
+/// Omits kinds without a strain, which would hide the others.
 bool has_strain(const Summary& summary, std::string_view kind) {
   return kind == "distance" || summary.find(kind)->second.strain > 0;
 }

@@ -23,7 +23,7 @@ constexpr std::string_view remedy =
   throw Error(what + std::string(remedy));
 }
 
-// libepoxy ends the program when a library or a function is missing, so both are looked for beforehand.
+// libepoxy ends the program if a library or a function is missing, so both are checked beforehand.
 void require_library(const char* file, const char* what) {
   void* library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr)
@@ -36,8 +36,8 @@ bool client_has(std::string_view extension) {
   return all != nullptr && std::string_view(all).find(extension) != std::string_view::npos;
 }
 
-// The displays to try, best first: Mesa's (which takes a GPU when there is one it knows), then those that
-// other drivers offer for each device.
+// The displays to try, best first: Mesa's (which uses a GPU that it supports), then the displays that
+// other drivers offer per device.
 std::vector<EGLDisplay> displays() {
   std::vector<EGLDisplay> found;
   if (!client_has("EGL_EXT_platform_base")) return found;
@@ -84,7 +84,7 @@ EGLContext make_context(EGLDisplay display, Api api) {
                           api == Api::es3 ? es.data() : desktop.data());
 }
 
-// What the debug callback and glGetError have found, per thread, as a context is current in one thread.
+// Errors of the debug callback and glGetError, per thread, because a context is current in one thread.
 std::vector<std::string>& gl_messages() {
   thread_local std::vector<std::string> messages;
   return messages;
@@ -127,7 +127,7 @@ OffscreenContext::~OffscreenContext() {
   if (eglGetCurrentContext() == impl_->context) {
     eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
-  // The display stays initialized: it is one for the whole program, and another context may be using it.
+  // The display stays initialized: the whole program shares it, and another context may use it.
   eglDestroyContext(impl_->display, impl_->context);
 }
 
@@ -150,7 +150,7 @@ bool draws_in_software() {
 
 void watch_gl_errors() {
   gl_messages().clear();
-  if (!epoxy_has_gl_extension("GL_KHR_debug")) return;  // then glGetError alone
+  if (!epoxy_has_gl_extension("GL_KHR_debug")) return;  // only glGetError remains
   if (epoxy_is_desktop_gl()) {
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);

@@ -30,13 +30,13 @@ constexpr std::array<std::string_view, splat_shape_count> splat_shape_names{"sph
 const PackedColor against_collider = pack(srgb(0xd9480f)), against_object = pack(srgb(0x1864ab)),
                   lattice_ink = pack(srgb(0x37474f));
 
-/// Keys are told apart by which drawing gave them: one renderer may draw several subjects.
+/// Keys are unique per drawing, because a renderer may draw several subjects.
 std::uint64_t next_key_base() {
   static std::atomic<std::uint64_t> drawings{0};
   return ++drawings << 32;
 }
 
-/// A collider and the mesh that was made for its shape.
+/// A collider and the mesh of its shape.
 struct ColliderDrawing {
   std::uint64_t key = 0, topology = 0;
   Shape shape{};
@@ -76,7 +76,7 @@ struct SameShape {
   }
 };
 
-/// The height of a plane that is a level floor now.
+/// Height of a plane that is currently horizontal and faces up.
 std::optional<float> floor_height(const ColliderBody& collider) {
   const auto* plane = std::get_if<Plane>(collider.shape);
   if (!plane) return {};
@@ -87,7 +87,7 @@ std::optional<float> floor_height(const ColliderBody& collider) {
       collider.pose.point(n * (static_cast<double>(plane->offset) / length_squared(n))).y);
 }
 
-/// The value with this name; else throws Error that begins with `missing` and lists the names.
+/// The value with this name. Throws Error that begins with `missing` and lists the names.
 template <class Value, std::size_t n>
 Value value_of(const std::array<std::string_view, n>& names, std::string_view name, const char* missing) {
   std::string known;
@@ -127,15 +127,15 @@ SplatShape splat_shape_of(std::string_view name) {
 
 struct SubjectDrawing::Impl {
   DrawList list;
-  std::unique_ptr<Threads> threads = make_threads(Threading::automatic, 0);  ///< start when there is work
+  std::unique_ptr<Threads> threads = make_threads(Threading::automatic, 0);  ///< start at the first work
   HeatScale heat;
   Legend legend;
   std::uint64_t next_key = next_key_base();
-  std::optional<std::uint64_t> topology;               ///< of the subject seen last
-  std::uint32_t next_index = 0;                        ///< for the colors of the next object
+  std::optional<std::uint64_t> topology;               ///< topology of the previous subject
+  std::uint32_t next_index = 0;                        ///< index of the next object, for its color
   std::map<std::uint32_t, BodyDrawing> bodies;         ///< by Body::id
   std::map<std::uint32_t, ColliderDrawing> colliders;  ///< by ColliderBody::id
-  Bounds scene;                                        ///< when an object last came or went
+  Bounds scene;                                        ///< bounds when an object was last added or removed
   std::uint64_t pins_key = 0, pins_version = 0, contacts_key = 0, contacts_version = 0;
   std::vector<Vec3f> pins, contact_points;
   std::vector<float> pin_radii;
@@ -158,7 +158,7 @@ struct SubjectDrawing::Impl {
   void update(const Subject& subject, const DisplayOptions& options);
 };
 
-/// Another world. With which color it begins depends on its first name: not every cloth shall be blue.
+/// Starts a new world. The first color depends on the first object's name, so that not every cloth is blue.
 void SubjectDrawing::Impl::start(const Subject& subject) {
   topology = subject.topology;
   bodies.clear();
@@ -168,7 +168,7 @@ void SubjectDrawing::Impl::start(const Subject& subject) {
       subject.bodies.empty() ? 0 : static_cast<std::uint32_t>(fnv1a64(subject.bodies[0].name) >> 16 & 7);
 }
 
-/// Makes drawings for objects that are new, drops those of objects that are gone.
+/// Creates drawings for new objects and removes those of deleted objects.
 void SubjectDrawing::Impl::meet(const Subject& subject) {
   bool changed = false;
   std::map<std::uint32_t, BodyDrawing> present;
@@ -208,7 +208,7 @@ void SubjectDrawing::Impl::meet_colliders(const Subject& subject) {
   colliders = std::move(present);
 }
 
-/// In a world the particles are not the vertices; soft bodies have them inside.
+/// Collects the particles of a world, which differ from the vertices: soft bodies have interior particles.
 void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawing& drawing) {
   const Display display = drawing.options.display;
   if (!subject.world || (display != Display::particles && display != Display::lattice)) return;
@@ -219,8 +219,8 @@ void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawin
     if (found == bodies.end() || !found->second.draws_particles(drawing)) return;
     ParticleCloud& cloud = found->second.particles();
     cloud.centers.push_back(particle.position);
-    // Thin cloth would hardly be seen. Lattice nodes outside the surface they carry have radii below zero:
-    // they touch nothing before it does.
+    // Thin cloth would be almost invisible. Lattice nodes outside their surface have negative radii: the
+    // surface makes contact before they do.
     const float dot = 0.006f * size();
     const float least = particle.radius > 0 ? 0.12f * found->second.mean_edge() : dot;
     cloud.radii.push_back(display == Display::lattice ? dot : std::max(particle.radius, least));
@@ -238,13 +238,13 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
   surface.look = collider_look(collider.color);
-  // The walls of a tank: one looks in through those that stand before it.
+  // The walls of a tank: front walls are invisible from outside.
   surface.one_sided = std::holds_alternative<Plane>(*collider.shape);
   surface.pick = pick;
   list.surfaces.push_back(surface);
 }
 
-/// The first level floor is the ground; every other collider has a mesh.
+/// The first horizontal floor is the ground; every other collider has a mesh.
 void SubjectDrawing::Impl::draw_colliders(const Subject& subject, const DisplayOptions& options) {
   list.ground = {};
   list.ground.shown = false;
@@ -298,7 +298,7 @@ void SubjectDrawing::Impl::draw_lattice(const World& world) {
   legend.title(fmt::format("lattice: {} edges of tets", list.lines.size()));
 }
 
-/// Lines along the normals, as long as the root of their impulse, from a small ball.
+/// Lines along the normals from a small ball; their length is proportional to the root of the impulse.
 void SubjectDrawing::Impl::draw_contacts(const World& world) {
   float strongest = 0;
   std::array<std::size_t, 2> count{};
@@ -329,7 +329,7 @@ void SubjectDrawing::Impl::draw_contacts(const World& world) {
   list.spheres.push_back(spheres);
 }
 
-/// What the colors of the surfaces mean, and what a cache cannot show.
+/// Adds the meaning of the surfaces' colors, and the limits of a cache.
 void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions& options) {
   const Display display = options.display;
   if (display == Display::strain) {

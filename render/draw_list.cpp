@@ -7,7 +7,7 @@ namespace souple::render {
 
 namespace {
 
-// The box of the points that are finite: a broken object must not take the others out of sight.
+// The box of finite points: a diverged object must not hide the others.
 Bounds box_of(std::span<const Vec3f> points) {
   Bounds box;
   for (const Vec3f& p : points) {

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where a program lies: the folders of PATH, first to last. Empty when it is in none.
+/// Path of a program in the folders of PATH, first to last; empty if it is in none.
 fs::path find_program(const char* name) {
   const char* listed = std::getenv("PATH");
   const std::string_view folders = listed != nullptr ? listed : "/usr/bin:/bin";
@@ -40,7 +40,7 @@ fs::path find_program(const char* name) {
     const std::size_t end = std::min(folders.find(':', begin), folders.size());
     fs::path file = fs::path(folders.substr(begin, end - begin)) / name;
     std::error_code error;
-    // An empty entry would mean the working folder, from which nothing should be run unasked.
+    // An empty entry would mean the working folder, whose programs must not run by accident.
     if (end > begin && fs::is_regular_file(file, error) && access(file.c_str(), X_OK) == 0) return file;
     begin = end + 1;
   }
@@ -51,7 +51,7 @@ std::string reason(int number) {
   return std::generic_category().message(number);
 }
 
-/// A running ffmpeg that reads from us. Its arguments go to it as they are: no shell sees them.
+/// A running ffmpeg that reads our output. Its arguments are passed unchanged, without a shell.
 class Ffmpeg {
  public:
   explicit Ffmpeg(const std::vector<std::string>& arguments) : said_(std::tmpfile()) {
@@ -62,8 +62,8 @@ class Ffmpeg {
           "ffmpeg, "
           "or write single pictures into a folder instead");
     }
-    // A socket instead of a pipe: writing to an ffmpeg that has died is then an error and no signal, whatever
-    // the program around us does with SIGPIPE.
+    // A socket instead of a pipe: writing to a dead ffmpeg is then an error and not a signal, however
+    // the program handles SIGPIPE.
     std::array<int, 2> ends{-1, -1};
     if (said_ == nullptr || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
       const int why = errno;
@@ -90,7 +90,7 @@ class Ffmpeg {
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
 
-  /// False when it does not take any more: `finish` then says why.
+  /// Returns false if ffmpeg accepts no more data; `finish` then returns the reason.
   bool write(std::span<const std::uint8_t> bytes) {
     while (!bytes.empty()) {
       const ssize_t sent = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -101,7 +101,7 @@ class Ffmpeg {
     return true;
   }
 
-  /// Ends its input and waits. Empty when all went well, else what it said last.
+  /// Ends ffmpeg's input and waits. Returns its last message on failure, else an empty text.
   std::string finish() {
     close_input();
     const int status = wait();
@@ -126,7 +126,7 @@ class Ffmpeg {
     posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&files, fileno(said_), STDERR_FILENO);
-    // A group of its own: Ctrl-C in the terminal is for us, who then finish the film in good order.
+    // A process group of its own: Ctrl-C in the terminal reaches only this program, which finishes the film.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -146,7 +146,7 @@ class Ffmpeg {
     return status;
   }
 
-  /// Of what it complained about.
+  /// The last line of ffmpeg's errors.
   std::string last_line() {
     std::string line, found;
     std::rewind(said_);
@@ -166,7 +166,7 @@ class Ffmpeg {
     said_ = nullptr;
   }
 
-  std::FILE* said_;  ///< a file, not a pipe: it never fills up
+  std::FILE* said_;  ///< a file, because a pipe could fill up
   int input_ = -1;
   pid_t process_ = -1;
 };
@@ -182,7 +182,7 @@ fs::path part_of(const fs::path& file, const char* extension) {
   return file.parent_path() / (file.stem().string() + ".part" + extension);
 }
 
-/// A name that ffmpeg takes for nothing but a file, whatever its letters (-x.mp4, a:b.mp4).
+/// A name that ffmpeg interprets only as a file, for any characters (-x.mp4, a:b.mp4).
 std::string file_word(const fs::path& file) {
   return "file:" + file.string();
 }
@@ -203,7 +203,7 @@ void make_folder(const fs::path& folder) {
   if (error) throw Error(folder.string() + ": cannot be made: " + error.message());
 }
 
-/// Finds out now, not after minutes of work.
+/// Detects an unwritable path before minutes of work.
 void require_writable(const fs::path& file) {
   std::FILE* const opened = std::fopen(file.c_str(), "wb");
   if (opened == nullptr) throw Error(file.string() + ": cannot be written: " + reason(errno));
@@ -227,12 +227,12 @@ struct Film::Impl {
   fs::path file;
   double rate;
   Kind kind = Kind::pictures;
-  int width = 0, height = 0;            ///< of the first picture
-  int film_width = 0, film_height = 0;  ///< of what ffmpeg gets
+  int width = 0, height = 0;            ///< size of the first picture
+  int film_width = 0, film_height = 0;  ///< size of the pictures for ffmpeg
   std::uint64_t added = 0;
   bool finished = false;
-  fs::path part;  ///< what ffmpeg writes while pictures come: the film, or of a .gif all pictures
-  std::vector<fs::path> spares;  ///< removed at the end, however it comes
+  fs::path part;                 ///< file that ffmpeg writes: the film, or all pictures of a .gif
+  std::vector<fs::path> spares;  ///< removed at the end in any case
   std::unique_ptr<Ffmpeg> ffmpeg;
   Image padded;
 
@@ -246,7 +246,7 @@ struct Film::Impl {
     }
     if (std::error_code error; fs::is_directory(file, error))
       throw Error(file.string() + ": is a folder; expected the name of a film");
-    if (!has_ffmpeg()) Ffmpeg({});  // says what is missing
+    if (!has_ffmpeg()) Ffmpeg({});  // throws with the missing package
     make_folder(file.parent_path());
     part = part_of(file, kind == Kind::gif ? ".mkv" : ".mp4");
     spares.push_back(part);
@@ -262,7 +262,7 @@ struct Film::Impl {
     for (const fs::path& spare : spares) fs::remove(spare, error);
   }
 
-  /// Of a .gif every so manieth picture is shown.
+  /// A .gif shows every n-th picture; returns n.
   std::uint64_t stride() const {
     constexpr double fastest_gif = 50;  // browsers show a picture for at least 2/100 s
     return kind == Kind::gif ? static_cast<std::uint64_t>(std::ceil(rate / fastest_gif - 1e-9)) : 1;
@@ -307,7 +307,7 @@ struct Film::Impl {
                                        "+faststart",
                                        "-f",
                                        "mp4"};
-    // A .gif shares one palette, known only when all pictures are: until then they are kept, losslessly.
+    // A .gif has one palette for all pictures: until the last picture they are stored without loss.
     const std::vector<std::string> lossless{"-pix_fmt", "bgr0", "-c:v", "ffv1", "-f", "matroska"};
     const std::vector<std::string>& encoding = kind == Kind::mp4 ? mp4 : lossless;
     words.insert(words.end(), encoding.begin(), encoding.end());
@@ -315,7 +315,7 @@ struct Film::Impl {
     ffmpeg = std::make_unique<Ffmpeg>(words);
   }
 
-  /// The picture, its last column and row repeated where the film is larger.
+  /// The picture, with its last column and row repeated if the film is larger.
   std::span<const std::uint8_t> frame_of(const Image& image) {
     if (film_width == width && film_height == height) return image.pixels;
     Image grown(film_width, film_height);
@@ -381,7 +381,7 @@ struct Film::Impl {
     if (error) throw Error(file.string() + ": cannot be written: " + error.message());
   }
 
-  /// Two passes: the palette that serves all pictures best, then the film in these colors.
+  /// Two passes: the best palette for all pictures, then the film in these colors.
   fs::path make_gif() {
     const fs::path colors = part_of(file, ".png");
     fs::path gif = part_of(file, ".gif");

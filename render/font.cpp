@@ -5,17 +5,17 @@
 #include <imgui.h>
 #include <iterator>
 
-// Dear ImGui serves as a rasterizer of fonts alone: an ImFontAtlas needs no context.
+// Dear ImGui serves only as a rasterizer of fonts: an ImFontAtlas needs no context.
 
 namespace souple::render {
 
 namespace {
 
-/// How many bytes follow the first one of a character, and the bits it contributes; none for a wrong one.
+/// Number of bytes after a character's first byte, and the bits of that byte; empty for an invalid byte.
 struct Lead {
   int more = -1;
   char32_t bits = 0;
-  char32_t least = 0;  ///< shorter forms of smaller numbers are wrong
+  char32_t least = 0;  ///< smaller code points have shorter forms, so this form is invalid for them
 };
 
 Lead lead_of(unsigned char byte) {
@@ -32,7 +32,7 @@ std::size_t big_endian(const std::vector<char>& data, std::size_t at, std::size_
   return value;
 }
 
-/// Whether this is a TrueType font with all of its tables: the rasterizer trusts what it reads.
+/// Whether this is a TrueType font with all of its tables: the rasterizer does not validate.
 bool is_whole_font(const std::vector<char>& data) {
   constexpr std::size_t head = 12, entry = 16;  // bytes; an entry is tag, checksum, offset, length
   if (data.size() < head || big_endian(data, 0, 4) != 0x00010000) return false;
@@ -45,13 +45,13 @@ bool is_whole_font(const std::vector<char>& data) {
   return true;
 }
 
-/// With the font in `data`, or the built-in one when that is empty. False for a damaged font.
+/// Adds the font in `data`, or the built-in one if that is empty. Returns false for a damaged font.
 bool rasterize(ImFontAtlas& atlas, const std::vector<char>& data, int size, const ImVector<ImWchar>& ranges) {
   atlas.Flags = ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
   ImFontConfig config;
   config.SizePixels = float(size);
   config.GlyphRanges = ranges.Data;
-  config.OversampleH = 1;  // text starts at whole pixels, so nothing between them is needed
+  config.OversampleH = 1;  // text starts at whole pixels
   config.OversampleV = 1;
   config.PixelSnapH = true;
   if (data.empty()) {

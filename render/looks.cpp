@@ -8,7 +8,7 @@ namespace {
 
 const Color linen = srgb(0xf4ede0), hemp = srgb(0xe8d9bd);
 
-/// A number in [0, 1) from an index: the same on every machine. The mixing is that of SplitMix64.
+/// A pseudo-random number in [0, 1) from an index (SplitMix64), equal on every machine.
 float noise(std::uint64_t index) {
   std::uint64_t z = (index + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -18,7 +18,7 @@ float noise(std::uint64_t index) {
 
 struct LiquidKind {
   Color left;        // white light after its path through a medium-sized body of the liquid
-  Color particles;   // drawn one by one
+  Color particles;   // color of single particles
   float cloudiness;  // approximate part of the light scattered along that path
   float refractive_index;
 };

@@ -9,9 +9,9 @@ namespace souple::render {
 
 namespace {
 
-using Rgb = std::array<float, 3>;  // sRGB-encoded, in [0, 255]: distances there are near to what the eye sees
+using Rgb = std::array<float, 3>;  // sRGB-encoded, in [0, 255]: distances approximate perceived differences
 
-/// All pixels whose colors agree in the upper five bits of each channel, as one.
+/// All pixels whose colors agree in the upper five bits of each channel.
 struct Bin {
   Rgb color{};
   float pixels = 0;
@@ -50,7 +50,7 @@ std::vector<Bin> bins_of(const Image& image) {
   return bins;
 }
 
-/// A run of bins, and how much it spreads along its widest channel.
+/// A range of bins and its spread along its widest channel.
 struct Box {
   std::size_t begin = 0, end = 0;
   std::size_t channel = 0;
@@ -76,7 +76,7 @@ Box box_of(const std::vector<Bin>& bins, std::size_t begin, std::size_t end) {
   return box;
 }
 
-/// Where to cut a box, sorted along its channel, so that both halves hold about the same number of pixels.
+/// Index that divides a box, sorted along its channel, into halves of about equal numbers of pixels.
 std::size_t middle_of(const std::vector<Bin>& bins, const Box& box) {
   float total = 0, below = 0;
   for (std::size_t i = box.begin; i < box.end; ++i) total += bins[i].pixels;
@@ -124,7 +124,7 @@ std::size_t nearest(const std::vector<Rgb>& colors, const Rgb& color) {
   return best;
 }
 
-/// One round of Lloyd's method: each color moves to the mean of the pixels it is nearest to.
+/// One iteration of Lloyd's method: each color moves to the mean of its nearest pixels.
 void improve(std::vector<Rgb>& colors, const std::vector<Bin>& bins) {
   std::vector<std::array<double, 4>> sums(colors.size());
   for (const Bin& bin : bins) {
@@ -138,13 +138,13 @@ void improve(std::vector<Rgb>& colors, const std::vector<Bin>& bins) {
   }
 }
 
-/// Every pixel gets the nearest color to what it should be plus what its neighbors missed.
+/// Each pixel gets the color nearest to its own color plus the diffused error of its neighbors.
 std::vector<std::uint8_t> diffuse(const Image& image, const std::vector<Rgb>& colors) {
   const auto width = std::size_t(image.width);
   std::vector<std::uint8_t> indices(width * std::size_t(image.height));
-  std::vector<Rgb> here(width + 2), below(width + 2);  // what is missed so far, one pixel of margin
+  std::vector<Rgb> here(width + 2), below(width + 2);  // accumulated error, with one pixel of margin
   for (std::size_t y = 0; y < std::size_t(image.height); ++y) {
-    const bool rightwards = y % 2 == 0;  // turning at each row leaves no slanted patterns
+    const bool rightwards = y % 2 == 0;  // alternating directions avoid slanted patterns
     for (std::size_t step = 0; step < width; ++step) {
       const std::size_t x = rightwards ? step : width - 1 - step;
       const std::size_t ahead = rightwards ? x + 2 : x, behind = rightwards ? x : x + 2;

@@ -35,7 +35,7 @@ void require_extensions() {
   const int version = epoxy_gl_version();
   if (gl::is_es() && version < 30) throw Error("the renderer needs OpenGL ES 3.0; this context has less");
   if (!gl::is_es() && version < 33) throw Error("the renderer needs OpenGL 3.3; this context has less");
-  // Desktop OpenGL can draw into floating-point buffers since 3.0.
+  // Desktop OpenGL renders into floating-point buffers since 3.0.
   if (gl::is_es() && !epoxy_has_gl_extension("GL_EXT_color_buffer_float")) {
     throw Error(
         "the renderer needs the OpenGL ES extension EXT_color_buffer_float, which this driver lacks; Mesa's "
@@ -43,7 +43,7 @@ void require_extensions() {
   }
 }
 
-// What depends on the size of the picture alone.
+// Resources that depend only on the picture's size.
 struct Targets {
   int width, height;
   gl::Texture albedo, normal, depth, color;
@@ -60,7 +60,7 @@ struct Targets {
         lighting("light", {&color}, &depth) {}
 };
 
-// Where pictures are drawn that go into memory.
+// Render target of pictures in memory.
 struct Canvas {
   gl::Texture color;
   gl::Framebuffer target;
@@ -74,14 +74,14 @@ std::array<float, 2> spread(int i) {
   return {float(x - std::floor(x)), float(y - std::floor(y))};
 }
 
-// Where in the sun's disk a sample sees it: Vogel's spiral, all of them together cover it evenly.
+// Position of a sample in the sun's disk: Vogel's spiral covers it evenly.
 std::array<float, 2> sample_on_disk(int i, int count) {
   if (count <= 1) return {0, 0};
   const double radius = std::sqrt((i + 0.5) / count), angle = 2.399963229728653 * i;
   return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
 }
 
-// `all` is the box of all of the list.
+// `all`: bounds of the whole list.
 Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
   const auto casts = [](const auto& thing) { return thing.casts_shadow; };
   if (std::all_of(list.surfaces.begin(), list.surfaces.end(), casts) &&
@@ -191,7 +191,7 @@ void default_state() {
 
 Targets& Renderer::Impl::targets_of(int width, int height) {
   if (!targets || targets->width != width || targets->height != height) {
-    targets.reset();  // frees before it takes
+    targets.reset();  // frees memory before the next allocation
     targets.emplace(width, height);
   }
   return *targets;
@@ -274,7 +274,7 @@ void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context
   glDepthMask(GL_TRUE);
 }
 
-/// One sample, from an empty buffer to linear color. The shadow map is drawn, `frame` bound.
+/// Draws one sample to linear color. Requires a drawn shadow map and the bound `frame`.
 void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
                                  const RenderOptions& options) {
   draw_material(list, context);

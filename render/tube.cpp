@@ -11,8 +11,8 @@ namespace souple::render {
 namespace {
 
 constexpr float pi = 3.14159265f;
-constexpr std::size_t most_rings = 2000;    ///< long ropes have points enough to look smooth
-constexpr float fields_per_radius = 0.18f;  ///< how tightly the strands are laid
+constexpr std::size_t most_rings = 2000;    ///< limit: long ropes have enough points to look smooth
+constexpr float fields_per_radius = 0.18f;  ///< checker fields per radius: tightness of the strands
 
 /// Catmull and Rom 1974, uniform: passes p1 at t = 0 and p2 at t = 1.
 Vec3f catmull_rom(const std::array<Vec3f, 4>& p, float t) {
@@ -21,8 +21,8 @@ Vec3f catmull_rom(const std::array<Vec3f, 4>& p, float t) {
   return (a + (b + (c + d * t) * t) * t) * 0.5f;
 }
 
-/// Unit vector at right angles to `along` that changes smoothly with it everywhere but at one direction that
-/// ropes seldom take: `fixed`, turned as the shortest rotation turns `pole` to `along`.
+/// Unit vector perpendicular to `along` that changes smoothly with it, except at one direction that
+/// ropes seldom have: `fixed`, rotated by the shortest rotation from `pole` to `along`.
 Vec3f perpendicular(const Vec3f& along) {
   const Vec3f pole{0.48f, 0.6f, 0.64f}, fixed{0.8f, 0, -0.6f};
   const float c = 1 + dot(pole, along);
@@ -31,7 +31,7 @@ Vec3f perpendicular(const Vec3f& along) {
   return fixed - sum * (dot(fixed, sum) / c);  // Rodrigues, with fixed . pole = 0
 }
 
-/// Where a curve through c, b, a, evenly spaced, goes on to: as bent as it was.
+/// Extrapolates a curve through the evenly spaced points c, b, a with its curvature.
 Vec3f beyond(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return (a - b) * 3.0f + c;
 }
@@ -101,8 +101,8 @@ void Tube::sample_curve(std::span<const Vec3f> points) {
   }
 }
 
-// Where neighbors coincide there is no direction: the one before is kept, and the first there is serves
-// those before it.
+// Coinciding neighbors have no direction: they get the previous one, and the first valid direction serves
+// the points before it.
 void Tube::set_tangents() {
   const std::size_t n = frames_.size();
   Vec3f along{};
@@ -121,7 +121,7 @@ void Tube::set_tangents() {
     for (Frame& frame : frames_) frame.along = {0, 1, 0};
 }
 
-// Frames that turn with the curve but never about it: double reflection, Wang, Jüttler, Zheng and Liu 2008.
+// Rotation-minimizing frames: double reflection, Wang, Jüttler, Zheng and Liu 2008.
 void Tube::turn_frames() {
   frames_[0].across = perpendicular(frames_[0].along);
   for (std::size_t j = 0; j < frames_.size(); ++j) {

@@ -7,7 +7,7 @@
 namespace souple::render::gl {
 
 bool can_blend_floats() {
-  // Desktop OpenGL does since 3.0.
+  // Possible in desktop OpenGL since 3.0.
   return epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_EXT_float_blend");
 }
 

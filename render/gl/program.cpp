@@ -7,7 +7,7 @@
 
 namespace souple::render {
 
-std::string_view shader_source(std::string_view name);  // made by the build from render/shaders
+std::string_view shader_source(std::string_view name);  // generated from render/shaders
 
 namespace gl {
 
@@ -34,7 +34,7 @@ constexpr std::array<std::pair<std::string_view, Unit>, 14> sampler_units{
      {"liquid_glow_map", Unit::liquid_glow},
      {"liquid_light_map", Unit::liquid_light}}};
 
-// The text of a shader, with `#include "name"` lines replaced by the text they name, each once.
+// The source of a shader, with each `#include "name"` replaced by that file, each file once.
 std::string expand(std::string_view name, std::vector<std::string>& included) {
   const std::string_view source = shader_source(name);
   if (source.empty())

@@ -16,8 +16,8 @@ namespace souple::render {
 
 namespace {
 
-constexpr int smallest = 6, largest = 128;  // pixels a line is high
-constexpr std::size_t most_sheets = 8;      // a window that is resized may ask for any size
+constexpr int smallest = 6, largest = 128;  // height of a line [pixels]
+constexpr std::size_t most_sheets = 8;      // limit for windows that are resized
 
 /// A rectangle of a glyph sheet on the picture.
 struct Quad {
@@ -26,7 +26,7 @@ struct Quad {
   PackedColor color = 0;
 };
 
-/// The glyphs of one size that have been needed so far, on the GPU.
+/// The glyphs of one size requested so far, on the GPU.
 struct Sheet {
   std::set<char32_t> asked;
   GlyphSheet glyphs;
@@ -37,7 +37,7 @@ int size_of(const Label& label) {
   return std::isfinite(label.size) ? std::clamp(int(std::lround(label.size)), smallest, largest) : smallest;
 }
 
-/// Lays the text out line by line from its top left corner; returns where its box ends.
+/// Lays out the text line by line from its top left corner; returns the lower right corner of its box.
 struct Extent {
   float x = 0, y = 0;
 };
@@ -51,7 +51,7 @@ Extent lay_out(const std::vector<char32_t>& text, const GlyphSheet& sheet, int s
       continue;
     }
     const GlyphSheet::Glyph& glyph = sheet.glyphs.at(character);
-    // Glyphs were drawn for whole pixels; moved by parts of one they would blur.
+    // Glyphs are rasterized for whole pixels and would blur at fractional positions.
     const float x = pen.x + std::round(glyph.x0), y = pen.y + std::round(glyph.y0);
     quads.push_back({x, y, x + (glyph.x1 - glyph.x0), y + (glyph.y1 - glyph.y0), glyph.u0, glyph.v0, glyph.u1,
                      glyph.v1, color});
@@ -72,7 +72,7 @@ struct LabelsPass::Impl {
     array.attribute(buffer, {2, 4, GL_UNSIGNED_BYTE, false, stride, offsetof(Quad, color), 1});
   }
 
-  /// With all characters of the text.
+  /// The sheet with all characters of the text.
   const Sheet& sheet(int size, const std::vector<char32_t>& text) {
     if (sheets.count(size) == 0 && sheets.size() >= most_sheets) sheets.clear();
     Sheet& sheet = sheets[size];

@@ -9,7 +9,7 @@ namespace souple::render {
 
 namespace {
 
-/// How far depth is smoothed, as the standard deviation of a Gaussian of the same effect, in radii of the
+/// Amount of smoothing of depth, as the standard deviation of an equivalent Gaussian, in radii of the
 /// balls.
 constexpr float smoothing = 1.25f;
 
@@ -98,7 +98,7 @@ void LiquidPass::Targets::swap() {
   std::swap(depth, other_depth);
 }
 
-/// All of them, for passes draw into and read around a part only.
+/// Clears the whole buffers, because passes draw into and read around only a part.
 void LiquidPass::clear() {
   targets_->other_depth.bind();
   clear_color(0);
@@ -132,7 +132,7 @@ void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& not
   nothing.bind();
   if (options.liquid_filter == LiquidFilter::curvature_flow) {
     // Each step is one of diffusion: variance stability * reach^2 radii^2. The reach shrinks from step to
-    // step, so that what wide differences leave between them is smoothed by narrow ones.
+    // step: narrow differences smooth the residue between wide ones.
     const int steps = options.liquid_steps > 0 ? options.liquid_steps : default_flow_steps;
     const float mean = smoothing / std::sqrt(0.4f * float(steps));
     curvature_flow_.use();
@@ -158,7 +158,7 @@ void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& not
 }
 
 void LiquidPass::add_up(const LiquidSplats& splats, const gl::Texture& depth) {
-  // Blending is what costs here: what adds nothing is left out.
+  // Blending dominates the cost: omits splats that add nothing.
   (splats.is_cloudy() ? targets_->thickness : targets_->clear_thickness).bind();
   depth.bind(gl::Unit::depth);
   targets_->surface.bind(gl::Unit::liquid_depth);
@@ -220,7 +220,7 @@ void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const Li
                       const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
                       const gl::VertexArray& nothing, PassClock& clock) {
   if (!targets_ || targets_->look.width() != context.width || targets_->look.height() != context.height) {
-    targets_.reset();  // frees before it takes
+    targets_.reset();  // frees memory before the next allocation
     targets_.emplace(context.width, context.height);
   }
   const Window window = window_around(bounds, context);

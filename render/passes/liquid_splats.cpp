@@ -15,8 +15,8 @@ namespace {
 
 enum Location : GLuint { center, radius, color, axis_x };
 
-constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
-/// Of the clouds whose thickness is added up, in spacings: wide enough that layers look even.
+constexpr std::uint64_t frames_kept = 120;  // lifetime of buffers that no list uses any more
+/// Radius of the clouds whose thickness is summed, in spacings: wide enough for layers to look uniform.
 constexpr float cloud_radius = 1.5f;
 
 /// The buffers of one liquid or foam.
@@ -36,7 +36,7 @@ struct Item {
   const Buffers* buffers = nullptr;
 };
 
-/// Whether they were out of date.
+/// Returns whether the buffers were outdated.
 bool upload_centers(Buffers& buffers, std::span<const Vec3f> centers, std::uint64_t version) {
   const auto count = GLsizei(centers.size());
   if (!buffers.fresh && buffers.version == version && buffers.count == count) return false;

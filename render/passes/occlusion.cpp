@@ -15,7 +15,7 @@ OcclusionPass::Targets::Targets(int width, int height)
 
 void OcclusionPass::aim(Frame& frame, const Bounds& bounds, bool on) {
   frame.sample_info.w = on && !bounds.empty() ? 1.0f : 0.0f;
-  // Near enough to show contacts, far enough to be seen: a part of the scene.
+  // A part of the scene's size: small enough to show contacts, large enough to be visible.
   frame.occlusion = {std::max(0.2f * bounds.radius(), 1e-6f), 1.5f, 0, 0};
 }
 

@@ -15,8 +15,8 @@ namespace souple::render {
 
 namespace {
 
-/// Who is where, and the same with depth in a form that can be read back: OpenGL ES reads no depth buffers,
-/// and of integers only four at once.
+/// Identities of objects with depth in a readable form: OpenGL ES cannot read back depth buffers,
+/// and integers only in fours.
 struct Buffers {
   Buffers(int width, int height)
       : who(GL_RG32UI, width, height),
@@ -34,14 +34,14 @@ struct Window {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// What a pixel holds.
+/// Content of a pixel.
 struct Texel {
   std::uint32_t pick = 0, element = 0, depth_bits = 0, unused = 0;
 
   float depth() const { return std::bit_cast<float>(depth_bits); }
 };
 
-/// The point of the world that a pixel shows, y from the top.
+/// The world position of a pixel, y from the top.
 Vec3f point_at(const PassContext& context, const Mat4& inverse_view, int x, int y, float depth) {
   const Mat4& p = context.projection;
   const float ndc_x = 2 * (float(x) + 0.5f) / float(context.width) - 1;
@@ -79,7 +79,7 @@ const Surface* surface_of(const DrawList& list, std::uint32_t pick) {
 }  // namespace
 
 struct PickPass::Impl {
-  /// Only pixels in the window are right.
+  /// Only pixels in the window are valid.
   std::vector<Texel> read(const Pickable& things, const PassContext& context, Window window);
 
   gl::VertexArray nothing;  // for draw_screen
@@ -89,7 +89,7 @@ struct PickPass::Impl {
 
 std::vector<Texel> PickPass::Impl::read(const Pickable& things, const PassContext& context, Window window) {
   if (!buffers || buffers->who.width() != context.width || buffers->who.height() != context.height) {
-    buffers.reset();  // frees before it takes
+    buffers.reset();  // frees memory before the next allocation
     buffers.emplace(context.width, context.height);
   }
   glEnable(GL_SCISSOR_TEST);

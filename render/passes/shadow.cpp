@@ -9,7 +9,7 @@ namespace souple::render {
 namespace {
 
 constexpr int map_side = 2048;   // pixels
-constexpr int light_side = 256;  // of what liquids leave: it is soft
+constexpr int light_side = 256;  // side of the liquids' map, which is soft [pixels]
 
 // The next of 4 steps per doubling: the texels keep their size during small motions.
 float stepped(float size) {
@@ -45,8 +45,8 @@ void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, fl
   frame.shadow_size.w = 0;
   const float radius = casters.radius();
   if (casters.empty() || !(radius > 0) || !std::isfinite(radius)) return;
-  // A cube around the ball around the casters, its middle on whole texels, from the sun; with room for what
-  // the size of the sun adds to shadows.
+  // A cube around the casters' circumscribed ball, seen from the sun, its center on whole texels, with a margin
+  // for the softness of shadows.
   const float half = stepped(radius * (1.02f + 4 * std::min(tangent, 0.25f))), texel = 2 * half / map_side;
   const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
   view_ = look_at(Vec3f{}, -to_sun, up);

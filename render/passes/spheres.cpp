@@ -13,7 +13,7 @@ namespace {
 
 enum Location : GLuint { center, radius, color };
 
-constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
+constexpr std::uint64_t frames_kept = 120;  // lifetime of buffers that no list uses any more
 
 /// The buffers of one cloud of balls.
 struct Buffers {
@@ -29,7 +29,7 @@ struct Item {
   const Buffers* buffers = nullptr;
 };
 
-/// An attribute that the balls may share; the draw call says which value then.
+/// An attribute that all balls may share; the draw call then sets its value.
 template <class T>
 void upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& attribute,
                      std::span<const T> values) {

@@ -13,17 +13,17 @@ namespace {
 
 enum Location : GLuint { position, normal, texture, color };
 
-constexpr std::uint64_t frames_kept = 120;  // of buffers that no list names any more
+constexpr std::uint64_t frames_kept = 120;  // lifetime of buffers that no list uses any more
 
-// The buffers of one surface. Indexed; for wireframes every triangle gets vertices of its own instead, so
-// that the vertex shader can tell its corners apart.
+// The buffers of one surface. Indexed; for wireframes each triangle gets vertices of its own instead, so
+// that the vertex shader can distinguish its corners.
 struct Buffers {
   gl::VertexArray array;
   gl::Buffer positions, normals, texture, colors, indices;
   std::uint64_t topology = 0, version = 0, last_used = 0;
   bool expanded = false;
   std::uint32_t vertices_needed = 0;  // largest index + 1
-  GLsizei count = 0;                  // of indices, or of vertices when expanded
+  GLsizei count = 0;                  // number of indices, or of vertices if expanded
   bool has_normals = false, has_colors = false, has_texture = false;
   bool fresh = true;
 };
@@ -47,7 +47,7 @@ void upload(gl::Buffer& buffer, std::span<const T> values, const Surface& surfac
   buffer.upload(std::span<const T>(corners));
 }
 
-// An attribute that the surface may lack. Returns whether it has it.
+// Sets an optional attribute. Returns whether the surface has it.
 template <class T>
 bool upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& attribute,
                      std::span<const T> values, const Surface& surface) {

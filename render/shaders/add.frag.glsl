@@ -1,4 +1,4 @@
-// Adds one sample to the others: by blending, or to what is read from their sum.
+// Adds a sample to the sum of samples: by blending, or by reading the sum.
 layout(location = 0) out vec4 out_color;
 uniform sampler2D color_map;
 #ifdef ADD_TO_SUM

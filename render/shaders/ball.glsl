@@ -1,4 +1,4 @@
-// The ball (or, with ELLIPSOIDS, the ellipsoid) that a splat stands for, and what the ray through a pixel finds of it.
+// The ball (or, with ELLIPSOIDS, the ellipsoid) of a splat, and its intersection with the ray through a pixel.
 flat in vec3 ball_center;  // in view space
 #ifdef ELLIPSOIDS
 flat in mat3 to_unit_ball;  // from view space, about the center
@@ -20,8 +20,8 @@ Chord chord_of_ball() {
   vec3 origin = parallel ? vec3(plane_place, 0.0) : vec3(0.0);
   Chord chord;
   chord.direction = parallel ? vec3(0.0, 0.0, -1.0) : normalize(vec3(plane_place, -1.0));
-  // From the foot of the perpendicular the two hits lie at equal distances. The usual b * b - c would lose its digits
-  // to balls that are small and far.
+  // Both hits have equal distances from the foot of the perpendicular. The usual b * b - c would lose digits for
+  // small and distant balls.
   vec3 to_center = ball_center - origin;
 #ifdef ELLIPSOIDS
   vec3 d = to_unit_ball * chord.direction, c = to_unit_ball * to_center;
@@ -37,7 +37,7 @@ Chord chord_of_ball() {
   return chord;
 }
 
-// z and w in clip space of what lies at z in view space.
+// z and w in clip space of a point at z in view space.
 vec2 clip_depth(float z) {
   return vec2(frame.projection[2][2] * z + frame.projection[3][2], frame.projection[2][3] * z + frame.projection[3][3]);
 }

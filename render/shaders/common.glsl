@@ -1,4 +1,4 @@
-// What has no better place.
+// Functions for all shaders.
 
 // sRGB-encoded to linear light.
 vec3 linear_of_srgb(vec3 c) {

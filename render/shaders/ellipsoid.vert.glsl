@@ -1,4 +1,4 @@
-// An ellipsoid as the smallest upright rectangle around what is seen of it.
+// An ellipsoid as the smallest upright rectangle around its projection.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 center;
@@ -9,13 +9,13 @@ layout(location = 5) in vec3 axis_z;
 
 flat out vec3 ball_center;  // in view space
 flat out mat3 to_unit_ball;
-out vec2 plane_place;  // where the pixel's ray cuts the plane at distance 1 before the eye
+out vec2 plane_place;  // intersection of the pixel's ray with the plane at distance 1 in front of the eye
 
-// Where the planes through the eye that touch the ellipsoid cut that plane: n = (1, 0, t) with
+// Intersections of that plane with the planes through the eye that touch the ellipsoid: n = (1, 0, t) with
 // (n . c)^2 = |A^T n|^2, the columns of A being the half axes (and so with y). `across` and `ahead` are rows of A.
 vec2 tangents(float c, float z, vec3 across, vec3 ahead) {
   float a = z * z - dot(ahead, ahead);
-  if (a <= 0.0) return vec2(-1e9, 1e9);  // it reaches beside or behind the eye
+  if (a <= 0.0) return vec2(-1e9, 1e9);  // it extends beside or behind the eye
   float b = c * z - dot(across, ahead);
   float root = sqrt(max(b * b - a * (c * c - dot(across, across)), 0.0));
   return (vec2(-b - root, -b + root)) / a;
@@ -34,7 +34,7 @@ void main() {
   }
   vec2 x = tangents(c.x, c.z, rows[0], rows[2]), y = tangents(c.y, c.z, rows[1], rows[2]);
   vec2 scale = vec2(frame.projection[0][0], frame.projection[1][1]), offset = -frame.projection[2].xy;
-  // Never wider than the screen: rasterizers lose digits on huge triangles.
+  // Limits the rectangle to the screen: rasterizers lose digits on huge triangles.
   vec4 edges = clamp(vec4(x.x, y.x, x.y, y.y) * scale.xyxy + offset.xyxy, -1.0, 1.0);
   vec2 place = vec2((gl_VertexID & 1) == 0 ? edges.x : edges.z, gl_VertexID < 2 ? edges.y : edges.w);
   plane_place = (place - offset) / scale;

@@ -1,4 +1,4 @@
-// Adds up what foam hides: -log of the light that gets through it. Fades below the surface of the liquid.
+// Sums the absorption by foam: -log of the transmitted light. Fades below the surface of the liquid.
 #include "frame.glsl"
 #include "ball.glsl"
 #include "liquid.glsl"

@@ -1,4 +1,4 @@
-// What all shaders of a pass share; render/passes/pass_context.h says what each is.
+// Uniforms of all shaders of a pass; render/passes/pass_context.h explains them.
 layout(std140) uniform Frame {
   mat4 view;
   mat4 projection;

@@ -1,4 +1,4 @@
-// The endless floor, found by casting rays: it has no edge, and its depth is exact.
+// The infinite floor by ray casting: it has no edge, and its depth is exact.
 #include "frame.glsl"
 #include "common.glsl"
 #include "material.glsl"
@@ -8,14 +8,14 @@ in vec3 ray;
 
 void main() {
   float height = frame.eye.y - frame.ground.x;
-  // From below the floor would hide everything, so it is seen from above only.
+  // Visible only from above: from below the floor would hide everything.
   if (height <= 0.0 || ray.y >= 0.0) discard;
   float depth = -height / ray.y;  // along the view, as the ray advances by 1 there
   vec3 point = frame.eye.xyz + ray * depth;
   float clip = frame.projection[3][2] / depth - frame.projection[2][2];
-  // What lies beyond the planes that enclose the scene is kept: nothing else is there.
+  // Keeps the floor beyond the near and far planes: there are no other objects.
   gl_FragDepth = clamp(0.5 * clip + 0.5, 0.0, 1.0);
-  // Tiles far away would only disturb.
+  // Fades distant tiles, which would be distracting.
   float near = exp(-3.0 * depth / frame.ground.w);
   float tile = mix(0.5, checker(point.xz / frame.ground.y), near);
   vec3 albedo = mix(frame.ground_second.rgb, frame.ground_color.rgb, tile);

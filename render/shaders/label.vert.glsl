@@ -1,9 +1,9 @@
 // A corner of a glyph, or of the box behind a text.
 layout(location = 0) in vec4 rectangle;  // left, top, right, bottom: pixels from the top left corner
-layout(location = 1) in vec4 source;     // the same of the glyph sheet, in [0, 1]
+layout(location = 1) in vec4 source;     // left, top, right, bottom in the glyph sheet, in [0, 1]
 layout(location = 2) in vec4 color;
 
-uniform vec2 pixels;  // of the picture
+uniform vec2 pixels;  // size of the picture
 
 out vec2 sheet_place;
 flat out vec4 text_color;

@@ -1,5 +1,5 @@
-// Lights what the material pass has found at each pixel, and maps it to what a screen shows: lines drawn over it
-// keep their colors, and edges between bright and dark are as smooth as others.
+// Lights the material pass's output at each pixel and tone-maps it to screen colors: lines drawn over it
+// keep their colors, and edges between bright and dark are equally smooth.
 #include "frame.glsl"
 #include "common.glsl"
 #include "surface_point.glsl"

@@ -10,7 +10,7 @@ void main() {
   vec2 along = end - start, offset = gl_FragCoord.xy - start;
   float part = clamp(dot(offset, along) / max(dot(along, along), 1e-12), 0.0, 1.0);
   float off = length(offset - part * along);
-  // What a band of this width covers of a pixel, as if the pixel were a strip along it.
+  // Coverage of a pixel by a band of this width, approximating the pixel as a strip along it.
   float coverage = clamp(half_width + 0.5 - off, 0.0, min(1.0, 2.0 * half_width));
   if (coverage <= 0.0) discard;
   out_color = vec4(line_color.rgb, line_color.a * coverage);

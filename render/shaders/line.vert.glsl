@@ -7,15 +7,15 @@ layout(location = 3) in float width;  // pixels
 #include "common.glsl"
 #include "frame.glsl"
 
-uniform vec2 pixels;  // of the picture
+uniform vec2 pixels;  // size of the picture
 
 flat out vec2 start;  // pixels from the bottom left corner
 flat out vec2 end;
 flat out vec4 line_color;  // linear
 flat out float half_width;
 
-// In clip space, pulled to the eye by some pixels' worth of length: a line on a surface lies before the facets it
-// cuts, and the lines' own places on the screen stay.
+// In clip space, moved toward the eye by the length of some pixels: a line on a surface is in front of the facets
+// that it intersects, and its screen position is unchanged.
 vec4 clip_of(vec3 point) {
   vec4 place = frame.view * vec4(point, 1.0);
   float pull = min(6.0 / (pixels.y * frame.projection[1][1]), 0.004);
@@ -27,7 +27,7 @@ vec2 pixel_of(vec4 clip) {
   return (0.5 * clip.xy / clip.w + 0.5) * pixels;
 }
 
-// The point between a and b where the near plane cuts, when a is before it.
+// Intersection of a b with the near plane, if a is in front of it.
 vec4 cut(vec4 a, vec4 b) {
   float da = a.z + a.w, db = b.z + b.w;
   return da < 0.0 ? mix(a, b, da / (da - db)) : a;

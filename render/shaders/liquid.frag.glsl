@@ -1,5 +1,5 @@
-// Shades liquids and foam over the lit scene: what is seen through the surface, bent and dimmed on its way, and what
-// is mirrored in it.
+// Shades liquids and foam over the lit scene: the refracted and attenuated background, and the
+// reflection.
 #include "frame.glsl"
 #include "common.glsl"
 #include "surface_point.glsl"
@@ -11,17 +11,17 @@
 in vec3 ray;
 layout(location = 0) out vec4 out_color;
 
-uniform sampler2D color_map;  // of the scene without liquids
+uniform sampler2D color_map;  // the scene without liquids
 uniform sampler2D liquid_depth_map;
 uniform sampler2D liquid_look_map;
 uniform sampler2D liquid_optics_map;  // optical depth of red, green, blue; thickness [m]
-uniform sampler2D liquid_glow_map;    // its part by scattering; that of foam
+uniform sampler2D liquid_glow_map;    // scattered part of the optical depth; optical depth of foam
 
 float depth_at(ivec2 pixel) {
   return texelFetch(liquid_depth_map, clamp(pixel, ivec2(0), textureSize(liquid_depth_map, 0) - 1), 0).r;
 }
 
-// How the surface goes on to the next pixel: of the differences to two neighbors the one that stays on it.
+// Derivative of depth along the surface: of the differences to two neighbors, the one within the surface.
 float slope_of(float z, float back, float forth) {
   bool ahead = back <= 0.0 || (forth > 0.0 && abs(forth - z) < abs(back - z));
   return ahead ? (forth > 0.0 ? forth - z : 0.0) : z - back;
@@ -32,7 +32,7 @@ vec2 slope_of_surface(ivec2 pixel, float z) {
               slope_of(z, depth_at(pixel - ivec2(0, 1)), depth_at(pixel + ivec2(0, 1))));
 }
 
-// How the way through the liquid grows to the next pixel, over about a particle: less would show them one by one.
+// Derivative of the path length in the liquid, over about a particle: a shorter distance would show particles.
 vec2 slope_of_thickness(vec2 place, float reach) {
   vec2 x = vec2(reach * frame.size.z, 0.0), y = vec2(0.0, reach * frame.size.w);
   vec4 t = vec4(texture(liquid_optics_map, place + x).a, texture(liquid_optics_map, place - x).a,
@@ -40,14 +40,14 @@ vec2 slope_of_thickness(vec2 place, float reach) {
   return (t.xz - t.yw) / (2.0 * reach);
 }
 
-// Unit, to the eye, of what lies at depth z and changes so from pixel to pixel.
+// Unit normal toward the eye of a surface at depth z with these derivatives.
 vec3 normal_of(float z, vec2 slope) {
   vec3 dx = dFdx(ray), dy = dFdy(ray);
   vec3 normal = normalize(cross((ray + dx) * (z + slope.x) - ray * z, (ray + dy) * (z + slope.y) - ray * z));
   return dot(normal, ray) > 0.0 ? -normal : normal;
 }
 
-// The part of unpolarized light that a smooth surface mirrors (Fresnel).
+// The reflected part of unpolarized light at a smooth surface (Fresnel).
 float fresnel(float cosine, float index) {
   float g = sqrt(max(index * index - 1.0 + cosine * cosine, 0.0));
   float a = (g - cosine) / max(g + cosine, 1e-4);
@@ -55,7 +55,7 @@ float fresnel(float cosine, float index) {
   return 0.5 * a * a * (1.0 + b * b);
 }
 
-// What a mirror shows: sky above, the floor below; without a floor sky all around, as behind the liquid.
+// Reflected environment: sky above, floor below; without a floor, sky all around.
 vec3 surroundings(vec3 direction) {
   if (direction.y > 0.0 || frame.ground.z < 0.5) return sky_light(direction);
   vec3 up = vec3(0.0, 1.0, 0.0);
@@ -73,18 +73,18 @@ float opaque_depth_at(vec2 place) {
   return opaque_depth(texelFetch(depth_map, ivec2(place * frame.size.xy), 0).r);
 }
 
-// The way of the light that is seen through a point of the surface.
+// Path of the light seen through a point of the surface.
 struct Way {
-  vec2 place;      // where it comes from, on the screen
-  vec2 left;       // where it leaves the liquid
-  bool shown;      // or from outside the picture, or from behind something
-  vec3 direction;  // in which it is looked for then
-  float shorter;   // than straight on, in the liquid
+  vec2 place;      // origin of the light on the screen
+  vec2 left;       // exit point from the liquid
+  bool shown;      // false: the origin is outside the picture or hidden
+  vec3 direction;  // direction to sample the environment in that case
+  float shorter;   // ratio of path lengths in the liquid: unrefracted to refracted
 };
 
 const int march_steps = 8;
 
-// `thickness` is that of all liquid on the ray, in meters.
+// `thickness`: of all liquid on the ray, in meters.
 Way way_through(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
   vec3 straight = normalize(ray);
   float along_view = 1.0 / length(ray);
@@ -94,12 +94,12 @@ Way way_through(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
   way.shorter = cosine / max(-dot(bent, surface.normal), 0.15);  // as in a layer with parallel sides
   float path = thickness * way.shorter;
 
-  // Until it meets something opaque, which is behind the surface; w is the depth along the view.
+  // Up to an opaque object behind the surface; w is the depth along the view.
   vec4 start = frame.projection * (frame.view * vec4(surface.point, 1.0));
   vec4 whole = frame.projection * (frame.view * vec4(bent * path, 0.0));
   float part = 1.0, before = -1.0, noise = pixel_noise(gl_FragCoord.xy);
   bool met = false;
-  // What is nearer by more than this is not met: the way goes past behind it.
+  // Objects nearer by more than this are not hit: the path continues behind them.
   float tolerance = 4.0 * path / float(march_steps) + 0.5 * look.z;
   for (int i = 1; i <= march_steps; ++i) {
     float at = (float(i) - noise) / float(march_steps);
@@ -116,19 +116,19 @@ Way way_through(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
   vec4 end = start + whole * part;
   way.left = place_of(end);
 
-  // Else it leaves through the back (Wyman 2005), where depth and thickness add up to the way; or the back mirrors it.
+  // Otherwise it exits through the back (Wyman 2005), where depth and thickness add up to the path; or total reflection.
   float reach = clamp(2.5 * look.z / pixel_size(surface.depth), 2.0, 32.0);
   vec2 back_slope = slope + slope_of_thickness(gl_FragCoord.xy * frame.size.zw, reach) * along_view;
   vec3 back = normal_of(surface.depth + thickness * along_view, back_slope);
   vec3 out_ = refract(bent, back, look.x);
   way.direction = dot(out_, out_) < 0.5 ? reflect(bent, back) : out_;
-  // On to what is there; not far, or the smallest wave would tear it apart.
+  // Continues to the background, with a limit, or small waves would distort it.
   float gap = clamp((opaque_depth_at(place_of(end)) - end.w) / along_view, 0.0, 2.0 * path + 20.0 * look.z);
   vec4 onward = end + frame.projection * (frame.view * vec4(way.direction * gap, 0.0));
   end = met ? end : onward;
   way.place = place_of(end);
   way.shown = met || (end.w > 0.0 && all(lessThanEqual(abs(end.xy), vec2(end.w))));
-  // What hides the end stands before the liquid, or the way goes past behind it: then what is straight on is shown.
+  // If an object in front of the liquid hides the end, or the path continues behind one, shows the unrefracted background.
   float there = opaque_depth_at(way.place);
   if (there < surface.depth || (!met && way.shown && there < end.w - tolerance)) {
     way.place = gl_FragCoord.xy * frame.size.zw;
@@ -178,7 +178,7 @@ void main() {
     float mirrors = fresnel(cosine, look.x);
     Way way = way_through(surface, slope, optics.a, look);
     vec3 through = way.shown ? scene_light(texture(color_map, way.place).rgb) : surroundings(way.direction);
-    // What is dimmed is what is seen, so there is looked up how much of the liquid is before it.
+    // The visible background is attenuated, so samples the optical depth in front of it.
     if (depth_at(ivec2(way.left * frame.size.xy)) > 0.0) {
       optics = texture(liquid_optics_map, way.left);
       glow.rgb = texture(liquid_glow_map, way.left).rgb;
@@ -189,7 +189,7 @@ void main() {
     float facing = 0.5 + 0.5 * dot(normal, frame.to_sun.xyz);
     vec3 scattered = cloudy * (ambient_strength * ambient_light(normal) + sunlight * (facing * facing / pi));
     vec3 mirrored = surroundings(reflect(-to_eye, normal));
-    // At the shore the layer is thinner than it looks: its edge is soft.
+    // At its edge the layer is thinner than its splats: fades the edge.
     mirrors *= smoothstep(0.0, 0.6, (opaque - z) / look.z);
     vec3 halfway = normalize(frame.to_sun.xyz + to_eye);
     float spark = sun_mirrored(normal, to_eye, look.y) * fresnel(max(dot(halfway, to_eye), 0.0), look.x);

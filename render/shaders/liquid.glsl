@@ -1,4 +1,4 @@
-// What the shaders of liquids share.
+// Functions shared by the shaders of liquids.
 
 // Edge of a pixel at this depth along the view. [m]
 float pixel_size(float depth) {

@@ -1,4 +1,4 @@
-// The nearest ball of any liquid at each pixel: its depth along the view, and what the liquid's surface is like.
+// The nearest ball of any liquid at each pixel: its depth along the view, and the liquid's surface properties.
 #include "frame.glsl"
 #include "ball.glsl"
 
@@ -12,7 +12,7 @@ void main() {
   if (chord.half_squared < 0.0) discard;
   float z = (chord.foot - sqrt(chord.half_squared)) * chord.direction.z;
   vec2 clip = clip_depth(z);
-  if (clip.x < -clip.y) discard;  // the eye is in it
+  if (clip.x < -clip.y) discard;  // the eye is inside the ball
   gl_FragDepth = 0.5 * clip.x / clip.y + 0.5;
   out_depth = -z;
   out_look = look;

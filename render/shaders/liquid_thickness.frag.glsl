@@ -1,4 +1,4 @@
-// Adds up, along the ray through each pixel, how much of each liquid there is, and what of it lies before the opaque
+// Sums the thickness of each liquid along the ray through each pixel. The part in front of the opaque
 // objects dims the light. A particle is a
 // cloud of density k (1 - q^2) at q radii from its center, which has no edge to be seen; its integral along a chord is
 // k half (1 - s^2) 4/3 at s radii from the center, of which (2 + 3 u - u^3) / 4 lies before the part u of the half chord.

@@ -1,9 +1,9 @@
-// The narrow-range filter (Truong and Yuksel 2018): a Gaussian blur of depth, along one axis at a time, in which what
-// lies far behind counts as a little behind, and what lies far before does not count. "Far" is told from the range of
-// depths met on the way, so surfaces seen at a grazing angle are one. Pairs of opposite samples are taken or left
+// The narrow-range filter (Truong and Yuksel 2018): a separable Gaussian blur of depth, in which depths
+// far behind are clamped to a little behind, and depths far in front are ignored. "Far" follows from the range of
+// depths sampled so far, so surfaces at grazing angles stay connected. Pairs of opposite samples are used or omitted
 // together, or the surface would tilt at edges.
 //
-// One departure: the mean is that of nearness 1 / z, which is linear across a plane on screen, so planes stay.
+// One deviation: it averages nearness 1 / z, which is linear across a plane on screen, so planes are unchanged.
 #include "frame.glsl"
 #include "liquid.glsl"
 
@@ -12,27 +12,27 @@ layout(location = 0) out float out_depth;
 uniform sampler2D liquid_depth_map;
 uniform sampler2D liquid_look_map;
 uniform float axis;       // 0: x, 1: y
-uniform float deviation;  // of the Gaussian [radii]
+uniform float deviation;  // standard deviation of the Gaussian [radii]
 
-const int most_taps = 12;          // on each side; where pixels are small some are passed over
+const int most_taps = 12;          // per side; small pixels are skipped
 const float reach = 2.5;           // deviations
-const float narrow_range = 5.0;    // delta: how far apart in depth neighbors of one surface are [radii]
-const float behind = 1.0;          // mu: where what is farther is taken to be [radii]
+const float narrow_range = 5.0;    // delta: maximum depth difference of neighbors on one surface [radii]
+const float behind = 1.0;          // mu: distance to which farther depths are clamped [radii]
 
 float depth_at(ivec2 pixel) {
   return texelFetch(liquid_depth_map, clamp(pixel, ivec2(0), textureSize(liquid_depth_map, 0) - 1), 0).r;
 }
 
-// What a pixel's depth is made of.
+// Accumulated depth of a pixel.
 struct Blur {
-  float limit;              // where what is far behind is taken to be [m]
+  float limit;              // depth to which far depths are clamped [m]
   float delta;              // m
-  float nearest, farthest;  // the range met so far [m]
-  vec2 sum;                 // of nearness, and of weights
+  float nearest, farthest;  // range of the depths sampled so far [m]
+  vec2 sum;                 // sums of nearness and of weights
 };
 
 void add(inout Blur blur, vec2 pair, float weight) {
-  pair = mix(pair, vec2(1e30), equal(pair, vec2(0.0)));  // where nothing is, all is far
+  pair = mix(pair, vec2(1e30), equal(pair, vec2(0.0)));  // empty pixels are far
   bvec2 far = greaterThan(pair, vec2(blur.farthest));
   float least = min(pair.x, pair.y);
   float greatest = max(far.x ? 0.0 : pair.x, far.y ? 0.0 : pair.y);
@@ -53,8 +53,8 @@ void main() {
   float delta = narrow_range * radius;
   Blur blur = Blur(z + behind * radius, delta, z - delta, z + delta, vec2(z > 0.0 ? 1.0 / z : 0.0, 1.0));
 #ifdef CLEAN_UP
-  // What the passes along axes leave, which is as fine as their strides: the pairs of 5 x 5 pixels, or more where they
-  // took longer ones.
+  // Removes the residue of the separable passes at the scale of their strides: pairs of 5 x 5 pixels, or more for
+  // longer strides.
   int part = int(0.5 * stride + 0.75);
   for (int i = z > 0.0 ? 1 : 13; i <= 12; ++i) {
     ivec2 offset = i <= 2 ? ivec2(i, 0) : ivec2((i - 3) % 5 - 2, (i - 3) / 5 + 1);

@@ -1,4 +1,4 @@
-// How much of the sky each pixel sees past its neighbors: Jimenez et al. 2016, "Practical real-time strategies
+// The part of the sky visible past a pixel's neighbors: Jimenez et al. 2016, "Practical real-time strategies
 // for accurate indirect occlusion", section 4: along a few directions on screen the highest horizon to both
 // sides, and what lies between them, weighted by the cosine, in closed form (eq. 7).
 #include "frame.glsl"
@@ -24,7 +24,7 @@ vec3 view_point(vec2 at, float depth) {
 float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, float low) {
   vec2 size = vec2(textureSize(depth_map, 0));
   float highest = low;
-  // The pixel itself would be noise.
+  // Skips the pixel itself, which would be noise.
   vec2 beside = step_ * (1.4 / max(length(step_ * size), 1e-6));
   for (int i = 0; i < steps; ++i) {
     float t = (float(i) + first) / float(steps);
@@ -37,8 +37,8 @@ float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, flo
     float distance2 = dot(delta, delta);
     float shorten = inversesqrt(max(distance2, 1e-20));
     float cosine = dot(delta, to_eye) * shorten;
-    // Objects farther than the radius count less with distance. So does what hardly rises above the surface: the
-    // middles of pixels lie beside the direction, which lets a floor seen at a flat angle hide itself.
+    // Objects farther than the radius count less with distance. So do objects that hardly rise above the surface: the
+    // centers of pixels are beside the direction, so a floor at a grazing angle would occlude itself.
     float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0) *
                    smoothstep(0.02, 0.15, dot(delta, normal) * shorten);
     highest = max(highest, mix(low, cosine, weight));
@@ -87,6 +87,6 @@ void main() {
     open += long_ * (arc(h0, n) + arc(h1, n));
     most += long_ * (cosine + n * sin(n));
   }
-  // `most` is what the same slices see of an open sky: 1 only in the mean over all directions.
+  // `most`: the visibility of an open sky by these slices: 1 only in the mean over all directions.
   out_occlusion = vec2(clamp(open / max(most, 1e-4), 0.0, 1.0), 1.0 / depth);
 }

@@ -1,8 +1,8 @@
-// Reads what the occlusion pass has left, at half the resolution: openness, and nearness = 1 / depth along the
+// Reads the output of the occlusion pass at half the resolution: openness, and nearness = 1 / depth along the
 // view, which changes linearly across a plane on screen.
 uniform sampler2D occlusion_map;
 
-// How nearness changes from pixel to pixel in the plane with this normal, at the end of this ray.
+// Derivative of nearness between pixels of the plane with this normal, at the end of this ray.
 vec2 slope_of_nearness(vec3 normal, vec3 ray, float nearness) {
   float facing = dot(normal, ray);
   facing = min(facing, -0.02 * length(ray));
@@ -15,12 +15,12 @@ float off_plane(float found, float expected, float nearness, float part) {
   return min(distance / (part * frame.occlusion.x + 0.002 / max(nearness, 1e-6)), 1.0);
 }
 
-// How much of the sky the surface at this pixel of the picture sees: from those of the four nearest pixels of
-// the map that lie in its plane.
+// The part of the sky visible from the surface at this pixel of the picture: from those of the four nearest pixels of
+// the map that are in its plane.
 float sky_visibility(vec2 pixel, vec3 normal, vec3 ray, float depth) {
   if (frame.sample_info.w < 0.5) return 1.0;
   ivec2 last = textureSize(occlusion_map, 0) - 1;
-  // Pixel 2 k of the picture stands for pixel k of the map.
+  // Pixel 2 k of the picture corresponds to pixel k of the map.
   vec2 at = 0.5 * (pixel - 0.5);
   ivec2 corner = ivec2(floor(at));
   vec2 f = at - vec2(corner);

@@ -1,4 +1,4 @@
-// The mean of 4 x 4 pixels, so of all patterns of occlusion.frag.glsl, as far as they lie in one plane.
+// The mean of the 4 x 4 pixels, thus of all patterns of occlusion.frag.glsl, that are in one plane.
 #include "frame.glsl"
 #include "occlusion.glsl"
 

@@ -1,4 +1,4 @@
-// Who is at this pixel, and how far away.
+// The object at this pixel, and its distance.
 #include "frame.glsl"
 
 uniform usampler2D pick_map;

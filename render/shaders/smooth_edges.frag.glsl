@@ -1,6 +1,6 @@
-// Smooths the jaggies of a picture with one sample per pixel: FXAA (Lottes 2009, "FXAA"), its edge search. Where
-// luma jumps, it walks along the edge to both ends; how far the pixel is from the nearer end says how much of
-// the color beyond the edge it gets.
+// Anti-aliases a picture with one sample per pixel: the edge search of FXAA (Lottes 2009, "FXAA"). Where
+// luma jumps, it follows the edge to both ends; the distance to the nearer end determines the part of
+// the color beyond the edge that the pixel gets.
 in vec2 place;
 layout(location = 0) out vec4 out_color;
 uniform sampler2D color_map;  // encoded; alpha is luma; interpolated
@@ -23,7 +23,7 @@ void main() {
   // The picture's rim has neighbors on three sides only.
   bool at_rim = any(lessThan(at, ivec2(1))) || any(greaterThanEqual(at, size - 1));
   bool edge = !at_rim && contrast >= max(least_contrast, 0.12 * highest);
-  // Software renderers compute both sides of branches, and leave only loops early: no turn without an edge.
+  // Software renderers compute both sides of branches and leave only loops early: no iteration without an edge.
   int turns = edge ? steps : 0;
 
   vec2 pixel = 1.0 / vec2(size);
@@ -35,7 +35,7 @@ void main() {
                          abs(down_left + down_right - 2.0 * down);
   bool horizontal = across_rows >= across_columns;
 
-  // The edge lies between this pixel and the neighbor that differs most.
+  // The edge is between this pixel and the neighbor with the largest difference.
   float before = horizontal ? down : left, after = horizontal ? up : right;
   bool to_before = abs(before - here.a) >= abs(after - here.a);
   vec2 normal = (horizontal ? vec2(0.0, pixel.y) : vec2(pixel.x, 0.0)) * (to_before ? -1.0 : 1.0);
@@ -62,7 +62,7 @@ void main() {
   }
   float nearer = min(reach_a, reach_b);
   float end = reach_a < reach_b ? end_a : end_b;
-  // At the end where this side's color goes on, the edge has not moved over this pixel.
+  // At the end where this side's color continues, the edge does not cover this pixel.
   bool moved = (end < 0.0) != (here.a - mean < 0.0);
   float shift = moved ? 0.5 - nearer / max(reach_a + reach_b, 1.0) : 0.0;
 

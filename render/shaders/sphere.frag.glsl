@@ -20,7 +20,7 @@ void main() {
 
   float side = -1.0;
   vec2 clip = clip_depth((chord.foot - half_chord) * chord.direction.z);
-  if (clip.x < -clip.y) {  // cut open by the near plane: its inside is seen
+  if (clip.x < -clip.y) {  // cut by the near plane: its inside is visible
     side = 1.0;
     clip = clip_depth((chord.foot + half_chord) * chord.direction.z);
     if (clip.x < -clip.y) discard;

@@ -1,4 +1,4 @@
-// A ball as the smallest upright rectangle around what is seen of it.
+// A ball as the smallest upright rectangle around its projection.
 #include "common.glsl"
 #include "frame.glsl"
 
@@ -10,13 +10,13 @@ flat out vec3 ball_center;  // in view space
 flat out float ball_radius;
 flat out vec3 ball_color;  // linear
 flat out uint ball_index;
-out vec2 plane_place;  // where the pixel's ray cuts the plane at distance 1 before the eye; orthographic: any plane
+out vec2 plane_place;  // intersection of the pixel's ray with the plane at distance 1 in front of the eye; orthographic: any plane
 
-// Where the rays from the eye that touch a circle cut the line at distance 1: the circle lies `across` from the line
+// Intersections of the line at distance 1 with the eye's tangents to a circle that is `across` from the line
 // of view, `ahead` of the eye. The tangents of the directions, exact for a ball near the edge of the picture too.
 vec2 tangents(float across, float ahead, float r) {
   float outside = (ahead - r) * (ahead + r);
-  // The circle reaches beside or behind the eye: there is no bound.
+  // The circle extends beside or behind the eye: there is no bound.
   if (ahead <= r) return vec2(-1e9, 1e9);
   float root = r * sqrt(max(across * across + outside, 0.0));
   return vec2(across * ahead - root, across * ahead + root) / outside;
@@ -36,10 +36,10 @@ void main() {
   }
   vec2 x = parallel ? c.x + radius * vec2(-1.0, 1.0) : tangents(c.x, -c.z, radius);
   vec2 y = parallel ? c.y + radius * vec2(-1.0, 1.0) : tangents(c.y, -c.z, radius);
-  // From that plane to the screen; the offset moves the pixel grid, or the window of an orthographic view.
+  // From that plane to the screen; the offset shifts the pixel grid, or the window of an orthographic view.
   vec2 scale = vec2(frame.projection[0][0], frame.projection[1][1]);
   vec2 offset = parallel ? frame.projection[3].xy : -frame.projection[2].xy;
-  // Never wider than the screen: rasterizers lose digits on huge triangles.
+  // Limits the rectangle to the screen: rasterizers lose digits on huge triangles.
   vec4 edges = clamp(vec4(x.x, y.x, x.y, y.y) * scale.xyxy + offset.xyxy, -1.0, 1.0);
   vec2 place = vec2((gl_VertexID & 1) == 0 ? edges.x : edges.z, gl_VertexID < 2 ? edges.y : edges.w);
   plane_place = (place - offset) / scale;

@@ -1,4 +1,4 @@
-// What liquids leave of the sun: read from the sum that was drawn as the sun sees it.
+// Sunlight transmitted by liquids: read from the optical depth seen from the sun.
 uniform sampler2D liquid_light_map;  // optical depth of red, green, blue; least depth
 
 // The surface mirrors a part of the light and bends the rest aside.
@@ -7,7 +7,7 @@ const float lost_at_surface = 0.22;
 vec3 sun_through_liquid(SurfacePoint surface) {
   vec3 p = (frame.shadow * vec4(surface.point, 1.0)).xyz;
   vec4 found = texture(liquid_light_map, p.xy);
-  // Half floats are coarse: what lies within a few texels of the liquid's skin is neither before nor behind it.
+  // Half floats are coarse: points within a few texels of the liquid's surface are neither in front of nor behind it.
   float behind = clamp((p.z - found.a) / (6.0 * frame.shadow_size.z / frame.shadow_size.x) - 0.5, 0.0, 1.0);
   float covered = 1.0 - exp(-4.0 * max(found.r, max(found.g, found.b)));
   vec3 left = exp(-found.rgb) * (1.0 - lost_at_surface * covered);

@@ -1,16 +1,16 @@
-// How much of the sun a surface sees: percentage-closer soft shadows (Fernando 2005). The mean distance of what
-// hides the sun says how blurred its shadow is. Samples of one picture see the sun at other places each, so
-// that many of them need little blur.
+// The visible part of the sun: percentage-closer soft shadows (Fernando 2005). The mean distance of
+// blockers determines the blur of the shadow. The samples of a picture use different points of the sun, so
+// many samples need little blur.
 //
-// A software renderer computes both sides of a branch; only loops end when no pixel goes on. So all that costs
-// stands in loops, which make no turn where the sun's visibility is known.
+// A software renderer computes both sides of a branch; only loops end when no pixel continues. So all expensive
+// code is in loops, which do not iterate if the sun's visibility is known.
 
-// Depth as the sun sees it. Compared here, without interpolation: on a CPU that costs half as much as the
-// sampler's comparison of four texels, and the turned patterns hide the difference.
+// Depth seen from the sun. Compared here, without interpolation: on a CPU that costs half as much as the
+// sampler's comparison of four texels, and the rotated patterns hide the difference.
 uniform sampler2D shadow_map;
 
 // A number in [0, 1) for each pixel, well spread among neighbors (Jimenez 2014, interleaved gradient noise),
-// and other ones in each sample.
+// different in each sample.
 float pixel_noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))) + frame.sample_info.z);
 }
@@ -22,17 +22,17 @@ const int shadow_taps = 14;
 // are spread evenly over the unit disk (Vogel's spiral). Arrays of constants would be kept in memory per pixel.
 const mat2 golden_turn = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 
-// 1 lit to 0 dark, at the pixel that is drawn.
+// 1 (lit) to 0 (dark) at the current pixel.
 float sun_visibility(SurfacePoint surface) {
   float facing = dot(surface.normal, frame.to_sun.xyz);
   float texel = frame.shadow_size.z;
   vec3 lifted = surface.point + surface.normal * (texel * (2.2 - 1.6 * facing));
   vec3 p = (frame.shadow * vec4(lifted, 1.0)).xyz;
-  // How far blockers move in the map with the sun, per depth in the map, which covers a cube.
+  // Motion of blockers in the map with the sun, per depth in the map, which covers a cube.
   float spread = frame.sun_size.x;
   float texel_uv = texel / frame.shadow_size.x;
   float search = max(spread * clamp(p.z, 0.0, 1.0), 2.0 * texel_uv);
-  // The map is wide enough that nothing is dark near its rim.
+  // The map is wide enough to have no shadow near its rim.
   bool inside = frame.shadow_size.w > 0.5 && surface.kind != kind_sky && facing > 0.0 && all(lessThan(abs(p.xy - 0.5), vec2(0.5 - search)));
 
   // The plane of the surface in the map: z changes by dot(slope, xy). Without it, wide filters see the
@@ -40,16 +40,16 @@ float sun_visibility(SurfacePoint surface) {
   vec3 plane = mat3(frame.shadow) * surface.normal;
   vec2 slope = clamp(-plane.xy / min(plane.z, -1e-6), vec2(-4.0), vec2(4.0));
   float depth = p.z - 0.5 * texel_uv;
-  // The half circle without sines, which cost a lot here; that it is not quite even does not matter.
+  // The half circle without sines, which are expensive here; the slight non-uniformity is harmless.
   float t = 2.0 * pixel_noise(gl_FragCoord.xy) - 1.0;
   vec2 direction = vec2(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
 
-  vec2 found = vec2(0.0);  // sum of the distances of blockers, and how many
+  vec2 found = vec2(0.0);  // sum of the distances of blockers, and their number
   int taps = inside ? blocker_taps : 0;
   for (int i = 0; i < taps; ++i) {
     vec2 offset = direction * (search * sqrt((float(i) + 0.5) / float(blocker_taps)));
     float blocker = textureLod(shadow_map, p.xy + offset, 0.0).r;
-    // Behind the map's end, 1, nothing was drawn.
+    // The value 1, the map's end, means no blocker.
     if (blocker < min(depth + dot(slope, offset), 1.0)) found += vec2(p.z - blocker, 1.0);
     direction = golden_turn * direction;
   }

@@ -24,7 +24,7 @@ void main() {}
 uniform vec4 color_first;
 uniform vec4 color_second;
 uniform vec4 look;          // roughness, metalness, sheen, edge of a checker's field or 0
-uniform float has_colors;  // 1 where every vertex brings its own
+uniform float has_colors;  // 1: every vertex has its own color
 uniform float has_normals;
 
 #ifdef WIREFRAME
@@ -35,7 +35,7 @@ float wire() {
   vec3 change = fwidth(corner);
   vec3 distance = corner / max(change, vec3(1e-9));
   float nearest = min(min(distance.x, distance.y), distance.z);
-  // Where triangles are smaller than a few pixels the lines would cover everything.
+  // On triangles smaller than a few pixels the lines would cover everything.
   float density = max(max(change.x, change.y), change.z);
   return (1.0 - smoothstep(0.5 * wire_width - 0.5, 0.5 * wire_width + 0.5, nearest)) * (1.0 - 0.85 * clamp(2.0 * density, 0.0, 1.0));
 }
@@ -46,7 +46,7 @@ void main() {
   vec3 flat_normal = cross(dFdx(world_point), dFdy(world_point));
   vec3 normal = has_normals > 0.5 ? world_normal : flat_normal;
   normal = dot(normal, normal) > 0.0 ? normalize(normal) : normalize(to_eye);
-  // Both sides are lit. The face, not the interpolated normal, says which side is seen.
+  // Both sides are lit. The face, not the interpolated normal, determines the visible side.
   float side = dot(flat_normal, to_eye) * dot(flat_normal, normal);
   if (side < 0.0) normal = -normal;
 

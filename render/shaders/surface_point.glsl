@@ -1,4 +1,4 @@
-// Reads what the material pass has left at a pixel.
+// Reads the material pass's output at a pixel.
 uniform sampler2D normal_map;
 uniform sampler2D depth_map;
 
@@ -11,7 +11,7 @@ struct SurfacePoint {
   vec3 point;   // in the world
   vec3 normal;  // unit, to the eye
   float depth;  // along the view
-  float code;   // of metalness and sheen
+  float code;   // code of metalness and sheen
 };
 
 // `ray` is that of ray.vert.glsl.

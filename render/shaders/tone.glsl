@@ -1,4 +1,4 @@
-// From scene light to what a screen shows: colors below 0.76 are kept as they are, brighter ones are
+// Maps scene light to screen colors: colors below 0.76 are unchanged, brighter ones are
 // compressed along with their hue and slowly turn white (after Khronos' PBR neutral tone mapper).
 vec3 tone_mapped(vec3 color) {
   const float start = 0.76;
@@ -12,7 +12,7 @@ vec3 tone_mapped(vec3 color) {
   return mix(color, vec3(new_peak), g);
 }
 
-// The inverse: the light that a pixel was before.
+// The inverse: the scene light of a pixel.
 vec3 scene_light(vec3 mapped) {
   const float start = 0.76;
   const float desaturation = 0.15;
