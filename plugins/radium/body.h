@@ -13,16 +13,17 @@ class Component;
 
 namespace souple::radium {
 
-/// An object of the world and the mesh of Radium that shows it.
+/// An object of the world and its mesh in Radium.
 struct Body {
   std::string name;
   host::Drawable drawable;
   RenderMesh mesh;
   bool from_scene = false;
-  std::array<float, 16> transform{};             ///< the mesh's, as the world last heard of it
-  std::vector<float> first_positions{};          ///< how the mesh lay when it became an object
-  std::vector<float> first_normals{};            ///< the same
-  Ra::Engine::Scene::Component* mark = nullptr;  ///< in Radium's tree; nullptr once it was deleted there
+  std::array<float, 16> transform{};     ///< the mesh's transform when the world last read it
+  std::vector<float> first_positions{};  ///< positions of the mesh when it became an object
+  std::vector<float> first_normals{};    ///< normals of the mesh when it became an object
+  Ra::Engine::Scene::Component* mark =
+      nullptr;  ///< component in Radium's tree; nullptr after its deletion there
 
   host::Handle object() const { return drawable.object(); }
 };

@@ -4,8 +4,8 @@
 
 namespace souple::radium {
 
-/// Says in Radium's tree that something of this entity is an object of the world. Deleting it there ends
-/// that.
+/// Marks an entity in Radium's tree whose mesh is an object of the world. Deleting the mark removes the
+/// object.
 class PhysicsComponent : public Ra::Engine::Scene::Component {
  public:
   using Component::Component;

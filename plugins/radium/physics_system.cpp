@@ -30,7 +30,7 @@ host::Ray ray_of(const Ra::Core::Ray& ray) {
   return {vec3(ray.origin()), vec3(ray.direction())};
 }
 
-// Radium gives the number of what was deleted to what comes next.
+// Radium reuses the number of a deleted object.
 bool shows(const RenderMesh& mesh, const Index& render_object) {
   return mesh.index().getValue() == render_object.getValue() && mesh.alive();
 }
@@ -65,7 +65,7 @@ std::vector<std::string> PhysicsSystem::take_messages() {
   return all;
 }
 
-// --- what is in the world
+// --- objects
 
 void PhysicsSystem::open_scene(const std::string& file) {
   session_.open_scene(file);
@@ -144,7 +144,7 @@ host::Handle PhysicsSystem::add(const Index& render_object, host::Kind kind, hos
 void PhysicsSystem::remove(host::Handle object) {
   session_.remove(object);
   const auto body = find(object);
-  if (body == bodies_.end()) return;  // it was added to the session itself, and has no mesh here
+  if (body == bodies_.end()) return;  // added to the session directly, without a mesh here
   hide(*body);
   bodies_.erase(body);
 }
@@ -186,7 +186,7 @@ void PhysicsSystem::hide_all() {
 void PhysicsSystem::unregisterComponent(const Ra::Engine::Scene::Entity* entity,
                                         Ra::Engine::Scene::Component* component) {
   System::unregisterComponent(entity, component);
-  // Radium is in the middle of deleting: what the mark stood for leaves the world before the next frame.
+  // During Radium's deletion: the object of the mark is removed before the next frame.
   for (Body& body : bodies_)
     if (body.mark == component) body.mark = nullptr;
 }
@@ -254,8 +254,8 @@ bool PhysicsSystem::playing() const {
 }
 
 void PhysicsSystem::mend_time_window() {
-  // Radium 1.5 takes the window of each file it loads; of one without animation it begins at the largest
-  // float, and after Radium's reset no time would go by there.
+  // Radium 1.5 uses the time window of each loaded file. Without animation the window begins at the largest
+  // float, and after Radium's reset time would not advance there.
   if (engine_.getStartTime() < engine_.getEndTime() || engine_.getEndTime() < 0) return;
   engine_.setStartTime(0);
   engine_.setEndTime(-1);
@@ -282,7 +282,7 @@ void PhysicsSystem::run(double time, double dt) {
   try {
     draw();
   } catch (const std::exception& error) {
-    messages_.emplace_back(error.what());  // one that leaves a task would end Radium
+    messages_.emplace_back(error.what());  // an exception that leaves a task would end Radium
   }
 }
 

@@ -17,68 +17,68 @@ class RadiumEngine;
 
 namespace souple::radium {
 
-/// A mesh that Radium shows and Souple can move.
+/// A mesh in Radium that Souple can move.
 struct LoadedMesh {
   Ra::Core::Utils::Index render_object;
   std::string name;
   std::size_t triangle_count = 0;
-  host::Handle object = 0;  ///< 0: it is not in the world yet
+  host::Handle object = 0;  ///< 0: not in the world
 };
 
-/// A vertex as Radium's picking names it.
+/// A vertex as returned by Radium's picking.
 struct PickedVertex {
   Ra::Core::Utils::Index render_object;
-  int triangle = -1;  ///< of splats: the vertex
-  int corner = -1;    ///< of the triangle: 0, 1 or 2; of splats 0
+  int triangle = -1;  ///< for splats: the vertex
+  int corner = -1;    ///< corner of the triangle: 0, 1 or 2; for splats 0
 };
 
-/// One world in Radium, stepped by one task a frame: Souple's threads work inside it.
+/// A world in Radium, stepped by one task per frame; Souple's threads work inside that task.
 ///
-/// All functions but `generateTasks` are for the thread of the user interface, between frames. Those that can
-/// fail throw souple::Error, one sentence, and leave all as it was.
+/// All functions but `generateTasks` are for the thread of the user interface, between frames. Functions that
+/// can fail throw souple::Error (one sentence) and leave everything unchanged.
 class PhysicsSystem : public Ra::Engine::Scene::System {
  public:
   static constexpr const char* system_name = "Souple";
-  /// Makes it the engine's; its time window becomes endless, since a window that loops would reset the world.
-  /// nullptr when the engine has one already, as when the plugin is loaded twice.
+  /// Registers the system in the engine and makes its time window endless, because a looping window would
+  /// reset the world. nullptr if the engine already has one, for example if the plugin is loaded twice.
   static PhysicsSystem* add_to(Ra::Engine::RadiumEngine& engine);
   explicit PhysicsSystem(Ra::Engine::RadiumEngine& engine);
 
   void generateTasks(Ra::Core::TaskQueue* tasks, const Ra::Engine::FrameInfo& frame) override;
 
   host::Session& session() { return session_; }
-  /// What went wrong or is worth knowing since the last call, one sentence each.
+  /// Errors and notes since the last call, one sentence each.
   std::vector<std::string> take_messages();
 
-  // --- what is in the world
-  /// Shows a scene file's objects and colliders in the place of all that was in the world. The renderer has
-  /// yet to prepare what is new.
+  // --- objects
+  /// Replaces the world's contents by a scene file's objects and colliders. The renderer must
+  /// then prepare the new ones.
   void open_scene(const std::string& file);
-  /// Empties the world: a scene's objects are gone, Radium's meshes lie again as they were loaded.
+  /// Empties the world: removes a scene's objects and restores Radium's meshes as loaded.
   void clear();
-  /// Radium's meshes, without those that show a scene's objects.
+  /// Radium's meshes, except those of a scene's objects.
   std::vector<LoadedMesh> loaded_meshes() const;
   host::Handle add(const Ra::Core::Utils::Index& render_object, host::Kind kind,
                    host::MeshOptions options = {});
   void remove(host::Handle object);
-  /// 0 when what is shown is no object.
+  /// 0 if the mesh is no object.
   host::Handle object_of(const Ra::Core::Utils::Index& render_object) const;
 
-  // --- time: the engine's, so that its own buttons do the same
+  // --- time of the engine, so that its own buttons have the same effect
   void play();
   void pause();
   void step();
   void reset();
-  /// Whether `play` was called last; false after a step that failed.
+  /// Whether the system plays; false after a failed step.
   bool playing() const;
 
   // --- the mouse
   bool grab(const PickedVertex& picked, const Ra::Core::Ray& ray, const Ra::Core::Vector3& facing);
-  /// Whatever the ray meets first: Radium picks a surface from its front only.
+  /// Grabs the first object on the ray: Radium picks a surface only from its front.
   bool grab(const Ra::Core::Ray& ray, const Ra::Core::Vector3& facing);
   void drag(const Ra::Core::Ray& ray);
   void release();
-  /// Holds a vertex where it is, or lets it go. False when what was picked is none of an object.
+  /// Pins a vertex at its current position, or releases it. Returns false if no object was picked.
   bool set_pinned(const PickedVertex& picked, bool pinned);
 
  protected:
@@ -96,7 +96,7 @@ class PhysicsSystem : public Ra::Engine::Scene::System {
   void begin_here();
   void mend_time_window();
   std::vector<Body>::iterator find(host::Handle object);
-  /// Calls `action` with the object and its vertex; false when there is none.
+  /// Calls `action` with the object and its vertex; returns false if there is none.
   template <class Action>
   bool with_vertex(const PickedVertex& picked, Action action);
 

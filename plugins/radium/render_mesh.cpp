@@ -41,7 +41,7 @@ Vector3Array vectors(const std::vector<float>& values) {
 
 template <class Corners>
 void cut_polygon(const Corners& corners, std::vector<std::uint32_t>& triangles) {
-  // From both ends in turn, as Radium's PolyMesh is drawn.
+  // Alternately from both ends, like Radium's drawing of a PolyMesh.
   auto corner = [&](int i) { return static_cast<std::uint32_t>(corners[i]); };
   int first = 0, last = static_cast<int>(corners.size()) - 1;
   while (first + 1 < last) {
@@ -71,7 +71,7 @@ RenderMesh::RenderMesh(Ra::Engine::RadiumEngine& engine, const Ra::Core::Utils::
 bool RenderMesh::alive() const {
   const std::shared_ptr<RenderObject> object = object_.lock();
   if (!object) return false;
-  // A renderer may hold what Radium has deleted for one more frame: only Radium's own list counts.
+  // A renderer may keep a deleted object for one more frame: only Radium's own list is reliable.
   auto* objects = engine_->getRenderObjectManager();
   if (objects == nullptr || !objects->exists(index_) || objects->getRenderObject(index_) != object)
     return false;
@@ -131,7 +131,7 @@ std::array<float, 16> RenderMesh::transform() const {
 }
 
 void RenderMesh::set_vertices(const std::vector<float>& positions, const std::vector<float>& normals) {
-  // Not verticesWithLock and verticesUnlock: the bounding box would stay behind, and Radium clips at it.
+  // Not verticesWithLock and verticesUnlock: they do not update the bounding box, at which Radium clips.
   geometry().setVertices(vectors(positions));
   if (!normals.empty()) geometry().setNormals(vectors(normals));
 }

@@ -22,15 +22,15 @@ class Entity;
 
 namespace souple::radium {
 
-/// What Radium shows of one of its meshes (triangles, quads, polygons or points), as plain numbers. It does
-/// not keep the mesh alive; all functions but `alive` and `index` ask for one that is.
+/// A mesh of Radium (triangles, quads, polygons or points) as plain numbers. It does
+/// not keep the mesh alive; all functions but `alive` and `index` require a mesh that is.
 class RenderMesh {
  public:
   RenderMesh() = default;
-  /// Not alive unless this render object is shown as a mesh.
+  /// Alive only if this render object is a mesh.
   RenderMesh(Ra::Engine::RadiumEngine& engine, const Ra::Core::Utils::Index& render_object);
 
-  /// Whether Radium still has it, with as many vertices as at first.
+  /// Whether the mesh still exists in Radium, with its initial number of vertices.
   bool alive() const;
   Ra::Core::Utils::Index index() const { return index_; }
   std::string name() const;
@@ -38,17 +38,18 @@ class RenderMesh {
 
   std::size_t vertex_count() const { return vertex_count_; }
   std::size_t triangle_count() const;
-  std::vector<float> positions() const;  ///< x, y, z of each vertex, in the mesh's own coordinates
-  std::vector<float> normals() const;    ///< the same; empty when it has none
-  /// Three vertices a triangle; quads and polygons cut as Radium cuts them, so that what is picked names
-  /// the same triangle here.
+  std::vector<float> positions() const;  ///< x, y, z of each vertex, in mesh coordinates
+  std::vector<float> normals()
+      const;  ///< x, y, z of each normal, in mesh coordinates; empty if there are none
+  /// Three vertices per triangle; quads and polygons are triangulated as in Radium, so that a picked index
+  /// names the same triangle here.
   std::vector<std::uint32_t> triangles() const;
-  /// From the mesh's own coordinates to the world: 4 x 4, column-major.
+  /// From mesh coordinates to the world: 4 x 4, column-major.
   std::array<float, 16> transform() const;
 
-  /// x, y, z of each vertex, and of each normal unless that is empty. Its bounding box follows.
+  /// Sets x, y, z of each vertex, and of each normal unless that is empty. Updates the bounding box.
   void set_vertices(const std::vector<float>& positions, const std::vector<float>& normals);
-  /// From its own coordinates to its entity's.
+  /// Transform from mesh coordinates to the entity's.
   void set_local_transform(const std::array<float, 16>& transform);
 
  private:

@@ -47,7 +47,7 @@ Ra::Core::Geometry::TriangleMesh triangle_mesh(const std::vector<float>& positio
   return mesh;
 }
 
-// What a scene says in sRGB, Radium's materials want in linear light.
+// Scenes define colors in sRGB, Radium's materials in linear light.
 float linear(float srgb) {
   return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
 }
@@ -83,7 +83,7 @@ std::array<float, 3> color_of(host::Kind kind) {
   return {0.62f, 0.64f, 0.68f};
 }
 
-// Splats of one color would be a blot: each grain is a little lighter or darker than the next.
+// Splats of one color would merge visually: each grain is slightly lighter or darker than its neighbors.
 void tint(Ra::Core::Geometry::PointCloud& grains, const std::array<float, 3>& srgb) {
   Ra::Core::VectorArray<Ra::Core::Vector4> colors;
   colors.reserve(grains.vertices().size());
@@ -110,7 +110,7 @@ RenderMesh show_object(Ra::Engine::RadiumEngine& engine, const host::ObjectInfo&
   points.setVertices(vectors(drawable.positions()));
   if (info.kind == host::Kind::grains) tint(points, color);
   auto* component = new PointCloudComponent(info.name + " splats", entity, std::move(points));
-  // Radium calls it a diameter, and draws it as a radius.
+  // Radium's "diameter" is drawn as a radius.
   component->setSplatSize(drawable.radius());
   return finish(engine, component, color);
 }

@@ -10,10 +10,10 @@ class RadiumEngine;
 
 namespace souple::radium {
 
-/// Shows an object of a scene: an entity of its name with a mesh, or with splats for grains and ropes.
+/// Creates an entity for an object of a scene, with a mesh, or with splats for grains and ropes.
 RenderMesh show_object(Ra::Engine::RadiumEngine& engine, const host::ObjectInfo& info,
                        const host::Drawable& drawable);
-/// Shows a collider of a scene; its local transform is where it is.
+/// Creates an entity for a collider of a scene; its local transform is the collider's pose.
 RenderMesh show_collider(Ra::Engine::RadiumEngine& engine, const host::ColliderShape& shape);
 
 }  // namespace souple::radium

@@ -90,7 +90,7 @@ void check_picking(Show& show, Checks& checks) {
     const PickedVertex picked = show.window.pick(visible.pixel);
     checks.equal("picked at " + name_of(visible.pixel), name_of(picked), name_of(visible.vertex));
     const Ra::Core::Ray ray = show.window.ray_through(visible.pixel);
-    // Of a pinned vertex nothing is held.
+    // A pinned vertex cannot be grabbed.
     if (!show.system.grab(picked, ray, show.window.facing())) continue;
     const Vec3f held = show.system.session().grabbed_point();
     const float way = (Ra::Core::Vector3(held.x, held.y, held.z) - visible.point).norm();

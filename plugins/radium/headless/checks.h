@@ -24,7 +24,7 @@ class Checks {
   int failed_ = 0;
 };
 
-/// A scene that is shown in a window.
+/// A scene in a window.
 struct Show {
   Window& window;
   PhysicsSystem& system;
@@ -37,14 +37,14 @@ struct Show {
   std::uint64_t steps() { return system.session().steps(); }
 };
 
-/// The first frame and paused ones make no steps, the buttons exactly theirs, a reset leads back to the
-/// start.
+/// The first frame and paused frames make no steps, each button makes exactly its steps, a reset returns to
+/// the start.
 void check_buttons(Show& show, Checks& checks);
-/// A picture changes from frame to frame, and not while paused.
+/// Pictures change from frame to frame, but not while paused.
 void check_pictures(Show& show, Checks& checks);
-/// After `frames` frames from the start all is, bit for bit, where a run without Radium is.
+/// After `frames` frames from the start, all positions equal those of a run without Radium, bit for bit.
 void check_against_pure_run(Show& show, Checks& checks);
-/// What Radium's picking names at known pixels is the vertex that lies there, and a grab takes hold of it.
+/// Radium's picking returns the visible vertices at known pixels, and a grab grabs them.
 void check_picking(Show& show, Checks& checks);
 
 }  // namespace souple::radium

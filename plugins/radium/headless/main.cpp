@@ -1,5 +1,5 @@
-// Shows a scene of Souple in a Radium without a window, and checks that the adapter does what it should: an
-// example of the adapter without Qt as well.
+// Shows a scene of Souple in Radium without a window and checks the adapter. It is also an
+// example of the adapter without Qt.
 #include "plugins/radium/headless/checks.h"
 #include "plugins/radium/headless/picture.h"
 
@@ -15,7 +15,7 @@
 namespace souple::radium {
 namespace {
 
-constexpr int success = 0, wrong = 1, bad_use = 2, skipped = 77;  // 77: what CTest takes for "skipped"
+constexpr int success = 0, wrong = 1, bad_use = 2, skipped = 77;  // 77 means "skipped" for CTest
 
 const char* const help = R"(souple_radium_headless --scene FILE [--frames N] [--picture FILE.png]
 

@@ -4,7 +4,7 @@
 
 namespace souple::radium {
 
-/// Writes a PNG file. Throws Error when it cannot.
+/// Writes a PNG file. Throws Error on failure.
 void write_png(const std::string& file, const Picture& picture);
 
 }  // namespace souple::radium

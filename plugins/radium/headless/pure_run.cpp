@@ -1,4 +1,4 @@
-// Compiled as C++20, as the library's own headers ask.
+// Compiled as C++20, which the library's own headers require.
 #include "plugins/radium/headless/pure_run.h"
 
 #include <souple/error.h>

@@ -8,17 +8,17 @@
 
 namespace souple::radium {
 
-/// What a scene becomes without a renderer.
+/// Result of simulating a scene without a renderer.
 struct PureRun {
-  std::uint64_t hash = 0;                               ///< of all positions and velocities, as World::hash
+  std::uint64_t hash = 0;  ///< hash of all positions and velocities, as World::hash
   std::map<std::string, std::vector<float>> positions;  ///< x, y, z of each vertex of each object [m]
 };
 
-/// Loads a scene file and steps its world, with nothing of the host layer and nothing of Radium. Throws
+/// Loads a scene file and steps its world without the host layer and without Radium. Throws
 /// Error.
 PureRun run_scene(const std::string& file, int frames, double dt);
 
-/// From where a scene wants to be seen.
+/// The camera of a scene.
 struct View {
   std::array<float, 3> from{}, to{};  ///< m
   float angle = 0;                    ///< vertical [degrees]

@@ -31,7 +31,7 @@ float distance_to_triangle(const std::array<Vector3, 3>& x, const Ray& ray) {
   return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : none;
 }
 
-/// The corner that weighs most where the ray meets the triangle; -1 when another weighs nearly as much.
+/// The corner with the largest weight at the ray's intersection; -1 if another has almost the same weight.
 int nearest_corner(const std::array<Vector3, 3>& x, const Ray& ray) {
   const Vector3 point = ray.pointAt(distance_to_triangle(x, ray));
   std::array<float, 3> weights{};
@@ -44,7 +44,7 @@ int nearest_corner(const std::array<Vector3, 3>& x, const Ray& ray) {
 }
 
 float distance_to_ball(const Vector3& center, float radius, const Ray& ray) {
-  // Radium picks the square about a splat.
+  // Radium picks the square around a splat.
   const float t = (center - ray.origin()).dot(ray.direction());
   return ray.distance(center) < 1.5f * radius && t > 0 ? t : none;
 }
@@ -115,7 +115,7 @@ std::vector<VisibleVertex> Sight::visible_vertices(std::size_t count) const {
     const std::size_t some = target.ball_radius > 0 ? 0 : t % 3;
     const Vector3 beside =
         0.2f * (target.corners[0] + target.corners[1] + target.corners[2]) + 0.4f * target.corners[some];
-    // The middle of the pixel: OpenGL looks there.
+    // The center of the pixel, where OpenGL samples.
     const Ra::Core::Vector2 at = window_.pixel_of(beside);
     const Ra::Core::Vector2 pixel(std::floor(at.x()) + 0.5f, std::floor(at.y()) + 0.5f);
     const Ray ray = window_.ray_through(pixel);

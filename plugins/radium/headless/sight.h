@@ -6,35 +6,35 @@
 
 namespace souple::radium {
 
-/// A vertex that is to be seen at a pixel.
+/// A vertex that is visible at a pixel.
 struct VisibleVertex {
   Ra::Core::Vector2 pixel;
   PickedVertex vertex;
-  Ra::Core::Vector3 point;  ///< where it is drawn [m]
-  float thickness = 0;      ///< how far from there the object's own vertex may be [m]
+  Ra::Core::Vector3 point;  ///< drawn position [m]
+  float thickness = 0;      ///< maximum distance of the object's own vertex from `point` [m]
 };
 
-/// What a window shows, found by rays of our own and not by OpenGL.
+/// Visible vertices of a window, found by ray casting instead of OpenGL.
 class Sight {
  public:
-  /// As all lies now.
+  /// Reads the current positions.
   Sight(Window& window, PhysicsSystem& system);
 
-  /// About `count` of them, here and there. Of a triangle's, the pixel is nearer to it than to the other
-  /// corners; of a splat's, it is in the middle.
+  /// About `count` visible vertices, distributed over the picture. The pixel is nearer to a triangle's vertex
+  /// than to its other corners; for a splat it is at the center.
   std::vector<VisibleVertex> visible_vertices(std::size_t count) const;
 
  private:
-  struct Target {  // a triangle, or a ball about the first corner
+  struct Target {  // a triangle, or a ball around the first corner
     PickedVertex vertex;
     std::array<Ra::Core::Vector3, 3> corners;
-    float ball_radius;  // m; 0 of a triangle
-    float thickness;    // of an object; less than 0 of what cannot be grabbed
-    bool faces_us;      // by its normals: Radium picks nothing else
+    float ball_radius;  // m; 0 for a triangle
+    float thickness;    // thickness of the object; < 0: cannot be grabbed
+    bool faces_us;      // by its normals: Radium picks only front faces
   };
   void add(const RenderMesh& mesh, const host::ObjectInfo* object);
   static float distance_along(const Ra::Core::Ray& ray, const Target& target);
-  /// nullptr when the ray meets nothing.
+  /// nullptr if the ray hits no target.
   const Target* first_met(const Ra::Core::Ray& ray) const;
 
   Window& window_;

@@ -28,7 +28,7 @@ using Ra::Engine::Rendering::Renderer;
 
 const glbinding::Version opengl{4, 1};
 
-/// Radium ends the program where it gets no context: a child tries it first.
+/// Radium ends the program if it gets no context: a child process tries it first.
 template <class Context>
 bool is_there() {
   const pid_t child = fork();
@@ -44,7 +44,7 @@ Vector3 vector(const std::array<float, 3>& values) {
   return {values[0], values[1], values[2]};
 }
 
-/// A camera's: it looks along -Z, and above it is up.
+/// Transform of a camera that looks along -Z, with Y up.
 Ra::Core::Transform frame_of(const Vector3& from, const Vector3& way) {
   const Vector3 back = -way.normalized(), right = Vector3::UnitY().cross(back).normalized();
   Ra::Core::Transform frame = Ra::Core::Transform::Identity();
@@ -101,7 +101,7 @@ void Window::look(const View& view) {
   const Vector3 from = vector(view.from), way = vector(view.to) - from;
   const float aspect = static_cast<float>(width_) / static_cast<float>(height_);
   const float half = std::tan(view.angle / 360 * 3.14159265f);
-  camera_->setFOV(2 * std::atan(aspect * half));  // Radium's is the horizontal one
+  camera_->setFOV(2 * std::atan(aspect * half));  // Radium's field of view is horizontal
   camera_->setZNear(0.01f * way.norm());
   camera_->setZFar(100 * way.norm());
   camera_->setFrame(frame_of(from, way));
@@ -114,7 +114,7 @@ void Window::look(const View& view) {
 }
 
 void Window::prepare() {
-  // The viewer's own light comes from the eye alone: a floor that is seen edge-on would be black.
+  // The viewer's own light shines only from the eye: a floor seen edge-on would be black.
   if (!renderer_->hasLight()) {
     add_light(*renderer_, "light from above", facing() - Vector3(0.6f, 1.2f, 0), 1.6f);
     add_light(*renderer_, "light from the eye", facing(), 0.8f);

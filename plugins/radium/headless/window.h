@@ -28,11 +28,11 @@ struct Picture {
   std::vector<unsigned char> pixels;  ///< red, green, blue, alpha; rows from the top
 };
 
-/// An OpenGL context without a window: of EGL where there is a device, else of GLFW, which asks for a
-/// display. nullptr when there is neither.
+/// An OpenGL context without a window: from EGL if there is a device, else from GLFW, which needs a
+/// display. nullptr if there is neither.
 std::unique_ptr<Ra::Headless::OpenGLContext> make_context();
 
-/// A Radium that draws into memory.
+/// Radium Engine drawing into memory.
 class Window {
  public:
   static constexpr float frame_time = 1.0f / 60;  ///< s
@@ -44,9 +44,9 @@ class Window {
 
   Ra::Engine::RadiumEngine& engine();
   void look(const View& view);
-  /// To be called after the scene has changed: what is new would not be drawn otherwise.
+  /// Call after changes of the scene: Radium does not draw new objects otherwise.
   void prepare();
-  /// The engine's tasks, as every host of a Radium runs them. Nothing is drawn.
+  /// Runs the engine's tasks like every host of Radium, without drawing.
   void run_frame();
   Picture draw();
 
@@ -55,7 +55,7 @@ class Window {
   bool shows(const Ra::Core::Vector2& pixel) const;
   Ra::Core::Ray ray_through(const Ra::Core::Vector2& pixel) const;
   Ra::Core::Vector3 facing() const;
-  /// What is drawn there; its render object is invalid where nothing is.
+  /// The object drawn there; its render object is invalid if there is none.
   PickedVertex pick(const Ra::Core::Vector2& pixel);
 
  private:

@@ -38,7 +38,7 @@ Ra::Core::Geometry::TriangleMesh turned_over(const RenderMesh& front) {
   return mesh;
 }
 
-/// How many meters one unit of the mesh is, on average over the directions.
+/// Meters per unit of the mesh, averaged over directions.
 float scale_of(const RenderMesh& mesh) {
   const std::array<float, 16> transform = mesh.transform();
   const Eigen::Map<const Eigen::Matrix4f> matrix(transform.data());
@@ -93,7 +93,7 @@ void BackSides::remove_stale() {
 
 void BackSides::add(const LoadedMesh& cloth) {
   const RenderMesh front(engine_, cloth.render_object);
-  constexpr float least = 0.002f;  // m; nearer ones are the same to a depth buffer that begins at 1 cm
+  constexpr float least = 0.002f;  // minimum distance that a depth buffer starting at 1 cm resolves [m]
   const float gap = std::max(least, system_.session().object(cloth.object).radius) / scale_of(front);
   pairs_.push_back({cloth.object, front, show_back(engine_, front), gap});
   follow(pairs_.back());

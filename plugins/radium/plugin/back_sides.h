@@ -6,20 +6,19 @@
 
 namespace souple::radium {
 
-/// Radium lights and picks a surface from its front only. A cloth that was one of Radium's meshes is given a
-/// second mesh, which is the first turned over and a hair's breadth behind it. (The cloth of scenes has two
-/// sides already.)
+/// Radium lights and picks a surface only from its front. A cloth that was one of Radium's meshes therefore
+/// gets a second mesh, a reversed copy slightly behind it. (Cloths of scenes have two sides already.)
 class BackSides : public Ra::Engine::Scene::System {
  public:
-  /// Makes it the engine's.
+  /// Registers the system in the engine.
   static BackSides* add_to(Ra::Engine::RadiumEngine& engine, PhysicsSystem& system);
   BackSides(Ra::Engine::RadiumEngine& engine, PhysicsSystem& system) : engine_(engine), system_(system) {}
 
-  /// Has the cloths as they are now, between frames. True when there is a new back side, for the renderer to
-  /// prepare.
+  /// Updates the back sides of the current cloths, between frames. Returns true if there is a new back side
+  /// for the renderer to prepare.
   bool match_cloths();
   bool contains(Ra::Core::Utils::Index render_object) const;
-  /// What lies on the front where this was picked; what is no back side is returned as it is.
+  /// The front's element for an element picked on a back side; other elements are returned unchanged.
   PickedVertex front_of(const PickedVertex& picked) const;
 
   void generateTasks(Ra::Core::TaskQueue* tasks, const Ra::Engine::FrameInfo& frame) override;
@@ -28,7 +27,7 @@ class BackSides : public Ra::Engine::Scene::System {
   struct Pair {
     host::Handle object;
     RenderMesh front, back;
-    float gap;  ///< between them, in the mesh's own coordinates
+    float gap;  ///< distance of the sides, in mesh coordinates
   };
   void remove_stale();
   void add(const LoadedMesh& cloth);

@@ -11,7 +11,7 @@ class QLabel;
 
 namespace souple::radium {
 
-/// The material of one object: a preset, and a slider for each number.
+/// Editor of an object's material: a preset, and a slider for each number.
 class MaterialBox : public QWidget {
  public:
   MaterialBox(host::Session& session, std::function<void(const std::string&)> say);

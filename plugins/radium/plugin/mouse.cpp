@@ -23,7 +23,7 @@ const Ra::Core::Asset::Camera& camera_of(Viewer& viewer) {
   return *viewer.getCameraManipulator()->getCamera();
 }
 
-/// In pixels of the device, from the top left.
+/// Position in device pixels, from the top left.
 Vector2 device_pixels(Viewer& viewer, const QPoint& at) {
   return viewer.toDevice({static_cast<float>(at.x()), static_cast<float>(at.y())});
 }
@@ -80,12 +80,12 @@ bool Mouse::grab(const std::optional<Seen>& seen, const QPoint& at) {
   const Ra::Core::Ray through = ray(at);
   const Vector3 facing = camera_of(viewer_).getDirection();
   if (seen && system_.grab(seen->vertex, through, facing)) return true;
-  // Radium picks no surface from behind. Souple does, but knows nothing of meshes that are not in the world:
+  // Radium does not pick surfaces from behind. Souple does, but it does not know meshes outside its world:
   // one of them may be in front.
   if (!system_.grab(through, facing)) return false;
   const Vec3f held = system_.session().grabbed_point();
   const float distance = (Vector3(held.x, held.y, held.z) - camera_of(viewer_).getPosition()).norm();
-  constexpr float slack = 1.01f;  // the held vertex lies beside the ray
+  constexpr float slack = 1.01f;  // the grabbed vertex is beside the ray
   if (!seen || distance < slack * seen->distance) return true;
   system_.release();
   return false;

@@ -15,14 +15,14 @@ class Viewer;
 
 namespace souple::radium {
 
-/// The right button in Radium's view: drags what is in the world. With Shift it pins the vertex under it,
-/// with Ctrl it lets that vertex go.
+/// The right mouse button in Radium's view: drags objects of the world. With Shift it pins the vertex under
+/// it, with Ctrl it releases that vertex.
 class Mouse : public QObject {
  public:
   struct Answers {
-    std::function<void(host::Handle)> picked;  ///< an object was under the mouse
+    std::function<void(host::Handle)> picked;  ///< called for the object under the mouse
     std::function<void(const std::string&)> say;
-    std::function<void()> update;  ///< another picture is wanted
+    std::function<void()> update;  ///< requests a picture
   };
   Mouse(Ra::Gui::Viewer& viewer, PhysicsSystem& system, const BackSides& back_sides, Answers answers);
 

@@ -13,26 +13,26 @@ class QTreeWidget;
 
 namespace souple::radium {
 
-/// Radium's meshes and the objects of the world, with buttons that turn the one into the other.
+/// Lists Radium's meshes and the objects of the world, with buttons that convert between them.
 class ObjectList : public QWidget {
  public:
   struct Answers {
-    std::function<void()> selected;  ///< another row is
+    std::function<void()> selected;  ///< called when another row is selected
     std::function<void()> about_to_remove;
-    std::function<void()> changed;  ///< something came into the world or left it
+    std::function<void()> changed;  ///< called when an object was added or removed
     std::function<void(const std::string&)> say;
   };
   ObjectList(PhysicsSystem& system, BackSides& back_sides, Answers answers);
 
-  /// Looks again at what there is; keeps the selection.
+  /// Updates the list and keeps the selection.
   void refresh();
   void select(host::Handle object);
-  /// 0 when the selected row is no object, or there is none.
+  /// Handle of the selected object; 0 if the selected row is no object, or no row is selected.
   host::Handle object() const;
 
  private:
   struct Row {
-    Ra::Core::Utils::Index render_object;  ///< invalid of a scene's objects
+    Ra::Core::Utils::Index render_object;  ///< invalid for a scene's objects
     host::Handle object = 0;
     QString name, kind;
     std::size_t triangles = 0;

@@ -74,7 +74,7 @@ Panel::Panel(PhysicsSystem& system, BackSides& back_sides, Playback& playback)
   last_message_->hide();
   add_objects_and_material();
 
-  // The Sandbox leaves its tabs little height: what is always in sight is two rows.
+  // The Sandbox's tabs have little height: only two rows are always visible.
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 4, 4, 4);
   layout->setSpacing(4);
@@ -149,7 +149,7 @@ QWidget* Panel::solver_form() {
           [this, &session](int iterations) { attempt([&] { session.set_iterations(iterations); }); });
   connect(mode_, QOverload<int>::of(&QComboBox::activated), this, [this, &session] {
     attempt([&] { session.set_mode(mode_->currentText().toStdString()); });
-    material_->show_object(objects_->object());  // a mode has parameters of its own
+    material_->show_object(objects_->object());  // parameters depend on the mode
   });
   return page;
 }
@@ -213,7 +213,7 @@ void Panel::select(host::Handle object) {
 
 void Panel::say(const std::string& message) {
   const QString line = QString::fromStdString(message);
-  if (last_message_->text() == line) return;  // a step may say the same many times
+  if (last_message_->text() == line) return;  // a step may repeat a message many times
   log_->appendPlainText(line);
   last_message_->setText(line);
   last_message_->show();
@@ -223,7 +223,7 @@ void Panel::look_again() {
   playback_.check();
   const std::vector<std::string> messages = system_.take_messages();
   for (const std::string& message : messages) say(message);
-  // A message may be that an object was deleted in Radium.
+  // A message may report the deletion of an object in Radium.
   if (playback_.take_scene_change() || !messages.empty()) world_changed();
   show_time();
 }

@@ -35,12 +35,12 @@ class Panel : public QWidget {
   QWidget* tabs();
   QWidget* solver_form();
   void add_objects_and_material();
-  /// Says what went wrong; an error must not reach Qt.
+  /// Shows an error; exceptions must not reach Qt.
   void attempt(const std::function<void()>& action);
   void ask_for_scene();
   void open_scene(const QString& file);
   void clear();
-  /// Shows what came into the world or left it.
+  /// Updates the panel after objects were added or removed.
   void world_changed();
   void show_settings();
   void show_time();

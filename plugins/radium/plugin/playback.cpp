@@ -11,7 +11,7 @@ namespace {
 
 using Ra::Engine::Scene::ItemEntry;
 
-// Inside a signal Radium holds a lock: what is to be done is only noted there.
+// Inside a signal Radium holds a lock: signals only record events.
 void watch_frames(Ra::Engine::RadiumEngine& engine, const std::shared_ptr<FrameWatch>& watch) {
   auto& signals = *engine.getSignalManager();
   const auto changed = [watch](const ItemEntry&) { watch->scene_changed = true; };
@@ -68,7 +68,8 @@ void Playback::check() {
 
 bool Playback::radium_plays() const {
   using namespace std::chrono_literals;
-  // One frame in motion may be a step; and without requests for frames, no frame shows that time stands still.
+  // One frame in motion may be a step; and without requests for frames, no frame shows that time stands
+  // still.
   return !playing_ && watch_->frames_in_motion > 1 &&
          std::chrono::steady_clock::now() - watch_->last_motion < 500ms;
 }

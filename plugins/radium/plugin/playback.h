@@ -8,26 +8,27 @@
 
 namespace souple::radium {
 
-/// What the plugin may ask of the program around Radium, which draws only when it is asked to.
+/// Functions of the program around Radium, which draws only on request.
 struct HostRequests {
-  std::function<void(bool)> continuous_update;  ///< the program counts: each true wants one false
-  std::function<void()> update;                 ///< one frame, soon
-  std::function<void()> prepare_new;            ///< Radium draws nothing that was not prepared
-  std::function<void()> look_at_world;          ///< the camera, once
-  /// Before something is removed: Radium 1.5 can wait for itself when what is selected goes away.
+  std::function<void(bool)> continuous_update;  ///< the program counts calls: each true needs a false
+  std::function<void()> update;                 ///< requests a frame
+  std::function<void()> prepare_new;            ///< Radium draws only prepared objects
+  std::function<void()> look_at_world;          ///< moves the camera to the world, once
+  /// Call before removing objects: Radium 1.5 can deadlock if a selected object is removed.
   std::function<void()> deselect;
 };
 
-/// What the frames of a Radium told since they were last asked.
+/// Events of Radium's frames since the last query.
 struct FrameWatch {
-  float time = 0;            ///< of the engine at the last frame's end [s]
-  int frames_in_motion = 0;  ///< in a row, the last one included; 0: no time went by in it
+  float time = 0;  ///< time of the engine at the end of the last frame [s]
+  int frames_in_motion =
+      0;  ///< number of consecutive frames with advancing time, up to the last; 0: time stood still
   std::chrono::steady_clock::time_point last_motion{};
-  bool scene_changed = true;  ///< something to draw came or went
+  bool scene_changed = true;  ///< a drawable object was added or removed
 };
 
-/// Plays, pauses, steps and resets a system, and has frames drawn for it. Radium has such buttons too: what
-/// they did is noticed in `check`, to be called some times a second.
+/// Plays, pauses, steps and resets a system, and requests its frames. Radium has such buttons too:
+/// `check`, to be called several times per second, detects their use.
 class Playback {
  public:
   Playback(Ra::Engine::RadiumEngine& engine, PhysicsSystem& system, HostRequests requests);
@@ -37,11 +38,11 @@ class Playback {
   void step();
   void reset();
   bool playing() const { return playing_ || radium_plays(); }
-  /// By a button of Radium's.
+  /// Playing was started by a button of Radium.
   bool radium_plays() const;
-  /// Pauses when a step failed, or when somebody else stopped the engine's clock.
+  /// Pauses if a step failed or another component stopped the engine's clock.
   void check();
-  /// True once after something to draw came or went in Radium.
+  /// Returns true once after a drawable object was added to or removed from Radium.
   bool take_scene_change();
 
   const HostRequests& host() const { return requests_; }

@@ -28,7 +28,7 @@ QWidget* second_panel() {
   return words;
 }
 
-/// At the objects, not at the floor, which may be large; and from above, where a floor has its front.
+/// Aims the camera at the objects, not at the floor, which may be large; from above, the front of a floor.
 void look_at(Ra::Gui::Viewer& viewer, PhysicsSystem& system) {
   Ra::Core::Aabb box;
   for (auto* entity : Ra::Engine::RadiumEngine::getInstance()->getEntityManager()->getEntities())

@@ -13,15 +13,15 @@ namespace souple::radium {
 
 class Panel;
 
-/// What Radium loads: brings the system into the engine, and a panel and the mouse into the window. Of two
-/// in one Radium only the first does something.
+/// The plugin that Radium loads: adds the system to the engine, and a panel and the mouse to the window. Of
+/// two instances in one Radium only the first is active.
 class Plugin : public QObject, public Ra::Plugins::RadiumPluginInterface {
   Q_OBJECT
   Q_RADIUM_PLUGIN_METADATA
   Q_INTERFACES(Ra::Plugins::RadiumPluginInterface)
 
  public:
-  // Radium's engine is gone when a plugin is destroyed: nothing here speaks to it then.
+  // Radium's engine is destroyed before its plugins: the destructor must not use it.
   Plugin();
   ~Plugin() override;
 
@@ -41,8 +41,8 @@ class Plugin : public QObject, public Ra::Plugins::RadiumPluginInterface {
   HostRequests requests(const Ra::Plugins::Context& context);
   Mouse::Answers answers();
 
-  PhysicsSystem* system_ = nullptr;  // the engine's; nullptr: another plugin has brought it
-  BackSides* back_sides_ = nullptr;  // the same
+  PhysicsSystem* system_ = nullptr;  // owned by the engine; nullptr: another plugin registered it
+  BackSides* back_sides_ = nullptr;  // owned by the engine; nullptr: another plugin registered it
   std::unique_ptr<Playback> playback_;
   std::unique_ptr<Mouse> mouse_;
   QPointer<Panel> panel_;  // the window's
