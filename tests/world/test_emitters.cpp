@@ -181,11 +181,12 @@ TEST(Emitters, BadOnesAreErrors) {
   expect_error([&] { world.add_emitter(fluid, with([](Emitter& e) { e.speed = 0; })); }, {"speed"});
   expect_error([&] { world.add_emitter(fluid, with([](Emitter& e) { e.radius = NAN; })); }, {"radius"});
   expect_error([&] { world.add_emitter(fluid, with([](Emitter& e) { e.radius = 1000; })); }, {"a layer"});
-  expect_error([&] { world.add_emitter(fluid, with([](Emitter& e) { e.end = -1; })); }, {"end after"});
+  expect_error([&] { world.add_emitter(fluid, with([](Emitter& e) { e.end = -1; })); },
+               {"an end not before"});
   expect_error([&] { world.add_drain({.shape = Sphere{{}, -1}}); }, {"radius"});
   expect_error([&] { world.add_drain({.shape = Plane{}, .rate = 0}); }, {"rate"});
   expect_error([&] { world.add_fluid(std::vector<Vec3d>{}, water); }, {"no vertices"});
-  expect_error([&] { world.add_grains(std::vector<Vec3d>{{}}, {}, {.max_particles = 3}); }, {"only a fluid"});
+  expect_error([&] { world.add_grains(std::vector<Vec3d>{{}}, {}, {.max_particles = 3}); }, {"only fluids"});
   expect_error([&] { world.remove(EmitterId{99}); }, {"no emitter has the handle 99"});
   expect_error([&] { world.pin(fluid, all()); }, {"come and go"});
 }

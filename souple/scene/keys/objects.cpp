@@ -21,8 +21,7 @@ CodecPtr<TethersDescription> tethers_codec() {
 CodecPtr<EnclosedVolumeDescription> enclosed_volume_codec() {
   using E = EnclosedVolumeDescription;
   auto keys = table<E>("enclosed_volume", "Preserves the volume inside a closed cloth.");
-  keys->key<&E::factor>("scale factor", number<float>(positive(1000)),
-                        "target volume over the volume at rest")
+  keys->key<&E::factor>("factor", number<float>(positive(1000)), "target volume over the volume at rest")
       .key<&E::compliance>("compliance", number<float>(from_zero(1e6)), "compliance [m^3/Pa]; 0 is rigid");
   return keys;
 }
