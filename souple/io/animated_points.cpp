@@ -45,7 +45,7 @@ class MddFrames final : public PointFrames {
   MddReader reader_;
 };
 
-/// One mesh a file; a gap in the numbers is a gap in time.
+/// One mesh per file; a gap in the numbers is a gap in time.
 class MeshFrames final : public PointFrames {
  public:
   MeshFrames(const std::filesystem::path& path, double frame_rate, AnimatedPoints::ReadMesh read_mesh)

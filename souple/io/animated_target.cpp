@@ -24,7 +24,7 @@ class Following {
                       "each vertex of the object",
                       now_.size(), vertex));
     if (time != time_) {
-      time_ = std::numeric_limits<double>::quiet_NaN();  // in case evaluate throws
+      time_ = std::numeric_limits<double>::quiet_NaN();  // stays NaN if evaluate throws
       points_->evaluate(time, now_);
       time_ = time;
     }

@@ -36,7 +36,7 @@ class SceneReader {
   SceneReader(const aiScene& scene, const std::string& name) : scene_(scene), name_(name) {}
 
   TriangleMesh read() {
-    // A stack of our own: a file may nest nodes deeper than the machine's.
+    // An explicit stack: a file may nest nodes deeper than the call stack allows.
     std::vector<std::pair<const aiNode*, aiMatrix4x4>> open = {{scene_.mRootNode, aiMatrix4x4()}};
     while (!open.empty()) {
       const auto [node, parent] = open.back();

@@ -18,11 +18,11 @@ namespace souple {
 
 namespace {
 
-// The header, for all time:
+// The header, whose layout never changes:
 //   0  char[8]   magic
-//   8  uint32    format: how the rest is laid out
+//   8  uint32    format: layout of the rest
 //  12  uint32    0
-//  16  char[16]  version of the library that wrote it, filled with zeros
+//  16  char[16]  version of the writing library, padded with zeros
 //  32  uint64    bytes after the header
 //  40  uint64    FNV-1a 64 of them
 //  48  uint64    0

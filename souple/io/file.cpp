@@ -49,7 +49,7 @@ std::FILE* open_file(const std::filesystem::path& path, File::Mode mode) {
   return std::fopen(path.string().c_str(), text);
 }
 
-/// Folders and pipes can be opened, and then answer with nonsense or never.
+/// Rejects folders and pipes, which can be opened but then return garbage or block.
 void require_plain_file(const std::filesystem::path& path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);

@@ -20,14 +20,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr int largest_depth = 64;
 
-/// Drops the "[json.exception.parse_error.101] " that nlohmann puts in front.
+/// Removes the prefix "[json.exception.parse_error.101] " of nlohmann.
 std::string reason(const nlohmann::json::exception& error) {
   const std::string text = error.what();
   const auto end = text.find("] ");
   return end == std::string::npos ? text : text.substr(end + 2);
 }
 
-/// Throws Error for what is not JSON, and for nesting that would exhaust the stack of those who walk it.
+/// Throws Error for invalid JSON, and for nesting that would exhaust the stack of recursive readers.
 Json parse_json(std::string_view text, const std::string& name) {
   const auto limit_depth = [&name](int depth, Json::parse_event_t, Json&) {
     if (depth > largest_depth)
@@ -79,7 +79,7 @@ Json timings(const std::vector<FrameReport>& reports) {
   return lines;
 }
 
-/// [, one item a line, ]: what people look at with less and diff.
+/// [, one item per line, ]: readable with less and diff.
 template <class T>
 std::string lines_of(const std::vector<T>& items) {
   std::string text = "[";
@@ -89,7 +89,7 @@ std::string lines_of(const std::vector<T>& items) {
 
 // Reading.
 
-/// A value and where it stands, for errors.
+/// A value and its JSON path, for error messages.
 struct Place {
   const Json& value;
   std::string path;
@@ -101,7 +101,7 @@ Place item(const Place& array, std::size_t index) {
   return {array.value[index], fmt::format("{}[{}]", array.path, index)};
 }
 
-/// The value of a key that must be there.
+/// The value of a required key.
 Place member(const Place& object, const std::string& key) {
   const auto found = object.value.find(key);
   if (found == object.value.end()) object.fail("has no \"" + key + "\"");
@@ -113,7 +113,7 @@ void require_object(const Place& place) {
     place.fail(std::string("expected an object, found ") + place.value.type_name());
 }
 
-/// An object that has no other keys than these.
+/// Checks that an object has only these keys.
 void require_keys(const Place& place, std::initializer_list<std::string_view> keys) {
   require_object(place);
   for (const auto& [key, value] : place.value.items()) {
@@ -163,7 +163,7 @@ NamedNumbers named_numbers(const Place& place) {
   NamedNumbers numbers;
   for (const auto& [key, value] : place.value.items()) {
     const Place number{value, place.path + "." + key};
-    // JSON knows no NaN; null stands for all that is not finite.
+    // JSON has no NaN; null represents numbers that are not finite.
     numbers.emplace_back(key,
                          value.is_null() ? std::numeric_limits<double>::quiet_NaN() : finite_number(number));
   }
@@ -272,7 +272,7 @@ std::string manifest_text(const RunManifest& manifest) {
         manifest.frames, embedded(manifest.scene, "the scene of a run").dump(),
         embedded(manifest.settings, "the settings of a run").dump(), lines_of(manifest.objects),
         Json(manifest.notes).dump(), lines_of(manifest.reports), timings(manifest.reports).dump());
-  } catch (const nlohmann::json::exception& error) {  // a name that is not UTF-8
+  } catch (const nlohmann::json::exception& error) {  // for example, a name that is not UTF-8
     throw Error("run.json cannot be written: " + reason(error));
   }
 }

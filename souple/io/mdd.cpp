@@ -30,7 +30,7 @@ std::array<std::byte, header_size> encode(const Header& header) {
   return bytes;
 }
 
-/// Rejects what no MDD can say, and a table of times longer than the file.
+/// Rejects headers that are impossible for an MDD, and a table of times longer than the file.
 Header read_header(ByteSource& source) {
   if (source.size() < header_size)
     throw Error(source.name() + ": is not an MDD file: it has less than 8 bytes");
@@ -45,7 +45,7 @@ Header read_header(ByteSource& source) {
   return header;
 }
 
-/// A .part has a table for the frames that were planned: its length says how many there are.
+/// A .part has a table for the planned frames: the file's length determines the number of actual frames.
 std::uint64_t frames_within(const Header& header, std::uint64_t size) {
   const std::uint64_t data = size - header_size - 4 * header.frames;
   return std::min(header.frames, data / (12 * header.points));
@@ -59,7 +59,7 @@ std::vector<float> read_times(ByteSource& source, std::uint64_t count) {
   return times;
 }
 
-/// Room in the table of times. A plan of a million frames may be a way to say "until stopped".
+/// Capacity of the table of times, limited because a plan of a million frames may mean "until stopped".
 std::uint64_t room_for(std::uint64_t planned_frames) {
   return planned_frames == 0 ? 256 : std::min<std::uint64_t>(planned_frames, 1u << 20);
 }
@@ -109,7 +109,8 @@ std::uint64_t MddWriter::frame_offset(std::uint64_t frame) const {
   return header_size + 4 * capacity_ + 12 * points_ * frame;
 }
 
-/// Rewrites NAME.part with a table of another length, beside the old one, which stays until the new is whole.
+/// Rewrites NAME.part with a table of another length, into a new file that replaces the old one when
+/// complete.
 void MddWriter::change_capacity(std::uint64_t capacity) {
   AtomicFile copy(file_.path());
   copy.write(encode({capacity, points_}));
@@ -139,7 +140,7 @@ void MddWriter::append(double time, std::span<const Vec3f> positions) {
   buffer_.resize(12 * positions.size());
   const auto bytes = std::as_writable_bytes(std::span(buffer_));
   store_points<order>(bytes.data(), positions);
-  // The frame follows its time: how many frames a .part holds is read from its length.
+  // The frame follows its time, because the length of a .part determines its number of frames.
   file_.write(frame_offset(frames()), bytes);
   file_.flush();
   times_.push_back(static_cast<float>(time));
@@ -147,7 +148,7 @@ void MddWriter::append(double time, std::span<const Vec3f> positions) {
 
 void MddWriter::finish() {
   if (!open_) return;
-  file_.truncate(frame_offset(frames()));  // a frame that failed may have left a piece
+  file_.truncate(frame_offset(frames()));  // removes the part of a failed frame
   if (capacity_ != frames()) change_capacity(frames());
   file_.close();
   rename_file(file_.path(), path_);

@@ -17,7 +17,7 @@ namespace souple {
 
 namespace {
 
-// Formats that assimp reads; named where it is absent, so that the user learns what would help.
+// Formats of assimp, for the error message of builds without it.
 constexpr const char* assimp_examples = ".gltf, .glb, .fbx, .dae, .3ds, .blend, .off, .x3d";
 
 std::string extension_of(const std::filesystem::path& path) {
@@ -70,7 +70,7 @@ TriangleMesh read_surface(const std::filesystem::path& path) {
                 ", expected a surface (.obj, .ply, .stl)");
   }
   if (mesh_detail::assimp_knows(extension)) {
-    read_bytes(path);  // for its errors: assimp's say less
+    read_bytes(path);  // for its errors, which are more specific than assimp's
     return mesh_detail::read_with_assimp(path);
   }
   const std::string known =
@@ -103,7 +103,7 @@ TetMesh read_volume(const std::filesystem::path& path) {
               "\", expected a tet mesh: .msh (Gmsh), .node or .ele (TetGen) or .vtk");
 }
 
-/// A file too big for the machine is bad input like any other.
+/// Treats a file too large for memory as invalid input.
 template <class Read>
 auto within_memory(const std::filesystem::path& path, Read read) {
   try {

@@ -21,7 +21,7 @@ bool is_line_end(char c) {
   return c == '\n' || c == '\r';
 }
 
-// from_chars calls 1e-400 and 1e400 alike out of range; the first is 0 to us.
+// from_chars reports both 1e-400 and 1e400 as out of range; the first becomes 0 here.
 bool is_tiny(std::string_view word) {
   const std::size_t exponent = word.find_first_of("eE");
   if (exponent == std::string_view::npos) return word.substr(0, 1) == "0" || word.substr(0, 1) == ".";
@@ -162,7 +162,7 @@ std::int64_t TextScanner::integer_from(std::string_view word, const char* what) 
 std::size_t TextScanner::count(const char* what, std::size_t bytes_each) {
   const std::int64_t value = integer(what);
   if (value < 0) fail(fmt::format("{}", value), fmt::format("an integer >= 0 ({})", what));
-  // The last item of a text needs no blank behind it.
+  // The last item of a text needs no blank after it.
   const std::size_t room = (remaining() + 1) / bytes_each;
   if (std::uint64_t(value) > room) {
     fail(fmt::format("{} ({})", value, what),

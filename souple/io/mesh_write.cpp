@@ -14,7 +14,7 @@ namespace souple {
 
 namespace {
 
-// The longest of to_chars for a float, and for an index.
+// Maximum lengths of to_chars for a float, and for an index.
 constexpr std::size_t longest_number = 32;
 
 template <class T>
@@ -46,7 +46,7 @@ std::span<const std::uint32_t> face_corners(const TriangleMesh& mesh, std::size_
   return mesh.faces[face];
 }
 
-/// A group's name as a word of OBJ, which "default" is not: it stands for "no group".
+/// A group's name as a word of OBJ; "default" is changed, because it means "no group".
 std::string word_from(const std::string& name) {
   std::string word = name;
   for (char& c : word) {
@@ -86,7 +86,7 @@ VertexGroups groups_by_vertex(const TriangleMesh& mesh) {
   return result;
 }
 
-/// The groups that hold every corner of a face, as many as a `g` line may name: write_loose tells the others.
+/// The groups that hold every corner of a face, up to the limit of a `g` line; write_loose writes the others.
 std::vector<std::uint32_t> groups_of_face(const VertexGroups& groups,
                                           std::span<const std::uint32_t> corners) {
   const auto first = groups.of(corners[0]);
@@ -114,8 +114,8 @@ class TopologyWriter {
       append_number(out_, uv[1]);
       out_ += '\n';
     }
-    // For each place in groups_.groups, whether a face has told it.
-    told_.assign(groups_.groups.size(), false);
+    // Per entry of groups_.groups: whether a face has written it.
+    written_.assign(groups_.groups.size(), false);
     for (std::size_t face = 0; face < face_count(mesh_); ++face) write_face(face);
     write_loose();
     return std::move(out_);
@@ -125,7 +125,7 @@ class TopologyWriter {
   void write_face(std::size_t face) {
     const auto corners = face_corners(mesh_, face);
     if (!groups_.names.empty()) write_groups(groups_of_face(groups_, corners));
-    for (std::uint32_t corner : corners) tell(corner);
+    for (std::uint32_t corner : corners) mark_written(corner);
     const bool has_uvs = !mesh_.face_uvs.empty() && !mesh_.face_uvs[face].empty();
     out_ += 'f';
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -147,20 +147,20 @@ class TopologyWriter {
     out_ += '\n';
   }
 
-  void tell(std::uint32_t vertex) {
+  void mark_written(std::uint32_t vertex) {
     for (std::size_t i = groups_.begins[vertex]; i < groups_.begins[vertex + 1]; ++i) {
-      if (std::binary_search(current_.begin(), current_.end(), groups_.groups[i])) told_[i] = true;
+      if (std::binary_search(current_.begin(), current_.end(), groups_.groups[i])) written_[i] = true;
     }
   }
 
-  /// Vertices that no face has put in their groups, as points.
+  /// Writes vertices whose groups no face has written, as points.
   void write_loose() {
     for (std::uint32_t group = 0; group < groups_.names.size(); ++group) {
       const auto& vertices = std::next(mesh_.groups.begin(), std::ptrdiff_t(group))->second;
       for (std::uint32_t vertex : vertices) {
         const auto of_vertex = groups_.of(vertex);
         const auto place = std::lower_bound(of_vertex.begin(), of_vertex.end(), group) - of_vertex.begin();
-        if (told_[groups_.begins[vertex] + std::size_t(place)]) continue;
+        if (written_[groups_.begins[vertex] + std::size_t(place)]) continue;
         write_groups({group});
         out_ += "p ";
         append_number(out_, std::uint64_t(vertex) + 1);
@@ -171,7 +171,7 @@ class TopologyWriter {
 
   const TriangleMesh& mesh_;
   VertexGroups groups_;
-  std::vector<bool> told_;
+  std::vector<bool> written_;
   std::vector<std::uint32_t> current_;
   std::string out_;
 };
@@ -191,7 +191,7 @@ std::uint8_t color_byte(float channel) {
   return std::uint8_t(std::lround(std::clamp(channel, 0.0f, 1.0f) * 255.0f));
 }
 
-/// Whether the UV of each corner is that of its vertex, as PLY wants them.
+/// Whether each corner's UV is that of its vertex, as PLY requires.
 bool has_uv_per_vertex(const TriangleMesh& mesh) {
   if (mesh.uvs.size() != mesh.positions.size() || mesh.face_uvs.size() != face_count(mesh)) return false;
   for (std::size_t face = 0; face < face_count(mesh); ++face) {

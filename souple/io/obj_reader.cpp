@@ -18,7 +18,7 @@ using mesh_detail::most_groups_at_once;
 using mesh_detail::quoted;
 using mesh_detail::TextScanner;
 
-/// What the OBJ specification defines and a surface does not need.
+/// Words of the OBJ specification that a surface does not need.
 constexpr std::array<std::string_view, 36> skipped_words = {
     "vn",     "vp",    "mtllib", "usemap",   "maplib",   "s",          "mg",        "lod",  "bevel",
     "cstype", "deg",   "bmat",   "step",     "curv",     "curv2",      "surf",      "parm", "trim",
@@ -59,7 +59,7 @@ class ObjReader {
     }
   }
 
-  // v x y z, v x y z w (the weight of a rational curve, not ours), or v x y z r g b.
+  // v x y z, v x y z w (the weight of a rational curve, ignored), or v x y z r g b.
   void read_vertex() {
     std::array<double, 6> values{};
     std::size_t count = 0;
@@ -136,7 +136,7 @@ class ObjReader {
     scanner_.fail(quoted(word), "a face corner such as 1, 1/2, 1//3 or 1/2/3");
   }
 
-  /// From 1 upwards, or from -1 (the last listed so far) downwards, to an index from 0.
+  /// Converts an index from 1 upward, or from -1 (the last listed so far) downward, to an index from 0.
   std::uint32_t index(std::string_view corner, std::string_view text, std::size_t listed,
                       LargestIndex& largest) const {
     std::int64_t value = 0;
@@ -176,14 +176,14 @@ class ObjReader {
     current = name.empty() ? std::string() : prefix + std::string(name);
   }
 
-  // Points and lines make no surface, but their vertices belong to the groups.
+  // Points and lines are no surface, but their vertices belong to the groups.
   void read_loose() {
     for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) {
       loose_.push_back(index(word, word.substr(0, word.find('/')), positions_.size(), largest_vertex_));
     }
   }
 
-  /// Gives the vertices met since the groups last changed to the groups that held until now.
+  /// Adds the vertices read since the last change of groups to the previous groups.
   void end_run() {
     std::vector<std::uint32_t> vertices = std::move(loose_);
     loose_.clear();

@@ -19,7 +19,7 @@ namespace souple {
 
 namespace {
 
-/// Both formats want the high byte first.
+/// Both formats store the high byte first.
 class BigEndian {
  public:
   template <class Unsigned>
@@ -57,7 +57,7 @@ std::string vtk_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velo
   return std::move(out).text();
 }
 
-// A header, what attributes points have beside their place, then the points: x, y, z, 1 and the attributes.
+// A header, the points' attributes beside positions, then the points: x, y, z, 1 and the attributes.
 std::string bgeo_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
   constexpr std::uint32_t format_version = 5, vector_type = 5;
   const bool has_velocities = !velocities.empty();
@@ -84,11 +84,11 @@ std::string bgeo_bytes(std::span<const Vec3f> points, std::span<const Vec3f> vel
   return std::move(out).text();
 }
 
-/// What the header of a PLY says, as far as we wrote it.
+/// The supported part of a PLY's header.
 struct PlyOfParticles {
   std::uint64_t points = 0;
-  std::size_t floats = 0;  ///< each has
-  std::size_t begin = 0;   ///< of the first point
+  std::size_t floats = 0;  ///< floats per point
+  std::size_t begin = 0;   ///< offset of the first point
 };
 
 std::optional<PlyOfParticles> parse_header(std::string_view text) {

@@ -39,7 +39,7 @@ std::array<std::byte, header_size> encode(const Header& header) {
   return bytes;
 }
 
-/// Reads what stands at the front and rejects what no PC2 can say; the file's size is the caller's affair.
+/// Reads the header and rejects impossible values; callers check the file's size.
 Header read_header(ByteSource& source) {
   std::array<std::byte, header_size> bytes{};
   if (source.size() >= header_size) source.read(0, bytes);
@@ -105,7 +105,7 @@ void Pc2Writer::append(std::span<const Vec3f> positions) {
   const auto bytes = std::as_writable_bytes(std::span(buffer_));
   store_points<order>(bytes.data(), positions);
   file_.write(header_size + 12 * points_ * frames_, bytes);
-  // The count follows its frame, never the other way round: a killed run leaves no frame that is half there.
+  // Writes the count after its frame: a killed run leaves no incomplete frame.
   file_.flush();
   ++frames_;
   write_frame_count();
@@ -113,7 +113,7 @@ void Pc2Writer::append(std::span<const Vec3f> positions) {
 
 void Pc2Writer::finish() {
   if (!open_) return;
-  file_.truncate(header_size + 12 * points_ * frames_);  // a frame that failed may have left a piece
+  file_.truncate(header_size + 12 * points_ * frames_);  // removes the part of a failed frame
   file_.close();
   rename_file(file_.path(), path_);
   open_ = false;

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Each frame has as many as it has.
+/// The number of points varies between frames.
 bool is_loose(const std::string& kind) {
   return kind == "fluid" || kind == foam_kind_name;
 }
@@ -63,7 +63,7 @@ struct Topology {
 /// The files of one object.
 class Track {
  public:
-  /// Where a track's files are, and whether those of an unfinished run may be among them.
+  /// Folder of a track's files, and whether it may contain files of an unfinished run.
   struct Run {
     fs::path folder;
     bool complete;
@@ -72,9 +72,9 @@ class Track {
 
   Track(const Run& run, const ManifestObject& listed, Playback::Object& object);
 
-  /// Frames of the cache when it still grows: all objects of the run have as many.
+  /// Number of frames of a growing cache; equal for all objects of the run.
   std::optional<std::uint64_t> growing_frames() const;
-  /// The run has more frames than its manifest tells: so may the sequence.
+  /// The run has more frames than its manifest lists; the sequence may have them too.
   void extend_to(std::uint64_t frames);
   void read(std::uint64_t frame, Playback::Object& object);
 
@@ -91,8 +91,8 @@ class Track {
   bool grows_ = false;
   std::uint64_t points_ = 0, cache_frames_ = 0;
   std::vector<SequenceFrame> files_;   // by number
-  std::vector<SequenceFrame> beyond_;  // those that the manifest does not tell of
-  std::optional<Topology> home_;       // the object's own, while it shows another
+  std::vector<SequenceFrame> beyond_;  // files that the manifest does not list
+  std::optional<Topology> home_;       // the object's own topology while it has another one
 };
 
 Track::Track(const Run& run, const ManifestObject& listed, Playback::Object& object) {
@@ -114,7 +114,7 @@ void Track::open_cache(const Run& run, const ManifestObject& listed, const char*
                        const std::string& stem) {
   const ManifestFile* file = find_file(listed, format, false);
   const fs::path whole = run.folder / (file ? file->path : stem + "." + format);
-  // A run that was killed leaves the file it was writing; the manifest may not have heard of it.
+  // A killed run leaves the file that it was writing; the manifest may not list it.
   grows_ = !run.complete && is_file(part_path(whole));
   if (!file && !grows_) return;
   const fs::path path = grows_ ? part_path(whole) : whole;
@@ -262,7 +262,7 @@ Playback::Impl::Impl(const fs::path& path) : manifest(read_manifest(path)) {
   find_frames();
 }
 
-// A killed run has frames that its manifest does not tell of; one that not all caches got is not whole.
+// A killed run has frames that its manifest does not list; a frame missing in some cache is incomplete.
 void Playback::Impl::find_frames() {
   std::optional<std::uint64_t> whole;
   for (const Track& track : tracks)

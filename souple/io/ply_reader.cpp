@@ -23,11 +23,11 @@ using mesh_detail::TextScanner;
 enum class PlyFormat { ascii, little_endian, big_endian };
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
-// More than any real file has; names are compared in pairs.
+// More than in any real file; limits the comparison of names in pairs.
 constexpr std::size_t most_elements = 256;
 constexpr std::size_t most_properties = 1024;
 
-/// What a property of a vertex or a face is to us.
+/// Meaning of a property of a vertex or a face.
 enum class Role { none, x, y, z, red, green, blue, u, v, corners };
 constexpr std::size_t role_count = 10;
 
@@ -49,7 +49,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
-  std::size_t body = 0;       ///< offset of the first byte behind the header
+  std::size_t body = 0;       ///< offset of the first byte after the header
   std::size_t body_line = 1;  ///< its line
 };
 
@@ -102,7 +102,7 @@ bool is_integer(PlyType type) {
   return type != PlyType::float32 && type != PlyType::float64;
 }
 
-/// What a color is divided by to lie in [0, 1].
+/// Divisor of a color for the range [0, 1].
 float color_divisor(PlyType type) {
   if (type == PlyType::uint8) return 255.0f;
   if (type == PlyType::uint16) return 65535.0f;
@@ -245,7 +245,7 @@ class AsciiBody {
     require_room(count, 2, what);
     for (std::uint64_t i = 0; i < count; ++i) skip(type, what);
   }
-  // A number and the blank behind it, which the last number may lack.
+  // A number and the blank after it, which the last number may lack.
   static std::size_t smallest(PlyType) { return 2; }
   void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const {
     const std::size_t room = (scanner_.remaining() + 1) / bytes_each;
@@ -322,7 +322,7 @@ class BodyReader {
           "{}: face {}: found vertex index {}, expected at most {}, since the file lists {} vertices from 0",
           name, largest_corner_face_, largest_corner_, mesh_.positions.size() - 1, mesh_.positions.size()));
     }
-    // A UV for each vertex is one for each corner.
+    // Converts UVs per vertex to UVs per corner.
     if (!mesh_.uvs.empty()) faces_.corner_uvs = faces_.corners;
     faces_.store(mesh_);
     return std::move(mesh_);
@@ -421,7 +421,7 @@ class BodyReader {
         body_.fail(fmt::format("vertex index {} in face {}", corner, face),
                    fmt::format("0 to {}, the vertices that the file lists", count - 1));
       }
-      // Faces may stand before the vertices.
+      // Faces may precede the vertices.
       if (std::uint64_t(corner) > largest_corner_) {
         largest_corner_ = std::uint64_t(corner);
         largest_corner_face_ = face;

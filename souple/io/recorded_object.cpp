@@ -90,7 +90,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
                      std::make_shared<RecordedShape>(shape_of(world, object))) {
   first_shape_.points = resume.points;
-  // The rest mesh is there: of a rope or grains that have moved it could not be written again.
+  // The rest mesh exists already; for a rope or grains that have moved it could not be rewritten.
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
   if (wants(CacheFormat::pc2)) pc2_.emplace(Pc2Writer::resume(path("pc2"), shape_->points, resume.frames));
   if (wants(CacheFormat::mdd))
@@ -106,7 +106,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
   begin_late(late.frames);
 }
 
-// The number of a fluid's particles changes: of all formats it is written as PLY.
+// A fluid's number of particles changes: it is always written as PLY.
 bool RecordedObject::wants(CacheFormat format) const {
   if (shape_->kind == ObjectKind::fluid) return format == CacheFormat::ply;
   return std::find(plan_.formats.begin(), plan_.formats.end(), format) != plan_.formats.end();
@@ -138,7 +138,7 @@ void RecordedObject::add_sequence(const char* extension, std::uint64_t kept) {
       {extension, first, 0, SequenceWriter(plan_.folder, file_name_, extension, bytes, kept)});
 }
 
-/// From frame number frames + 1 on, one file a frame: those of the formats that can, else OBJ.
+/// From frame number frames + 1 on, one file per frame: in the formats that support it, else OBJ.
 void RecordedObject::begin_late(std::uint64_t frames) {
   if (sequences_.empty()) {
     if (wants(CacheFormat::ply)) add_sequence("ply", 0);
@@ -175,7 +175,7 @@ void RecordedObject::append(const World& world, std::uint64_t frame) {
 }
 
 void RecordedObject::drop_after(std::uint64_t frames) {
-  // Reopened: what a failed write left in a buffer must not come back later.
+  // Reopens the file: buffered data of a failed write must not appear later.
   if (pc2_ && caches_open_) {
     pc2_.reset();
     pc2_.emplace(Pc2Writer::resume(path("pc2"), first_shape_.points, frames));
@@ -192,7 +192,7 @@ void RecordedObject::drop_after(std::uint64_t frames) {
 
 void RecordedObject::close_caches() {
   if (!caches_open_) return;
-  // Blender refuses a cache of no frames.
+  // Blender refuses a cache without frames.
   if (pc2_) pc2_->frames() > 0 ? pc2_->finish() : pc2_->discard();
   if (mdd_) mdd_->frames() > 0 ? mdd_->finish() : mdd_->discard();
   caches_open_ = false;

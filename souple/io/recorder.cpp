@@ -63,15 +63,15 @@ struct Recorder::Impl {
   RecordingPlan plan;
   std::string scene;
   FileNames names;
-  std::vector<std::unique_ptr<RecordedObject>> objects;  ///< all that ever were
-  std::unique_ptr<RecordedFoam> foam;                    ///< null: the world has made none
-  std::vector<ManifestObject> earlier;                   ///< gone before the run was resumed
+  std::vector<std::unique_ptr<RecordedObject>> objects;  ///< including removed ones
+  std::unique_ptr<RecordedFoam> foam;                    ///< null: no foam so far
+  std::vector<ManifestObject> earlier;                   ///< removed before the run resumed
   std::vector<FrameReport> reports;
   std::vector<std::string> notes;
   std::uint64_t frames = 0;
   std::uint64_t next_save = 16;  ///< frame at which capture writes run.json again
   bool finished = false;
-  bool broken = false;  ///< files could not be put back to what they were before a failure
+  bool broken = false;  ///< files could not be restored after a failure
 };
 
 void Recorder::Impl::resume(std::uint64_t from) {
@@ -80,7 +80,7 @@ void Recorder::Impl::resume(std::uint64_t from) {
     return std::find_if(before.objects.begin(), before.objects.end(),
                         [&](const ManifestObject& object) { return object.name == name; });
   };
-  // All is looked at before anything is touched.
+  // Validates everything before any change.
   const std::vector<ObjectId> present = world.objects();
   for (const ObjectId object : present) {
     const auto found = known(world.name(object));
@@ -184,11 +184,11 @@ void Recorder::Impl::capture() {
   ++frames;
   reports.push_back(frame_report(frames, world.time(), world.report()));
   if (frames < next_save) return;
-  next_save = frames + frames / 2;  // all writing together costs as much as three times the last
+  next_save = frames + frames / 2;  // all writes together cost three times the last one
   try {
     save_manifest();
   } catch (const Error&) {
-    // The frame is written. A disk that is full will say so at the next one, or at the end.
+    // The frame is written. A full disk causes an error at the next frame, or at the end.
   }
 }
 
@@ -237,7 +237,7 @@ Recorder::~Recorder() {
   try {
     impl_->finish();
   } catch (...) {
-    // What is not finished is still there as .part; finish() says why.
+    // Unfinished files remain as .part; finish() throws the reason.
   }
 }
 

@@ -8,14 +8,14 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t longest_name = 100;  // bytes; file systems take 255, suffixes need some
+constexpr std::size_t longest_name = 100;  // bytes; file systems allow 255, including suffixes
 
 bool is_safe(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return byte >= 0x20 && byte != 0x7f && std::string_view("/\\:*?\"<>|").find(c) == std::string_view::npos;
 }
 
-/// Cut to `longest` bytes, between two characters of UTF-8.
+/// Truncates to `longest` bytes, between two characters of UTF-8.
 std::string cut(std::string text, std::size_t longest) {
   if (text.size() <= longest) return text;
   std::size_t end = longest;
@@ -46,7 +46,7 @@ std::string safe_file_name(std::string_view name) {
   safe = cut(std::move(safe), longest_name);
   if (safe.empty()) safe = "object";
   if (safe.front() == '.') safe.front() = '_';
-  // Windows drops dots and blanks at the end.
+  // Windows removes trailing dots and blanks.
   if (safe.back() == '.' || safe.back() == ' ') safe.back() = '_';
   if (ends_like_a_frame(safe)) safe += '_';
   return safe;

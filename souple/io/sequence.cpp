@@ -19,7 +19,7 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// A file name cut into NAME_, 0012 and .obj.
+/// A file name split into NAME_, 0012 and .obj.
 struct NumberedName {
   std::string prefix;
   std::string digits;
@@ -33,7 +33,7 @@ NumberedName cut(const std::filesystem::path& file) {
   return {stem.substr(0, at), stem.substr(at), file.extension().string()};
 }
 
-/// The number of a file of the same sequence as `model`; nothing for any other file, and for numbers beyond
+/// The number of a file in the sequence of `model`; nullopt for any other file, and for numbers beyond
 /// 18 digits.
 std::optional<std::uint64_t> number_like(const NumberedName& model, const std::filesystem::path& file) {
   const NumberedName name = cut(file);
@@ -51,7 +51,7 @@ std::vector<SequenceFrame> list_frames(const std::filesystem::path& folder, cons
     if (const auto number = number_like(model, file)) frames.push_back({*number, folder / file});
   }
   if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
-  // By path too: the order of a folder's entries is the system's affair.
+  // Also by path, because the order of a folder's entries depends on the system.
   std::sort(frames.begin(), frames.end(), [](const SequenceFrame& a, const SequenceFrame& b) {
     return a.number != b.number ? a.number < b.number : a.path < b.path;
   });
@@ -153,7 +153,7 @@ void SequenceWriter::drop_after(std::uint64_t frame) {
 
 void SequenceWriter::finish() {
   for (const SequenceFrame& frame : list_frames(folder_, cut(frame_file_name(name_, 1, extension_)))) {
-    // Only names that we give ourselves: NAME_7.obj is somebody else's.
+    // Only names that the writer generates: NAME_7.obj is not one of them.
     if (frame.number <= frames_ || frame.path != file(frame.number)) continue;
     std::error_code ignored;
     std::filesystem::remove(frame.path, ignored);

@@ -16,8 +16,8 @@ constexpr std::size_t header_bytes = 80;
 constexpr std::size_t triangle_bytes = 50;
 constexpr std::size_t most_triangles = 0xffffffff / 3;
 
-/// A binary STL is as long as its count says. Where that fails, a text is what goes on with a facet (or the
-/// end) behind its first line "solid NAME".
+/// The count of a binary STL determines its length. Otherwise a file is text if a facet (or the
+/// end) follows its first line "solid NAME".
 bool is_ascii(std::string_view bytes, const std::string& name) {
   if (bytes.size() >= header_bytes + 4) {
     const std::uint64_t count =
@@ -81,7 +81,7 @@ class AsciiReader {
   }
 
   void read_facet() {
-    // Many writers give normals of zero length or none that is a number: ours come from the corners.
+    // Many writers store normals of zero length or NaN: computes normals from the corners.
     expect("normal");
     for (int i = 0; i < 3; ++i) {
       if (scanner_.word().empty()) scanner_.fail(scanner_.found({}), "three numbers of the normal");

@@ -37,11 +37,11 @@ bool append_oriented(TetMesh& mesh, Tet tet) {
     longest = std::max({longest, std::abs(edge.x), std::abs(edge.y), std::abs(edge.z)});
   }
   if (!(longest > 0.0)) return false;
-  // Six volumes of the tet scaled to unit size, which neither over- nor underflows.
+  // Six times the volume of the tet scaled to unit size, which neither overflows nor underflows.
   const double s = 1.0 / longest;
   if (!std::isfinite(s)) return false;
   const double six_volumes = dot(cross(edges[0] * s, edges[1] * s), edges[2] * s);
-  constexpr double flat = 1e-12;  // some thousand roundings
+  constexpr double flat = 1e-12;  // some thousand rounding errors
   if (!(std::abs(six_volumes) > flat)) return false;
   if (six_volumes < 0.0) std::swap(tet[2], tet[3]);
   mesh.tets.push_back(tet);

@@ -17,7 +17,7 @@ using mesh_detail::quoted;
 using mesh_detail::TagIndex;
 using mesh_detail::TextScanner;
 
-/// Elements of first order that lie in the groups of a tet mesh.
+/// First-order elements in the groups of a tet mesh.
 struct ElementType {
   std::int64_t code;
   std::size_t nodes;
@@ -37,7 +37,7 @@ const ElementType* find_type(std::int64_t code) {
 
 using DimensionTag = std::pair<int, std::int64_t>;
 
-/// As in OBJ: how many physical groups an entity may lie in, so that a short file cannot ask for any amount
+/// Limit of the physical groups of an entity, as in OBJ, so that a short file cannot demand any amount
 /// of memory.
 constexpr std::int64_t most_groups_at_once = 16;
 
@@ -147,7 +147,7 @@ class MshReader {
     if (count > most_groups_at_once)
       scanner_.fail(fmt::format("{} physical groups at once", count), "at most 16");
     std::vector<std::string> names;
-    // A negative tag means the entity turned round.
+    // A negative tag means the entity with reversed orientation.
     for (std::int64_t i = 0; i < count; ++i)
       names.push_back(group_name(dimension, scanner_.integer("physical group")));
     if (!names.empty() && !entity_groups_.emplace(DimensionTag{dimension, tag}, std::move(names)).second) {

@@ -40,7 +40,7 @@ constexpr std::array<TypeName, 13> type_names = {{{"unsigned_char", Type::uint8,
 
 constexpr std::int64_t vtk_tet = 10;
 
-// Points, lines and surfaces, of which a volume has no need.
+// Points, lines and surfaces, which a volume does not need.
 bool is_flat_cell(std::int64_t type) {
   return (type >= 0 && type <= 9) || type == 21 || type == 22 || type == 23 || type == 28 || type == 30 ||
          type == 34 || type == 35 || type == 36;
@@ -69,7 +69,7 @@ class VtkReader {
       else
         scanner_.fail(scanner_.found(keyword), "POINTS, CELLS and CELL_TYPES");
     }
-    // What follows (POINT_DATA, CELL_DATA) is of no use here.
+    // The rest (POINT_DATA, CELL_DATA) is not needed.
     build();
     return std::move(mesh_);
   }
@@ -81,7 +81,7 @@ class VtkReader {
     if (lower_case(first.substr(0, magic.size())) != lower_case(magic)) {
       scanner_.fail(scanner_.found(first), "\"# vtk DataFile Version\", with which a legacy VTK file begins");
     }
-    scanner_.next_line();  // the title stands here
+    scanner_.next_line();  // skips the title
     scanner_.next_line();
     const std::string_view encoding = scanner_.word_on_any_line();
     if (lower_case(encoding) == "binary")
@@ -101,7 +101,7 @@ class VtkReader {
     scanner_.fail(scanner_.found(word), "a type such as float, double, int or vtktypeint64");
   }
 
-  /// `count` numbers of a type, each given to `take`, text or big-endian bytes as the file says.
+  /// Passes `count` numbers of a type to `take`; text or big-endian bytes, depending on the file.
   template <class Take>
   void read_numbers(std::size_t count, const TypeName& type, const char* what, Take take) {
     if (!is_binary_) {
@@ -121,7 +121,7 @@ class VtkReader {
     ByteScanner numbers(bytes_.substr(first), name_, true, first);
     numbers.require_room(count, type.bytes, what);
     for (std::size_t i = 0; i < count; ++i) read_number(numbers, type.type, what, take);
-    // The text goes on behind the numbers, where lines mean nothing any more.
+    // The text continues after the numbers, where line numbers are meaningless.
     const std::size_t end = first + count * type.bytes;
     scanner_ = TextScanner(bytes_.substr(end), name_, {.bytes_in_errors = true}, scanner_.line(), end);
   }
@@ -244,7 +244,7 @@ class VtkReader {
                  [&](double, std::int64_t value) { cell_types_.push_back(value); });
   }
 
-  // A block that an empty line ends.
+  // A block that ends at an empty line.
   void skip_metadata() {
     while (scanner_.next_line()) {
       if (scanner_.rest_of_line().empty()) return;
