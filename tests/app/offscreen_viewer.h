@@ -25,7 +25,7 @@
 
 namespace souple::viewer {
 
-/// A folder of its own, removed at the end.
+/// A temporary folder, removed at the end of the test.
 class TestFolder {
  public:
   TestFolder() {
@@ -48,13 +48,13 @@ class TestFolder {
   std::filesystem::path path_;
 };
 
-/// A window's size, in units of the mouse, and pixels per unit: few, for a processor draws them.
+/// Size of a window in units of the mouse, and pixels per unit; small, because the CPU renders.
 struct WindowSize {
   int width = 1000, height = 1800;
   float scale = 0.2f;
 };
 
-/// The viewer in a window that is only memory, and a hand on its mouse and keys. Every picture is checked for
+/// The viewer in an off-screen window, with simulated mouse and keys. Every picture is checked for
 /// OpenGL errors.
 class OffscreenViewer {
  public:
@@ -65,13 +65,13 @@ class OffscreenViewer {
     ui_ = std::make_unique<Ui>();
     resize(size);
     io().MousePos = {-1, -1};
-    // What the window's backend does: which key ImGui calls by which name.
+    // Maps keys to ImGui's key codes, like the window's backend.
     io().KeyMap[ImGuiKey_Enter] = 257;
     SceneList scenes(std::move(shipped));
     std::unique_ptr<Session> session = scenes.open(scene);
     viewer_ = std::make_unique<Viewer>(std::move(scenes), std::move(session),
                                        ViewerOptions{folder_.path(), false, half_resolution});
-    viewer_->rendering().shadows = viewer_->rendering().ambient_occlusion = false;  // dear on a processor
+    viewer_->rendering().shadows = viewer_->rendering().ambient_occlusion = false;  // expensive on a CPU
   }
 
   Viewer& viewer() { return *viewer_; }
@@ -87,7 +87,7 @@ class OffscreenViewer {
     if (width_ > 0 && height_ > 0) window_.resize(width_, height_);
   }
 
-  /// One picture, 1/60 s after the last.
+  /// Draws one picture, 1/60 s after the last.
   void picture(double seconds = 1 / 60.0) {
     io().DeltaTime = static_cast<float>(seconds > 0 ? seconds : 1e-3);
     viewer_->frame(seconds, window_.framebuffer());
@@ -98,7 +98,7 @@ class OffscreenViewer {
   }
   render::Image image() const { return read_framebuffer(window_.framebuffer(), width_, height_); }
 
-  /// A key that types a character: pressed, and released before the next picture.
+  /// Presses a key that types a character, and releases it before the next picture.
   void type(const char* characters) {
     for (const char* c = characters; *c != '\0'; ++c) {
       io().AddInputCharacter(static_cast<unsigned char>(*c));
@@ -127,10 +127,10 @@ class OffscreenViewer {
     click(x, y);
     press();
     release();
-    pictures(30);  // the next click is not a third
+    pictures(30);  // so that the next click is not part of a multiple click
   }
 
-  /// Where a point of the scene is seen in the window.
+  /// Window position of a point of the scene.
   ImVec2 seen(const Vec3f& point) {
     const ViewArea& area = viewer_->area();
     const auto at = viewer_->camera().project(point, area.width, area.height);
@@ -139,7 +139,7 @@ class OffscreenViewer {
             (static_cast<float>(area.y) + at->y) / area.scale};
   }
 
-  /// The middle of a control of one of ImGui's windows, found as a user does: by pointing at it. Kept until
+  /// Center of a control of one of ImGui's windows, found by pointing at it as a user does. Cached until
   /// the panel is laid out again (`look_again`).
   ImVec2 control(const char* id, const char* window = "##panel", float x = -1) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);
@@ -154,7 +154,7 @@ class OffscreenViewer {
   void look_again() { controls_.clear(); }
 
  private:
-  using Rows = std::map<ImGuiID, std::pair<float, float>>;  // from where to where
+  using Rows = std::map<ImGuiID, std::pair<float, float>>;  // first and last y of a row
 
   void point_at_all(const ImGuiWindow& window, float x, Rows& rows) {
     const float end = window.Pos.y + window.Size.y;

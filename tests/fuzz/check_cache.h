@@ -7,7 +7,7 @@
 
 namespace souple::fuzz {
 
-/// The first frame and the last: where a header that promises too much is found out.
+/// Reads the first and the last frame, which detects headers with too many frames.
 template <class Reader>
 void read_ends(Reader& reader) {
   if (reader.frames() == 0) return;

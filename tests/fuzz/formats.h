@@ -2,12 +2,12 @@
 
 #include <string_view>
 
-/// One function per format: reads the bytes as a file of it. Returns, or throws souple::Error; anything else
+/// One function per format: parses the bytes. It returns or throws souple::Error; any other behavior
 /// is a bug.
 namespace souple::fuzz {
 
 struct Format {
-  std::string_view name;  ///< also that of its folder in corpus/
+  std::string_view name;  ///< name of the format and of its folder in corpus/
   void (*parse)(std::string_view bytes);
 };
 

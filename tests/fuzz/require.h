@@ -6,12 +6,12 @@
 
 namespace souple::fuzz {
 
-/// A reader may refuse a file, but what it does return must be sound. A fuzzer takes an abort as a find.
+/// A reader may reject a file, but its results must be valid. A fuzzer reports an abort.
 inline void require(bool sound) {
   if (!sound) std::abort();
 }
 
-/// What `read` returns. It reads what we wrote, so here an Error is a find as well.
+/// Returns the result of `read` for valid files that Souple wrote; an Error aborts too.
 template <class Read>
 auto must_read(Read&& read) {
   try {

@@ -12,7 +12,7 @@
 
 namespace souple::test {
 
-/// A short code of what one object's positions or velocities are in one frame.
+/// A short code of an object's positions or velocities in a frame.
 struct QuantityCode {
   std::string object;
   std::string quantity;  ///< "positions" or "velocities"
@@ -23,49 +23,49 @@ struct QuantityCode {
 /// All quantities of a world in one frame, in the order of its objects.
 using FrameCodes = std::vector<QuantityCode>;
 
-/// Two characters of base64: 12 bits of a hash of the values' bytes, however many there are. One difference
-/// in 4096 goes unseen.
+/// Two characters of base64: 12 bits of a hash of the values' bytes. One difference
+/// in 4096 is not detected.
 std::string code_of(std::span<const Vec3f> values);
 FrameCodes codes_of(const World& world);
 
 /// tests/golden/trace/SCENE.txt: the codes of every frame from the first on. tests/golden.json says that a
-/// scene changed; the trace says where it began.
+/// scene changed; the trace gives the first changed quantity.
 struct Trace {
   struct Line {
     std::string object, quantity;
-    std::string codes;  ///< two characters a frame
+    std::string codes;  ///< two characters per frame
   };
   std::vector<Line> lines;
 
-  int frames() const;  ///< as many in every line
+  int frames() const;  ///< equal in every line
 };
 
-/// The next frame. The first one says which objects there are, and the others have the same.
+/// Appends a frame. The first frame defines the objects; all others must have them too.
 void append(Trace& trace, const FrameCodes& codes);
 
 /// One line of text per line of the trace: object, quantity, codes. Of each object first the positions, then
 /// the velocities.
 std::string trace_text(const Trace& trace);
-/// Throws Error, which begins with `source` and the line's number, on anything that trace_text does not
+/// Throws Error, which begins with `source` and the line's number, for any text that trace_text does not
 /// write.
 Trace parse_trace(const std::string& text, const std::string& source);
 Trace read_trace(const std::filesystem::path& file);
-/// Leaves a file alone that says the same already.
+/// Does not rewrite a file with equal content.
 void write_trace(const std::filesystem::path& file, const Trace& trace);
 
-/// Which objects only one of the two knows, as text: `added: "crate"; removed: "duck", "ring"`; or nothing.
+/// The objects present in only one of the two, as text: `added: "crate"; removed: "duck", "ring"`; or empty.
 std::string changes_of_objects(const Trace& trace, const FrameCodes& codes);
 
-/// Where what runs leaves the trace.
+/// First difference of a simulation from the trace.
 struct Difference {
   int frame = 0;
-  FrameCodes quantities;     ///< that differ in this frame
-  std::size_t compared = 0;  ///< quantities that both have
+  FrameCodes quantities;     ///< quantities that differ in this frame
+  std::size_t compared = 0;  ///< number of common quantities
 };
 
-/// Of one frame, counted from 1; what only one of the two has is not compared.
+/// Compares one frame, counted from 1; quantities of only one side are not compared.
 std::optional<Difference> difference_in(const Trace& trace, int frame, const FrameCodes& codes);
-/// Of frames 1 to `last`, whose codes `next` gives one after another; it is not asked for more than it takes.
+/// Compares frames 1 to `last`; `next` returns their codes in order and is called only as often as necessary.
 std::optional<Difference> first_difference(const Trace& trace, int last,
                                            const std::function<FrameCodes()>& next);
 

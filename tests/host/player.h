@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-// What the tests of a Session share.
+// Helpers of the tests of Session.
 
 namespace souple::host {
 
@@ -20,7 +20,7 @@ inline constexpr double dt = 1.0 / 60;
 inline constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 inline const std::string scenes = source_path("scenes/");
 
-/// A host that plays: its clock goes by twice the frame's length, as Radium's.
+/// A playing host whose clock advances by twice the frame's length, like Radium's.
 struct Player {
   Session session;
   double now = 0;

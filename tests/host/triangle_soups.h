@@ -5,7 +5,7 @@
 
 namespace souple::host {
 
-/// As an importer hands meshes out: a vertex for each corner of each triangle.
+/// A mesh as importers deliver it: a vertex for each corner of each triangle.
 struct Corners {
   std::vector<float> positions, normals;
   std::vector<std::uint32_t> indices;

@@ -16,7 +16,7 @@
 
 namespace souple::test {
 
-/// A test with a folder of its own, empty at first and removed at its end.
+/// A test with a temporary folder, initially empty and removed at the end.
 class FolderTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -33,7 +33,7 @@ class FolderTest : public testing::Test {
   }
   std::string get(const std::string& name) const { return read_whole_file(folder / name); }
   bool has(const std::string& name) const { return std::filesystem::exists(folder / name); }
-  /// How many files there are.
+  /// Number of files in the folder.
   int count() const {
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) files += entry.is_regular_file();
@@ -43,7 +43,7 @@ class FolderTest : public testing::Test {
   std::filesystem::path folder;
 };
 
-/// While it lives, no file may grow beyond `bytes`: a test's closest equivalent of a full disk.
+/// During its lifetime no file may grow beyond `bytes`: a test's closest equivalent of a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(std::uint64_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -73,7 +73,7 @@ inline std::vector<Vec3f> frame_of(std::size_t points, int frame) {
   return positions;
 }
 
-/// What the Error of `action` says; a failure when there is none.
+/// The message of the Error that `action` throws; a test failure if it throws none.
 template <class Action>
 std::string error_of(Action action) {
   try {

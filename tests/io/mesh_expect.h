@@ -11,7 +11,7 @@
 
 namespace souple {
 
-/// Calls `read` and expects an Error whose message holds every one of `parts`.
+/// Calls `read` and expects an Error whose message contains all `parts`.
 template <class Read>
 void expect_error(Read read, std::initializer_list<const char*> parts) {
   try {
@@ -26,7 +26,7 @@ void expect_error(Read read, std::initializer_list<const char*> parts) {
   ADD_FAILURE() << "no Error was thrown";
 }
 
-/// The bytes of numbers in the wanted order.
+/// The bytes of numbers in the given order.
 template <class... T>
 std::string bytes_of(bool big_endian, T... values) {
   std::string out;

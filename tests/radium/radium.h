@@ -17,7 +17,7 @@
 namespace souple::radium {
 
 inline const std::string scenes = source_path("scenes/");
-/// The engine's own constant step, as the float that it is [s].
+/// The engine's constant step, as a float [s].
 constexpr float frame_time = 1.0f / 60;
 
 using Ra::Core::Transform;
@@ -30,20 +30,20 @@ struct Triangles {
   std::vector<Vector3> vertices;
   std::vector<Ra::Core::Vector3ui> indices;
 };
-/// A square sheet of 2 * cells * cells triangles, seen from above, centered in the XZ plane; as importers hand
-/// meshes out: each corner a vertex of its own.
+/// A square sheet of 2 * cells * cells triangles, facing up, centered in the XZ plane; as importers deliver
+/// meshes: a vertex for each corner of each triangle.
 Triangles sheet(int cells, float size);
 /// A closed box, each corner of each triangle a vertex of its own.
 Triangles box(const Vector3& half);
 
-/// A Radium without a window and without OpenGL, with Souple's system in it.
+/// Radium Engine without a window and without OpenGL, with Souple's system.
 class Radium : public testing::Test {
  protected:
   Radium();
   ~Radium() override;
 
   Entity& entity(const std::string& name, const Transform& transform = Transform::Identity());
-  /// Radium's meshes in a new entity of that name; each is the index of its render object.
+  /// Adds meshes to Radium in a new entity of that name; returns the indices of their render objects.
   Index show(const std::string& name, const Triangles& mesh,
              const Transform& transform = Transform::Identity());
   Index show_quads(const std::string& name, const std::vector<Vector3>& vertices,
@@ -52,20 +52,20 @@ class Radium : public testing::Test {
                       const std::vector<std::vector<unsigned>>& polygons);
   Index show_points(const std::string& name, const std::vector<Vector3>& vertices);
 
-  /// Frames of Radium: its tasks, then the end of the frame. Not one task fails in silence.
+  /// Runs frames of Radium: its tasks, then the end of the frame. Fails the test if a task fails.
   void frames(int count = 1);
-  /// The frame before anybody pressed a button, in which Radium's time goes on nevertheless.
+  /// Runs the first frame, before any button press, in which Radium's time advances nevertheless.
   void first_frame() { frames(1); }
-  /// As an application does when it ends.
+  /// Destroys Radium like an application at its end.
   void close();
 
   std::uint64_t steps() const { return system->session().steps(); }
   host::Session& session() const { return system->session(); }
-  /// What the system has to say, in one line.
+  /// The system's messages on one line.
   std::string words() const;
-  /// The mesh as Radium has it.
+  /// Positions of the mesh in Radium.
   RenderMesh mesh(const Index& index) const { return {*engine, index}; }
-  /// The vertex in the world's coordinates [m].
+  /// Position of the vertex in world coordinates [m].
   Vector3 world_vertex(const Index& index, std::size_t vertex) const;
   Ra::Core::Aabb bounding_box(const Index& index) const;
   Ra::Engine::Scene::Component& component(const Index& index) const;

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-// Balls seen through a camera by casting rays on the CPU, in double: what the renderer has to agree with.
+// Reference for the renderer: balls seen through a camera, by casting rays on the CPU in double.
 
 namespace souple::render {
 
@@ -49,8 +49,8 @@ inline BallHit cast(std::span<const Ball> balls, const Camera& camera, double x,
   return best;
 }
 
-/// The ball that fills a pixel and all within `reach` pixels of its center, or -1 for none; nothing where
-/// they differ.
+/// The ball that fills a pixel and all pixels within `reach` of its center, or -1 for none; nullopt if
+/// these pixels differ.
 inline std::optional<int> sure(std::span<const Ball> balls, const Camera& camera, int x, int y, int width,
                                int height, double reach) {
   const int middle = cast(balls, camera, x + 0.5, y + 0.5, width, height).ball;
