@@ -167,7 +167,7 @@ class Energies {
   Sum start_;
   std::map<std::string, double> pressures_;
   std::vector<Vec3d> driven_;
-  double driven_speed_ = 0;                            ///< the largest so far [m/s]
+  double driven_speed_ = 0;                         ///< the largest so far [m/s]
   double emitted_ = 0;                              ///< particles so far
   double kinetic_share_ = 0, potential_share_ = 0;  ///< of each [J]
 };
